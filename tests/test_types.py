@@ -14,8 +14,12 @@ CHECKED = ("algebra", "analysis", "fem", "mesh", "outputs", "replay", "scene", "
 BORDERS = {
     "scene/annotations.py": "pydantic makes models of annotations at run time",
     "shape/dxf.py": "ezdxf: entities of drawings, whose attributes depend on their kind",
+    "shape/dxf_blocks.py": "ezdxf",
     "shape/geo_model.py": "gmsh",
     "shape/geo_operations.py": "gmsh",
+    "shape/plane_faces.py": "gmsh",
+    "shape/svg.py": "svgelements: shapes, whose attributes depend on their kind",
+    "shape/svg_segments.py": "svgelements",
 }
 """Files of these packages that may use `Any`, and what it is the border to."""
 ANALYSES = """

@@ -25,6 +25,10 @@ BOOLEAN = b"""SetFactory("OpenCASCADE");
 Rectangle(1) = {0, 0, 0, 1, 1}; Disk(2) = {0.5, 0.5, 0, 0.1};
 BooleanDifference{ Surface{1}; Delete; }{ Surface{2}; Delete; }
 """
+SVG = b"""<svg xmlns="http://www.w3.org/2000/svg" width="1000mm" height="1000mm" viewBox="0 0 100 100">
+<rect id="side" width="100" height="100"/><g transform="translate(50 50) rotate(10)"><circle id="bore" r="10"/></g>
+<path id="slot" d="M20 20 h10 c5 0 5 10 0 10 q-5 -5 -10 0 a5 5 0 0 1 0 -10 z"/><use href="#slot" x="50" y="50"/></svg>
+"""
 N = 4
 """Squares along a side of the mesh."""
 FORMATS = {"gmsh": ".msh", "gmsh22": ".msh", "vtu": ".vtu", "nastran": ".bdf", "abaqus": ".inp"}
@@ -33,7 +37,7 @@ FORMATS = {"gmsh": ".msh", "gmsh22": ".msh", "vtu": ".vtu", "nastran": ".bdf", "
 @cache
 def samples() -> dict[str, tuple[str, bytes]]:
     """Ending and bytes of a sample of each format, by its name."""
-    found = {"geo": (".geo", GEO), "geo with a Boolean": (".geo", BOOLEAN)}
+    found = {"geo": (".geo", GEO), "geo with a Boolean": (".geo", BOOLEAN), "svg": (".svg", SVG)}
     for version in ("R12", "R2010"):
         found[f"dxf {version}"] = (".dxf", _drawing(version))
     for name, ending in FORMATS.items():

@@ -21,11 +21,22 @@ CRAFTED: dict[str, tuple[str, bytes]] = {
     "a loop without end": (".geo", b"For i In {1:1000000000}\n p = i;\nEndFor\n"),
     "a list without end": (".geo", b"a[] = {1:1000000000};\n"),
     "parentheses": (".geo", b"a = " + b"(" * 5000 + b"1" + b")" * 5000 + b";\n"),
+    "copies of copies": (
+        ".svg",
+        b'<svg xmlns="http://www.w3.org/2000/svg"><defs>'
+        + b"".join(b'<g id="g%d"><use href="#g%d"/><use href="#g%d"/></g>' % (i, i + 1, i + 1) for i in range(30))
+        + b'<rect id="g30" width="1" height="1"/></defs><use href="#g0"/></svg>',
+    ),
+    "a path without end": (
+        ".svg",
+        b'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0' + b"h1" * 99999 + b'"/></svg>',
+    ),
+    "a header alone": (".step", b"ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n"),
     "nothing": (".dxf", b""),
     "a section without end": (".dxf", b"0\nSECTION\n2\nENTITIES\n" + b"0\nLINE\n" * 5000),
 }
 """Files that nobody has written by chance, by what they hold."""
-DRAWINGS = (".geo", ".dxf")
+DRAWINGS = (".geo", ".dxf", ".svg", ".step")
 
 
 @st.composite

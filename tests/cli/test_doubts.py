@@ -8,7 +8,7 @@ import ezdxf
 import pytest
 from small_scenes import HEAD, block, meshed, write_scene
 
-from restshape.cli.check_scene import starting_outline
+from restshape.cli.check_scene import add_drawing, starting_outline
 from restshape.cli.doubts import doubts
 from restshape.errors import UserError
 from restshape.physics.elasticity.inspection import inspect_solid
@@ -87,6 +87,22 @@ def test_a_drawing_without_a_unit(tmp_path):
     drawing.header["$INSUNITS"] = 4
     drawing.saveas(tmp_path / "part.dxf")
     assert warned(load_scene(tmp_path / "scene.toml")) == []
+
+
+def test_gaps_that_are_closed_are_told(tmp_path):
+    drawing = ezdxf.new("R2010", units=4)
+    for ends in (((0, 0), (20, 0)), ((20, 0), (20, 10)), ((20, 10.03), (0, 10)), ((0, 10), (0.02, 0))):
+        drawing.modelspace().add_line(*ends, dxfattribs={"layer": "rim"})
+    drawing.saveas(tmp_path / "part.dxf")
+    text = '[shape]\nfile = "part.dxf"\ntolerance = "0.05 mm"\n[material.m]\nE = 1e9\nnu = 0.3\n'
+    data: dict = {}
+    rows = [("vertices", "4")]
+    add_drawing(load_scene(write_scene(tmp_path, HEAD + text + meshed(0.002))), data, rows)
+    assert [gap["size"] for gap in data["gaps"]] == pytest.approx([3e-5, 2e-5])
+    assert data["gaps"][0]["between"] == ("LINE on layer rim",) * 2
+    assert data["gaps"][0]["at"] == pytest.approx((0.02, 0.010015))
+    assert rows[0] == ("gaps closed", "2 of at most 5e-05 m") and rows[-1] == ("vertices", "4")
+    assert rows[1][1].startswith("3e-05 m at (0.02, 0.010015) m, between LINE on layer rim and")
 
 
 def test_check_prints_the_box_and_the_mass(tmp_path, command):

@@ -78,7 +78,7 @@ def test_a_dxf_is_read_back_by_the_program(outline, tmp_path):
     assert back.area() == pytest.approx(outline.area(), rel=1e-11)
     assert set(back.names("hole")) == {"window", "bore", "slot"} and back.names("region") == ["region_core"]
     assert len(back.entity("left").edges) == 3
-    for theirs, ours in (("bottom", "bottom"), ("right", "right"), ("top_1", "top.1"), ("top_2", "top.2")):
+    for theirs, ours in (("bottom", "bottom"), ("right", "right"), ("top.1", "top.1"), ("top.2", "top.2")):
         (i,), (j,) = back.entity(theirs).edges, outline.entity(ours).edges
         assert back.edges[i].kind == outline.edges[j].kind
         assert back.length(i) == pytest.approx(outline.length(j), rel=1e-9)
@@ -151,6 +151,28 @@ def of_gmsh(curve: int) -> list[curve_areas.Piece]:
         return at
 
     return [piece(a, b) for a, b in pairwise(np.linspace(lower, upper, 41))]
+
+
+def test_an_svg_is_read_back_by_the_program(outline, tmp_path):
+    write_svg(outline, tmp_path / "plate.svg")
+    back = outline_from_spec(ShapeSpec(file="plate.svg"), tmp_path)
+    assert back.area() == pytest.approx(outline.area(), rel=1e-11)
+    np.testing.assert_allclose(back.bounds(), outline.bounds(), atol=1e-3)
+    assert set(back.names("hole")) == set(outline.names("hole"))
+    assert back.names("region") == outline.names("region")
+    for name in ("bottom", "right", "top.1", "window.1"):
+        lengths = [sum(one.length(e) for e in one.entity(name).edges) for one in (outline, back)]
+        assert lengths[1] == pytest.approx(lengths[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("thickness", [None, 0.02])
+def test_a_step_file_is_read_back_by_the_program(outline, thickness, tmp_path):
+    write_step(outline, thickness, tmp_path / "plate.step")
+    back = outline_from_spec(ShapeSpec(file="plate.step"), tmp_path)
+    assert back.area() == pytest.approx(outline.area(), rel=1e-6)
+    np.testing.assert_allclose(back.bounds(), outline.bounds(), atol=1e-3)
+    assert len(back.names("hole")) == len(outline.names("hole"))
+    assert {edge.kind for edge in back.edges} == {"line", "arc", "spline"}
 
 
 def step_area(outline: Outline, thickness: float | None, folder) -> tuple[float, float]:

@@ -88,9 +88,9 @@ def test_open_outlines_and_strange_entities_are_named(tmp_path):
     found.saveas(tmp_path / "open.dxf")
     with pytest.raises(UserError, match=r"open at \(0, 0\).*LINE on layer clamp"):
         read(tmp_path / "open.dxf")
-    found.modelspace().add_ellipse((0, 0), (1, 0), 0.5, dxfattribs={"layer": "egg"})
+    found.modelspace().add_solid([(0, 0), (1, 0), (0, 1)], dxfattribs={"layer": "egg"})
     found.saveas(tmp_path / "egg.dxf")
-    with pytest.raises(UserError, match="ELLIPSE on layer 'egg'"):
+    with pytest.raises(UserError, match="SOLID on layer 'egg'"):
         read(tmp_path / "egg.dxf")
     (tmp_path / "bad.dxf").write_text("nonsense")
     with pytest.raises(UserError, match="cannot be read as DXF"):

@@ -30,7 +30,11 @@ from restshape.scene.plan import Plan, as_written, plan
 from restshape.scene.renamed import notes
 from restshape.scene.scene_type import joined_sections
 from restshape.shape.build import outline_from_spec
+from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
+
+LISTED = 12
+"""Gaps that are printed one by one."""
 
 
 def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
@@ -87,10 +91,28 @@ def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Ou
     seen = [warning for one in found for warning in one.warnings]
     effects = replace(effects, warnings=(*effects.warnings, *doubts(scene, outline), *seen))
     data, rows = scene_contents(scene, effects, outline), described(scene, effects, outline)
+    add_drawing(scene, data, rows)
     for one in found:
         data |= one.data
         rows[len(rows) - len(effects.warnings) : len(rows) - len(effects.warnings)] = one.rows
     return data, rows, outline
+
+
+def add_drawing(scene: Scene, data: dict[str, Any], rows: Rows) -> None:
+    """Adds what was chosen of the file that the shape comes from, and the gaps that were closed in it."""
+    drawing = None if scene.mesh.file else imported_shape(scene.shape, scene.folder)
+    if drawing is None:
+        return
+    data["gaps"] = [asdict(gap) for gap in drawing.gaps]
+    data["drawing"] = list(drawing.notes)
+    own = [("drawing", note) for note in drawing.notes]
+    if scene.shape.tolerance:
+        many = f"{len(drawing.gaps)} of at most {scene.shape.tolerance:g} m"
+        own.append(("gaps closed", many))
+        own += [("gap", str(gap)) for gap in drawing.gaps[:LISTED]]
+        if len(drawing.gaps) > LISTED:
+            own.append(("gap", f"{len(drawing.gaps) - LISTED} smaller ones"))
+    rows[:0] = own
 
 
 def finish(

@@ -10,6 +10,7 @@ from restshape.mesh.curve_edges import curve_edges
 from restshape.mesh.sizing import PER_CIRCLE
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
+from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 
 TOLERATED = 1.1
@@ -60,17 +61,10 @@ def _mesh(scene: Scene, outline: Outline) -> Iterator[str]:
 
 def _drawing(scene: Scene, outline: Outline) -> Iterator[str]:
     """A drawing that does not say its unit."""
-    file = scene.shape.file
-    if not file or not file.lower().endswith(".dxf"):
-        return
-    from restshape.shape.dxf import has_unit
-
-    if not has_unit(scene.folder / file):
+    drawing = imported_shape(scene.shape, scene.folder)
+    if drawing is not None and drawing.doubt:
         width, height = outline.bounds()[1] - outline.bounds()[0]
-        yield (
-            f"shape.file: the drawing has no unit ($INSUNITS), and is read in millimetres: {width:.4g} m x "
-            f"{height:.4g} m; save it with its unit"
-        )
+        yield f"shape.file: {drawing.doubt}: {width:.4g} m x {height:.4g} m; save it with its unit"
 
 
 def _curves(scene: Scene, outline: Outline) -> Iterator[str]:

@@ -17,7 +17,7 @@ from restshape.outputs.kinds import JsonFile
 from restshape.surroundings import start_petsc
 
 SUMMARY = "show versions, how things were built, and the machine"
-PACKAGES = ("numpy", "scipy", "gmsh", "meshio", "ezdxf", "pydantic", "matplotlib", "vtk")
+PACKAGES = ("numpy", "scipy", "gmsh", "meshio", "ezdxf", "svgelements", "pydantic", "matplotlib", "vtk")
 BLAS_NAMES = re.compile(r"/[^/]*(openblas|mkl_rt|mkl_core|blis|atlas|flexiblas|libblas|cblas)[^/]*$")
 
 

@@ -237,7 +237,7 @@ def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
         raise source.error(
             ("mesh", "unit"),
             "this is the unit of the numbers of mesh.file, which the scene does not have",
-            "leave it out: a .dxf says its unit, the numbers of a .geo are metres (Dilate scales them)",
+            "leave it out: drawings say their unit, and the numbers of a .geo are metres (Dilate scales them)",
         )
     if scene.mesh.order not in (None, *application.orders):
         raise source.error(

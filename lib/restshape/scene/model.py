@@ -83,6 +83,8 @@ class ShapeSpec(Strict):
     }
 
     file: str | None = None
+    layers: dict[str, PartName] = {}
+    tolerance: Annotated[Length, Field(gt=0)] | None = None
     outline: Annotated[list[str], Field(min_length=1)] | None = None
     vertices: dict[PartName, Point] = {}
     edges: dict[PartName, EdgeSpec] = {}
@@ -90,6 +92,13 @@ class ShapeSpec(Strict):
     regions: dict[PartName, LoopSpec] = {}
     points: dict[PartName, Point] = {}
     groups: dict[PartName, Annotated[list[str], Field(min_length=1)]] = {}
+
+    @model_validator(mode="after")
+    def _reads_a_file(self) -> Self:
+        of_file = [key for key in ("layers", "tolerance") if self.file is None and getattr(self, key)]
+        if of_file:
+            raise UnitError(f"{of_file[0]} says how shape.file is read, which the scene does not have: leave it out")
+        return self
 
     def kinds(self) -> dict[str, str]:
         """Every name that this shape gives, also those inside loops, with what it names: vertex, edge, hole, ..."""

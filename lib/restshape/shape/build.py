@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
@@ -13,13 +12,13 @@ from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.scene.model import CircleLoop, EdgeLoop, PolygonLoop, ShapeSpec
-from restshape.scene.permits import scripts_trusted
-from restshape.scene.plain_values import Table, table_in
+from restshape.scene.plain_values import table_in
 from restshape.scene.shape_edges import ArcSpec, LineSpec, PolylineSpec, SplineSpec
 from restshape.scene.source import Source
 from restshape.scene.validation_errors import user_error
 from restshape.shape.curves import bulge_through
 from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_polygon
+from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 from restshape.shape.validity import problem
 
@@ -72,28 +71,19 @@ def _place(outline: Outline, wrong: str) -> str:
 
 
 def with_file(spec: ShapeSpec, scene_dir: Path) -> ShapeSpec:
-    """The shape with the outline of its ``file`` (.dxf or .geo) read in; what the scene adds itself comes on top."""
-    if spec.file is None:
+    """The shape with the outline of its ``file`` read in; what the scene adds itself comes on top."""
+    drawing = imported_shape(spec, scene_dir)
+    if drawing is None or spec.file is None:
         return spec
-    from restshape.shape.dxf import read_dxf
-    from restshape.shape.geo import read_geo
-
-    path = Path(spec.file) if Path(spec.file).is_absolute() else scene_dir / spec.file
-    geo = partial(read_geo, trusted=scripts_trusted())
-    readers: dict[str, Callable[[Path], Table]] = {".dxf": read_dxf, ".geo": geo, ".geo_unrolled": geo}
-    if path.suffix.lower() not in readers:
-        raise UserError(f"no outline can be read from {path.name}", "shape.file", "use a .dxf or .geo file")
-    if not path.is_file():
-        raise UserError(f"there is no file {path}", "shape.file", "paths are relative to the scene's folder")
-    read = readers[path.suffix.lower()](path)
-    own = spec.model_dump(exclude_unset=True, exclude={"file"})
+    read = drawing.tables
+    own = spec.model_dump(exclude_unset=True, exclude={"file", "layers", "tolerance"})
     merged = {**read, **own}
     for key in ("vertices", "edges", "holes", "regions", "groups"):
         merged[key] = {**table_in(read, key), **table_in(own, key)}
     try:
         return type(spec).model_validate(merged)
     except ValidationError as error:
-        raise user_error(error, Source(path), type(spec), ("shape",)) from error
+        raise user_error(error, Source(scene_dir / spec.file), type(spec), ("shape",)) from error
 
 
 def _located(

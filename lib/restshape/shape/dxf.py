@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise
@@ -14,35 +13,56 @@ import ezdxf
 import numpy as np
 from ezdxf import units
 
-from restshape.bounds import BULGE, DRAWING_BYTES, LENGTH, NAME_CHARACTERS, READING_MEMORY, SPLINE_POINTS
+from restshape.bounds import DRAWING_BYTES, READING_MEMORY
 from restshape.errors import UserError, printable
 from restshape.memory import bounded_memory
-from restshape.scene.plain_values import Table
 from restshape.shape.bsplines import edges_of_cubic
-from restshape.shape.unordered_curves import Curve, shape_data
+from restshape.shape.dxf_blocks import placed
+from restshape.shape.fitted_spline import SMOOTH, fitted_spline
+from restshape.shape.layer_names import name_of, refuse_layers
+from restshape.shape.unordered_curves import Curve, LooseCurves
 
 NO_NAME = ("0", "Defpoints")
-IGNORED = ("TEXT", "MTEXT", "DIMENSION", "POINT", "LEADER")
-POINTS_A_CONTROL_POINT = 8
-"""Points that stand for a B-spline, for each of its control points."""
+IGNORED = ("TEXT", "MTEXT", "DIMENSION", "POINT", "LEADER", "ATTDEF", "ATTRIB", "VIEWPORT")
+READ = "LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE, POLYLINE, SPLINE, or an INSERT of a block of them"
+NO_UNIT = "the drawing has no unit ($INSUNITS), and is read in millimetres"
+FULL_TURN = 2.0 * np.pi
+ROUND = 1e-9
+"""Share by which the axes of an ellipse may differ that is a circle."""
 
 
-def read_dxf(path: Path) -> Table:
-    """The plain tables of a ``[shape]`` from a DXF drawing, in metres by its ``$INSUNITS`` (none: millimetres).
+def read_dxf(path: Path, layers: Mapping[str, str] | None = None) -> LooseCurves:
+    """The curves of a DXF drawing, in metres by its ``$INSUNITS`` (none: millimetres).
 
-    Closed loops of LINE, ARC, CIRCLE, LWPOLYLINE, POLYLINE and SPLINE in model space; the largest is the outline.
+    LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE, POLYLINE and SPLINE in model space, and in blocks that INSERTs put there.
     Layers name edges, holes and groups; a loop on a layer ``region...`` is a region. Lines, arcs and cubic SPLINEs
-    without weights whose inner knots are simple are exact; another SPLINE with fit points interpolates them, one with
-    control points alone interpolates 8 points of it for each of them. Texts, dimensions and points are ignored.
+    without weights whose inner knots are simple are exact; a SPLINE with fit points interpolates them; ELLIPSEs and all
+    other SPLINEs become splines within `fitted_spline.WITHIN`. Texts, dimensions and points are ignored.
+
+    Args:
+        path: the file.
+        layers: names by layer, where those layers alone are read; empty: all are, by their own names.
 
     Raises:
-        UserError: unreadable, other entities, or open loops.
+        UserError: unreadable, or other entities.
     """
+    layers = layers or {}
     with _readable(path):
         drawing = ezdxf.readfile(path)
-        scale = _metres(drawing)
-        found = [_curves_of(entity, scale, path) for entity in drawing.modelspace()]
-    return shape_data([curve for curves in found for curve in curves], path.name)
+        unit = units.InsertUnits(int(drawing.header.get("$INSUNITS", 0)))
+        scale = units.conversion_factor(unit, units.InsertUnits.Meters) if unit else 1e-3
+        there = [
+            (entity, layer)
+            for entity, layer in placed(drawing.modelspace(), drawing.blocks, path.name)
+            if entity.dxftype() not in IGNORED
+        ]
+        refuse_layers(layers, dict.fromkeys(layer for _, layer in there), path.name)
+        curves = []
+        for entity, layer in there:
+            if not layers or layer in layers:
+                label = layers.get(layer) or ("" if layer in NO_NAME else name_of(layer))
+                curves += _curves_of(entity, layer, label, scale, path)
+    return LooseCurves(curves, doubt="" if unit else NO_UNIT)
 
 
 @contextmanager
@@ -65,53 +85,22 @@ def _readable(path: Path) -> Iterator[None]:
         raise UserError(f"this cannot be read as DXF: {why}", path.name, do) from error
 
 
-def _metres(drawing: Any) -> float:
-    """Metres in one unit of a drawing."""
-    unit = units.InsertUnits(int(drawing.header.get("$INSUNITS", 0)))
-    return units.conversion_factor(unit, units.InsertUnits.Meters) if unit else 1e-3
-
-
-def _curves_of(entity: Any, scale: float, path: Path) -> list[Curve]:
-    """The curves of an entity, in metres; none of what is ignored."""
-    kind, layer = entity.dxftype(), entity.dxf.layer
-    if kind in IGNORED:
-        return []
-    found = _curves(entity, kind)
+def _curves_of(entity: Any, layer: str, label: str, scale: float, path: Path) -> list[Curve]:
+    """The curves of an entity, in metres."""
+    kind = entity.dxftype()
+    source = f"{kind} on layer {layer}"
+    found = _curves(entity, kind, source)
     if found is None:
-        raise UserError(
-            f"{kind} on layer {layer!r} cannot be part of an outline",
-            path.name,
-            "use LINE, ARC, CIRCLE, LWPOLYLINE, POLYLINE or SPLINE (explode blocks and hatches)",
-        )
-    label = "" if layer in NO_NAME else _name(layer)
-    curves = []
-    for curve in found:
-        xy = np.asarray(curve.points, dtype=float)[:, :2] * scale
-        if not (np.abs(xy).max() <= LENGTH and abs(curve.bulge) <= BULGE):
-            what = f"{kind} on layer {layer!r} lies farther than {LENGTH:g} m from 0, or is bent too much"
-            raise UserError(what, path.name, "check the unit of the drawing, $INSUNITS")
-        region = label if label.lower().startswith("region") else None
-        curves.append(replace(curve, points=xy, label=label, source=f"{kind} on layer {layer}", region=region))
-    return curves
+        do = f"use {READ}; shape.layers reads some layers alone; explode hatches"
+        raise UserError(f"{kind} on layer {layer!r} cannot be part of an outline", path.name, do)
+    region = label if label.lower().startswith("region") else None
+    return [
+        replace(curve, points=np.asarray(curve.points, float)[:, :2] * scale, label=label, source=source, region=region)
+        for curve in found
+    ]
 
 
-def has_unit(path: Path) -> bool:
-    """Whether a drawing says its unit.
-
-    Raises:
-        UserError: it cannot be read.
-    """
-    with _readable(path):
-        return bool(int(ezdxf.readfile(path).header.get("$INSUNITS", 0)))
-
-
-def _name(layer: str) -> str:
-    """A layer's name as a name in a scene."""
-    name = re.sub(r"[^A-Za-z0-9_-]+", "_", layer)[: NAME_CHARACTERS // 2]
-    return name if re.match(r"[A-Za-z_]", name) else f"layer_{name}"
-
-
-def _curves(entity: Any, kind: str) -> list[Curve] | None:
+def _curves(entity: Any, kind: str, source: str) -> list[Curve] | None:
     """The curves of an entity in units of the drawing, nameless; None where it is of no use here."""
     if kind == "LINE":
         return [Curve(_plane([entity.dxf.start, entity.dxf.end]), "line")]
@@ -123,10 +112,12 @@ def _curves(entity: Any, kind: str) -> list[Curve] | None:
         return [Curve(_plane([entity.start_point, entity.end_point]), "arc", bulge=bulge)]
     if kind == "CIRCLE":
         return _circle(entity.dxf.center, entity.dxf.radius)
+    if kind == "ELLIPSE":
+        return _ellipse(entity, source)
     if kind in ("LWPOLYLINE", "POLYLINE"):
         return _polyline(entity, kind)
     if kind == "SPLINE":
-        return _spline(entity)
+        return _spline(entity, source)
     return None
 
 
@@ -139,6 +130,29 @@ def _circle(center: Any, radius: float) -> list[Curve]:
     corners = [(center[0] + radius * dx, center[1] + radius * dy) for dx, dy in ((1, 0), (0, 1), (-1, 0), (0, -1))]
     quarter = float(np.tan(np.pi / 8.0))
     return [Curve(_plane([corners[i], corners[(i + 1) % 4]]), "arc", bulge=quarter) for i in range(4)]
+
+
+def _ellipse(entity: Any, source: str) -> list[Curve]:
+    """The edges of an ELLIPSE: arcs where it is round, else a spline for each quarter or less."""
+    center, major, minor = (_plane([p])[0] for p in (entity.dxf.center, entity.dxf.major_axis, entity.minor_axis))
+    low, high = float(entity.dxf.start_param), float(entity.dxf.end_param)
+    turn = (high - low) % FULL_TURN or FULL_TURN
+    cuts = np.linspace(low, low + turn, 1 + int(np.ceil(turn / (0.25 * FULL_TURN) - 1e-9)))
+
+    def points(t: np.ndarray) -> np.ndarray:
+        return center + np.cos(t)[:, None] * major + np.sin(t)[:, None] * minor
+
+    ends = points(cuts)
+    if turn == FULL_TURN:
+        ends[-1] = ends[0]
+    if abs(float(entity.dxf.ratio)) > 1.0 - ROUND:
+        bulge = float(np.tan((cuts[1] - cuts[0]) / 4.0)) * float(np.sign(major[0] * minor[1] - major[1] * minor[0]))
+        return [Curve(np.array(pair), "arc", bulge=bulge) for pair in pairwise(ends)]
+    curves = []
+    for (a, b), (start, stop) in zip(pairwise(cuts), pairwise(ends)):
+        inner, knots = fitted_spline(points, float(a), float(b), source)
+        curves.append(Curve(np.array([start, *inner[1:-1], stop]), "spline", knots=knots, ends=SMOOTH))
+    return curves
 
 
 def _polyline(entity: Any, kind: str) -> list[Curve] | None:
@@ -155,21 +169,37 @@ def _polyline(entity: Any, kind: str) -> list[Curve] | None:
     return [Curve(_plane([a, b]), "arc" if a[2] else "line", bulge=float(a[2])) for a, b in pairs]
 
 
-def _spline(entity: Any) -> list[Curve]:
+def _spline(entity: Any, source: str) -> list[Curve]:
     """The edges of a SPLINE: exact where an edge can be it."""
     points = _plane(entity.fit_points)
     if len(points) < 3:
         exact = _exact(entity)
         if exact:
             return exact
-        curve = entity.construction_tool()
-        count = min(POINTS_A_CONTROL_POINT * len(entity.control_points), SPLINE_POINTS)
-        points = _plane(curve.approximate(count))
+        return _fitted(entity, source)
     if np.hypot(*(points[0] - points[-1])) > 1e-9 * np.ptp(points):
         return [Curve(points, "spline")]
     # A closed spline becomes two edges, since an edge has two ends.
     half = len(points) // 2
     return [Curve(points[: half + 1], "spline"), Curve(points[half:], "spline")]
+
+
+def _fitted(entity: Any, source: str) -> list[Curve]:
+    """The edges that stand for a SPLINE by control points; two of a closed one, since an edge has two ends."""
+    tool = entity.construction_tool()
+
+    def points(t: np.ndarray) -> np.ndarray:
+        return _plane(tool.points(t.tolist()))
+
+    low, high = float(tool.knots()[tool.order - 1]), float(tool.knots()[tool.count])
+    ends = points(np.array([low, high]))
+    cuts = (
+        [low, high]
+        if np.hypot(*(ends[0] - ends[1])) > 1e-9 * np.ptp(_plane(tool.control_points))
+        else [low, 0.5 * (low + high), high]
+    )
+    found = [fitted_spline(points, a, b, source) for a, b in pairwise(cuts)]
+    return [Curve(own, "spline", knots=knots, ends=SMOOTH) for own, knots in found]
 
 
 def _exact(entity: Any) -> list[Curve]:

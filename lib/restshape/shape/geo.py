@@ -2,43 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from restshape.errors import UserError
-from restshape.scene.plain_values import Table
 from restshape.shape.geo_model import curves_of, gmsh_model
-from restshape.shape.geo_process import curves_apart
+from restshape.shape.geo_process import found_apart
 from restshape.shape.geo_script import draw
 from restshape.shape.geo_tokens import MOST_BYTES
-from restshape.shape.unordered_curves import shape_data
+from restshape.shape.layer_names import refuse_layers
+from restshape.shape.unordered_curves import LooseCurves
 
 BOOLEAN = "Boolean"
 """How the names of statements begin that OpenCASCADE may take any time for."""
 
 
-def read_geo(path: Path, trusted: bool = False) -> Table:
-    """The plain tables of a ``[shape]`` from a Gmsh .geo file in metres, through the gmsh package.
+def read_geo(path: Path, layers: Mapping[str, str] | None = None, trusted: bool = False) -> LooseCurves:
+    """The curves of a Gmsh .geo file in metres, through the gmsh package.
 
-    Curves that bound surfaces (all curves where there is no surface) make the loops; the largest is the outline. A loop
-    that bounds a surface of its own is a region, any other a hole. Physical Curve and Surface names become names of
-    edges, groups and regions. Lines and circle arcs are exact, other curves interpolate 33 points.
+    Curves that bound surfaces (all curves where there is no surface) make the loops. A loop that bounds a surface of
+    its own is a region. Physical Curve and Surface names become names of edges, groups and regions. Lines and circle
+    arcs are exact, other curves become splines within `fitted_spline.WITHIN`.
 
     Args:
         path: the file.
+        layers: of a scene; such a file has none.
         trusted: gmsh runs the whole script, in a process of its own; otherwise only statements that draw are read.
 
     Raises:
         UserError: unreadable, a statement that is not read, not in the plane, open loops, or too long to read.
     """
+    refuse_layers(layers or {}, (), path.name)
     if trusted:
-        return shape_data(curves_apart(path, "run"), path.name)
+        return found_apart(path, "run")
     text = _text(path)
     if BOOLEAN in text:
-        return shape_data(curves_apart(path, "draw"), path.name)
+        return found_apart(path, "draw")
     with gmsh_model(path) as gmsh:
         draw(gmsh, text, path.name)
-        loose_curves = curves_of(gmsh.model, path.name)
-    return shape_data(loose_curves, path.name)
+        return LooseCurves(curves_of(gmsh.model, path.name))
 
 
 def _text(path: Path) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -13,11 +14,14 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.shape.curves import bulge_through
+from restshape.shape.fitted_spline import SMOOTH, fitted_spline
 from restshape.shape.unordered_curves import Curve
 from restshape.surroundings import start_gmsh
 
-SPLINE_POINTS = 33
-"""Points that stand for a curve that is neither line nor arc."""
+NEARLY_FLAT = 1e-6
+"""Distance from the plane z = 0, over the size of a curve; gmsh's boxes are larger than what they hold by 1e-7."""
+Points = Callable[[np.ndarray], np.ndarray]
+"""Gives points (n, 2) of a curve by its parameters (n,)."""
 
 
 @contextmanager
@@ -56,35 +60,58 @@ def curves_of(model: Any, where: str) -> list[Curve]:
     """
     names = _names(model)
     surfaces = {s: {abs(c) for _, c in model.getBoundary([(2, s)], oriented=False)} for _, s in model.getEntities(2)}
-    bounding = set().union(*surfaces.values()) if surfaces else {c for _, c in model.getEntities(1)}
-    regions = _regions(surfaces, names)
-    loose_curves = []
-    for tag in sorted(bounding):
-        kind = model.getType(1, tag)
-        low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, tag))
-        count = {"Line": 2, "Circle": 3}.get(kind, SPLINE_POINTS)
-        xyz = np.array(model.getValue(1, tag, np.linspace(low, high, count))).reshape(-1, 3)
-        if np.abs(xyz[:, 2]).max() > 1e-9 * (np.ptp(xyz) or 1.0):
+    bounding = surfaces or {0: {c for _, c in model.getEntities(1)}}
+    for tag in sorted(set().union(*bounding.values())):
+        box = np.reshape(model.getBoundingBox(1, tag), (2, 3))
+        if np.abs(box[:, 2]).max() > NEARLY_FLAT * (np.ptp(box) or 1.0):
             raise UserError(f"curve {tag} does not lie in the plane z = 0", where, "draw in the plane")
-        xy = np.ascontiguousarray(xyz[:, :2])
+    return curves_between(model, bounding, lambda xyz: xyz[:, :2].copy(), names, surface_regions(surfaces, names))
+
+
+def curves_between(
+    model: Any,
+    faces: dict[int, set[int]],
+    place: Callable[[np.ndarray], np.ndarray],
+    names: dict[tuple[int, int], str],
+    regions: dict[int, str],
+) -> list[Curve]:
+    """Curves of a model of gmsh's as loose curves in the plane.
+
+    Args:
+        model: of gmsh.
+        faces: the curves that bound each.
+        place: gives coordinates (n, 2) in the plane of points (n, 3).
+        names: by (dimension, entity); regions: names of the regions that curves bound.
+
+    Raises:
+        UserError: a curve bends too much.
+    """
+    loose_curves = []
+    for tag in sorted(set().union(*faces.values())):
+
+        def points(u: np.ndarray, tag: int = tag) -> np.ndarray:
+            return place(np.array(model.getValue(1, tag, u)).reshape(-1, 3))
+
+        low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, tag))
         label, region = names.get((1, tag), ""), regions.get(tag)
-        for points, form, bulge in _pieces(kind, xy):
-            loose_curves.append(Curve(points, form, label, bulge, f"curve {tag}", region))
+        for piece in _pieces(model.getType(1, tag), points, low, high, tag):
+            loose_curves.append(replace(piece, label=label, source=f"curve {tag}", region=region))
     return loose_curves
 
 
-def _pieces(kind: str, xy: np.ndarray) -> list[tuple[np.ndarray, str, float]]:
+def _pieces(kind: str, points: Points, low: float, high: float, tag: int) -> list[Curve]:
+    """The edges that a curve of a model becomes, without names: lines and arcs as they are, splines for others."""
+    ends = points(np.array([low, 0.5 * (low + high), high]))
     if kind == "Line":
-        return [(xy, "line", 0.0)]
-    closed = np.hypot(*(xy[0] - xy[-1])) < 1e-9 * np.ptp(xy)
+        return [Curve(ends[[0, 2]], "line")]
+    closed = np.hypot(*(ends[0] - ends[2])) < 1e-9 * np.ptp(ends)
     if kind == "Circle" and not closed:
-        return [(xy[[0, 2]], "arc", bulge_through(xy[0], xy[1], xy[2]))]
+        return [Curve(ends[[0, 2]], "arc", bulge=bulge_through(ends[0], ends[1], ends[2]))]
     if kind == "Circle":
-        return [(xy[[0, 1]], "arc", 1.0), (xy[[1, 2]], "arc", 1.0)]
-    if closed:
-        half = len(xy) // 2
-        return [(xy[: half + 1], "spline", 0.0), (xy[half:], "spline", 0.0)]
-    return [(xy, "spline", 0.0)]
+        return [Curve(ends[[0, 1]], "arc", bulge=1.0), Curve(ends[[1, 2]], "arc", bulge=1.0)]
+    parts = [(low, 0.5 * (low + high)), (0.5 * (low + high), high)] if closed else [(low, high)]
+    found = [fitted_spline(points, *part, f"curve {tag}") for part in parts]
+    return [Curve(own, "spline", knots=knots, ends=SMOOTH) for own, knots in found]
 
 
 def _names(model: Any) -> dict[tuple[int, int], str]:
@@ -98,7 +125,7 @@ def _names(model: Any) -> dict[tuple[int, int], str]:
     return names
 
 
-def _regions(surfaces: dict[int, set[int]], names: dict[tuple[int, int], str]) -> dict[int, str]:
+def surface_regions(surfaces: dict[int, set[int]], names: dict[tuple[int, int], str]) -> dict[int, str]:
     """Names of regions by curve: surfaces whose whole boundary is also a part of another surface's."""
     regions = {}
     for surface, boundary in surfaces.items():

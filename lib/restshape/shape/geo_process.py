@@ -1,6 +1,6 @@
-"""A .geo file read in a process of its own: ``python -m restshape.shape.geo_process FILE OUT run|draw``.
+"""A .geo or STEP file read in a process of its own: ``python -m restshape.shape.geo_process FILE OUT run|draw|step``.
 
-Neither a script that gmsh runs nor a Boolean of OpenCASCADE can be stopped in any other way.
+Neither a script that gmsh runs nor OpenCASCADE can be stopped in any other way, and damaged files may crash them.
 """
 
 import dataclasses
@@ -11,13 +11,17 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
+from restshape.bounds import READING_MEMORY
 from restshape.errors import UserError
+from restshape.memory import bounded_memory
 from restshape.shape.geo_model import curves_of, gmsh_model, opened_by_gmsh
 from restshape.shape.geo_script import draw
-from restshape.shape.unordered_curves import Curve
+from restshape.shape.plane_faces import step_curves
+from restshape.shape.unordered_curves import Curve, LooseCurves
 
 LIMIT = 60.0
 """Seconds that reading may take."""
@@ -26,16 +30,18 @@ GRACE = 10
 REMEDIES = {
     "run": "look for a loop without end",
     "draw": "use fewer or simpler Booleans, or draw the outline without them",
+    "step": "export the part, or one of its faces, once more, or as DXF",
 }
 """What to do where that is not enough, by how the file is read."""
 
 
-def curves_apart(path: Path, how: str) -> list[Curve]:
+def found_apart(path: Path, how: str) -> LooseCurves:
     """The curves that a file draws.
 
     Args:
         path: of the file.
-        how: "run": gmsh runs it as the script that it is; "draw": only statements that draw are read.
+        how: "run": gmsh runs it as the script that it is; "draw": only statements that draw are read; "step": its
+            plane faces.
 
     Raises:
         UserError: it fails, ends early, or runs too long.
@@ -56,8 +62,9 @@ def curves_apart(path: Path, how: str) -> list[Curve]:
         raise UserError(*result["error"])
     if "curves" not in result:
         what = f"gmsh ended with code {process.returncode} before it was done"
-        raise UserError(what, path.name, REMEDIES[how] if how == "draw" else "take Exit out of it")
-    return [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in result["curves"]]
+        raise UserError(what, path.name, "take Exit out of it" if how == "run" else REMEDIES[how])
+    curves = [Curve(**{**curve, "points": np.array(curve["points"])}) for curve in result["curves"]]
+    return LooseCurves(curves, tuple(result["notes"]))
 
 
 def main() -> int:
@@ -67,18 +74,28 @@ def main() -> int:
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(int(LIMIT) + GRACE)
     try:
-        with gmsh_model(path) as gmsh:
-            if how == "run":
-                curves = opened_by_gmsh(gmsh, path)
-            else:
-                draw(gmsh, path.read_text(encoding="utf-8-sig"), path.name)
-                curves = curves_of(gmsh.model, path.name)
+        with gmsh_model(path) as gmsh, bounded_memory(READING_MEMORY):
+            found = _found(gmsh, path, how)
     except UserError as error:
-        result: dict[str, object] = {"error": [error.what, error.where, error.do]}
+        result: dict[str, object] = {"error": [error.what, error.where or path.name, error.do]}
+    except MemoryError:
+        what = f"reading this drawing would take more than {READING_MEMORY >> 30} GB of memory"
+        result = {"error": [what, path.name, REMEDIES[how]]}
     else:
-        result = {"curves": [{**dataclasses.asdict(curve), "points": curve.points.tolist()} for curve in curves]}
+        curves = [{**dataclasses.asdict(curve), "points": curve.points.tolist()} for curve in found.curves]
+        result = {"curves": curves, "notes": found.notes}
     out.write_text(json.dumps(result))
     return 0
+
+
+def _found(gmsh: ModuleType, path: Path, how: str) -> LooseCurves:
+    """What the file draws, read in this process."""
+    if how == "run":
+        return LooseCurves(opened_by_gmsh(gmsh, path))
+    if how == "step":
+        return step_curves(gmsh, path)
+    draw(gmsh, path.read_text(encoding="utf-8-sig"), path.name)
+    return LooseCurves(curves_of(gmsh.model, path.name))
 
 
 if __name__ == "__main__":

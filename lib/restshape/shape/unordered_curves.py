@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from restshape.errors import UserError
 from restshape.scene.plain_values import Table
 from restshape.shape import curves
-
-JOIN = 1e-6
-"""Ends closer than this share of the drawing's size are one vertex."""
+from restshape.shape.gaps import Gap, Joints, closed, joints
 
 
 @dataclass
@@ -24,6 +23,7 @@ class Curve:
         label: name of its layer or Physical group; "" for none.
         source: what it is in the file, for messages.
         region: the name of the region that it bounds, if any.
+        loop: the name that a loop of such curves alone has; "": none.
         knots, ends: of a spline, see `restshape.shape.outline.Edge`; no knots: by the lengths of its chords.
     """
 
@@ -33,8 +33,24 @@ class Curve:
     bulge: float = 0.0
     source: str = ""
     region: str | None = None
+    loop: str = ""
     knots: tuple[float, ...] = ()
     ends: tuple[str, str] = ("natural", "natural")
+
+
+@dataclass
+class LooseCurves:
+    """What a reader finds in a file.
+
+    Args:
+        curves: in metres.
+        notes: what was chosen of the file.
+        doubt: what the file does not say of its unit, and what is taken; "": it says its unit.
+    """
+
+    curves: list[Curve]
+    notes: tuple[str, ...] = ()
+    doubt: str = ""
 
 
 @dataclass
@@ -43,10 +59,9 @@ class ClosedCurve:
 
     chain: list[tuple[int, bool]]
     area: float = 0.0
-    labels: set[str] = field(default_factory=set)
 
 
-def shape_data(loose_curves: list[Curve], where: str) -> Table:
+def shape_data(loose_curves: list[Curve], where: str, tolerance: float = 0.0) -> tuple[Table, list[Gap]]:
     """Loose curves as the plain tables of a ``[shape]``: the largest loop is the outline, others holes or regions.
 
     An edge alone on its layer has the layer's name; several get ``LAYER-1``, ``LAYER-2`` ... and a group LAYER. A loop
@@ -55,17 +70,24 @@ def shape_data(loose_curves: list[Curve], where: str) -> Table:
     Args:
         loose_curves: the curves.
         where: the file, for messages.
+        tolerance: the largest gap between two open ends that is closed [m].
+
+    Returns:
+        The tables, and the gaps that were closed, the largest first.
 
     Raises:
         UserError: no curve, or loops that are open or branch.
     """
     if not loose_curves:
         raise UserError("no curve was found", where, "draw lines, arcs, circles or splines")
-    ends, corners = _joined(loose_curves)
-    rings = _rings(loose_curves, ends, corners, where)
+    starts, stops = (np.array([curve.points[end] for curve in loose_curves]) for end in (0, -1))
+    everything = np.concatenate([curve.points for curve in loose_curves])
+    size = float(np.hypot(*np.ptp(everything, axis=0)))
+    found, gaps = closed(joints(starts, stops, size), tolerance, [curve.source for curve in loose_curves])
+    rings = _rings(loose_curves, found, where)
+    ends, corners = found.ends, found.corners
     for ring in rings:
         ring.area = abs(_area(loose_curves, ring.chain))
-        ring.labels = {loose_curves[i].label for i, _ in ring.chain}
     rings.sort(key=lambda ring: -ring.area)
     loops = _loop_names(loose_curves, rings)
     names, groups = _edge_names(loose_curves, set(loops))
@@ -80,7 +102,7 @@ def shape_data(loose_curves: list[Curve], where: str) -> Table:
     for name, ring in zip(loops[1:], rings[1:]):
         filled = any(loose_curves[i].region is not None for i, _ in ring.chain)
         (regions if filled else holes)[name] = {"loop": [names[i] for i, _ in ring.chain]}
-    return {
+    tables: Table = {
         "vertices": {v: _pair(p) for v, p in zip(vertex, corners)},
         "edges": edges,
         "outline": [names[i] for i, _ in rings[0].chain],
@@ -88,6 +110,7 @@ def shape_data(loose_curves: list[Curve], where: str) -> Table:
         "regions": regions,
         "groups": groups,
     }
+    return tables, gaps
 
 
 def _pair(p: np.ndarray) -> list[float]:
@@ -105,48 +128,40 @@ def _edge_data(curve: Curve, start: str, end: str) -> Table:
     return data
 
 
-def _joined(loose_curves: list[Curve]) -> tuple[list[tuple[int, int]], list[np.ndarray]]:
-    """Vertices at the ends of each curve, and where they are."""
-    everything = np.concatenate([curve.points for curve in loose_curves])
-    reach = JOIN * float(np.hypot(*(everything.max(axis=0) - everything.min(axis=0))))
-    corners: list[np.ndarray] = []
-
-    def vertex(p: np.ndarray) -> int:
-        if corners:
-            gaps = np.hypot(*(np.array(corners) - p).T)
-            if gaps.min() <= reach:
-                return int(gaps.argmin())
-        corners.append(p)
-        return len(corners) - 1
-
-    return [(vertex(curve.points[0]), vertex(curve.points[-1])) for curve in loose_curves], corners
-
-
-def _rings(
-    loose_curves: list[Curve], ends: list[tuple[int, int]], corners: list[np.ndarray], where: str
-) -> list[ClosedCurve]:
+def _rings(loose_curves: list[Curve], found: Joints, where: str) -> list[ClosedCurve]:
+    ends = found.ends
     at: dict[int, list[int]] = {}
     for i, pair in enumerate(ends):
         for v in pair:
             at.setdefault(v, []).append(i)
     for v, touching in at.items():
         if len(touching) != 2:
-            what = "is open" if len(touching) == 1 else f"branches: {len(touching)} curves meet"
-            sources = ", ".join(dict.fromkeys(loose_curves[i].source for i in touching))
-            place = f"({corners[v][0]:.6g}, {corners[v][1]:.6g})"
-            raise UserError(f"an outline {what} at {place} [m]: {sources}", where, "let the curves meet end to end")
-    rings, left = [], set(range(len(loose_curves)))
+            raise _not_closed(loose_curves, found, v, touching, where)
+    rings, left = [], dict.fromkeys(range(len(loose_curves)))
     while left:
-        i = min(left)
+        i = next(iter(left))
         chain, v = [], ends[i][0]
         while i in left:
-            left.discard(i)
+            del left[i]
             forward = ends[i][0] == v
             chain.append((i, forward))
             v = ends[i][1] if forward else ends[i][0]
             i = next((j for j in at[v] if j in left), i)
         rings.append(ClosedCurve(chain))
     return rings
+
+
+def _not_closed(loose_curves: list[Curve], found: Joints, vertex: int, touching: list[int], where: str) -> UserError:
+    """The error of a vertex where not two curves meet."""
+    what = "is open" if len(touching) == 1 else f"branches: {len(touching)} curves meet"
+    sources = ", ".join(dict.fromkeys(loose_curves[i].source for i in touching))
+    x, y = found.corners[vertex]
+    message, do = f"an outline {what} at ({x:.6g}, {y:.6g}) [m]: {sources}", "let the curves meet end to end"
+    nearest = found.nearest_open(vertex) if len(touching) == 1 else None
+    if nearest is not None:
+        message += f"; the nearest open end, of {loose_curves[nearest[1]].source}, is {nearest[0]:.3g} m away"
+        do += ", or set shape.tolerance to the largest gap that may be closed"
+    return UserError(message, where, do)
 
 
 def _area(loose_curves: list[Curve], chain: list[tuple[int, bool]]) -> float:
@@ -165,19 +180,30 @@ def _area(loose_curves: list[Curve], chain: list[tuple[int, bool]]) -> float:
 
 def _loop_names(loose_curves: list[Curve], rings: list[ClosedCurve]) -> list[str]:
     """Names of the loops: that of a region, of a layer that holds this loop alone, or hole1, hole2, ..."""
+    labels, groups = _members(curve.label for curve in loose_curves), _members(curve.loop for curve in loose_curves)
     names, number = ["outline"], 0
+    taken = {"outline"}
     for ring in rings[1:]:
         own = {i for i, _ in ring.chain}
+        first = loose_curves[ring.chain[0][0]]
         region = next((loose_curves[i].region for i in own if loose_curves[i].region), None)
-        label = next(iter(ring.labels)) if len(ring.labels) == 1 else ""
-        alone = label and all(i in own for i, curve in enumerate(loose_curves) if curve.label == label)
-        name = region or (label if alone else "")
-        used = {*names, *(curve.label for curve in loose_curves if curve.label != name)}
-        while not name or name in names:
+        alone = first.label if labels[first.label] == own else ""
+        whole = first.loop if groups[first.loop] == own and first.loop not in labels else ""
+        name = region or alone or whole
+        while not name or name in taken:
             number += 1
-            name = f"hole{number}" if f"hole{number}" not in used else ""
+            name = f"hole{number}" if f"hole{number}" not in labels else ""
         names.append(name)
+        taken.add(name)
     return names
+
+
+def _members(words: Iterable[str]) -> dict[str, set[int]]:
+    """Where each word stands."""
+    found: dict[str, set[int]] = {}
+    for i, word in enumerate(words):
+        found.setdefault(word, set()).add(i)
+    return found
 
 
 def _edge_names(loose_curves: list[Curve], loops: set[str]) -> tuple[list[str], dict[str, list[str]]]:

@@ -28,6 +28,7 @@ from restshape_studies.stability.tables import toml
 from restshape.mesh.importer import read_mesh
 from restshape.shape.dxf import read_dxf
 from restshape.shape.geo import read_geo
+from restshape.shape.svg import read_svg
 
 SCENE_TABLE = {"format": "x", "version": 1, "shape": {"vertices": {"a": [0.0, 1.5]}}, "mesh": {"size": 0.25}}
 LINES = [{"format": "e", "version": 1}, {"t": 0.1, "do": "press", "on": "a"}, {"t": 0.2, "do": "drag", "to": [1.0, 2]}]
@@ -64,7 +65,7 @@ def test_numbers_too_long_for_python_and_depths_too_large_for_it_are_in_the_text
 
 
 def test_samples_are_read_as_they_are_and_damage_changes_them(tmp_path):
-    readers = {".geo": read_geo, ".dxf": read_dxf}
+    readers = {".geo": read_geo, ".dxf": read_dxf, ".svg": lambda path: read_svg(path, {})}
     for name, (ending, data) in samples().items():
         path = tmp_path / f"sample{ending}"
         path.write_bytes(data)

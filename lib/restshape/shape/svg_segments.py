@@ -1,0 +1,139 @@
+"""Segments of SVG paths as loose curves in metres, y up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from restshape.shape.bsplines import edges_of_cubic
+from restshape.shape.fitted_spline import SMOOTH, fitted_spline
+from restshape.shape.unordered_curves import Curve
+
+ROUND = 1e-9
+"""Share by which the half axes of an arc may differ that is one of a circle."""
+STRAIGHT = 1e-9
+"""Share of its length by which the handles of a Bézier curve may be off its chord that is a line."""
+CIRCULAR = 1e-3
+"""Share of the radius by which handles may be off those by which programs draw a circle."""
+QUARTER = 0.5 * np.pi
+KNOTS = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+
+
+@dataclass(frozen=True)
+class Placing:
+    """Where the points of a shape lie.
+
+    Args:
+        linear: (2, 2) metres, y up, by its own units, y down; shift: (2,) [m].
+    """
+
+    linear: np.ndarray
+    shift: np.ndarray
+
+    @classmethod
+    def of(cls, matrix: Any, scale: tuple[float, float]) -> Placing:
+        """By a matrix of svgelements, into user units, and the metres in a user unit along x and y."""
+        metres = np.array([[scale[0]], [-scale[1]]])
+        linear = np.array([[matrix.a, matrix.c], [matrix.b, matrix.d]], dtype=float)
+        return cls(metres * linear, metres[:, 0] * (float(matrix.e), float(matrix.f)))
+
+    def __call__(self, points: Iterable[Any]) -> np.ndarray:
+        """Points (n, 2) [m] of points of svgelements."""
+        return np.array([(float(p.x), float(p.y)) for p in points]) @ self.linear.T + self.shift
+
+
+def curves_of_segment(segment: Any, placed: Placing, source: str) -> list[Curve]:
+    """The edges of a segment of svgelements, without names; none of one that draws nothing.
+
+    Args:
+        segment: Move, Line, Close, QuadraticBezier, CubicBezier or Arc, in units of its shape.
+        placed: where it lies.
+        source: what it belongs to, for messages.
+
+    Raises:
+        UserError: an arc of an ellipse bends too much.
+    """
+    kind = type(segment).__name__
+    if kind in ("Line", "Close"):
+        if segment.start is None or segment.end is None or segment.start == segment.end:
+            return []
+        return [Curve(placed([segment.start, segment.end]), "line")]
+    if kind == "CubicBezier":
+        return cubic(placed([segment.start, segment.control1, segment.control2, segment.end]))
+    if kind == "QuadraticBezier":
+        a, q, b = placed([segment.start, segment.control, segment.end])
+        return cubic(np.array([a, (a + 2.0 * q) / 3.0, (b + 2.0 * q) / 3.0, b]))
+    return _arc(segment, placed, source) if kind == "Arc" else []
+
+
+def cubic(controls: np.ndarray) -> list[Curve]:
+    """The edges that a cubic Bézier curve is: a line, an arc where it was drawn for one, else a spline, exact.
+
+    Args:
+        controls: (4, 2) its control points [m].
+    """
+    a, b = controls[0], controls[3]
+    chord = b - a
+    length = float(np.hypot(*chord))
+    if length == 0.0 and not np.ptp(controls):
+        return []
+    if length > 0.0:
+        along, across = chord / length, np.array([-chord[1], chord[0]]) / length
+        off = np.abs((controls[1:3] - a) @ across).max()
+        shares = (controls[1:3] - a) @ along / length
+        if off <= STRAIGHT * length and 0.0 <= shares[0] <= shares[1] <= 1.0:
+            return [Curve(controls[[0, 3]], "line")]
+        bulge = _bulge(controls)
+        if bulge:
+            return [Curve(controls[[0, 3]], "arc", bulge=bulge)]
+    return [Curve(points, "spline", knots=knots, ends=ends) for points, knots, ends in edges_of_cubic(KNOTS, controls)]
+
+
+def _bulge(controls: np.ndarray) -> float:
+    """The bulge of the arc that a cubic Bézier curve was drawn for; 0 for others.
+
+    An arc of angle t and radius r has handles along its tangents of 4/3 tan(t/4) r, of at most a quarter turn.
+    """
+    a, p, q, b = controls
+    first, last, chord = p - a, b - q, b - a
+    half = np.arctan2(first[0] * chord[1] - first[1] * chord[0], first @ chord)
+    other = np.arctan2(chord[0] * last[1] - chord[1] * last[0], chord @ last)
+    if not (abs(half - other) < CIRCULAR and 0.0 < abs(half) < 0.5 * QUARTER + CIRCULAR):
+        return 0.0
+    radius = float(np.hypot(*chord)) / (2.0 * np.sin(abs(half)))
+    wanted = 4.0 / 3.0 * np.tan(0.5 * abs(half)) * radius
+    off = max(abs(float(np.hypot(*handle)) - wanted) for handle in (first, last))
+    return float(np.tan(0.5 * half)) if off < CIRCULAR * radius else 0.0
+
+
+def _arc(segment: Any, placed: Placing, source: str) -> list[Curve]:
+    """The edges of an arc of a circle or an ellipse."""
+    center, major, minor = placed([segment.center, segment.prx, segment.pry])
+    major, minor = major - center, minor - center
+    low, sweep = float(segment.get_start_t()), float(segment.sweep)
+    ends = placed([segment.start, segment.end])
+    whole = bool(np.hypot(*(ends[0] - ends[1])) <= 1e-9 * np.hypot(*major))
+    if not sweep or not (np.any(major) and np.any(minor)):
+        return [] if whole else [Curve(ends, "line")]
+
+    def points(t: np.ndarray) -> np.ndarray:
+        return center + np.cos(t)[:, None] * major + np.sin(t)[:, None] * minor
+
+    lengths = np.hypot(*major), np.hypot(*minor)
+    is_round = abs(lengths[0] - lengths[1]) <= ROUND * max(lengths) and abs(major @ minor) <= ROUND * max(lengths) ** 2
+    count = 1 if is_round and not whole else max(int(np.ceil(abs(sweep) / QUARTER - 1e-9)), 2 if whole else 1)
+    cuts = np.linspace(low, low + sweep, count + 1)
+    corners = points(cuts)
+    corners[[0, -1]] = ends
+    if is_round:
+        turn = float(np.sign(major[0] * minor[1] - major[1] * minor[0])) * sweep / count
+        return [Curve(np.array(pair), "arc", bulge=float(np.tan(turn / 4.0))) for pair in pairwise(corners)]
+    found = []
+    for (a, b), pair in zip(pairwise(cuts), pairwise(corners)):
+        own, knots = fitted_spline(points, float(a), float(b), source)
+        found.append(Curve(np.array([pair[0], *own[1:-1], pair[1]]), "spline", knots=knots, ends=SMOOTH))
+    return found

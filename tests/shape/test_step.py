@@ -1,0 +1,116 @@
+"""STEP files made by OpenCASCADE: areas in closed form, whatever plane the part lies in, and files that are none."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from restshape.errors import UserError
+from restshape.scene.model import ShapeSpec
+from restshape.shape.build import outline_from_spec
+from restshape.shape.geo_model import gmsh_model
+from restshape.shape.imported_shape import imported_shape
+from restshape.shape.outline import Outline
+from restshape.shape.plane_faces import step_curves
+from restshape.shape.unordered_curves import shape_data
+
+
+def write(path: Path, draw: Callable[[Any], None], unit: str = "MM") -> None:
+    """Has OpenCASCADE write what is drawn with its kernel."""
+    with gmsh_model(path) as gmsh:
+        draw(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    if unit != "MM":
+        text = path.read_text()
+        assert "SI_UNIT(.MILLI.,.METRE.)" in text
+        path.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
+
+
+def read(path: Path) -> tuple[Outline, str]:
+    """The outline of a file, read in this process, and the note on what was chosen."""
+    with gmsh_model(path) as gmsh:
+        found = step_curves(gmsh, path)
+    return outline_from_spec(ShapeSpec.model_validate(shape_data(found.curves, path.name)[0])), found.notes[0]
+
+
+def plate(occ: Any, thickness: float = 5.0) -> None:
+    box, bore = occ.addBox(0, 0, 0, 200, 100, thickness), occ.addCylinder(50, 50, -1, 0, 0, thickness + 2, 10)
+    occ.cut([(3, box)], [(3, bore)])
+
+
+@pytest.mark.parametrize(
+    ("turn", "words"),
+    [((1, 0, 0, 0), "z = "), ((1, 0, 0, 90), "y = "), ((0, 1, 0, 90), "x = "), ((1, 1, 0, 40), "normal")],
+)
+def test_a_plate_in_any_plane_is_its_largest_face(tmp_path, turn, words):
+    def draw(occ: Any) -> None:
+        plate(occ)
+        occ.rotate(occ.getEntities(3), 0, 0, 0, *turn[:3], math.radians(turn[3]))
+
+    write(tmp_path / "plate.step", draw)
+    outline, note = read(tmp_path / "plate.step")
+    assert 1e6 * outline.area() == pytest.approx(20_000 - 100 * math.pi, rel=1e-9)
+    assert words in note and "of 7 faces" in note
+    assert {edge.kind for edge in outline.edges} == {"line", "arc"} and len(outline.names("hole")) == 1
+
+
+def test_the_header_gives_the_unit_and_coordinates_stay(tmp_path):
+    write(tmp_path / "plate.step", plate, unit="M")
+    outline, _ = read(tmp_path / "plate.step")
+    np.testing.assert_allclose(outline.bounds(), [[0.0, 0.0], [200.0, 100.0]], atol=1e-6)
+
+
+def test_faces_in_one_plane_are_one_shape_and_those_inside_are_regions(tmp_path):
+    def draw(occ: Any) -> None:
+        left, right = occ.addRectangle(0, 0, 0, 100, 100), occ.addRectangle(100, 0, 0, 50, 100)
+        pad, away = occ.addDisk(50, 50, 0, 20, 10), occ.addRectangle(0, 0, 30, 10, 10)
+        occ.fragment([(2, left), (2, right)], [(2, pad)])
+        occ.translate([(2, away)], 0, 0, 1)
+
+    write(tmp_path / "faces.step", draw)
+    outline, note = read(tmp_path / "faces.step")
+    assert 1e6 * outline.area() == pytest.approx(15_000, rel=1e-9)
+    (region,) = (i for i, loop in enumerate(outline.loops) if loop.kind == "region")
+    assert 1e6 * outline.loop_area(region) == pytest.approx(200 * math.pi, rel=1e-6)
+    assert "3 of 4 faces" in note
+
+
+def test_a_b_spline_keeps_its_area(tmp_path):
+    """Below a cubic Bézier curve with control heights h lies the mean of h, over the width."""
+
+    def draw(occ: Any) -> None:
+        points = [occ.addPoint(x, y, 0) for x, y in ((0, 0), (30, 0), (30, 10), (20, 40), (10, 30), (0, 10))]
+        sides = [occ.addLine(points[0], points[1]), occ.addLine(points[1], points[2])]
+        sides += [occ.addBezier(points[2:]), occ.addLine(points[5], points[0])]
+        occ.addPlaneSurface([occ.addCurveLoop(sides)])
+
+    write(tmp_path / "hill.step", draw)
+    outline, _ = read(tmp_path / "hill.step")
+    assert 1e6 * outline.area() == pytest.approx(30 * (10 + 40 + 30 + 10) / 4, rel=1e-6)
+
+
+def test_a_file_is_read_in_a_process_of_its_own(tmp_path):
+    write(tmp_path / "plate.stp", plate)
+    found = imported_shape(ShapeSpec(file="plate.stp"), tmp_path)
+    assert found is not None and found.notes == ("plate.stp: 1 of 7 faces, in the plane z = 0 m",)
+    assert len(found.tables["edges"]) == 6
+
+
+def test_what_is_no_plate_is_refused(tmp_path):
+    (tmp_path / "none.step").write_text("nonsense")
+    with pytest.raises(UserError, match="no STEP file"):
+        imported_shape(ShapeSpec(file="none.step"), tmp_path)
+    write(tmp_path / "ball.step", lambda occ: occ.addSphere(0, 0, 0, 10))
+    with pytest.raises(UserError, match="no plane face"):
+        read(tmp_path / "ball.step")
+    write(tmp_path / "cut.step", plate)
+    text = (tmp_path / "cut.step").read_text()
+    (tmp_path / "cut.step").write_text(text[: len(text) // 2])
+    with pytest.raises(UserError, match=r"cut\.step"):
+        imported_shape(ShapeSpec(file="cut.step"), tmp_path)
+    with pytest.raises(UserError, match="no layer 'x'"):
+        imported_shape(ShapeSpec(file="cut.step", layers={"x": "y"}), tmp_path)
