@@ -30,6 +30,10 @@ class ModeEstimate(Protocol):
 class Eigenproblem(Protocol):
     """K phi = lambda M phi of one scene on a space that follows a plane mesh.
 
+    It has of a `Problem` what operators are assembled from: space, boundary, blocks, integrals. It is no `Problem`,
+    for it has no loads, no state to start from and no residual, and its nodes are those of a body over the mesh that is
+    edited, where those of a `Problem` are that mesh's own.
+
     Attributes:
         space: nodes and cells of the unknowns; its X (n, d) follow the plane mesh.
         plane: the plane mesh.
