@@ -152,20 +152,23 @@ def test_recording_csv_and_summary_hold_errors(tmp_path):
     json.dumps(errors, allow_nan=False)
 
 
-def test_a_limit_nearer_than_the_error_is_uncertain(tmp_path):
+def test_a_limit_nearer_than_the_error_is_uncertain_on_both_sides(tmp_path):
     scene = write_scene(tmp_path, LIMITED.replace("MAX", ""))
     analysis = first_frame(scene).analysis
     value, error = analysis.observe()["stretch"], analysis.quantity_errors(["stretch"])["stretch"]
     statuses = {}
-    for part in (0.5, 2.0):
+    for part in (0.5, 2.0, -0.5, -2.0):
         limited = LIMITED.replace("MAX", f"max = {value + part * error!r},")
         row = first_frame(write_scene(tmp_path, limited)).row
         statuses[part] = row["constraint_status"], row["note"], row["findings"]
     assert statuses[2.0] == (HOLDS, "", "")
-    status, note, findings = statuses[0.5]
-    assert status == UNCERTAIN
-    assert note == "stretch holds, but the value is uncertain by more than what is left to its limit"
-    assert json.loads(findings)[0]["kind"] == "uncertainty"
+    for part in (0.5, -0.5):
+        status, note, findings = statuses[part]
+        assert status == UNCERTAIN
+        assert note == "stretch is nearer to its limit than its estimated error"
+        assert [one["kind"] for one in json.loads(findings)] == ["uncertainty"]
+    status, note, findings = statuses[-2.0]
+    assert status == FAILS and not note and [one["kind"] for one in json.loads(findings)] == ["limit"]
 
 
 def test_a_limit_at_a_singular_place_is_uncertain_where_it_holds(tmp_path):

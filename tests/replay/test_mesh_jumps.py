@@ -1,6 +1,7 @@
 """Jumps of quantities where the mesh changes: against steps of the replay itself, and at what they must not touch."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -14,10 +15,12 @@ from restshape.mesh.moved_meshes import OtherMesh
 from restshape.mesh.moving import MovingMesh
 from restshape.mesh.quality import areas
 from restshape.replay.columns import columns_of
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN, Limit
 from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.summary import summarise
+from restshape.replay.uncertain_limits import UncertainLimits
 from restshape.report.quantity_panels import draw_quantities
 from restshape.report.tables import jumped
 from restshape.scene.load import load_scene
@@ -78,6 +81,42 @@ def test_they_change_no_frame_and_can_be_left_out(tmp_path):
     app = application("plane")
     assert not any(name.endswith("_jump") for name in columns_of(load_scene(scene, ["solve.jumps=false"]), app))
     assert "energy_jump" in columns_of(load_scene(scene), app)
+
+
+def test_a_limit_that_a_jump_of_the_mesh_passes_is_uncertain(tmp_path):
+    """On the old mesh the quantity holds, on the new one of the same shape it fails: neither is known."""
+    script = write_script(tmp_path, FINE)
+    rows = rows_of(make_replay(write_scene(tmp_path, plate(0.2)), script, overrides=ASKED))
+    changed = next(row for row in rows[1:] if row["level"] == 3)
+    value, jump = changed["q_stretch"], changed["stretch_jump"]
+    far = 2.0 * abs(jump)
+    statuses = {}
+    for bound in (value - 0.5 * jump, value + far, value - far):
+        limit = "stretch = { " + f"max = {bound!r}, error = false,"
+        scene = write_scene(tmp_path, plate(0.2).replace("stretch = {", limit))
+        statuses[bound] = rows_of(make_replay(scene, script, overrides=ASKED))[changed["index"]]
+    found = statuses[value - 0.5 * jump]
+    assert found["constraint_status"] == UNCERTAIN and not found["violated_constraints"]
+    assert found["note"] == "stretch is nearer to its limit than a jump of the mesh"
+    assert statuses[value + far]["constraint_status"] == HOLDS
+    assert statuses[value - far]["constraint_status"] == FAILS and statuses[value - far]["violated_constraints"]
+
+
+def test_a_jump_counts_until_the_next_new_mesh():
+    found = UncertainLimits({"q": Limit(most=1.0)}, {})
+    frames = [(3, 0.2), (1, math.nan), (2, 0.01), (3, 0.001), (1, math.nan)]
+    statuses = [found(known_row(0.9, level, jump)).get("constraint_status", HOLDS) for level, jump in frames]
+    assert statuses == [UNCERTAIN] * 3 + [HOLDS] * 2
+
+
+def test_what_an_application_finds_wrong_stays_wrong():
+    row = known_row(1.05, 3, 0.2) | {"constraint_status": FAILS, "violated_constraints": "q is 1.05, at most 1; loose"}
+    assert UncertainLimits({"q": Limit(most=1.0)}, {})(row)["constraint_status"] == FAILS
+
+
+def known_row(value, level, jump):
+    """What counts of a row with one quantity, whose mesh made it jump."""
+    return {"q_q": value, "level": level, "q_jump": jump, "constraint_status": HOLDS}
 
 
 def test_summary_has_the_largest(tmp_path):

@@ -31,7 +31,7 @@ def recorded(tmp_path_factory):
     value, error = first.observe()["stretch"], first.quantity_errors(["stretch"])["stretch"]
     limit = value + 3.0 * error
     scene = write_scene(folder, text.replace("MAX", f"max = {limit!r},"))
-    factors = (1.0 + 2.5 * error / value, 1.0 + 4.0 * error / value)
+    factors = (1.0 + 2.5 * error / value, 1.0 + 6.0 * error / value)
     pulls = [{"do": "set", "key": "loads.pull.traction", "value": [1e8 * factor, 0]} for factor in factors]
     script = write_script(folder, pulls)
     replay = make_replay(scene, script)

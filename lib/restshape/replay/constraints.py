@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
 
 HOLDS, UNCERTAIN, FAILS = "holds", "uncertain", "fails"
-"""Uncertain: the limits hold, but a value is nearer to its limit than its estimated error."""
+"""Uncertain: a value is nearer to its limit, on either side, than its estimated error or what the mesh does to it."""
 LIMIT, MIN, MAX = "limit", "min", "max"
 """Kind of a finding on a quantity, and its details: below the least value, above the largest one."""
 UNCERTAINTY = "uncertainty"
-"""Kind of a finding on a quantity that is nearer to a limit than its error; details as of `LIMIT`."""
+"""Kind of a finding on a quantity that is nearer to a limit than it is known; details as of `LIMIT`."""
 
 ROUNDED = 1e-6
 """Relative change by which a limit may be rounded."""
@@ -84,24 +84,21 @@ def violated_constraints(limits: Limits, quantities: Mapping[str, float]) -> tup
 def uncertain_constraints(
     limits: Limits, quantities: Mapping[str, float], errors: Mapping[str, float]
 ) -> tuple[Finding, ...]:
-    """The quantities within their limits, but nearer to one than the error of their value.
+    """The quantities nearer to a limit than they are known, within it or beyond.
 
     Args:
         limits, quantities: as in `constraint_status`.
         errors: by quantity, in its unit; infinite where it is at a singular place, whose value is that of the mesh.
+            There a value beyond its limit is certainly so: it grows where the mesh is refined.
     """
     found = []
     for name, limit in limits.items():
         value, error = quantities[name], errors.get(name, math.nan)
+        least = -error if math.isfinite(error) else 0.0
         for detail, bound, left in ((MIN, limit.least, value - limit.least), (MAX, limit.most, limit.most - value)):
-            if 0.0 <= left < error:
+            if least < left < error or left == 0.0 < error:
                 found.append(Finding(UNCERTAINTY, detail, (name,), value, bound, limit.unit))
     return tuple(found)
-
-
-def formatted_uncertainty(finding: Finding) -> str:
-    """Which quantity is uncertain, the same in all frames."""
-    return f"{finding.subjects[0]} holds, but the value is uncertain by more than what is left to its limit"
 
 
 def value_and_bound(finding: Finding) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""Errors of quantities beside their values: in rows, and in the constraint status."""
+"""Errors of quantities beside their values."""
 
 from __future__ import annotations
 
@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from restshape.analysis.quantity_errors import LEAVE_OUT, NONE_HERE
-from restshape.analysis.row_values import number, text
 from restshape.errors import ReplayProblem, UserError
-from restshape.findings import decode_findings, encode_findings
 from restshape.replay.columns import error_column, estimated_quantities
-from restshape.replay.constraints import HOLDS, UNCERTAIN, formatted_uncertainty, limits_of, uncertain_constraints
 from restshape.scene.plain_values import table_in
 from restshape.scene.quantity import ALL_ERRORS
 
@@ -53,7 +50,7 @@ class QuantityErrorColumns:
     def __init__(
         self, scene: Scene, application: Application, analysis: Analysis[Solvable], singular: Mapping[str, float]
     ) -> None:
-        self.analysis, self.limits = analysis, limits_of(scene.quantities)
+        self.analysis = analysis
         self.names = estimated_quantities(scene, application)
         self.estimates = analysis.quantity_errors
         if self.estimates is None:
@@ -70,17 +67,4 @@ class QuantityErrorColumns:
             return {}
         found: dict[str, float] = dict.fromkeys(self.singular, np.inf)
         found |= self.estimates([name for name in self.names if name not in self.singular])
-        own: RowValues = {error_column(name): found.get(name, np.nan) for name in self.names}
-        if row["constraint_status"] == HOLDS:
-            own |= self._status(row, found)
-        return own
-
-    def _status(self, row: RowValues, errors: dict[str, float]) -> RowValues:
-        """The columns that change where a limit is nearer than the error of what it limits."""
-        values = {name: number(row, f"q_{name}") for name in self.limits}
-        uncertain = uncertain_constraints(self.limits, values, errors)
-        if not uncertain:
-            return {}
-        note = "; ".join(filter(None, (text(row, "note"), *map(formatted_uncertainty, uncertain))))
-        findings = (*decode_findings(text(row, "findings")), *uncertain)
-        return {"constraint_status": UNCERTAIN, "note": note, "findings": encode_findings(findings)}
+        return {error_column(name): found.get(name, np.nan) for name in self.names}

@@ -41,6 +41,7 @@ from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
 from restshape.replay.rows import without_values
 from restshape.replay.sessions import Follower
+from restshape.replay.uncertain_limits import UncertainLimits
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
@@ -109,6 +110,7 @@ class Replay:
         self.singular = singular_quantities(scene, application, self.session)
         self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.singular)
         self.jumps = MeshJumps(scene, application, self.analysis, context)
+        self.uncertain_limits = UncertainLimits(self.limits, self.singular)
         self.row: RowValues = {}
 
     @classmethod
@@ -124,8 +126,10 @@ class Replay:
             UserError: errors of quantities cannot be estimated.
         """
         self.session = session
+        self.limits = limits_of(scene.quantities)
         self.singular = singular_quantities(scene, application, session)
         self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.singular)
+        self.uncertain_limits = UncertainLimits(self.limits, self.singular)
 
     def frames(self) -> Iterator[RowValues]:
         """The row of each frame, as soon as it is computed and handed to the recorder.
@@ -283,6 +287,7 @@ class Replay:
         if self.estimating and self.known and not row["refused"]:
             row.update(self.quantity_errors(row))
             row.update(self.jumps(edit, row))
+            row.update(self.uncertain_limits(row))
         mesh = self._space
         if self.recorder:
             version = (id(mesh), mesh.topology)

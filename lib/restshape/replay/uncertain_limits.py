@@ -1,0 +1,73 @@
+"""Which limits are nearer to values than these are known: by estimated errors, and by jumps of the mesh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from restshape.analysis.row_values import number, text, whole
+from restshape.findings import decode_findings, encode_findings
+from restshape.replay.columns import error_column, jump_column
+from restshape.replay.constraints import (
+    FAILS,
+    UNCERTAIN,
+    Limits,
+    formatted_constraint,
+    uncertain_constraints,
+    violated_constraints,
+)
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
+
+BY_ERROR, BY_JUMP, BY_PLACE = "its estimated error", "a jump of the mesh", "the mesh at its singular place"
+
+
+class UncertainLimits:
+    """Makes the constraint status uncertain where a value is nearer to its limit than it is known.
+
+    A jump counts until the next new mesh: frames between have the answers of this mesh, not of another.
+
+    Args:
+        limits: by quantity.
+        singular: quantities without a limit under refinement.
+    """
+
+    def __init__(self, limits: Limits, singular: Mapping[str, float]) -> None:
+        self.limits, self.singular = limits, singular
+        self._jumps: dict[str, float] = {}
+
+    def __call__(self, row: RowValues) -> RowValues:
+        """The columns of a frame that was solved which change, with its errors and jumps in the row."""
+        values = {name: number(row, f"q_{name}") for name in self.limits}
+        errors, why = {}, {}
+        for name in self.limits:
+            errors[name], why[name] = max(self._doubts(name, row))
+        uncertain = uncertain_constraints(self.limits, values, errors)
+        if not uncertain:
+            return {}
+        known = {(one.detail, one.subjects) for one in uncertain}
+        beyond = [one for one in violated_constraints(self.limits, values) if (one.detail, one.subjects) in known]
+        others = [one for one in decode_findings(text(row, "findings")) if one not in beyond]
+        texts = {formatted_constraint(one) for one in beyond}
+        violated = [one for one in text(row, "violated_constraints").split("; ") if one and one not in texts]
+        notes = [f"{one.subjects[0]} is nearer to its limit than {why[one.subjects[0]]}" for one in uncertain]
+        return {
+            "constraint_status": FAILS if violated else UNCERTAIN,
+            "violated_constraints": "; ".join(violated),
+            "note": "; ".join(filter(None, (text(row, "note"), *notes))),
+            "findings": encode_findings((*others, *uncertain)),
+        }
+
+    def _doubts(self, name: str, row: RowValues) -> list[tuple[float, str]]:
+        """By how much the value of a quantity may be off, and why; infinite at a singular place."""
+        jump, known = abs(number(row, jump_column(name))), self._jumps.get(name, 0.0)
+        if math.isfinite(jump):
+            self._jumps[name] = jump if whole(row, "level") == 3 else max(known, jump)
+        error = number(row, error_column(name))
+        return [
+            (math.inf if name in self.singular else 0.0, BY_PLACE),
+            (0.0 if math.isnan(error) else error, BY_ERROR),
+            (self._jumps.get(name, 0.0), BY_JUMP),
+        ]
