@@ -1,17 +1,18 @@
 """By how much quantities jump where flips or new meshes change the mesh, in the replay of a script."""
 
 from collections.abc import Sequence
-from math import inf, isfinite, nan
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from restshape_studies.stability.scenery import make_replay
 
-from restshape.replay.columns import jump_column, jump_scale
+from restshape.replay.columns import jump_column
+from restshape.replay.rounding import ROUNDING, largest, scales
 
 MOST = 0.005
-"""A share of a value, or in time of its largest size so far, above which a jump is large."""
+"""A share of the largest size of a quantity, above which a jump is large."""
 
 
 def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
@@ -26,7 +27,7 @@ def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
     """
     replay = make_replay(scene, edits, overrides=(*given, "solve.jumps=true"))
     quantities = replay.session.scene.quantities
-    largest: dict[str, dict[str, Any]] = {name: {} for name in quantities}
+    jumps: dict[str, dict[str, Any]] = {name: {} for name in quantities}
     frames = {"2": 0, "3": 0, "without": 0}
     values: dict[str, list[float]] = {name: [] for name in quantities}
     for row in replay.frames():
@@ -37,15 +38,19 @@ def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
             continue
         frames[level] += 1
         compared = False
-        for name, known in largest.items():
+        for name, known in jumps.items():
             # Frames that are not analysed have none.
             jump = abs(row.get(jump_column(name), nan))
-            value = float(jump_scale(np.array(values[name]), "time" in row)[-1])
             if not isfinite(jump):
                 continue
             compared = True
-            share = jump / value if value > 0.0 else inf if jump > 0.0 else 0.0
-            if share > known.get(level, {}).get("share", -1.0):
-                known[level] = {"share": share, "jump": jump, "frame": row["index"]}
+            if jump > known.get(level, {}).get("jump", -1.0):
+                known[level] = {"jump": jump, "frame": row["index"]}
         frames["without"] += not compared
-    return {"frames": frames, "jumps": largest, "singular": sorted(replay.singular)}
+    series = {name: np.array(known) for name, known in values.items()}
+    sizes = scales(series, {name: one.unit for name, one in quantities.items()})
+    for name, known in jumps.items():
+        size = largest(series[name])
+        for one in known.values():
+            one["share"] = one["jump"] / size if size > ROUNDING * sizes[name] else 0.0
+    return {"frames": frames, "jumps": jumps, "singular": sorted(replay.singular)}

@@ -125,8 +125,8 @@ def test_summary_tells_them(tmp_path, command):
     found = json.loads((tmp_path / "a.json").read_text())
     assert found["estimate"]["of"] == "frequencies" and 0.1 < found["estimate"]["p50"] <= found["estimate"]["max"]
     assert found["prediction_error"]["max"] > 0.0 and found["estimate_time"] == {"p50": None, "max": None}
-    lines = [line for line in done.stdout.splitlines() if "error estimate" in line]
-    assert len(lines) == 1 and lines[0].startswith("error estimate (frequencies): median ")
+    lines = [line for line in done.stdout.splitlines() if "estimated error" in line]
+    assert len(lines) == 1 and lines[0].startswith("estimated error (frequencies): median ")
     assert "predicted against solved, where a solve followed: at most" in done.stdout and "cents)" in done.stdout
 
 

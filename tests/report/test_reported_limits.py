@@ -1,6 +1,7 @@
 """Limits, constraint statuses and errors of quantities in a report's tables and pictures."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,16 +11,20 @@ from small_scenes import make_replay, plate, rows_of, write_scene, write_script
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.cli.main import main
+from restshape.cli.report import _quantity as report_row
 from restshape.replay.columns import columns_of, error_column
+from restshape.replay.constraints import Limit, formatted_constraint, violated_constraints
 from restshape.replay.first_frame import first_frame
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.request import Request
 from restshape.report.frames import caption
-from restshape.report.quantity_panels import draw_quantities
+from restshape.report.happenings import worst_frame
+from restshape.report.quantity_panels import draw_limits, draw_quantities
 from restshape.report.scenery import scenery
 from restshape.report.timeline import draw_timeline
 from restshape.scene.edit_script import load_script
+from restshape.scene.quantity import limit_in_unit
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +56,12 @@ def test_the_report_shows_limits_errors_and_statuses(recorded, tmp_path, capsys)
     assert main(["report", str(path), *words]) == 0
     shown = capsys.readouterr().out
     assert "holds in 1 frames, uncertain in 1 frames, fails in 1 frames" in shown
-    assert "at most" in shown and "largest error" in shown and "at least" not in shown
+    assert (
+        "at most" in shown
+        and "largest estimated error" in shown
+        and "estimates, no bounds" in shown
+        and "at least" not in shown
+    )
     data = json.loads((tmp_path / "a.json").read_text())
     row = next(row for row in data["quantities"] if row["quantity"] == "stretch")
     assert row["at_most"] == pytest.approx(limit) and row["error"] == max(row["stretch_error"] for row in rows)
@@ -89,3 +99,30 @@ def test_errors_are_a_band_around_the_quantity(recorded, tmp_path, monkeypatch):
         factor * (value - error)
     )
     assert error > 0.0 and axes.get_ylim()[0] <= first.min() and axes.get_ylim()[1] >= first.max()
+
+
+@pytest.mark.parametrize(
+    ("kind", "limit", "value", "words"),
+    [
+        ({"stress": "von_mises"}, {"max": 200e6}, 190e6, "worst: q at 95 % of its limit"),
+        ({"temperature": True}, {"min": 303.15}, 304.2, "worst: q 1.05 K within its limit"),
+        ({"temperature": True}, {"max": 313.15}, 321.69, "worst: q 8.54 K beyond its limit"),
+        ({"displacement": "y"}, {"min": -3e-3}, -3.2e-3, "worst: q 200 µm beyond its limit"),
+        ({"displacement": "y"}, {"min": -3e-3, "max": 1e-3}, -2.9e-3, "worst: q 100 µm within its limit"),
+    ],
+)
+def test_how_near_a_limit_is_reads_in_the_unit_where_a_share_means_nothing(kind, limit, value, words):
+    table, n = {"q_q": np.array([value])}, 1
+    header = {"limits": {"q": limit}, "scene_values": {"quantities": {"q": kind}}}
+    assert worst_frame(SimpleNamespace(table=table, n=n, header=header)) == (0, words)
+
+
+@pytest.mark.parametrize(("bound", "shown"), [(363.15, "363.15 K"), (313.15, "313.15 K"), (300.0, "300 K")])
+def test_limits_have_one_rounding_everywhere(bound, shown):
+    row = {"quantity": "q", "first": 350.0, "last": 350.0, "min": 350.0, "max": 350.0, "at_most": bound, "unit": "K"}
+    assert report_row(row, ["at_most"])[-1] == shown == limit_in_unit("K", bound)
+    (found,) = violated_constraints({"q": Limit(most=bound, unit="K")}, {"q": 400.0})
+    assert formatted_constraint(found).endswith(f"at most {shown}")
+    axes = Figure().subplots()
+    draw_limits(axes, 1.0, 350.0, 360.0, {"max": bound}, "K")
+    assert axes.get_title(loc="right") == f"max {shown}"

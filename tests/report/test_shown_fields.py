@@ -23,6 +23,7 @@ from small_scenes import (
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
+from restshape.replay.singular_notes import marked
 from restshape.report.drawing import Drawing
 from restshape.report.field import limits_of, shown_field
 from restshape.report.frames import caption
@@ -36,7 +37,7 @@ from restshape.report.survey import survey
 LIMITED = """
 [quantities]
 stretch = { displacement = "x", at = "right" }
-peak = { stress = "von_mises", at = "window", max = "200 MPa" }
+peak = { stress = "von_mises", at = "window", max = "200 MPa", error = false }
 whole = { stress = "von_mises" }
 across = { stress = "yy", at = "right", reduce = "min" }
 """
@@ -215,12 +216,12 @@ def test_quantities_over_the_edit_have_gaps_limits_and_marks(recorded, tmp_path,
     monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: figures.append(figure))
     assert draw_quantities(recorded, tmp_path / "quantities.png")
     panels = {axes.get_title(loc="left"): axes for axes in figures[0].axes}
-    assert list(panels) == ["peak", "stretch", "whole", "across"]
+    assert list(panels) == ["peak", "stretch", marked("whole", {"whole": 0.7}), "across"]
     stopped = recorded.table["refused"] != ""
     for name, axes in panels.items():
         x, y = axes.lines[0].get_data()
         assert np.array_equal(np.isnan(y), stopped) and np.array_equal(x, np.arange(recorded.n))
-        size = np.nanmax(np.abs(y)) / np.nanmax(np.abs(recorded.table[f"q_{name}"]))
+        size = np.nanmax(np.abs(y)) / np.nanmax(np.abs(recorded.table[f"q_{name.split()[0]}"]))
         np.testing.assert_allclose(y[~stopped], size * recorded.table[f"q_{name}"][~stopped], rtol=1e-12)
         assert round(float(np.log10(size)), 9) in (-6.0, -3.0, 3.0) and axes.get_ylabel() in ("[MPa]", "[mm]", "[kPa]")
         assert any(0 in line.get_xdata() for line in axes.lines if line.get_marker() == "s")

@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
             _refuse_damage(one)
         found = compared(first, second, args.tolerance)
         write_json(args, found.plain())
-        _print(args, found)
+        _print(args, found, first.singular | second.singular)
         if args.out:
             _draw(args.out, first, second, found)
     return 0 if found.same else 1
@@ -72,9 +72,10 @@ def _refuse_damage(result: Result) -> None:
         refuse_damage(result.recording)
 
 
-def _print(args: argparse.Namespace, found: Compared) -> None:
+def _print(args: argparse.Namespace, found: Compared, singular: dict[str, float]) -> None:
     """Print what differs, what is nearest to how it was made first."""
     from restshape.comparison.header_differences import shortened
+    from restshape.replay.singular_notes import singular_notes
 
     if found.header:
         rows = [(one.key, shortened(one.first), shortened(one.second)) for one in found.header]
@@ -86,6 +87,8 @@ def _print(args: argparse.Namespace, found: Compared) -> None:
     _print_list("quantities of one of them only", found.alone)
     if found.quantities:
         _print_differences("quantities (SI units)", "quantity", found.quantities)
+        for note in singular_notes(singular):
+            print(note)
     if found.fields:
         ways = ", ".join(f"{way} in {count} frames" for way, count in found.fields.ways.items() if count)
         print(f"meshes: {ways}")

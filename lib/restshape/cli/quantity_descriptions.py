@@ -1,7 +1,7 @@
 """What a scene asks for, in words."""
 
 from restshape.scene.model import Scene
-from restshape.scene.quantity import Quantity, in_unit
+from restshape.scene.quantity import Quantity, limit_in_unit
 
 
 def quantity_rows(scene: Scene) -> list[tuple[str, str]]:
@@ -14,6 +14,6 @@ def quantity_descriptions(quantity: Quantity) -> str:
     kind, value = quantity.kind, getattr(quantity, quantity.kind)
     what = kind.replace("_", " ") if value is True else f"{kind.replace('_', ' ')} {value}"
     place = what if quantity.kinds[kind].whole else f"{quantity.reduce} of {what} at {quantity.at or 'all'}"
-    limit = f", holds up to {in_unit(quantity.unit, quantity.max)}" if quantity.max is not None else ""
-    limit += f", holds from {in_unit(quantity.unit, quantity.min)} on" if quantity.min is not None else ""
+    limit = f", holds up to {limit_in_unit(quantity.unit, quantity.max)}" if quantity.max is not None else ""
+    limit += f", holds from {limit_in_unit(quantity.unit, quantity.min)} on" if quantity.min is not None else ""
     return f"{place}{limit}"

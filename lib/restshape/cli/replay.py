@@ -16,6 +16,7 @@ from restshape.application import Application, application
 from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
+from restshape.cli.quantity_tables import percent, print_quantities
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing, exit_code
 from restshape.cli.verbosity import add_verbose
@@ -30,14 +31,13 @@ if TYPE_CHECKING:
     from restshape.replay.request import Request
 
 KINDS = ("none", "linear")
-SINGULAR = "singular"
 LEVELS = {
     "1": "1 relocation",
     "2": "2 reconnection",
     "3": "3 reconstruction",
     "still": "solved where nothing moved",
 }
-NOT_IN_JSON = ("rows", "reasons", "largest_residual")
+NOT_IN_JSON = ("rows", "reasons", "largest_residual", "scales")
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
 
 
@@ -220,16 +220,7 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         print(convergence_line(found))
     for line in estimates(summary):
         print(line)
-    print_quantities(summary["quantities"], summary["quantity_errors"])
-    if jumps := [(name, found) for name, found in summary["jumps"].items() if found["share"] is not None]:
-        heads = ("quantity", "largest jump", "share", "frame")
-        cells = [(name, f"{one['largest']:.2g}", _percent(one["share"]), one["frame"]) for name, one in jumps]
-        print_table("jumps where the mesh changed (SI units)", heads, cells, right=heads[1:])
-    for name, exponent in summary["singular"].items():
-        how = f"r^{exponent - 1.0:.3f} there" if exponent else "a point load there"
-        print(
-            f"{name} is taken at a singular place ({how}): its value is one of the mesh size; restshape check says more"
-        )
+    print_quantities(summary)
     if status := summary["constraint_status"]:
         violated = status["violated_constraints"]
         last = f"{status['last']} at the end{violated and ' for ' + violated}"
@@ -240,20 +231,6 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     if "parity" in summary:
         for line in parity_lines(summary["parity"]):
             print(line)
-
-
-def print_quantities(quantities: dict[str, list[float | None]], errors: dict[str, list[float | str | None]]) -> None:
-    """Print the table of quantities, with their largest errors where there are any."""
-    heads = ("quantity", "first", "last", "least", "largest") + (("largest error",) if errors else ())
-    rows = [(name, *_ends(v), *([_largest(errors.get(name, []))] if errors else [])) for name, v in quantities.items()]
-    print_table("quantities (SI units)", heads, rows, right=heads[1:])
-
-
-def _largest(errors: list[float | str | None]) -> str:
-    """The largest error of a quantity; a dash where there is none."""
-    if any(error == SINGULAR for error in errors):
-        return SINGULAR
-    return f"{max(known):.2g}" if (known := [error for error in errors if isinstance(error, float)]) else "-"
 
 
 def convergence_line(found: dict[str, Any]) -> str:
@@ -272,33 +249,22 @@ def estimates(summary: dict[str, Any]) -> list[str]:
     ahead, jump = summary["predicted_estimate"], summary["prediction_error"]
     lines = []
     if mesh["p50"] is not None:
-        lines.append(f"error estimate ({mesh['of']}): {_distribution(mesh)}")
+        lines.append(f"estimated error ({mesh['of']}): {_distribution(mesh)}")
     if step["p50"] is not None:
         lines.append(
-            f"error estimate of single time steps (over the largest value of a frame so far): {_distribution(step)}"
+            f"estimated error of single time steps (over the largest value of a frame so far): {_distribution(step)}"
         )
     if ahead["p50"] is not None:
         lines.append(f"predicted frames, estimated distance from the solution: {_distribution(ahead)}")
     if jump["p50"] is not None:
         most = jump["max"]
         cents = f" ({1200 * log2(1 + most):.3g} cents)" if mesh["of"] == "frequencies" else ""
-        lines.append(f"predicted against solved, where a solve followed: at most {_percent(most)}{cents}")
+        lines.append(f"predicted against solved, where a solve followed: at most {percent(most)}{cents}")
     return lines
 
 
 def _distribution(found: dict[str, float]) -> str:
-    return f"median {_percent(found['p50'])}, largest {_percent(found['max'])}"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
-
-
-def _ends(values: list[float | None]) -> list[str]:
-    """First, last, least and largest of the values of a quantity; a dash where there is no number."""
-    finite = [value for value in values if value is not None]
-    found = (values[0], values[-1], min(finite, default=None), max(finite, default=None))
-    return ["-" if value is None else f"{value:.6g}" for value in found]
+    return f"median {percent(found['p50'])}, largest {percent(found['max'])}"
 
 
 def _print_reasons(column: str, reasons: dict[str, tuple[int, int]], most: int = 5) -> None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
-EXTRAS = {"at_least": "at least", "at_most": "at most", "error": "largest error"}
+EXTRAS = {"at_least": "at least", "at_most": "at most", "error": "largest estimated error"}
 """Columns of the table of quantities that only some have."""
 
 
@@ -102,6 +102,7 @@ def refuse_pictures(folder: Path, suffix: str = ".png") -> None:
 
 def _tables(recording: Recording, application: Application | None) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
+    from restshape.replay.singular_notes import ESTIMATES_NOTE, singular_notes
     from restshape.report.tables import (
         convergence_counts,
         estimate_table,
@@ -109,6 +110,7 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
         quantity_table,
         refused,
         rows_of,
+        singular,
         status_counts,
     )
 
@@ -138,6 +140,10 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
         extras = [key for key in EXTRAS if any(key in row for row in quantities)]
         heads = ("quantity", "first", "last", "min", "max", *(EXTRAS[key] for key in extras))
         print_table("quantities", heads, (_quantity(row, extras) for row in quantities), right=heads[1:])
+        if any(isinstance(row.get("error"), float) for row in quantities):
+            print(ESTIMATES_NOTE)
+        for note in singular_notes(singular(recording)):
+            print(note)
     if statuses:
         print("constraint status: " + ", ".join(f"{word} in {count} frames" for word, count in statuses.items()))
     of_application = {}
@@ -152,6 +158,7 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
         "status": recording.status,
         "levels": levels,
         "quantities": quantities,
+        "singular": singular(recording),
         "constraint_status": statuses,
         "estimates": errors,
         **({"rest": found} if found else {}),
@@ -163,12 +170,17 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
 def _quantity(row: dict[str, Any], extras: Sequence[str]) -> list[str]:
     """The cells of a quantity, all in one unit; extras: which of `EXTRAS` have a column."""
     from restshape.report.style import si
+    from restshape.scene.quantity import limit_digits
 
     keys = ("first", "last", "min", "max")
     largest = max((abs(row[key]) for key in keys if row[key] is not None), default=0.0)
     cells = ["–" if row[key] is None else si(row[key], row["unit"], 5, largest) for key in keys]
     more = [row.get(key, "") for key in extras]
-    return [row["quantity"], *cells, *(si(one, row["unit"], 3) if isinstance(one, float) else one for one in more)]
+    texts = [si(one, row["unit"], limit_digits(one)) if isinstance(one, float) else one for one in more]
+    if isinstance(row.get("error"), float):
+        at = extras.index("error")
+        texts[at] = f"about {si(row['error'], row['unit'], 2)}" if row["error"] else "0"
+    return [row["quantity"], *cells, *texts]
 
 
 def _short(value: object) -> object:

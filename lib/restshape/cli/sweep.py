@@ -166,6 +166,7 @@ def _write(
     args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], runs: list[SweptRun], interrupted: bool
 ) -> None:
     """Print the table, and write the JSON file and the picture."""
+    from restshape.replay.singular_notes import singular_notes
     from restshape.variation.swept_run import REUSED
 
     data = {
@@ -173,6 +174,7 @@ def _write(
         "edits": str(args.edits) if args.edits else None,
         "keys": [one.key for one in swept],
         "interrupted": interrupted,
+        "singular": sweep.singular,
         "runs": [one.plain() for one in runs],
     }
     write_json(args, data)
@@ -182,6 +184,8 @@ def _write(
     seconds = sum(one.cpu_s for one in runs)
     print(f"{len(runs)} runs, {reused} of them with the analysis of the run before, {seconds:.2f} s of processor time")
     _print_runs(args, sweep, swept, runs)
+    for note in singular_notes(sweep.singular):
+        print(note)
     if failed := [one for one in runs if one.why]:
         for one in failed[:5]:
             print(printable(f"  {_values(one)}, {one.status}: {one.why}"), file=sys.stderr)
@@ -193,7 +197,7 @@ def _write(
 
         try:
             with drawn_from(fingerprint(data)):
-                draw_sweep(sweep.scene, swept, runs, args.out, bool(args.edits))
+                draw_sweep(sweep.scene, swept, runs, args.out, bool(args.edits), sweep.singular)
         except OSError as error:
             raise UserError(f"cannot be written: {error.strerror}", f"--out {args.out}", "name another file") from error
         print(f"wrote {args.out}")
@@ -206,15 +210,19 @@ def _values(run: SweptRun) -> str:
 
 def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], runs: list[SweptRun]) -> None:
     """Print a row a run: its values, its status, and each quantity at the end and its extremes."""
+    from restshape.replay.rounding import cleared
+    from restshape.variation.swept_run import run_scales
+
     keys, columns = [one.key for one in swept], sweep.columns or []
     parts = ("", " min", " max") if args.edits else ("",)
     heads = [*keys, "status", *(f"{name.removeprefix('q_')}{part}" for name in columns for part in parts)]
     if args.edits:
         heads[len(keys) + 1 : len(keys) + 1] = ["frames", "refused"]
-    rows = []
+    rows, sizes = [], run_scales(sweep.scene, runs)
     for one in runs:
         row = one.table_row(bool(args.edits))
-        cells = [row.get(f"{name}{part.replace(' ', '_')}") for name in columns for part in parts]
+        found = [(name, row.get(f"{name}{part.replace(' ', '_')}")) for name in columns for part in parts]
+        cells = [cleared(cell, sizes[name]) if isinstance(cell, float) else cell for name, cell in found]
         status = f"{one.status}, {one.constraint_status}" if one.constraint_status else one.status
         counts = [one.frames, one.refused] if args.edits else []
         rows.append([*(row[key] for key in keys), status, *counts, *("-" if c is None or c != c else c for c in cells)])

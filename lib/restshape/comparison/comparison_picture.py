@@ -16,6 +16,7 @@ from restshape.comparison.result import Result
 from restshape.errors import UserError
 from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
+from restshape.replay.singular_notes import marked
 from restshape.report.drawing import Drawing
 from restshape.report.field import own_pictures, shown_field
 from restshape.report.frames import add_colour_bar
@@ -80,7 +81,7 @@ def _draw_quantities(part: SubFigure, names: Sequence[str], first: Result, secon
                 frames, factor * values, marker=".", ms=3, color=colour, lw=1.2, ls=line, label=_name(result.path)
             )
         axes.axvline(frame, color="#cccccc", lw=0.8, zorder=0)
-        axes.set_title(shorten(name, 80), loc="left", pad=2)
+        axes.set_title(shorten(marked(name, first.singular | second.singular), 80), loc="left", pad=2)
         axes.set_ylabel(f"[{text}]" if text else "")
         axes.ticklabel_format(axis="y", useOffset=False)
         if len(known):

@@ -51,6 +51,12 @@ class Result:
     percentiles: dict[str, float] = field(default_factory=dict)
     recording: Recording | None = None
 
+    @property
+    def singular(self) -> dict[str, float]:
+        """Quantities at singular places, with the exponent of displacements there."""
+        known = self.header.get("singular")
+        return {name: float(value) for name, value in known.items()} if isinstance(known, dict) else {}
+
     def close(self) -> None:
         """Closes the file."""
         if self.recording:

@@ -71,17 +71,6 @@ def estimated_quantities(scene: Scene, application: Application) -> list[str]:
     return [name for name, one in scene.quantities.items() if one.wants_error] if application.editing.mesh else []
 
 
-def jump_scale(values: np.ndarray, in_time: bool) -> np.ndarray:
-    """What jumps of a quantity are a share of (k,): its values; in time, where these pass 0, the largest size so far.
-
-    Args:
-        values: (k,) by frame.
-        in_time: a frame goes on from the one before.
-    """
-    sizes = np.abs(np.nan_to_num(values))
-    return np.asarray(np.maximum.accumulate(sizes)) if in_time else sizes
-
-
 def jumps_wanted(scene: Scene, application: Application) -> bool:
     """Whether frames report what changes of the mesh alone do to quantities."""
     has_mesh = application.editing.mesh is not None

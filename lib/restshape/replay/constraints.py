@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from restshape.analysis.row_values import findings_in, text
 from restshape.findings import Finding
 from restshape.scene.model import Quantity
-from restshape.scene.quantity import in_unit
+from restshape.scene.quantity import in_unit, limit_digits
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -21,9 +21,6 @@ LIMIT, MIN, MAX = "limit", "min", "max"
 """Kind of a finding on a quantity, and its details: below the least value, above the largest one."""
 UNCERTAINTY = "uncertainty"
 """Kind of a finding on a quantity that is nearer to a limit than it is known; details as of `LIMIT`."""
-
-ROUNDED = 1e-6
-"""Relative change by which a limit may be rounded."""
 
 
 @dataclass(frozen=True)
@@ -106,9 +103,7 @@ def value_and_bound(finding: Finding) -> tuple[str, str]:
     value, bound, unit = finding.value, finding.bound, finding.unit
     if value is None or bound is None:
         raise ValueError("the finding has no value or no bound")
-    # Four digits turn 363.15 K, which is 90 degC, into 363.1 K.
-    enough = (n for n in (4, 5, 6) if abs(float(f"{bound:.{n}g}") - bound) <= ROUNDED * abs(bound))
-    texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in (next(enough, 8), 8, 16))
+    texts = ((in_unit(unit, value, n), in_unit(unit, bound, n)) for n in (limit_digits(bound), 8, 16))
     return next((pair for pair in texts if pair[0] != pair[1]), (str(value), str(bound)))
 
 

@@ -7,6 +7,7 @@ from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.policy import Policy
 from restshape.replay.constraints import recorded_limits
+from restshape.replay.rounding import load_scales
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 
@@ -42,6 +43,7 @@ class Request:
             "script": self.script.path.name if self.script.path else "",
             "script_text": self.script.path.read_text(errors="replace") if self.script.path else "",
             "title": self.scene.title,
+            "load_scales": load_scales(self.scene),
             "limits": recorded_limits(self.scene.quantities),
             "app": self.application.name,
             "policy": self.policy.name,

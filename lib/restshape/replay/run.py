@@ -12,6 +12,7 @@ from restshape.replay.parity import Parity
 from restshape.replay.petsc_options import refusal
 from restshape.replay.recorder import Recorder
 from restshape.replay.request import Request
+from restshape.replay.rounding import load_scales
 from restshape.replay.row_table import table_of_rows
 from restshape.replay.tally import Summary, Tally
 from restshape.surroundings import petsc_options
@@ -49,7 +50,8 @@ def run_replay(
     if recorder:
         recorder.add_header(_surroundings(comm) | {"singular": singular})
     check = Parity(replay) if parity else None
-    tally, rows, interrupted = Tally(), [], False
+    units = {name: quantity.unit for name, quantity in request.scene.quantities.items()}
+    tally, rows, interrupted = Tally(units, load_scales(request.scene)), [], False
     keep = keep_rows or request.application.report is not None
     names = list(columns_of(request.scene, request.application))
     with table_of_rows(csv if first else None, names) as table:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter, defaultdict
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
-from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column, jump_scale
+from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.reservoir import Reservoir
+from restshape.replay.rounding import ROUNDING, largest, scales
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -26,7 +28,8 @@ Summary = dict[str, object]
 
 
 class Jump(TypedDict):
-    """The largest jump of a quantity, its share of the value (None of 0), and its frame."""
+    """The largest jump of a quantity, its share of the quantity's largest size (None of 0, and of rounding alone), and
+    its frame."""
 
     largest: float
     share: float | None
@@ -39,12 +42,17 @@ class Tally:
     Counts, sums and extremes are exact; quantiles are those of a `Reservoir`. Of a quantity, and of the simulated time,
     all values are kept, 8 bytes each, for `replay --json` lists them.
 
+    Args:
+        units: SI unit by quantity, as far as they are known.
+        loads: the largest size of loads by unit (`rounding.load_scales`).
+
     Attributes:
         reasons: column -> text -> line and index of the first frame that has it; the first 1000 texts.
         largest_residual: of frames that were analysed and not refused; 0 without any.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, units: Mapping[str, str] | None = None, loads: Mapping[str, float] | None = None) -> None:
+        self.units, self.loads = units or {}, loads or {}
         self.reasons: dict[str, dict[str, tuple[int, int]]] = {column: {} for column in REASONS}
         self.largest_residual = 0.0
         self._counts: Counter[str] = Counter()
@@ -105,13 +113,19 @@ class Tally:
             self._samples["ms still"].add(ms)
 
     def _add_jumps(self, row: RowValues) -> None:
-        """Keeps the largest jump of each quantity, its share (`jump_scale`), and its frame."""
+        """Keeps the largest jump of each quantity, and its frame; its share is known at the end."""
         for key in self._series:
             size, known = abs(number(row, jump_column(key[2:]))), self._jumps.get(key[2:])
             if size > (known["largest"] if known else -1.0):
-                scale = jump_scale(np.array(self._series[key]), SIMULATED in row)[-1]
-                share = float(size / scale) if scale else None
-                self._jumps[key[2:]] = {"largest": float(size), "share": share, "frame": whole(row, "index")}
+                self._jumps[key[2:]] = {"largest": float(size), "share": None, "frame": whole(row, "index")}
+
+    def _shared_jumps(self, sizes: Mapping[str, float]) -> dict[str, Jump]:
+        """The largest jumps with their shares; `sizes` as `rounding.scales` gives them."""
+        found: dict[str, Jump] = {}
+        for name, jump in self._jumps.items():
+            own = largest(self._series[f"q_{name}"])
+            found[name] = jump | {"share": jump["largest"] / own if own > ROUNDING * sizes[name] else None}
+        return found
 
     def _add_errors(self, row: RowValues) -> None:
         predicted = bool(row["predicted"])
@@ -170,6 +184,8 @@ class Tally:
         """
         counts, (status, violated) = self._counts, self._status
         series = {key: [_known(value) for value in values] for key, values in self._series.items()}
+        known = {key[2:]: np.array(values) for key, values in self._series.items() if key != SIMULATED}
+        sizes = scales(known, self.units, self.loads)
         return {
             "frames": counts["frames"],
             "refused": counts["refused"],
@@ -208,7 +224,8 @@ class Tally:
             "stale": list(self._stale),
             "quantities": {key[2:]: values for key, values in series.items() if key != SIMULATED},
             "quantity_errors": {name: list(map(_error, values)) for name, values in self._errors.items()},
-            "jumps": self._jumps,
+            "jumps": self._shared_jumps(sizes),
+            "scales": sizes,
             **{key: values for key, values in series.items() if key == SIMULATED},
             **self._rest(),
         }

@@ -8,8 +8,8 @@ import numpy as np
 from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.report.field import limits_of, shown_field
-from restshape.report.style import LEVEL_NAMES
-from restshape.report.tables import column, predicted, refused, with_values
+from restshape.report.style import LEVEL_NAMES, si
+from restshape.report.tables import column, predicted, quantity_units, refused, with_values
 
 LONGEST = 90
 """Letters of a reason at most."""
@@ -57,7 +57,7 @@ def worst_frame(recording: Recording) -> tuple[int, str] | None:
     if used:
         name = max(used, key=lambda key: float(np.nanmax(used[key])))
         i = int(np.nanargmax(used[name]))
-        return i, f"worst: {name} at {100.0 * used[name][i]:.4g} % of its limit"
+        return i, f"worst: {name} {_margin(recording, name, i)}"
     field, names = shown_field(recording), [key[2:] for key in recording.table if key.startswith("q_")]
     own = [q for q in names if field and field.quantity_of(recording, q)]
     for name in [*own, *names]:
@@ -66,6 +66,21 @@ def worst_frame(recording: Recording) -> tuple[int, str] | None:
             i = int(np.where(np.isfinite(sizes), sizes, -1.0).argmax())
             return i, f"worst: largest {name}"
     return None
+
+
+def _margin(recording: Recording, name: str, i: int) -> str:
+    """How far a quantity is from the limit that it uses most in a frame, for people.
+
+    It is the share of an upper limit where 0 is no use at all, else the distance in the unit of the quantity: a share
+    of a lower limit, or of an absolute temperature, means nothing.
+    """
+    limit, value = limits_of(recording)[name], float(column(recording, f"q_{name}")[i])
+    left = {key: sign * (limit[key] - value) for key, sign in (("max", 1.0), ("min", -1.0)) if key in limit}
+    key, unit = min(left, key=lambda one: left[one]), quantity_units(recording.header).get(name, "")
+    if key == "max" and limit[key] > 0.0 and value >= 0.0 and unit != "K":
+        return f"at {100.0 * value / limit[key]:.4g} % of its limit"
+    far = si(abs(left[key]), unit, 3)
+    return f"{far} within its limit" if left[key] >= 0.0 else f"{far} beyond its limit"
 
 
 def events(recording: Recording) -> list[list[int]]:

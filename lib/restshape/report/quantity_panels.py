@@ -9,10 +9,13 @@ from matplotlib.axes import Axes
 from restshape.outputs.drawn import save_picture
 from restshape.replay.columns import error_column, jump_column
 from restshape.replay.recording import Recording
+from restshape.replay.rounding import without_rounding
+from restshape.replay.singular_notes import marked
 from restshape.report.field import limits_of
 from restshape.report.frames import scene_name
 from restshape.report.style import GOAL, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure, scaled_unit
-from restshape.report.tables import column, quantity_units, refused
+from restshape.report.tables import column, quantity_scales, quantity_units, refused, singular
+from restshape.scene.quantity import limit_digits
 
 JUMP = jump_column("")
 EACH, FRAMED = 1.35, 1.3
@@ -38,13 +41,17 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     shown = names[:MOST]
     figure = new_figure(10.0, FRAMED + EACH * len(shown))
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-    units, stopped = quantity_units(recording.header), refused(recording)
+    units, stopped, sizes = quantity_units(recording.header), refused(recording), quantity_scales(recording)
     for axes, name in zip(panels, shown):
-        values = np.where(stopped, np.nan, column(recording, f"q_{name}"))
+        values, jumps, errors = (
+            without_rounding(column(recording, one), sizes[name])
+            for one in (f"q_{name}", jump_column(name), error_column(name))
+        )
+        values = np.where(stopped, np.nan, values)
         _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
-        _jumps(axes, values, column(recording, jump_column(name)), units.get(name, ""))
-        _band(axes, values, column(recording, error_column(name)), units.get(name, ""))
-        axes.set_title(name, loc="left", pad=2)
+        _jumps(axes, values, jumps, units.get(name, ""))
+        _band(axes, values, errors, units.get(name, ""))
+        axes.set_title(marked(name, singular(recording)), loc="left", pad=2)
         _shade(axes, np.flatnonzero(stopped))
     panels[-1].set_xlabel("frame")
     panels[-1].set_xlim(-0.5 - 0.01 * recording.n, recording.n - 0.5 + 0.01 * recording.n)
@@ -119,7 +126,7 @@ def draw_limits(axes: Axes, factor: float, low: float, high: float, limit: dict[
     for key, bound in limit.items():
         if low - SHOWN_BEYOND * span <= bound <= high + SHOWN_BEYOND * span:
             axes.axhline(factor * bound, color=REFUSED, lw=1.0, ls="--", zorder=1)
-        words.append(f"{key} {factor * bound:.4g} {unit}".rstrip())
+        words.append(f"{key} {factor * bound:.{limit_digits(bound)}g} {unit}".rstrip())
     axes.set_title(", ".join(words), loc="right", pad=2, color=REFUSED, fontsize=8)
 
 

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from restshape.application import applications
-from restshape.replay.columns import SIMULATED, error_column, jump_column, jump_scale
+from restshape.replay.columns import error_column, jump_column
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recording import Recording
+from restshape.replay.rounding import ROUNDING, cleared, largest, scales, without_rounding
 from restshape.replay.summary import percentiles
 from restshape.scene.quantity import CORE
 
@@ -106,42 +107,62 @@ def convergence_counts(recording: Recording) -> dict[str, int]:
 
 
 def quantity_table(recording: Recording) -> list[dict[str, Any]]:
-    """A row a quantity of interest: quantity, first, last, min, max, unit; None where there is no number."""
-    units = quantity_units(recording.header)
+    """A row a quantity of interest: quantity, first, last, min, max, unit; None where there is no number.
+
+    What is rounding alone is 0.
+    """
+    units, sizes = quantity_units(recording.header), quantity_scales(recording)
     rows = []
     for name in recording.table:
         if name.startswith("q_"):
-            values = column(recording, name)
+            values = without_rounding(column(recording, name), sizes[name[2:]])
             finite = values[np.isfinite(values)]
             found = (values[0], values[-1], finite.min(), finite.max()) if len(finite) else (None,) * 4
             numbers = [float(v) if v is not None and np.isfinite(v) else None for v in found]
             row = dict(zip(("first", "last", "min", "max"), numbers, strict=True))
-            more = quantity_extras(recording, name[2:])
+            more = quantity_extras(recording, name[2:], sizes[name[2:]])
             rows.append({"quantity": name[2:], **row, **more, "unit": units.get(name[2:], "")})
     return rows
 
 
-def quantity_extras(recording: Recording, name: str) -> dict[str, Any]:
+def quantity_scales(recording: Recording) -> dict[str, float]:
+    """What counts as the size of each quantity (`rounding.scales`)."""
+    series = {key[2:]: column(recording, key) for key in recording.table if key.startswith("q_")}
+    loads = recording.header.get("load_scales")
+    return scales(series, quantity_units(recording.header), loads if isinstance(loads, dict) else None)
+
+
+def singular(recording: Recording) -> dict[str, float]:
+    """Quantities that are taken at singular places, with the exponent of displacements there."""
+    known = recording.header.get("singular")
+    return {name: float(value) for name, value in known.items()} if isinstance(known, dict) else {}
+
+
+def quantity_extras(recording: Recording, name: str, scale: float) -> dict[str, Any]:
     """What a recording knows of a quantity besides its values: largest `error`, or "singular"; `at_least`, `at_most`.
 
-    Only what there is.
+    Only what there is. A quantity at a singular place is singular whether its error was to be estimated or not.
     """
     found: dict[str, Any] = {}
     errors = column(recording, error_column(name))
-    if np.isinf(errors).any():
+    if np.isinf(errors).any() or name in singular(recording):
         found["error"] = "singular"
     elif np.isfinite(errors).any():
-        found["error"] = float(np.nanmax(errors))
+        found["error"] = cleared(float(np.nanmax(errors)), scale)
     given = (recording.header.get("limits") or {}).get(name, {})
     return found | {word: given[key] for word, key in (("at_least", "min"), ("at_most", "max")) if key in given}
 
 
 def jumped(recording: Recording, least: float) -> np.ndarray:
-    """Frames (k,) in which the mesh alone makes a quantity that is not singular jump by more than a share of it."""
-    known, frames = recording.header.get("singular") or {}, np.zeros(recording.n, dtype=bool)
-    for name in (key[2:] for key in recording.table if key.startswith("q_") and key[2:] not in known):
-        jumps, values = column(recording, jump_column(name)), column(recording, f"q_{name}")
-        frames |= np.abs(np.nan_to_num(jumps)) > least * jump_scale(values, SIMULATED in recording.table)
+    """Frames (k,) in which the mesh alone makes a quantity jump by more than a share of its largest size.
+
+    Those at singular places, and those that are zero but for rounding, are left out.
+    """
+    known, frames = singular(recording), np.zeros(recording.n, dtype=bool)
+    for name, scale in quantity_scales(recording).items():
+        size = largest(column(recording, f"q_{name}"))
+        if name not in known and size > ROUNDING * scale:
+            frames |= np.abs(np.nan_to_num(column(recording, jump_column(name)))) > least * size
     return np.flatnonzero(frames)
 
 

@@ -80,6 +80,20 @@ def in_unit(unit: str, value: float, digits: int = 6) -> str:
     return f"{factor * value:.{digits}g} {unit}".rstrip()
 
 
+ROUNDED = 1e-6
+"""Relative change by which a limit may be rounded."""
+
+
+def limit_digits(bound: float) -> int:
+    """How many digits give a limit as it was written: four turn 363.15 K, which is 90 degC, into 363.1 K."""
+    return next((n for n in (4, 5, 6) if abs(float(f"{bound:.{n}g}") - bound) <= ROUNDED * abs(bound)), 8)
+
+
+def limit_in_unit(unit: str, bound: float) -> str:
+    """A limit with its SI unit, in as many digits as give it."""
+    return in_unit(unit, bound, limit_digits(bound))
+
+
 CORE = {"area": QuantityKind(Literal[True], "area", "sum", summary="the area of the shape, or of a part of it, exact")}
 """The kinds that quantities of all scenes may have."""
 

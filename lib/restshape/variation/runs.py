@@ -28,12 +28,14 @@ class Sweep:
 
     Attributes:
         scene: of the last run that was valid, and `columns` that show its quantities; None before.
+        singular: quantities at singular places in one of the runs, with the exponent of displacements.
     """
 
     def __init__(self, request: SweepRequest) -> None:
         self.request = request
         self.scene: Scene | None = None
         self.columns: list[str] | None = None
+        self.singular: dict[str, float] = {}
         self._replay: Replay | None = None
         self._moved = False
         self._start: Outline | None = None
@@ -89,6 +91,7 @@ class Sweep:
             run.status, run.why = UNSOLVED, _plain(error)
             return False
         self._replay = replay
+        self.singular = replay.singular | self.singular
         return True
 
     def _read(self, run: SweptRun) -> tuple[Scene, Script]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
 
@@ -12,12 +12,14 @@ from matplotlib.axes import Axes
 
 from restshape.outputs.drawn import save_picture
 from restshape.replay.constraints import recorded_limits
+from restshape.replay.rounding import without_rounding
+from restshape.replay.singular_notes import marked
 from restshape.report.quantity_panels import EACH, FRAMED, MOST, draw_limits, least_span
 from restshape.report.style import COLOURS, INK, REFUSED, new_figure, scaled_unit
 from restshape.report.tables import kind_units
 from restshape.scene.model import Scene
 from restshape.variation.swept_key import SweptKey, combinations
-from restshape.variation.swept_run import SweptRun
+from restshape.variation.swept_run import SweptRun, run_scales
 
 LINES = 12
 """Lines of a panel that the legend names."""
@@ -25,7 +27,14 @@ LABEL = 18
 """Letters of a value on the axis, where values are no numbers."""
 
 
-def draw_sweep(scene: Scene, swept: Sequence[SweptKey], runs: Sequence[SweptRun], path: Path, several: bool) -> None:
+def draw_sweep(
+    scene: Scene,
+    swept: Sequence[SweptKey],
+    runs: Sequence[SweptRun],
+    path: Path,
+    several: bool,
+    singular: Mapping[str, float],
+) -> None:
     """Writes the picture, in the format that the path's suffix names.
 
     The last key that is swept goes along the axis; each combination of the others is a line.
@@ -36,6 +45,7 @@ def draw_sweep(scene: Scene, swept: Sequence[SweptKey], runs: Sequence[SweptRun]
         runs: in the order of `combinations`; the last ones may be missing.
         path: of the picture.
         several: runs have several frames: the values between least and largest are shaded.
+        singular: quantities at singular places, whose panels are marked.
 
     Raises:
         UserError: a file is there that restshape has not drawn.
@@ -43,6 +53,7 @@ def draw_sweep(scene: Scene, swept: Sequence[SweptKey], runs: Sequence[SweptRun]
     """
     columns = [*dict.fromkeys(name for one in runs for name in one.quantities)]
     limits, units = recorded_limits(scene.quantities), kind_units()
+    sizes = run_scales(scene, runs)
     columns.sort(key=lambda column: column.removeprefix("q_") not in limits)
     shown = columns[:MOST]
     figure = new_figure(8.0, FRAMED + EACH * 1.3 * max(len(shown), 1))
@@ -53,8 +64,8 @@ def draw_sweep(scene: Scene, swept: Sequence[SweptKey], runs: Sequence[SweptRun]
         raw = scene.raw.get("quantities", {})
         given = raw.get(name, {}) if isinstance(raw, dict) else {}
         unit = next((units[key] for key in given if key in units), "") if spec else ""
-        _panel(axes, swept, runs, column, limits.get(name, {}), unit, several)
-        axes.set_title(name, loc="left", pad=2)
+        _panel(axes, swept, runs, column, limits.get(name, {}), unit, several, sizes[column])
+        axes.set_title(marked(name, singular), loc="left", pad=2)
     along = swept[-1]
     panels[-1].set_xlabel(f"{along.key} [{along.unit}]" if along.unit else along.key)
     if not along.numbers:
@@ -79,9 +90,10 @@ def _panel(
     limit: dict[str, float],
     unit: str,
     several: bool,
+    size: float,
 ) -> None:
     """One quantity: a line for each combination of the keys but the last, marks where there is no value."""
-    values = np.array([_extent(one, column) for one in runs]).reshape(-1, 3)
+    values = without_rounding(np.array([_extent(one, column) for one in runs]).reshape(-1, 3), size)
     known = values[np.isfinite(values)]
     factor, text = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
     count, lines = len(swept[-1].values), -(-len(runs) // len(swept[-1].values))

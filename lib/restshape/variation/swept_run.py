@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
+from restshape.replay.rounding import load_scales, scales
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -125,6 +126,17 @@ def quantity_columns(scene: Scene, application: Application) -> list[str]:
     own = application.own_columns(scene).items()
     numbers = [name for name, of in own if np.dtype(of).kind == "f" and not name.startswith("ms_")]
     return [f"q_{name}" for name in scene.quantities] or numbers
+
+
+def run_scales(scene: Scene | None, runs: Sequence[SweptRun]) -> dict[str, float]:
+    """What counts as the size of each quantity over all runs, by column (`rounding.scales`)."""
+    names = dict.fromkeys(name for one in runs for name in one.quantities)
+    extents = {name: [one.quantities[name] for one in runs if name in one.quantities] for name in names}
+    series = {name: np.array([(e.last, e.least, e.most) for e in found]).ravel() for name, found in extents.items()}
+    quantities = scene.quantities if scene else {}
+    return scales(
+        series, {f"q_{name}": one.unit for name, one in quantities.items()}, load_scales(scene) if scene else None
+    )
 
 
 def column_names(keys: Iterable[str], quantities: Sequence[str], several: bool) -> list[str]:

@@ -1,0 +1,69 @@
+"""The tables of a replay's quantities: values, estimated errors, jumps of the mesh, and what is to be said of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from restshape.cli.options import print_table
+
+SINGULAR = "singular"
+
+
+def print_quantities(summary: dict[str, Any]) -> None:
+    """Prints what a summary of a replay says of quantities; what is rounding alone is shown as 0."""
+    from restshape.replay.singular_notes import ESTIMATES_NOTE, singular_notes
+
+    quantities, errors, sizes = summary["quantities"], summary["quantity_errors"], summary["scales"]
+    heads = ("quantity", "first", "last", "least", "largest") + (("largest estimated error",) if errors else ())
+    rows = [
+        (name, *_ends(v, sizes[name]), *([_largest(errors.get(name, []), sizes[name])] if errors else []))
+        for name, v in quantities.items()
+    ]
+    print_table("quantities (SI units)", heads, rows, right=heads[1:])
+    if any(isinstance(error, float) for known in errors.values() for error in known):
+        print(ESTIMATES_NOTE)
+    _print_jumps(summary["jumps"], sizes)
+    for note in singular_notes(summary["singular"]):
+        print(note)
+
+
+def _print_jumps(jumps: dict[str, Any], sizes: dict[str, float]) -> None:
+    """Prints the table of jumps, without quantities that are zero."""
+    from restshape.replay.rounding import cleared
+
+    heads, rows = ("quantity", "largest jump", "share of the largest value", "frame"), []
+    for name, one in jumps.items():
+        if one["share"] is not None:
+            size = cleared(one["largest"], sizes[name])
+            rows.append((name, f"{size:.2g}", percent(one["share"] if size else 0.0), one["frame"] if size else "-"))
+    if rows:
+        print_table("jumps where the mesh changed (SI units)", heads, rows, right=heads[1:])
+
+
+def _largest(errors: list[float | str | None], size: float) -> str:
+    """The largest error of a quantity; a dash where there is none."""
+    from restshape.replay.rounding import cleared
+
+    if any(error == SINGULAR for error in errors):
+        return SINGULAR
+    known = [error for error in errors if isinstance(error, float)]
+    return about(cleared(max(known), size)) if known else "-"
+
+
+def _ends(values: list[float | None], size: float) -> list[str]:
+    """First, last, least and largest of the values of a quantity; a dash where there is no number."""
+    from restshape.replay.rounding import cleared
+
+    finite = [value for value in values if value is not None]
+    found = (values[0], values[-1], min(finite, default=None), max(finite, default=None))
+    return ["-" if value is None else f"{cleared(value, size):.6g}" for value in found]
+
+
+def percent(share: float) -> str:
+    """A share in per cent, with two digits."""
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
+
+
+def about(error: float) -> str:
+    """An estimated error in words: it is no bound."""
+    return f"about {error:.2g}" if error else "0"

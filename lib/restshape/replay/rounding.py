@@ -1,0 +1,65 @@
+"""Which numbers are rounding alone: far below the size that a quantity has in a replay, or that its kind has there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from restshape.scene.units import SYMBOLS
+
+if TYPE_CHECKING:
+    from restshape.scene.model import Scene
+
+ROUNDING = 1e-9
+"""Share of a quantity's scale below which a number is rounding: far above that of floats, as cancelling and solves to a
+tolerance leave more, and far below what anybody asks for."""
+
+
+def load_scales(scene: Scene) -> dict[str, float]:
+    """The largest size of the loads of a scene by SI unit, such as that of forces [N]; formulas count for nothing."""
+    found: dict[str, float] = {}
+    for load in scene.loads.values():
+        value, unit = getattr(load, load.kind), SYMBOLS.get(str(load.kinds[load.kind].meaning), "")
+        sizes = [
+            abs(one) for one in (value if isinstance(value, list | tuple) else [value]) if type(one) in (int, float)
+        ]
+        found[unit] = max(found.get(unit, 0.0), *sizes, 0.0)
+    return {unit: size for unit, size in found.items() if unit and size}
+
+
+def scales(
+    series: Mapping[str, np.ndarray], units: Mapping[str, str], loads: Mapping[str, float] | None = None
+) -> dict[str, float]:
+    """What counts as the size of each quantity: the largest one of all with its unit, and of loads with it.
+
+    A quantity whose unit is not known has its own largest size.
+
+    Args:
+        series: (n,) values of a quantity by name, not numbers where it has none.
+        units: SI unit by quantity.
+        loads: by unit, as `load_scales` gives them.
+    """
+    own = {name: largest(values) for name, values in series.items()}
+    shared: dict[str, float] = dict(loads or {})
+    for name, size in own.items():
+        if unit := units.get(name, ""):
+            shared[unit] = max(shared.get(unit, 0.0), size)
+    return {name: shared.get(units.get(name, ""), size) for name, size in own.items()}
+
+
+def largest(values: np.ndarray | Iterable[float]) -> float:
+    """The largest size among values that are numbers; 0 without any."""
+    found = np.asarray(values, dtype=float)
+    return float(np.abs(found[np.isfinite(found)]).max(initial=0.0))
+
+
+def without_rounding(values: np.ndarray, scale: float) -> np.ndarray:
+    """Values with 0 for those that are rounding alone."""
+    return np.where(np.abs(values) < ROUNDING * scale, 0.0, values)
+
+
+def cleared(value: float, scale: float) -> float:
+    """A value, or 0 where it is rounding alone."""
+    return 0.0 if abs(value) < ROUNDING * scale else value

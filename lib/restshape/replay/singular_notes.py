@@ -1,0 +1,31 @@
+"""What is said of quantities at singular places, the same wherever their values are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+MARK = "singular place: value of the mesh"
+"""Beside the name of such a quantity in a picture."""
+ESTIMATES_NOTE = (
+    "estimated errors are estimates, no bounds: in the documented benchmarks four of five are within half and twice the "
+    "true error, at stresses fewer; a finer mesh.size shows the true one"
+)
+
+
+def singular_notes(singular: Mapping[str, float]) -> list[str]:
+    """A line for each quantity that does not converge.
+
+    Args:
+        singular: exponent of displacements by quantity, as recordings have it; 0 at a point load.
+    """
+    return [_note(name, exponent) for name, exponent in singular.items()]
+
+
+def _note(name: str, exponent: float) -> str:
+    how = f"r^{exponent - 1.0:.3f} there" if exponent else "a point load there"
+    return f"{name} is taken at a singular place ({how}): its value is one of the mesh size; restshape check says more"
+
+
+def marked(name: str, singular: Mapping[str, float]) -> str:
+    """The name of a quantity, with a mark where it does not converge."""
+    return f"{name} ({MARK})" if name in singular else name
