@@ -6,7 +6,7 @@ from pathlib import Path
 
 import ezdxf
 import pytest
-from small_scenes import HEAD, block, meshed, write_scene
+from small_scenes import HEAD, block, meshed, plate, write_scene
 
 from restshape.cli.check_scene import add_drawing, starting_outline
 from restshape.cli.doubts import doubts
@@ -126,3 +126,44 @@ def test_a_mesh_file_and_a_size(tmp_path):
     scene = load_scene(write_scene(tmp_path, text))
     size, new = doubts(scene, starting_outline(scene))
     assert size.startswith("mesh.size") and "takes its place: refinements of the file are lost" in new
+
+
+@pytest.mark.parametrize("size", ["'6 Mm'", "'3 m'"])
+def test_triangles_larger_than_the_shape(tmp_path, size):
+    scene = load_scene(scene_of(tmp_path).path, [f"mesh.size={size}"])
+    (warning,) = doubts(scene, starting_outline(scene))
+    assert warning.startswith("mesh.size") and "more than the 2 m of the whole shape" in warning
+    near = load_scene(scene.path, ["mesh.near.left='5 m'"])
+    assert [one.split(":")[0] for one in doubts(near, starting_outline(near))] == ["mesh.near.left"]
+    # Without a unit there is a warning of it already.
+    bare = load_scene(scene.path, ["mesh.size=3"])
+    assert len(doubts(bare, starting_outline(bare))) == 1
+
+
+@pytest.mark.parametrize(("limit", "count"), [("19", 1), ("'19 MPa'", 0), ("'40 Pa'", 1), ("'60 Pa'", 0)])
+def test_a_limit_far_below_what_the_loads_give(tmp_path, limit, count):
+    """1 kN on 10 mm by 2 m is 50 kPa."""
+    more = f'[quantities]\ns = {{ stress = "von_mises", at = "bottom", reduce = "mean", max = {limit} }}\n'
+    scene = scene_of(tmp_path, more=more)
+    found = doubts(scene, starting_outline(scene))
+    assert len(found) == count and all("far below the 5e+04 Pa that the loads give" in one for one in found)
+
+
+def test_a_limit_in_time_without_a_reduction(tmp_path):
+    text = plate().replace('app = "plane"', 'app = "moving"').replace("energy = {", "energy = { max = 1, HOW")
+    text += "[effects.dynamics]\ntime_step = 1e-4\nsteps = 5\n"
+    for how, overrides, count in (("", [], 1), ('reduce = "peak",', [], 0), ("", ["effects.dynamics.steps=1"], 0)):
+        scene = load_scene(write_scene(tmp_path, text.replace("HOW", how)), overrides)
+        found = [one for one in doubts(scene, starting_outline(scene)) if "quantities.energy" in one]
+        assert len(found) == count and all('reduce = "peak"' in one and "the 5 time steps" in one for one in found)
+
+
+def test_formulas_have_their_values_beside_them(command, tmp_path):
+    text = HEAD + block(2.0, 1.0) + BODY.format(E="2*G", rho="7850", thickness="0.01").replace("E = 2*G", "E = 210e9")
+    text = text.replace("force = [1e3, 0]", 'force = ["F/2 + 1", "-F*x"]') + meshed(0.2)
+    text = text.replace("[shape]", '[parameters]\nF = "2 kN"\nn = 3\n[shape]', 1)
+    write_scene(tmp_path, text)
+    shown = command("check", "scene.toml").stdout
+    assert "force (F/2 + 1 = 1001, -F*x) N on right" in shown
+    assert "2 kN = 2000 in SI units" in shown
+    assert [line.split()[2:] for line in shown.splitlines() if line.startswith("parameter n")] == [["3"]]

@@ -255,11 +255,29 @@ def test_one_key_asks_for_all_errors_but_those_of_areas(tmp_path):
     assert schema["properties"]["error"]["type"] == "boolean" and schema["additionalProperties"]
 
 
-def test_one_key_for_all_errors_is_refused_where_there_are_none(tmp_path):
-    text = plate().replace('app = "plane"', 'app = "moving"').replace("[quantities]", "[quantities]\nerror = true")
-    scene = write_scene(tmp_path, text + "[effects.dynamics]\ntime_step = 1e-4\n")
-    with pytest.raises(UserError, match=r"quantities\.error"):
-        make_replay(scene)
+@pytest.mark.parametrize(
+    ("app", "effect"), [("plane", "large_deformation]\n"), ("moving", "dynamics]\ntime_step = 1e-4\nsteps = 1\n")]
+)
+def test_one_key_for_all_errors_is_a_note_where_there_are_none(tmp_path, app, effect):
+    text = plate().replace('app = "plane"', f'app = "{app}"').replace("[quantities]", "[quantities]\nerror = true")
+    row = first_frame(write_scene(tmp_path, text + f"[effects.{effect}")).row
+    assert row["note"] == f"no errors of quantities are estimated here: {quantity_errors.NONE_HERE}"
+    assert len(row["note"]) <= 160 and "stretch_error" not in row
+
+
+def test_a_truth_in_quotes_is_told_to_drop_them(tmp_path):
+    text = plate().replace("[quantities]", '[quantities]\nerror = "true"')
+    with pytest.raises(UserError, match="drop the quotes: write true") as refusal:
+        load_scene(write_scene(tmp_path, text))
+    assert refusal.value.where.startswith("scene.toml: quantities.error (line ")
+
+
+def test_limits_that_exclude_each_other_are_refused(tmp_path):
+    text = plate().replace("stretch = {", 'stretch = { min = "3 mm", max = "2 mm",')
+    with pytest.raises(UserError, match="at least 3 mm and at most 2 mm") as refusal:
+        load_scene(write_scene(tmp_path, text))
+    assert "quantities.stretch" in refusal.value.where
+    load_scene(write_scene(tmp_path, text.replace("3 mm", "2 mm")))
 
 
 @pytest.mark.parametrize("order", [1, 2])

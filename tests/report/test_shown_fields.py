@@ -222,7 +222,7 @@ def test_quantities_over_the_edit_have_gaps_limits_and_marks(recorded, tmp_path,
         x, y = axes.lines[0].get_data()
         assert np.array_equal(np.isnan(y), stopped) and np.array_equal(x, np.arange(recorded.n))
         size = np.nanmax(np.abs(y)) / np.nanmax(np.abs(recorded.table[f"q_{name.split()[0]}"]))
-        np.testing.assert_allclose(y[~stopped], size * recorded.table[f"q_{name}"][~stopped], rtol=1e-12)
+        np.testing.assert_allclose(y[~stopped], size * recorded.table[f"q_{name.split()[0]}"][~stopped], rtol=1e-12)
         assert round(float(np.log10(size)), 9) in (-6.0, -3.0, 3.0) and axes.get_ylabel() in ("[MPa]", "[mm]", "[kPa]")
         assert any(0 in line.get_xdata() for line in axes.lines if line.get_marker() == "s")
     crosses = next(line for line in panels["peak"].lines if line.get_marker() == "x" and len(line.get_xdata()))

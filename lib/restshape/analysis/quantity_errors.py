@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from restshape.scene.plan import Plan
 
 NONE_HERE = "errors of quantities are estimated in linear scenes at rest, of frequencies and of load factors"
+NO_ERRORS = f"no errors of quantities are estimated here: {NONE_HERE}"
 LEAVE_OUT = "leave error = true out"
 
 

@@ -22,10 +22,11 @@ from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
 from restshape.scene.condition_words import load_words, support_words
-from restshape.scene.descriptions import keys_in_words
+from restshape.scene.descriptions import keys_in_words, listing
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.model import Scene
 from restshape.scene.physics import Rows
+from restshape.scene.plain_values import table_in
 from restshape.scene.plan import Plan, as_written, plan
 from restshape.scene.renamed import notes
 from restshape.scene.scene_type import joined_sections
@@ -223,11 +224,17 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows.append(("area", f"{outline.area():.6g} m^2"))
     (x, y), (width, height) = outline.bounds()[0], np.subtract(*outline.bounds()[::-1])
     rows.append(("bounding box", f"{width:.6g} m x {height:.6g} m, lower left corner ({x:.6g}, {y:.6g}) m"))
-    rows += [(f"material {name}", keys_in_words(m)) for name, m in scene.material.items()]
+    known = scene.parameters
+    rows += [(f"parameter {name}", _parameter(scene, name)) for name in known]
+    rows += [(f"material {name}", keys_in_words(m, (), known)) for name, m in scene.material.items()]
     rows += summed(scene, effects, outline)[1]
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
-    rows += [(f"support {name}", f"{support_words(s)} on {', '.join(s.on)}") for name, s in scene.supports.items()]
-    rows += [(f"load {name}", f"{load_words(load)} on {', '.join(load.on)}") for name, load in scene.loads.items()]
+    rows += [
+        (f"support {name}", f"{support_words(s, known)} on {', '.join(s.on)}") for name, s in scene.supports.items()
+    ]
+    rows += [
+        (f"load {name}", f"{load_words(load, known)} on {', '.join(load.on)}") for name, load in scene.loads.items()
+    ]
     rows += section_rows(scene)
     rows += quantity_rows(scene)
     mesh, solve = scene.mesh, scene.solve
@@ -243,6 +250,13 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
     rows += [("note", note) for note in notes(scene.raw)]
     return rows + [("warning", warning) for warning in effects.warnings]
+
+
+def _parameter(scene: Scene, name: str) -> str:
+    """A parameter as it is written, and its value in SI units where that is another one."""
+    value = listing(scene.parameters[name])
+    written = str(table_in(scene.raw, "parameters").get(name, value))
+    return value if written == value else f"{written} = {value} in SI units"
 
 
 def element_words(scene: Scene) -> str:

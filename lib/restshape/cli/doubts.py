@@ -5,14 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from restshape.application import application
 from restshape.cli.bare_numbers import FULL_TURN, bare_numbers, bare_numbers_set
 from restshape.mesh.curve_edges import curve_edges
 from restshape.mesh.sizing import PER_CIRCLE
+from restshape.replay.rounding import load_scales
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import table_in
+from restshape.scene.quantity import CORE, in_unit, limit_in_unit
 from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 
+FAR_OFF = 1e-3
+"""Share of the stress that loads give over the whole shape, below which a limit on stress is hardly meant."""
 TOLERATED = 1.1
 """Edges of a curve that turn by less than this times what is usual are as usual."""
 
@@ -20,7 +26,10 @@ TOLERATED = 1.1
 def doubts(scene: Scene, outline: Outline) -> list[str]:
     """What a user may have meant otherwise, a line each, of a scene and its first outline."""
     return [
+        *_sizes(scene, _size(outline)),
         *bare_numbers(scene, _size(outline)),
+        *_low_limits(scene, _size(outline)),
+        *_limits_in_time(scene),
         *_mesh(scene, outline),
         *_drawing(scene, outline),
         *_curves(scene, outline),
@@ -35,6 +44,46 @@ def script_doubts(scene: Scene, outline: Outline, script: Script) -> list[str]:
 def _size(outline: Outline) -> float:
     """The longer side of the box around a shape [m]."""
     return float(max(outline.bounds()[1] - outline.bounds()[0]))
+
+
+def _sizes(scene: Scene, size: float) -> Iterator[str]:
+    """Triangles that are wanted larger than the shape, in whatever unit they were written."""
+    raw = table_in(scene.raw, "mesh")
+    written = {"mesh.size": raw.get("size"), **{f"mesh.near.{k}": v for k, v in table_in(raw, "near").items()}}
+    wanted = {"mesh.size": scene.mesh.size, **{f"mesh.near.{name}": near for name, near in scene.mesh.near.items()}}
+    for key, length in wanted.items():
+        # `bare_numbers` looks at those without a unit.
+        if length is not None and length > size and isinstance(written.get(key), str):
+            yield f"{key}: {length:g} m is more than the {size:.3g} m of the whole shape: is its unit right?"
+
+
+def _low_limits(scene: Scene, size: float) -> Iterator[str]:
+    """Limits on stress far below what the loads give in a solid block of the shape's size."""
+    thick = [m.thickness for m in scene.material.values() if isinstance(getattr(m, "thickness", None), int | float)]
+    loads = load_scales(scene)
+    usual = max(loads.get("Pa", 0.0), loads.get("N", 0.0) / (max(thick) * size) if thick else 0.0)
+    for name, quantity in scene.quantities.items():
+        if quantity.unit == "Pa" and quantity.max is not None and 0.0 < quantity.max < FAR_OFF * usual:
+            limit, nominal = limit_in_unit("Pa", quantity.max), in_unit("Pa", usual, 3)
+            yield (
+                f"quantities.{name}.max: {limit} is far below the {nominal} that the "
+                'loads give over the whole shape: is its unit right? A number without one is in Pa: "190 MPa"'
+            )
+
+
+def _limits_in_time(scene: Scene) -> Iterator[str]:
+    """Limits that are held against the end of each frame alone."""
+    effects = application(scene.app).effects
+    steps = [found.get("steps", 1) for name, found in scene.effects.items() if effects[name].transient]
+    if not steps or max(steps) < 2:
+        return
+    for name, quantity in scene.quantities.items():
+        may = not quantity.kinds[quantity.kind].reductions and quantity.kind not in CORE
+        if may and quantity.max is not None and "reduce" not in table_in(table_in(scene.raw, "quantities"), name):
+            yield (
+                f"quantities.{name}: its limit is held against the end of each frame alone, not the {max(steps)} time "
+                'steps in it: set reduce = "peak", the largest size over all of them'
+            )
 
 
 def _mesh(scene: Scene, outline: Outline) -> Iterator[str]:

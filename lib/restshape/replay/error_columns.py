@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from restshape.analysis.quantity_errors import LEAVE_OUT, NONE_HERE
+from restshape.analysis.quantity_errors import LEAVE_OUT, NO_ERRORS, NONE_HERE
+from restshape.analysis.row_values import text, whole
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.columns import error_column, estimated_quantities
 from restshape.scene.plain_values import table_in
@@ -44,27 +45,36 @@ class QuantityErrorColumns:
         singular: quantities without a limit under refinement.
 
     Raises:
-        UserError: the scene asks for an error that this analysis does not estimate.
+        UserError: a quantity asks for an error that this analysis does not estimate.
+
+    Attributes:
+        note: that there are none, where the scene asks for those of all quantities.
     """
 
     def __init__(
         self, scene: Scene, application: Application, analysis: Analysis[Solvable], singular: Mapping[str, float]
     ) -> None:
         self.analysis = analysis
+        self.note = ""
         self.names = estimated_quantities(scene, application)
         self.estimates = analysis.quantity_errors
         if self.estimates is None:
-            asked = next((name for name, quantity in scene.quantities.items() if quantity.error), None)
+            given = table_in(scene.raw, "quantities")
+            asked = next((name for name in given if table_in(given, name).get("error") is True), None)
             if asked is not None:
-                key = "error" if table_in(scene.raw, "quantities").get(ALL_ERRORS) is True else f"{asked}.error"
-                raise scene.located(UserError(NONE_HERE, f"quantities.{key}", LEAVE_OUT))
+                raise scene.located(UserError(NONE_HERE, f"quantities.{asked}.error", LEAVE_OUT))
+            self.note = NO_ERRORS if given.get(ALL_ERRORS) is True else ""
             self.names = []
         self.singular = [name for name in self.names if name in singular]
 
     def __call__(self, row: RowValues) -> RowValues:
-        """The columns of a frame that was solved; infinite where a quantity has no limit under refinement."""
+        """The columns of a frame that was solved; infinite where a quantity has no limit under refinement.
+
+        The first frame also has the note.
+        """
         if self.estimates is None:
-            return {}
+            first = self.note and not whole(row, "index")
+            return {"note": "; ".join(filter(None, (text(row, "note"), self.note)))} if first else {}
         found: dict[str, float] = dict.fromkeys(self.singular, np.inf)
         found |= self.estimates([name for name in self.names if name not in self.singular])
         return {error_column(name): found.get(name, np.nan) for name in self.names}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape.scene.expressions import COORDINATES, Expression
 from restshape.scene.units import SYMBOLS
 
 if TYPE_CHECKING:
@@ -18,15 +19,20 @@ tolerance leave more, and far below what anybody asks for."""
 
 
 def load_scales(scene: Scene) -> dict[str, float]:
-    """The largest size of the loads of a scene by SI unit, such as that of forces [N]; formulas count for nothing."""
+    """The largest size of the loads of a scene by SI unit, such as that of forces [N]; formulas of places left out."""
     found: dict[str, float] = {}
     for load in scene.loads.values():
         value, unit = getattr(load, load.kind), SYMBOLS.get(str(load.kinds[load.kind].meaning), "")
-        sizes = [
-            abs(one) for one in (value if isinstance(value, list | tuple) else [value]) if type(one) in (int, float)
-        ]
+        sizes = [_size(one, scene) for one in (value if isinstance(value, list | tuple) else [value])]
         found[unit] = max(found.get(unit, 0.0), *sizes, 0.0)
     return {unit: size for unit, size in found.items() if unit and size}
+
+
+def _size(value: object, scene: Scene) -> float:
+    """The size of a number, or of a formula of parameters; 0 of what is neither."""
+    if isinstance(value, Expression) and not value.names.intersection(COORDINATES):
+        value = float(value.evaluate(0.0, 0.0, scene.parameters))
+    return abs(value) if isinstance(value, int | float) and np.isfinite(value) else 0.0
 
 
 def scales(

@@ -44,18 +44,23 @@ class UncertainLimits:
         errors, why = {}, {}
         for name in self.limits:
             errors[name], why[name] = max(self._doubts(name, row))
-        uncertain = uncertain_constraints(self.limits, values, errors)
+        uncertain, violated = (
+            uncertain_constraints(self.limits, values, errors),
+            violated_constraints(self.limits, values),
+        )
+        known = {(one.detail, one.subjects) for one in uncertain}
+        certain = {one.subjects for one in violated if (one.detail, one.subjects) not in known}
+        uncertain = tuple(one for one in uncertain if one.subjects not in certain)
         if not uncertain:
             return {}
-        known = {(one.detail, one.subjects) for one in uncertain}
-        beyond = [one for one in violated_constraints(self.limits, values) if (one.detail, one.subjects) in known]
+        beyond = [one for one in violated if one.subjects not in certain]
         others = [one for one in decode_findings(text(row, "findings")) if one not in beyond]
         texts = {formatted_constraint(one) for one in beyond}
-        violated = [one for one in text(row, "violated_constraints").split("; ") if one and one not in texts]
+        left = [one for one in text(row, "violated_constraints").split("; ") if one and one not in texts]
         notes = [f"{one.subjects[0]} is nearer to its limit than {why[one.subjects[0]]}" for one in uncertain]
         return {
-            "constraint_status": FAILS if violated else UNCERTAIN,
-            "violated_constraints": "; ".join(violated),
+            "constraint_status": FAILS if left else UNCERTAIN,
+            "violated_constraints": "; ".join(left),
             "note": "; ".join(filter(None, (text(row, "note"), *notes))),
             "findings": encode_findings((*others, *uncertain)),
         }

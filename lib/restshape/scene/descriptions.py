@@ -4,50 +4,67 @@ from collections.abc import Mapping
 
 from pydantic import BaseModel
 
-from restshape.scene.expressions import Expression
+from restshape.scene.expressions import COORDINATES, Expression
 from restshape.scene.units import SYMBOLS, in_si
 from restshape.scene.values import annotation_of, dimension_of
 
 
-def listing(value: object) -> str:
-    """A number, the text of a formula, or several of them in parentheses."""
+def listing(value: object, parameters: Mapping[str, float] | None = None) -> str:
+    """A number, the text of a formula, or several of them in parentheses.
+
+    Args:
+        value: of a key.
+        parameters: of the scene; with them a formula of parameters alone has its value beside it.
+    """
     if isinstance(value, tuple | list):
-        return f"({', '.join(map(listing, value))})"
+        return f"({', '.join(listing(one, parameters) for one in value)})"
     if isinstance(value, Expression):
-        return value.text
+        return value.text if parameters is None else f"{value.text}{_value(value, parameters)}"
     return str(value) if isinstance(value, bool | str) else f"{value:.6g}"
 
 
-def with_symbol(value: object, dimension: object) -> str:
-    """A value, as in `listing`, with the SI unit of its dimension; a formula that has units of its own without."""
+def _value(formula: Expression, parameters: Mapping[str, float]) -> str:
+    """The value of a formula in SI units, such as `` = 2000``; empty where it depends on the place."""
+    if formula.names.intersection(COORDINATES):
+        return ""
+    return f" = {float(formula.evaluate(0.0, 0.0, dict(parameters))):.6g}"
+
+
+def with_symbol(value: object, dimension: object, parameters: Mapping[str, float] | None = None) -> str:
+    """A value, as in `listing`, with the SI unit of its dimension.
+
+    A formula that has units of its own is without, unless its value stands beside it.
+    """
     symbol = SYMBOLS.get(dimension, "") if isinstance(dimension, str) else ""
     parts = value if isinstance(value, tuple | list) else (value,)
     formulas = [part.text for part in parts if isinstance(part, Expression)]
-    if not symbol or any(in_si(text) != text for text in formulas):
-        return listing(value)
-    return (
-        f"({listing(value)}) {symbol}"
-        if isinstance(value, Expression) and value.is_sum
-        else f"{listing(value)} {symbol}"
-    )
+    shown = listing(value, parameters)
+    valued = parameters is not None and shown != listing(value)
+    if not symbol or (any(in_si(text) != text for text in formulas) and not valued):
+        return shown
+    brackets = isinstance(value, Expression) and value.is_sum and not valued
+    return f"({shown}) {symbol}" if brackets else f"{shown} {symbol}"
 
 
-def keys_in_words(model: BaseModel, without: tuple[str, ...] = ()) -> str:
+def keys_in_words(
+    model: BaseModel, without: tuple[str, ...] = (), parameters: Mapping[str, float] | None = None
+) -> str:
     """The keys of a model that have values, with their units, and those inside them.
 
     Args:
         model: of a scene.
         without: keys that are left out.
+        parameters: as in `listing`.
     """
-    return ", ".join(f"{key} {words}" for key, words in _keys(model, "") if key not in without)
+    return ", ".join(f"{key} {words}" for key, words in _keys(model, "", parameters) if key not in without)
 
 
-def _keys(model: BaseModel, prefix: str) -> list[tuple[str, str]]:
+def _keys(model: BaseModel, prefix: str, parameters: Mapping[str, float] | None) -> list[tuple[str, str]]:
     found = []
     for key, info in type(model).model_fields.items():
         value = getattr(model, key)
         if isinstance(value, BaseModel):
-            found += _keys(value, f"{prefix}{key}.")
+            found += _keys(value, f"{prefix}{key}.", parameters)
         elif value is not None and not isinstance(value, Mapping):
-            found.append((f"{prefix}{key}", with_symbol(value, dimension_of(annotation_of(info)))))
+            found.append((f"{prefix}{key}", with_symbol(value, dimension_of(annotation_of(info)), parameters)))
     return found

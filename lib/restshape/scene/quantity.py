@@ -178,6 +178,9 @@ class Quantity(Strict):
         kind = only_one(self, self.kinds)
         if self.error and kind in CORE:
             raise UnitError(f"{article(kind)} has no error estimate", "leave error = true out")
+        if self.max is not None and self.min is not None and self.min > self.max:
+            least, most = (limit_in_unit(self.unit, one) for one in (self.min, self.max))
+            raise UnitError(f"no value can be at least {least} and at most {most}", "exchange min and max, or mend one")
         reductions = self.kinds[kind].reductions
         if reductions and self.reduce not in reductions:
             raise UnitError(

@@ -13,6 +13,8 @@ from restshape.scene.source import Source, suggestion
 from restshape.scene.units import reads_as_quantity
 
 MAX_REPORTED = 4
+TABLES_OR_TRUTHS = ("dict_type", "model_type", "bool_type", "bool_parsing")
+"""Kinds of findings where what stands in quotes may be meant without: `error` is a key beside names of quantities."""
 
 
 def user_error(
@@ -126,6 +128,10 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
             bound = "at least" if kind == "too_short" else "at most"
             what = f"{bound} {limit} entries are wanted here, but there are {context['actual_length']}"
             return what, _of_length(given, limit)
+        case _ if kind in TABLES_OR_TRUTHS and given in ("true", "false"):
+            return f"{given} is no text here", f"drop the quotes: write {given}"
+        case "bool_type" | "bool_parsing":
+            return f"true or false is wanted here, {shown}", "write true or false, without quotes"
         case "dict_type" | "model_type":
             return f"a table of keys is wanted here, {shown}", ""
         case "list_type" | "tuple_type":
