@@ -47,7 +47,11 @@ class Nails(Strict):
 
 
 class Gravity(Strict):
-    """Keys of ``[effects.gravity]``: the acceleration g [m/s^2] that planks and weights have."""
+    """Keys of ``[effects.gravity]``: the acceleration g [m/s^2] that planks and weights have.
+
+    Args:
+        g: acceleration (x, y, z).
+    """
 
     g: Annotated[list[number_of("acceleration")], Field(min_length=3, max_length=3)] = [0.0, 0.0, -9.80665]
 

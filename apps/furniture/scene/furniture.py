@@ -23,14 +23,24 @@ SUGGESTIONS_BYTES, RANGES_BYTES = 4000, 400
 
 
 class Wood(Strict):
-    """``[wood]``: what planks are made of, and how thick [m] they are where they say nothing else."""
+    """``[wood]``: what planks are made of, and how thick [m] they are where they say nothing else.
+
+    Args:
+        name: of the material.
+        thickness: of planks that say no other.
+    """
 
     name: str = "mdf"
     thickness: Size = 0.012
 
 
 class Fastening(Strict):
-    """``[fastener]``: what joints are made with, and how far [m] one is from the next along a joint."""
+    """``[fastener]``: what joints are made with, and how far [m] one is from the next along a joint.
+
+    Args:
+        name: of the fastener.
+        spacing: from one to the next along a joint.
+    """
 
     name: str = "nail-thesis"
     spacing: Annotated[Length, Field(gt=0)] = 0.02
@@ -42,6 +52,15 @@ class PlankSpec(Strict):
     Two lines are its middle line ``from`` one point ``to`` another [m], and its ``width``, a vector [m] across it.
     Else it has a ``center`` [m], a ``size`` of length and width [m] along its x and y, and a ``turn`` about x, then y,
     then z. Without them it is thick and made as ``[wood]`` says.
+
+    Args:
+        from, to: the ends of its middle line.
+        width: the vector across it.
+        center: its centre, instead of lines.
+        size: length and width along its x and y.
+        turn: angles about x, then y, then z.
+        thickness: left out, that of the wood.
+        wood: left out, that of all planks.
     """
 
     model_config = ConfigDict(populate_by_name=True)
@@ -78,7 +97,15 @@ class PlankSpec(Strict):
 
 
 class JointSpec(Strict):
-    """``[joints.NAME]``: the end of a plank against a face of another, through which its fasteners go."""
+    """``[joints.NAME]``: the end of a plank against a face of another, through which its fasteners go.
+
+    Args:
+        plank: whose end is joined.
+        end: of the plank.
+        to: the other plank.
+        face: of the other plank.
+        fastener: left out, that of all joints.
+    """
 
     plank: str
     end: Literal["-x", "+x", "-y", "+y"]
@@ -91,6 +118,10 @@ class Joints(Strict):
     """``[joints]``: every end within ``reach`` [m] of a face is joined to it, beside the joints that have names.
 
     With ``near = false`` those that have names are all.
+
+    Args:
+        near: whether joints are made by themselves.
+        reach: the largest distance of an end from a face that it is joined to.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -106,14 +137,25 @@ class Joints(Strict):
 
 
 class Floor(Strict):
-    """``[floor]``: how high it lies [m], and Coulomb's coefficient of friction on it."""
+    """``[floor]``: how high it lies [m], and Coulomb's coefficient of friction on it.
+
+    Args:
+        height: of the floor.
+        friction: Coulomb's coefficient on it.
+    """
 
     height: Length = 0.0
     friction: Annotated[number_of("number"), Field(ge=0)] = 0.5
 
 
 class WeightSpec(Strict):
-    """``[weights.NAME]``: a mass [kg] put on a plank, ``at`` a place in parts of its size from its middle."""
+    """``[weights.NAME]``: a mass [kg] put on a plank, ``at`` a place in parts of its size from its middle.
+
+    Args:
+        on: the plank that bears it.
+        mass: its mass.
+        at: where on the plank, in parts of its size from its centre.
+    """
 
     on: str
     mass: value_of("mass")
@@ -121,7 +163,13 @@ class WeightSpec(Strict):
 
 
 class PushSpec(Strict):
-    """``[pushes.NAME]``: a force [N] on a plank, a case of its own beside the weights; ``at`` as of weights."""
+    """``[pushes.NAME]``: a force [N] on a plank, a case of its own beside the weights; ``at`` as of weights.
+
+    Args:
+        on: the plank that is pushed.
+        force: its components.
+        at: where on the plank, in parts of its size from its centre.
+    """
 
     on: str
     force: tuple[value_of("force"), value_of("force"), value_of("force")]

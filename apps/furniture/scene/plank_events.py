@@ -78,7 +78,11 @@ def far_turn(angle: float) -> UnitError | None:
 
 
 class PlankPress(EventLine):
-    """A hand takes hold of a plank, at a point [m] (else its middle), or of one ``parameter`` of it."""
+    """A hand takes hold of a plank, at a point [m] (else its middle), or of one ``parameter`` of it.
+
+    Args:
+        parameter: of the plank that the hand drags.
+    """
 
     do: Literal["press"]
     on: str
@@ -133,7 +137,11 @@ class PlankRotate(EventLine):
 
 
 class PlankScale(EventLine):
-    """A plank becomes longer by a factor, along its x or y."""
+    """A plank becomes longer by a factor, along its x or y.
+
+    Args:
+        along: the axis of the plank along which it grows.
+    """
 
     do: Literal["scale"]
     on: str
@@ -155,6 +163,13 @@ class DrawPlank(EventLine):
     """A new plank by two drawn lines: its middle line from one point to another, and its width across it.
 
     It is as thick and made as ``[wood]`` says, and joined as ``[fastener]`` does, where it says nothing else.
+
+    Args:
+        from, to: the ends of its middle line.
+        width: the vector across it.
+        thickness: left out, that of the wood.
+        wood: left out, that of all planks.
+        fastener: of its joints; left out, that of all.
     """
 
     do: Literal["plank"]
@@ -168,7 +183,11 @@ class DrawPlank(EventLine):
 
 
 class Connect(EventLine):
-    """A plank is joined to all that it has come near, with a ``fastener``, and stands on the floor if that is near."""
+    """A plank is joined to all that it has come near, with a ``fastener``, and stands on the floor if that is near.
+
+    Args:
+        fastener: of the new joints; left out, that of all.
+    """
 
     do: Literal["connect"]
     on: str
@@ -176,7 +195,11 @@ class Connect(EventLine):
 
 
 class PutWeight(EventLine):
-    """A mass [kg] is put on a plank, ``at`` a place in parts of its size; one of the same name is replaced."""
+    """A mass [kg] is put on a plank, ``at`` a place in parts of its size; one of the same name is replaced.
+
+    Args:
+        mass: its mass.
+    """
 
     do: Literal["weight"]
     name: Name
@@ -193,14 +216,22 @@ class Remove(EventLine):
 
 
 class Choose(EventLine):
-    """A suggestion is taken, by its number from 1 on."""
+    """A suggestion is taken, by its number from 1 on.
+
+    Args:
+        number: of the suggestion, from 1.
+    """
 
     do: Literal["choose"]
     number: Annotated[int, Field(ge=1, le=99)]
 
 
 class Slide(EventLine):
-    """The chosen suggestion is followed to a part, 0 to 1, of its valid range."""
+    """The chosen suggestion is followed to a part, 0 to 1, of its valid range.
+
+    Args:
+        to: the part of the suggestion that is followed, 0 to 1.
+    """
 
     do: Literal["slide"]
     to: Annotated[number_of("number"), Field(ge=0, le=1)]

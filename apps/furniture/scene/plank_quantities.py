@@ -9,12 +9,20 @@ from restshape.scene.quantity import Quantity, QuantityKind
 from restshape.scene.source import Source, suggestion
 
 OF_PLANKS = {
-    "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum"),
-    "utilisation": QuantityKind(Literal["pull", "shear", "largest"], "number", "max", renamed="use"),
-    "deflection": QuantityKind(Literal[True], "length", "max", renamed="sag"),
-    "stability_margin": QuantityKind(Literal[True], "number", "min", whole=True, renamed="margin"),
-    "mass": QuantityKind(Literal[True], "mass", "sum"),
-    "length": QuantityKind(Literal["x", "y", "z"], "length", "sum"),
+    "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum", summary="a component of the force of the floor"),
+    "utilisation": QuantityKind(
+        Literal["pull", "shear", "largest"],
+        "number",
+        "max",
+        renamed="use",
+        summary="share of a joint's strength that is used",
+    ),
+    "deflection": QuantityKind(Literal[True], "length", "max", renamed="sag", summary="largest deflection of a plank"),
+    "stability_margin": QuantityKind(
+        Literal[True], "number", "min", whole=True, renamed="margin", summary="how far from tipping"
+    ),
+    "mass": QuantityKind(Literal[True], "mass", "sum", summary="mass of planks"),
+    "length": QuantityKind(Literal["x", "y", "z"], "length", "sum", summary="size of a plank along its own axis"),
 }
 """Kinds of quantities that furniture adds: use of the strength of joints, deflection, margin of what holds the piece
 down, mass, and length along an axis of a plank's own."""

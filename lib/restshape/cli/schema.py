@@ -42,9 +42,18 @@ def scene_schema() -> dict[str, Any]:
 
     schema = any_scene_type(installed_physics(checked_applications().values())).model_json_schema()
     names = sorted(applications())
-    schema["properties"]["app"] = {"enum": names, "title": "App"}
+    schema["properties"]["app"] = {
+        "enum": names,
+        "title": "App",
+        "description": "the application that simulates the scene",
+    }
     effects = {name: _effect(name) for app in applications().values() for name in app.effects}
-    schema["properties"]["effects"] = {"type": "object", "properties": effects, "additionalProperties": False}
+    schema["properties"]["effects"] = {
+        "type": "object",
+        "description": "the effects that are simulated, each with its keys",
+        "properties": effects,
+        "additionalProperties": False,
+    }
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "restshape scene", **schema}
 
 

@@ -25,21 +25,38 @@ POINTS = {"sphere": ("center",), "plane": ("point",), "box": ("center",), "capsu
 
 
 class Sphere(Strict):
-    """A ball by centre [m] and radius [m]."""
+    """A ball by centre [m] and radius [m].
+
+    Args:
+        center: its centre.
+        radius: its radius.
+    """
 
     center: Place
     radius: Size
 
 
 class Plane(Strict):
-    """A half-space behind a plane through a point [m]; the normal points out of it."""
+    """A half-space behind a plane through a point [m]; the normal points out of it.
+
+    Args:
+        point: a point in it.
+        normal: towards where cloth may be.
+    """
 
     point: Place
     normal: Direction
 
 
 class Box(Strict):
-    """A box by centre and half sizes [m], turned about x, then y, then z [rad]; edges are rounded within the sizes."""
+    """A box by centre and half sizes [m], turned about x, then y, then z [rad]; edges are rounded within the sizes.
+
+    Args:
+        center: its centre.
+        half: half its sizes, with the rounding of its edges.
+        rotate: angles about x, then y, then z.
+        radius: of its rounded edges.
+    """
 
     center: Place
     half: tuple[Size, Size, Size]
@@ -48,7 +65,12 @@ class Box(Strict):
 
 
 class Capsule(Strict):
-    """All within a radius [m] of the line from start to end [m]."""
+    """All within a radius [m] of the line from start to end [m].
+
+    Args:
+        start, end: the ends of its axis.
+        radius: its radius.
+    """
 
     start: Place
     end: Place
@@ -59,6 +81,10 @@ class Body(Strict):
     """``[bodies.NAME]``: a sphere, plane, box or capsule, which cloth does not enter; ``friction`` is Coulomb's.
 
     All numbers may be formulas of the parameters.
+
+    Args:
+        sphere, plane, box, capsule: its form; one of them.
+        friction: Coulomb's coefficient.
     """
 
     kinds: ClassVar[tuple[str, ...]] = ("sphere", "plane", "box", "capsule")
@@ -103,6 +129,13 @@ class Start(Strict):
 
     Supports hold it there. ``scatter`` moves each free node by up to so much along each axis, at random, but by the
     same for the same ``seed``.
+
+    Args:
+        move: displacement, after it is turned.
+        turn: angles about x, then y, then z.
+        about: the point that stays where it is turned.
+        scatter: the most that free nodes move at random along each axis.
+        seed: of the random numbers.
     """
 
     move: Place = ORIGIN

@@ -27,7 +27,16 @@ VERSION = 1
 
 
 class Header(Strict):
-    """The first line: what the script is, for which scene, in which unit of length."""
+    """The first line: what the script is, for which scene, in which unit of length.
+
+    Args:
+        format: what the file is.
+        version: of the format.
+        scene: the file of the scene that it edits.
+        units: unit of all lengths in the script.
+        analysis: which frames are solved.
+        note: for readers.
+    """
 
     format: Literal["restshape-edits"]
     version: Literal[1]

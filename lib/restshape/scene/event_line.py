@@ -28,7 +28,32 @@ Frames = Annotated[int, Field(ge=1, le=1_000_000, strict=True)]
 
 
 class EventLine(Strict):
-    """What every event has: what it does, its edit time [s], its line (0 = not from a file), and room for a remark."""
+    """What every event has: what it does, its edit time [s], its line (0 = not from a file), and room for a remark.
+
+    Args:
+        t: edit time at which it begins.
+        note: for readers.
+        do: what happens.
+        on: the entity that it happens to.
+        name: of what it makes.
+        at: where; left out, as the event says.
+        to: where the cursor goes.
+        path: points that the cursor goes through, one a frame.
+        by: how far it turns or moves.
+        about: the point, or axis, that stays; left out, its own.
+        factor: how many times as large it becomes.
+        frames: in how many frames it happens.
+        key: of the scene, with dots.
+        value: the value that the key gets.
+        s: place on the edge, as a share of its length.
+        through: a point of the arc.
+        bulge: tan(angle / 4) of the arc.
+        center: of the circle.
+        radius: of the circle.
+        polygon: corners of the polygon.
+        pins: vertices, or places on the curve, that stay; left out, its ends.
+        strength: share of a zigzag that goes away.
+    """
 
     line: SkipJsonSchema[int] = Field(default=0, exclude=True)
     t: Annotated[Time, Field(ge=0)]

@@ -38,26 +38,43 @@ else:
 
 
 class Circle(Strict):
-    """A circle by centre [m] and radius [m]."""
+    """A circle by centre [m] and radius [m].
+
+    Args:
+        center: its centre.
+        radius: its radius.
+    """
 
     center: Point
     radius: Annotated[Length, Field(gt=0)]
 
 
 class CircleLoop(Strict):
-    """A round loop of four arcs, ``NAME.1`` to ``NAME.4``, through vertices ``NAME.v1`` to ``NAME.v4``."""
+    """A round loop of four arcs, ``NAME.1`` to ``NAME.4``, through vertices ``NAME.v1`` to ``NAME.v4``.
+
+    Args:
+        circle: centre and radius.
+    """
 
     circle: Circle
 
 
 class EdgeLoop(Strict):
-    """A loop of named edges."""
+    """A loop of named edges.
+
+    Args:
+        loop: names of edges, in the order in which they are joined.
+    """
 
     loop: Annotated[list[str], Field(min_length=1)]
 
 
 class PolygonLoop(Strict):
-    """A loop of straight edges ``NAME.1``, ``NAME.2``, ... between corners [m]."""
+    """A loop of straight edges ``NAME.1``, ``NAME.2``, ... between corners [m].
+
+    Args:
+        polygon: its corners, three or more, in order.
+    """
 
     polygon: Annotated[list[Point], Field(min_length=3, max_length=POLYLINE_POINTS)]
 
@@ -71,7 +88,22 @@ LoopSpec = Annotated[
 
 
 class ShapeSpec(Strict):
-    """``[shape]``: the outline with its holes, and what has a name on it."""
+    """``[shape]``: the outline with its holes, and what has a name on it.
+
+    Args:
+        file: a drawing (.dxf, .svg, .step, .geo) beside the scene that the outline is read from; other keys add to
+            it.
+        layers: layers of a .dxf, or groups and shapes of an .svg, that are read, each with its name in the scene;
+            left out, all are.
+        tolerance: the largest gap between two ends of curves in the file that is closed; left out, none is.
+        outline: names of edges, in order around the shape.
+        vertices: points where edges end, by name.
+        edges: lines, arcs, splines and polylines between vertices, by name.
+        holes: loops that are cut out, by name.
+        regions: loops that may have a material of their own, by name.
+        points: points that the mesh has a node at, by name.
+        groups: lists of entities, by the name that stands for them.
+    """
 
     named: ClassVar[dict[str, str]] = {
         "vertices": "vertex",
@@ -115,6 +147,10 @@ class Material(Strict):
     """``[material.NAME]``: what a body is made of; without ``region`` it fills what no other material does.
 
     ``name`` takes the values of a material that is known; what is given besides comes before that.
+
+    Args:
+        name: a known material, whose values are taken where none are given.
+        region: the regions that it fills; left out, all that no other material fills.
     """
 
     known: ClassVar[Mapping[str, Mapping[str, object]]] = MATERIALS
@@ -138,7 +174,12 @@ def read_fix(raw: object) -> Table:
 
 
 class Support(Strict):
-    """``[supports.NAME]``: where, and to which values, unknowns are constrained: ``fix = ["x"]``, or ``{ x = 0 }``."""
+    """``[supports.NAME]``: where, and to which values, unknowns are constrained: ``fix = ["x"]``, or ``{ x = 0 }``.
+
+    Args:
+        on: the entities that it holds.
+        fix: directions that are held, or the values of unknowns.
+    """
 
     boundary: ClassVar[Mapping[str, str]] = {}
 
@@ -153,7 +194,11 @@ class Support(Strict):
 
 
 class Load(Strict):
-    """``[loads.NAME]``: what acts on a part of the shape; of one kind."""
+    """``[loads.NAME]``: what acts on a part of the shape; of one kind.
+
+    Args:
+        on: the entities that it acts on.
+    """
 
     kinds: ClassVar[Mapping[str, LoadKind]] = {}
 
@@ -181,6 +226,20 @@ class MeshSpec(Strict):
 
     Solids over the plane outline have ``layers`` of tetrahedra. Of ``levels`` of nested meshes the finest has the sizes
     given; the coarsest is what moves, flips and is rebuilt.
+
+    Args:
+        size: edge length of the mesh.
+        near: edge length at an entity, by its name.
+        edges_per_circle: mesh edges of a whole circle; left out, 24 of first order and 12 of second.
+        levels: nested meshes, of cloth.
+        order: element order; left out, as the effects decide.
+        layers: layers of tetrahedra over the thickness; left out, as thickness and modes decide.
+        relocation: how nodes follow the outline.
+        criterion: the measure of triangles by which they flip and meshes are rebuilt.
+        min_quality: the quality below which a mesh is rebuilt.
+        mesher: the program that makes meshes.
+        file: a mesh (.inp, .bdf, .msh, .vtu) that the shape is taken from.
+        unit: of the numbers in the file.
     """
 
     size: Annotated[Length, Field(gt=0)] | None = None
@@ -209,6 +268,12 @@ class SolveSpec(Strict):
 
     ``jumps``: report by how much each quantity jumps where flips or a new mesh change the mesh; left out, wherever that
     can be known.
+
+    Args:
+        tolerance: relative residual at which a solve has converged.
+        policy: what is reused from frame to frame.
+        factor_memory: bytes that a complete factor may take.
+        jumps: whether jumps of quantities by the mesh alone are reported; left out, wherever that can be known.
     """
 
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-6
@@ -221,6 +286,21 @@ class Scene(Strict):
     """A whole scene: object, material, effects, supports, loads, mesh, solution and what is observed.
 
     Physics add keys and tables of their own: `scene.physics.Physics`.
+
+    Args:
+        format: what the file is.
+        version: of the format.
+        app: the application that simulates it.
+        title: for tables and pictures.
+        parameters: named numbers for formulas.
+        shape: the outline with its holes, and what has a name on it.
+        material: materials by name.
+        effects: the effects that are simulated, each with its keys.
+        supports: what is held, by name.
+        loads: what acts on the shape, by name.
+        mesh: how fine the mesh is, and how it follows the shape.
+        solve: how exactly is solved, and what is reused.
+        quantities: numbers a frame that are reported, by name.
     """
 
     format: Literal["restshape-scene"]

@@ -106,6 +106,14 @@ class Quantity(Strict):
     parameters, which studies of accuracy count errors from.
     "absmax" is the largest size at the frame's end, "peak" that over all time steps of the frame.
     ``error`` asks for an estimate of its error in each frame; with a limit there is one where it can be had.
+
+    Args:
+        at: the entity where it is taken; left out, all.
+        reduce: how the values there become one.
+        max: the limit that it must not be above.
+        min: the limit that it must not be below.
+        reference: its value on the first shape by a closed form.
+        error: whether its error is estimated; left out, where it has a limit.
     """
 
     kinds: ClassVar[Mapping[str, QuantityKind]] = {}

@@ -24,7 +24,11 @@ def tag_by_key(keys: tuple[str, ...]) -> Discriminator:
 
 
 class EdgePart(Strict):
-    """What any edge may say: ``part_of``, the edge that it was cut from, whose name stands for all its parts."""
+    """What any edge may say: ``part_of``, the edge that it was cut from, whose name stands for all its parts.
+
+    Args:
+        part_of: the edge that it was cut from, whose name stands for all its parts.
+    """
 
     part_of: PartName | None = None
 
@@ -35,7 +39,11 @@ class EdgePart(Strict):
 
 
 class LineSpec(EdgePart):
-    """A straight edge: ``{ line = ["a", "b"] }``."""
+    """A straight edge: ``{ line = ["a", "b"] }``.
+
+    Args:
+        line: the vertices where it begins and ends.
+    """
 
     line: tuple[str, str]
 
@@ -49,6 +57,11 @@ class ArcSpec(EdgePart):
     """A circular edge: ``{ arc = ["a", "b"], through = [x, y] }``, or ``bulge`` = tan(angle / 4).
 
     A positive bulge lies to the right of the way from a to b, as in DXF.
+
+    Args:
+        arc: the vertices where it begins and ends.
+        through: a point between its ends.
+        bulge: tan(angle / 4), instead of a point.
     """
 
     arc: tuple[str, str]
@@ -68,6 +81,12 @@ class SplineSpec(EdgePart):
     ``knots`` are its parameters at these points, rising between 0 and 1 (left out: by the lengths of the chords).
     ``ends`` says for each end whether the second derivative is 0 there ("natural") or the third one is continuous at
     the next point ("smooth").
+
+    Args:
+        spline: the vertices where it begins and ends.
+        through: points between them, in order.
+        knots: its parameters at these points, rising between 0 and 1; left out, by the lengths of the chords.
+        ends: the condition at each end.
     """
 
     spline: tuple[str, str]
@@ -88,7 +107,12 @@ class SplineSpec(EdgePart):
 
 
 class PolylineSpec(EdgePart):
-    """An edge of straight pieces: ``{ polyline = ["a", "b"], through = [[x, y], ...] }``."""
+    """An edge of straight pieces: ``{ polyline = ["a", "b"], through = [[x, y], ...] }``.
+
+    Args:
+        polyline: the vertices where it begins and ends.
+        through: its corners between them, in order.
+    """
 
     polyline: tuple[str, str]
     through: Annotated[list[Point], Field(min_length=1, max_length=POLYLINE_POINTS)]

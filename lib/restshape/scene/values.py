@@ -7,7 +7,6 @@ from types import UnionType
 from typing import Annotated, ClassVar, Union, get_args, get_origin
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     GetCoreSchemaHandler,
@@ -21,6 +20,7 @@ from pydantic_core import CoreSchema, core_schema
 from restshape.bounds import NAME_CHARACTERS
 from restshape.scene.annotations import annotated
 from restshape.scene.expressions import Expression, Value
+from restshape.scene.key_descriptions import Described
 from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
 
@@ -30,7 +30,7 @@ PART = re.compile(rf"{NAME.pattern}(?:\.[A-Za-z0-9_-]+)*")
 RESERVED = ("all", "outline")
 
 
-class Strict(BaseModel):
+class Strict(Described):
     """A model that refuses unknown keys and cannot be changed.
 
     Attributes:

@@ -37,6 +37,9 @@ class ClothMaterial(ElasticMaterial):
     """``[material.NAME]``: an elastic material; cloth of it bends by E thickness^3/(12 (1 - nu^2)) [N m].
 
     Or it bends by ``bending``; two values are those along and across the grain.
+
+    Args:
+        bending: bending stiffness [N m], or those along and across the grain.
     """
 
     bending: Bending | None = None

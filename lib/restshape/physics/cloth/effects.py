@@ -61,7 +61,11 @@ class ClothKeys(Strict):
 
 
 class SpaceGravityKeys(Strict):
-    """Keys of ``[effects.gravity]``: the acceleration g [m/s^2] in space."""
+    """Keys of ``[effects.gravity]``: the acceleration g [m/s^2] in space.
+
+    Args:
+        g: acceleration (x, y, z).
+    """
 
     model_config = ConfigDict(title="Gravity")
     g: Annotated[list[number_of("acceleration")], Field(min_length=3, max_length=3)] = [0.0, 0.0, -STANDARD_GRAVITY]

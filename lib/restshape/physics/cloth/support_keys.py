@@ -13,6 +13,9 @@ class ClothSupport(Support):
 
     Cloth may be clamped at an edge, "slope", across which its direction then stays; ``symmetry`` instead of fix puts an
     edge on a plane of symmetry with the normal x or y.
+
+    Args:
+        symmetry: the normal of the plane of symmetry that an edge lies on.
     """
 
     symmetry: Literal["x", "y"] | None = None

@@ -34,9 +34,18 @@ LOADS = {
 }
 
 QUANTITIES = {
-    "displacement": QuantityKind(Literal["x", "y", "magnitude"], "length", "mean"),
-    "reaction": QuantityKind(Literal["x", "y"], "force", "sum", on=tuple(ENTITIES)),
-    "stress": QuantityKind(Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"], "pressure", "max"),
+    "displacement": QuantityKind(
+        Literal["x", "y", "magnitude"], "length", "mean", summary="a component of the displacement"
+    ),
+    "reaction": QuantityKind(
+        Literal["x", "y"], "force", "sum", summary="a component of the force of supports", on=tuple(ENTITIES)
+    ),
+    "stress": QuantityKind(
+        Literal["von_mises", "xx", "yy", "xy", "max_principal", "min_principal"],
+        "pressure",
+        "max",
+        summary="a stress, recovered at nodes",
+    ),
     "energy": QuantityKind(
         Literal["strain", "kinetic", "total", "edit", "remesh"],
         "moment",

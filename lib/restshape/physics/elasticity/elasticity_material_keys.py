@@ -26,6 +26,11 @@ class Orthotropic(Strict):
 
     1 is along the grain, 2 across it in the plane, 3 through the thickness; nu12 is how much 2 contracts where 1 is
     pulled.
+
+    Args:
+        E: Young's moduli along 1, 2 and 3.
+        nu: Poisson's ratios nu12, nu13, nu23.
+        G: shear moduli G12, G13, G23.
     """
 
     E: tuple[Modulus, Modulus, Modulus]
@@ -47,6 +52,14 @@ class ElasticMaterial(Material):
 
     Isotropic by ``E`` and ``nu``, or ``orthotropic`` with a ``grain`` at an angle from x towards y. ``name`` takes all
     of these and the density from a material that is known; what is given besides comes before that.
+
+    Args:
+        E: Young's modulus.
+        nu: Poisson's ratio.
+        orthotropic: stiffness along and across a grain, instead of E and nu.
+        grain: the direction of fibres, from x towards y.
+        rho: density.
+        thickness: of the body over the plane.
     """
 
     E: Modulus | None = None

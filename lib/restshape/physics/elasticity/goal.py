@@ -13,6 +13,10 @@ class Goal(Strict):
     """``[goal.NAME]``: a curve in the plane that a deformed shape is measured against, through points [m] in order.
 
     ``spline`` is a cubic spline through them, ``polyline`` straight pieces between them.
+
+    Args:
+        spline: points of a cubic spline, in order.
+        polyline: corners of straight pieces, in order.
     """
 
     spline: Annotated[list[Point], Field(min_length=2)] | None = None

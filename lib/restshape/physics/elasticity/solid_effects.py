@@ -3,10 +3,11 @@
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from restshape.errors import UserError
 from restshape.scene.effect import Effect, ResolvedSettings
+from restshape.scene.key_descriptions import Described
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict
 
@@ -14,10 +15,11 @@ NEARLY_INCOMPRESSIBLE = 0.49
 """Poisson's ratio above which displacement elements lock."""
 
 
-class SolidKeys(BaseModel):
+class SolidKeys(Described):
     """Keys of ``[effects.solid]``.
 
     Args:
+        model: what is assumed across the plane.
         element: "displacement", or "mean_dilatation" on second-order triangles, which does not lock where a material
             hardly changes its volume; "auto" takes that one where Poisson's ratio is above 0.49 in plane strain.
     """
@@ -65,14 +67,18 @@ class SolidKeys(BaseModel):
             )
 
 
-class PlaneGravityKeys(BaseModel):
-    """Keys of ``[effects.gravity]``: the acceleration g [m/s^2]."""
+class PlaneGravityKeys(Described):
+    """Keys of ``[effects.gravity]``: the acceleration of all bodies.
+
+    Args:
+        g: acceleration (x, y) [m/s^2].
+    """
 
     model_config = ConfigDict(extra="forbid", title="Gravity")
     g: Annotated[list[float], Field(min_length=2, max_length=2)] = [0.0, -9.81]
 
 
-class LargeDeformationKeys(BaseModel):
+class LargeDeformationKeys(Described):
     """Keys of ``[effects.large_deformation]``: the law of St. Venant and Kirchhoff; pressures follow the boundary.
 
     Args:

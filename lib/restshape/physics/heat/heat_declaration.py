@@ -26,17 +26,17 @@ FILM = declare_dimension("film coefficient", "W/(m^2 K)", "25 W/(m^2 K)")
 class ThermalMaterial(Material):
     """``[material.NAME]``: what conducts heat, and with density and specific heat stores it."""
 
-    conductivity: Annotated[number_of(CONDUCTIVITY), Field(gt=0)]
-    specific_heat: Annotated[number_of(SPECIFIC_HEAT), Field(ge=0)] = 0.0
-    rho: Annotated[number_of("density"), Field(ge=0)] = 0.0
-    thickness: Annotated[number_of("length"), Field(gt=0)] = 1.0
+    conductivity: Annotated[number_of(CONDUCTIVITY), Field(gt=0, description="by Fourier's law [W/(m K)]")]
+    specific_heat: Annotated[number_of(SPECIFIC_HEAT), Field(ge=0, description="heat capacity [J/(kg K)]")] = 0.0
+    rho: Annotated[number_of("density"), Field(ge=0, description="density [kg/m^3]")] = 0.0
+    thickness: Annotated[number_of("length"), Field(gt=0, description="of the body [m]")] = 1.0
 
 
 class Convection(Strict):
     """``{ film = ..., ambient = ... }``: film (T - ambient) leaves by each unit of area."""
 
-    film: Annotated[number_of(FILM), Field(ge=0)]
-    ambient: value_of("temperature")
+    film: Annotated[number_of(FILM), Field(ge=0, description="film coefficient [W/(m^2 K)]")]
+    ambient: Annotated[value_of("temperature"), Field(description="temperature around the body [K]")]
 
 
 class Storage(Strict):
@@ -45,11 +45,11 @@ class Storage(Strict):
     ``steps`` steps of ``time_step`` [s] a frame; ``theta`` is 1 for backward Euler, 1/2 for Crank and Nicolson.
     """
 
-    time_step: Annotated[number_of("time"), Field(gt=0)]
-    steps: Annotated[int, Field(ge=1)] = 1
-    theta: Annotated[float, Field(ge=0.5, le=1)] = 1.0
-    initial: Annotated[number_of("temperature"), StartOnly()]
-    capacity: Literal["consistent", "lumped"] = "consistent"
+    time_step: Annotated[number_of("time"), Field(gt=0, description="of one step [s]")]
+    steps: Annotated[int, Field(ge=1, description="time steps a frame")] = 1
+    theta: Annotated[float, Field(ge=0.5, le=1, description="1: backward Euler, 1/2: Crank and Nicolson")] = 1.0
+    initial: Annotated[number_of("temperature"), StartOnly(), Field(description="temperature at time 0 [K]")]
+    capacity: Annotated[Literal["consistent", "lumped"], Field(description="matrix of storage")] = "consistent"
 
 
 def heat_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
@@ -94,7 +94,7 @@ HEAT = Physics(
         "convection": LoadKind(Convection, CURVES, "heat that leaves by an edge to an ambient"),
     },
     quantities={
-        "temperature": QuantityKind(Literal[True], "temperature", "mean"),
+        "temperature": QuantityKind(Literal[True], "temperature", "mean", summary="temperature of an entity"),
         "heat_flow": QuantityKind(Literal[True], "power", "sum", summary="heat that leaves by an edge", on=CURVES),
     },
     effects={
