@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
 
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
@@ -142,6 +144,22 @@ def test_gaps_are_closed_within_the_tolerance_and_told(tmp_path):
     assert drawing is not None and len(drawing.gaps) == 1
     assert drawing.gaps[0].size == pytest.approx(2.5e-4) and drawing.gaps[0].between == ("path 'a'", "path 'b'")
     assert drawing.gaps[0].at == pytest.approx((0.1e-3, -49.925e-3))
+
+
+def test_a_drawing_of_matplotlib(tmp_path):
+    """Its page is in pt, its circles are of eight Bézier curves, and its axes are groups of other names."""
+    figure = Figure(figsize=(4, 3))
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set(xlim=(0, 4), ylim=(0, 3))
+    axes.add_patch(Rectangle((0.5, 0.5), 3, 2, fill=False, gid="plate"))
+    axes.add_patch(Circle((2, 1.5), 0.5, fill=False, gid="bore"))
+    figure.savefig(tmp_path / "page.svg")
+    spec = ShapeSpec.model_validate({"file": "page.svg", "layers": {"plate": "rim", "bore": "bore"}})
+    outline = outline_from_spec(spec, tmp_path)
+    assert outline.area() == pytest.approx((6.0 - math.pi * 0.25) * 0.0254**2, rel=1e-5)
+    assert {outline.edges[e].kind for e in outline.entity("bore").edges} == {"arc"}
+    drawing = imported_shape(spec, tmp_path)
+    assert drawing is not None and drawing.doubt == ""
 
 
 LAUGHS = "".join(f'<g id="l{i}"><use xlink:href="#l{i + 1}"/><use xlink:href="#l{i + 1}"/></g>' for i in range(24))

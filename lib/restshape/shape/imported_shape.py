@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -50,25 +50,41 @@ def imported_shape(spec: ShapeSpec, folder: Path) -> ImportedShape | None:
     if spec.file is None:
         return None
     path = Path(spec.file) if Path(spec.file).is_absolute() else folder / spec.file
-    known = _readers()
+    known = _readers(scripts_trusted())
     if path.suffix.lower() not in known:
         raise UserError(f"no outline can be read from {path.name}", "shape.file", f"use one of {', '.join(known)}")
     if not path.is_file():
         raise UserError(f"there is no file {path}", "shape.file", "paths are relative to the scene's folder")
-    found = known[path.suffix.lower()](path, spec.layers)
+    file = path.stat()
+    state = (file.st_mtime_ns, file.st_size, scripts_trusted())
+    return _read(path, state, tuple(spec.layers.items()), spec.tolerance or 0.0)
+
+
+@lru_cache(maxsize=4)
+def _read(
+    path: Path, state: tuple[int, int, bool], layers: tuple[tuple[str, str], ...], tolerance: float
+) -> ImportedShape:
+    """What a file draws, kept while the file is as it is: a command asks for it several times.
+
+    Args:
+        path: the file.
+        state: when it was written, its size, and whether gmsh runs scripts.
+        layers: that are read, with their names; tolerance: of gaps [m].
+    """
+    found = _readers(state[2])[path.suffix.lower()](path, dict(layers))
     _check(found.curves, path)
-    tables, gaps = shape_data(found.curves, path.name, spec.tolerance or 0.0)
+    tables, gaps = shape_data(found.curves, path.name, tolerance)
     return ImportedShape(tables, tuple(gaps), found.notes, found.doubt)
 
 
-def _readers() -> dict[str, Reader]:
+def _readers(trusted: bool) -> dict[str, Reader]:
     """Readers by the endings of files; libraries that one of them needs are imported by it alone."""
     from restshape.shape.dxf import read_dxf
     from restshape.shape.geo import read_geo
     from restshape.shape.step import read_step
     from restshape.shape.svg import read_svg
 
-    geo: Reader = partial(read_geo, trusted=scripts_trusted())
+    geo: Reader = partial(read_geo, trusted=trusted)
     return {
         ".dxf": read_dxf,
         ".svg": read_svg,
