@@ -1,6 +1,7 @@
 """STEP files made by OpenCASCADE: areas in closed form, whatever plane the part lies in, and files that are none."""
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,21 @@ def test_faces_in_one_plane_are_one_shape_and_those_inside_are_regions(tmp_path)
     (region,) = (i for i, loop in enumerate(outline.loops) if loop.kind == "region")
     assert 1e6 * outline.loop_area(region) == pytest.approx(200 * math.pi, rel=1e-6)
     assert "3 of 4 faces" in note
+
+
+def test_a_face_inside_is_a_region_by_the_name_of_its_product(tmp_path):
+    def draw(occ: Any) -> None:
+        occ.addRectangle(0, 0, 0, 100, 50)
+        occ.addDisk(50, 25, 0, 10, 10)
+
+    write(tmp_path / "pad.step", draw)
+    assert read(tmp_path / "pad.step")[0].names("region") == ["region2"]
+    text = (tmp_path / "pad.step").read_text()
+    names = iter(["all of it", "plate", "soft pad"])
+    named = re.sub(r"PRODUCT\('[^']*',\s*'[^']*'", lambda _: f"PRODUCT('{(name := next(names))}','{name}'", text)
+    (tmp_path / "pad.step").write_text(named)
+    outline, _ = read(tmp_path / "pad.step")
+    assert outline.names("region") == ["soft_pad"] and 1e6 * outline.area() == pytest.approx(5000.0)
 
 
 def test_a_b_spline_keeps_its_area(tmp_path):

@@ -16,6 +16,8 @@ from restshape.shape.unordered_curves import LooseCurves
 
 FLAT = 1e-6
 """Distance from the plane, over the size of all bodies, and difference of normals, that still count as none."""
+UNNAMED = "Open CASCADE STEP translator"
+"""How the names of products begin that had none when OpenCASCADE wrote them."""
 MM = 1e-3
 """Metres in a unit of OpenCASCADE, which converts by the header of a file."""
 
@@ -68,11 +70,11 @@ def step_curves(gmsh: ModuleType, path: Path) -> LooseCurves:
     size = float(np.ptp(np.reshape(model.getBoundingBox(-1, -1), (2, 3)), axis=0).max())
     plane = _plane(model, _largest(model, flat, size))
     chosen = [s for s in flat if _lies_in(model, s, plane, FLAT * size)]
-    names = _labels(model, [(2, s) for s in chosen])
+    names = _labels(model, chosen)
     if len(chosen) > 1:
         chosen, names = _joined(model, chosen, names)
+    names = {(2, s): f"region{number}" for number, s in enumerate(chosen, start=1)} | names
     faces = {s: {abs(c) for _, c in model.getBoundary([(2, s)], oriented=False)} for s in chosen}
-    names |= _labels(model, [(1, c) for own in faces.values() for c in own])
     found = curves_between(model, _outermost(faces), plane.place, names, surface_regions(faces, names))
     note = f"{path.name}: {len(chosen)} of {count} faces, in the plane {plane.words}"
     return LooseCurves(found, notes=(note,))
@@ -138,12 +140,7 @@ def _lies_in(model: Any, surface: int, plane: FacePlane, near: float) -> bool:
     return bool(parallel and abs((point - plane.origin) @ plane.normal - plane.height) < near)
 
 
-def _labels(model: Any, entities: list[tuple[int, int]]) -> dict[tuple[int, int], str]:
-    """Names that the file gives to faces and curves, by (dimension, entity)."""
-    found = {}
-    for entity in entities:
-        label = str(model.getEntityName(*entity)).rpartition("/")[2].strip()
-        name = name_of(label) if label else ""
-        if name:
-            found[entity] = name
-    return found
+def _labels(model: Any, faces: list[int]) -> dict[tuple[int, int], str]:
+    """Names of the products that faces are, by (dimension, entity): OpenCASCADE reads no names of their parts."""
+    labels = {(2, s): str(model.getEntityName(2, s)).rpartition("/")[2].strip() for s in faces}
+    return {entity: name_of(label) for entity, label in labels.items() if label and not label.startswith(UNNAMED)}
