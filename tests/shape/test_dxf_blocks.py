@@ -115,6 +115,21 @@ def test_gaps_are_closed_the_smallest_first(tmp_path):
     assert drawn.gaps[0].at == pytest.approx((0.19995, 0.0), abs=1e-12)
 
 
+@pytest.mark.parametrize("gap", [0.0, 2e-4, 0.05])
+def test_a_spline_that_ends_where_it_begins_is_a_loop(tmp_path, gap):
+    drawing, space = plate()
+    turn = 2 * math.pi - gap / 30
+    points = [(100 + 30 * math.cos(turn * i / 24), 50 + 30 * math.sin(turn * i / 24)) for i in range(25)]
+    space.add_spline(fit_points=points, dxfattribs={"layer": "round"})
+    outline = read(drawing, tmp_path, tolerance="0.06 mm")
+    assert areas(outline)["round"] == pytest.approx(900 * math.pi, rel=2e-3)
+    assert len(outline.entity("round").edges) == 2
+    drawn = imported_shape(ShapeSpec(file="x.dxf", tolerance=6e-5), tmp_path)
+    assert drawn is not None and [one.size for one in drawn.gaps] == pytest.approx(
+        [1e-3 * gap] * (gap > 1e-3), rel=1e-3
+    )
+
+
 def test_blocks_without_end_are_refused_before_they_are_made(tmp_path):
     drawing, space = plate()
     names = [f"B{i}" for i in range(12)]

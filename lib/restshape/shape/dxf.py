@@ -20,7 +20,7 @@ from restshape.shape.bsplines import edges_of_cubic
 from restshape.shape.dxf_blocks import placed
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
 from restshape.shape.layer_names import name_of, refuse_layers
-from restshape.shape.unordered_curves import Curve, LooseCurves
+from restshape.shape.loose_curve import Curve, LooseCurves
 
 NO_NAME = ("0", "Defpoints")
 IGNORED = ("TEXT", "MTEXT", "DIMENSION", "POINT", "LEADER", "ATTDEF", "ATTRIB", "VIEWPORT")

@@ -11,7 +11,7 @@ from restshape.shape.geo_process import found_apart
 from restshape.shape.geo_script import draw
 from restshape.shape.geo_tokens import MOST_BYTES
 from restshape.shape.layer_names import refuse_layers
-from restshape.shape.unordered_curves import LooseCurves
+from restshape.shape.loose_curve import LooseCurves
 
 BOOLEAN = "Boolean"
 """How the names of statements begin that OpenCASCADE may take any time for."""

@@ -15,7 +15,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.shape.curves import bulge_through
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
-from restshape.shape.unordered_curves import Curve
+from restshape.shape.loose_curve import Curve
 from restshape.surroundings import start_gmsh
 
 NEARLY_FLAT = 1e-6

@@ -20,8 +20,8 @@ from restshape.errors import UserError
 from restshape.memory import bounded_memory
 from restshape.shape.geo_model import curves_of, gmsh_model, opened_by_gmsh
 from restshape.shape.geo_script import draw
+from restshape.shape.loose_curve import Curve, LooseCurves
 from restshape.shape.plane_faces import step_curves
-from restshape.shape.unordered_curves import Curve, LooseCurves
 
 LIMIT = 60.0
 """Seconds that reading may take."""

@@ -15,7 +15,8 @@ from restshape.scene.model import ShapeSpec
 from restshape.scene.permits import scripts_trusted
 from restshape.scene.plain_values import Table
 from restshape.shape.gaps import Gap
-from restshape.shape.unordered_curves import Curve, LooseCurves, shape_data
+from restshape.shape.loose_curve import Curve, LooseCurves
+from restshape.shape.unordered_curves import shape_data
 
 Reader = Callable[[Path, Mapping[str, str]], LooseCurves]
 

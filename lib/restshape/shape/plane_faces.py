@@ -12,7 +12,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.shape.geo_model import curves_between, surface_regions
 from restshape.shape.layer_names import name_of
-from restshape.shape.unordered_curves import LooseCurves
+from restshape.shape.loose_curve import LooseCurves
 
 FLAT = 1e-6
 """Distance from the plane, over the size of all bodies, and difference of normals, that still count as none."""

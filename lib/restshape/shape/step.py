@@ -9,7 +9,7 @@ from restshape.bounds import DRAWING_BYTES
 from restshape.errors import UserError
 from restshape.shape.geo_process import found_apart
 from restshape.shape.layer_names import refuse_layers
-from restshape.shape.unordered_curves import LooseCurves
+from restshape.shape.loose_curve import LooseCurves
 
 BEGINNING = b"ISO-10303-21"
 SEARCHED = 4096

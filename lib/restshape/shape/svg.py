@@ -15,9 +15,9 @@ from restshape.bounds import DRAWING_BYTES, READING_MEMORY
 from restshape.errors import UserError, printable, quoted
 from restshape.memory import bounded_memory
 from restshape.shape.layer_names import name_of, refuse_layers
+from restshape.shape.loose_curve import Curve, LooseCurves
 from restshape.shape.svg_segments import Placing, curves_of_segment
 from restshape.shape.svg_tree import GROUP_NAME, OWN_NAME, REGION, REGION_NAME, SvgTree, svg_tree
-from restshape.shape.unordered_curves import Curve, LooseCurves
 
 NO_SIZE = "the drawing has no size in mm, cm, in or pt (width, height), and is read with 96 units an inch"
 

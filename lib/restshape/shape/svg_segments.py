@@ -11,7 +11,7 @@ import numpy as np
 
 from restshape.shape.bsplines import edges_of_cubic
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
-from restshape.shape.unordered_curves import Curve
+from restshape.shape.loose_curve import Curve
 
 ROUND = 1e-9
 """Share by which the half axes of an arc may differ that is one of a circle."""

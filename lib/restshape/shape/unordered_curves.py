@@ -10,47 +10,9 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.scene.plain_values import Table
 from restshape.shape import curves
+from restshape.shape.closed_splines import cut_closed
 from restshape.shape.gaps import Gap, Joints, closed, joints
-
-
-@dataclass
-class Curve:
-    """A loose curve.
-
-    Args:
-        points: (n, 2) [m]: start, what it interpolates, end.
-        bulge: of an arc of two points; kind: "line", "arc", "spline" or "polyline".
-        label: name of its layer or Physical group; "" for none.
-        source: what it is in the file, for messages.
-        region: the name of the region that it bounds, if any.
-        loop: the name that a loop of such curves alone has; "": none.
-        knots, ends: of a spline, see `restshape.shape.outline.Edge`; no knots: by the lengths of its chords.
-    """
-
-    points: np.ndarray
-    kind: str
-    label: str = ""
-    bulge: float = 0.0
-    source: str = ""
-    region: str | None = None
-    loop: str = ""
-    knots: tuple[float, ...] = ()
-    ends: tuple[str, str] = ("natural", "natural")
-
-
-@dataclass
-class LooseCurves:
-    """What a reader finds in a file.
-
-    Args:
-        curves: in metres.
-        notes: what was chosen of the file.
-        doubt: what the file does not say of its unit, and what is taken; "": it says its unit.
-    """
-
-    curves: list[Curve]
-    notes: tuple[str, ...] = ()
-    doubt: str = ""
+from restshape.shape.loose_curve import Curve
 
 
 @dataclass
@@ -80,9 +42,10 @@ def shape_data(loose_curves: list[Curve], where: str, tolerance: float = 0.0) ->
     """
     if not loose_curves:
         raise UserError("no curve was found", where, "draw lines, arcs, circles or splines")
-    starts, stops = (np.array([curve.points[end] for curve in loose_curves]) for end in (0, -1))
     everything = np.concatenate([curve.points for curve in loose_curves])
     size = float(np.hypot(*np.ptp(everything, axis=0)))
+    loose_curves, own_gaps = cut_closed(loose_curves, size, tolerance)
+    starts, stops = (np.array([curve.points[end] for curve in loose_curves]) for end in (0, -1))
     found, gaps = closed(joints(starts, stops, size), tolerance, [curve.source for curve in loose_curves])
     rings = _rings(loose_curves, found, where)
     ends, corners = found.ends, found.corners
@@ -110,7 +73,7 @@ def shape_data(loose_curves: list[Curve], where: str, tolerance: float = 0.0) ->
         "regions": regions,
         "groups": groups,
     }
-    return tables, gaps
+    return tables, sorted(own_gaps + gaps, key=lambda gap: -gap.size)
 
 
 def _pair(p: np.ndarray) -> list[float]:
