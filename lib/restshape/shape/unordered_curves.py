@@ -120,6 +120,8 @@ def _not_closed(loose_curves: list[Curve], found: Joints, vertex: int, touching:
     sources = ", ".join(dict.fromkeys(loose_curves[i].source for i in touching))
     x, y = found.corners[vertex]
     message, do = f"an outline {what} at ({x:.6g}, {y:.6g}) [m]: {sources}", "let the curves meet end to end"
+    if any(loose_curves[i].label for i in touching):
+        do += ", or leave their layer out: shape.layers names those that are read"
     nearest = found.nearest_open(vertex) if len(touching) == 1 else None
     if nearest is not None:
         message += f"; the nearest open end, of {loose_curves[nearest[1]].source}, is {nearest[0]:.3g} m away"
