@@ -152,3 +152,13 @@ def test_blocks_without_end_are_refused_before_they_are_made(tmp_path):
     space.add_blockref("DOT", (0, 0), dxfattribs=grid)
     with pytest.raises(UserError, match=r"9e\+08 entities"):
         read(drawing, tmp_path)
+
+
+def test_more_points_than_a_shape_may_have_are_refused_as_they_come(tmp_path, monkeypatch):
+    drawing, space = plate()
+    for i in range(50):
+        space.add_circle((2 + 4 * i, 50), 1)
+    monkeypatch.setattr("restshape.shape.loose_curve.OUTLINE_PIECES", 100)
+    with pytest.raises(UserError, match="more than 200 points") as found:
+        read(drawing, tmp_path)
+    assert found.value.where == "x.dxf"

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from restshape.bounds import SPLINE_POINTS
 from restshape.shape.bsplines import cubic_of, edges_of_cubic
 from restshape.shape.curves import chord_parameters
 from restshape.shape.gaps import JOIN, Gap
@@ -37,7 +38,7 @@ def cut_closed(loose_curves: list[Curve], size: float, tolerance: float) -> tupl
 
 def _halves(curve: Curve) -> list[Curve]:
     """The two edges of a spline whose ends go half-way to each other; none where its points are too few or too many."""
-    if len(curve.points) < 3:
+    if not 3 <= len(curve.points) <= SPLINE_POINTS:
         return []
     whole = cubic_of(curve.points, curve.knots or chord_parameters(curve.points), curve.ends)
     controls = whole.c.copy()

@@ -20,7 +20,7 @@ from restshape.shape.bsplines import edges_of_cubic
 from restshape.shape.dxf_blocks import placed
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
 from restshape.shape.layer_names import name_of, refuse_layers
-from restshape.shape.loose_curve import Curve, LooseCurves
+from restshape.shape.loose_curve import Curve, LooseCurves, gathered
 
 NO_NAME = ("0", "Defpoints")
 IGNORED = ("TEXT", "MTEXT", "DIMENSION", "POINT", "LEADER", "ATTDEF", "ATTRIB", "VIEWPORT")
@@ -57,11 +57,9 @@ def read_dxf(path: Path, layers: Mapping[str, str] | None = None) -> LooseCurves
             if entity.dxftype() not in IGNORED
         ]
         refuse_layers(layers, dict.fromkeys(layer for _, layer in there), path.name)
-        curves = []
-        for entity, layer in there:
-            if not layers or layer in layers:
-                label = layers.get(layer) or ("" if layer in NO_NAME else name_of(layer))
-                curves += _curves_of(entity, layer, label, scale, path)
+        label = {layer: layers.get(layer) or ("" if layer in NO_NAME else name_of(layer)) for _, layer in there}
+        read = ((entity, layer) for entity, layer in there if not layers or layer in layers)
+        curves = gathered((_curves_of(one, layer, label[layer], scale, path) for one, layer in read), path.name)
     return LooseCurves(curves, doubt="" if unit else NO_UNIT)
 
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+
+from restshape.bounds import OUTLINE_PIECES
+from restshape.errors import UserError
 
 
 @dataclass
@@ -45,3 +49,24 @@ class LooseCurves:
     curves: list[Curve]
     notes: tuple[str, ...] = ()
     doubt: str = ""
+
+
+def gathered(parts: Iterable[list[Curve]], where: str) -> list[Curve]:
+    """All curves of a drawing, as far as a shape may have so many.
+
+    Args:
+        parts: curves, made one after the other.
+        where: the file, for messages.
+
+    Raises:
+        UserError: they have more points than `bounds.OUTLINE_PIECES`; no further part is made.
+    """
+    found: list[Curve] = []
+    points = 0
+    for part in parts:
+        found += part
+        points += sum(len(curve.points) for curve in part)
+        if points > 2 * OUTLINE_PIECES:
+            what = f"the curves of the drawing have more than {2 * OUTLINE_PIECES} points"
+            raise UserError(what, where, "draw less, or read some layers alone: shape.layers")
+    return found

@@ -15,7 +15,7 @@ from restshape.bounds import DRAWING_BYTES, READING_MEMORY
 from restshape.errors import UserError, printable, quoted
 from restshape.memory import bounded_memory
 from restshape.shape.layer_names import name_of, refuse_layers
-from restshape.shape.loose_curve import Curve, LooseCurves
+from restshape.shape.loose_curve import Curve, LooseCurves, gathered
 from restshape.shape.svg_segments import Placing, curves_of_segment
 from restshape.shape.svg_tree import GROUP_NAME, OWN_NAME, REGION, REGION_NAME, SvgTree, svg_tree
 
@@ -46,7 +46,7 @@ def read_svg(path: Path, layers: Mapping[str, str]) -> LooseCurves:
         refuse_layers(layers, tree.names, path.name)
         root = svgelements.SVG.parse(io.BytesIO(tree.text), reify=False, on_error="raise")
         shapes = [one for one in root.elements() if isinstance(one, svgelements.Shape)] if root is not None else []
-        curves = [curve for shape in shapes for curve in _curves_of(shape, tree, layers)]
+        curves = gathered((_curves_of(shape, tree, layers) for shape in shapes), path.name)
     return LooseCurves(curves, doubt="" if tree.sized else NO_SIZE)
 
 
