@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import eigs, spsolve
 from small_scenes import across, drag, make_replay, rows_of, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, idle, textbook_newmark, tower
 
@@ -185,6 +185,25 @@ def test_refused_values_leave_the_motion_as_it_was(tmp_path):
     assert all(refused and np.isnan(value) for value, refused in sway[4:6])
     straight = rows_of(make_replay(scene, write_script(tmp_path, [{"do": "idle", "frames": 5}])))
     assert sway[-1][0] == pytest.approx(straight[-1]["q_sway"], rel=1e-9)
+
+
+def test_steps_beyond_the_stable_one_grow_until_they_are_refused(tmp_path):
+    """The limit of the linear acceleration method, omega dt = sqrt(12), is also the one that `check` names."""
+    first = make_replay(tower(tmp_path, dynamics(0.01, 1, mass="lumped")))
+    rows_of(first)
+    stiffness, mass, _ = first.analysis.matrices()
+    highest = np.sqrt(eigs(stiffness, M=mass.tocsc(), k=1, return_eigenvectors=False)[0].real)
+    step = np.sqrt(12) / highest
+    events = write_script(tmp_path, [{"do": "idle", "frames": 4}])
+
+    def amplitudes(part: float) -> list[tuple[float, str]]:
+        scene = tower(tmp_path, SHAKEN, dynamics(part * step, 400, beta=1 / 6, mass="lumped"))
+        return [(row["q_sway"], row["refused"]) for row in rows_of(make_replay(scene, events))]
+
+    assert all(abs(sway) < 0.1 and not refused for sway, refused in amplitudes(0.99))
+    growing = amplitudes(1.1)
+    assert abs(growing[1][0]) > 1e10 and np.isnan(growing[-1][0])
+    assert growing[-1][1].startswith("the motion grows without bound")
 
 
 def test_the_ground_goes_on_smoothly_when_its_frequency_changes(tmp_path):

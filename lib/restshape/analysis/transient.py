@@ -34,6 +34,8 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
 
+LARGEST = 1e100
+"""Of unknowns: the squares of stresses of larger ones are no numbers."""
 ROUNDING = 1e-10
 """Relative distance that a step has from the same one by another formula where both are solved to rounding."""
 
@@ -339,10 +341,18 @@ class TransientAnalysis:
             report = self._step(stale and k == 0, new_system and k == 0)
             iterations, refreshed = iterations + report.iterations, refreshed or report.refreshed
             newton += report.newton
+            self._refuse_growth()
         self.state = replace(self.state, age=0 if refreshed else age)
         if self.state.account.known:
             self._account(edited=False)
         return LinearReport(iterations, refreshed, self.state.age, self.solver.name, newton)
+
+    def _refuse_growth(self) -> None:
+        """Raises `ReplayProblem` where the motion is so large that squares of its stresses have no number."""
+        largest = float(np.abs(self.state.now.y).max(initial=0.0))
+        if not largest < LARGEST:
+            what = f"the motion grows without bound: its largest value is {largest:.1e}"
+            raise ReplayProblem(f"{what}; take a shorter time_step, or settings of its method that are stable for any")
 
     def _make_matrix(self) -> None:
         """The matrix of a frame without steps, for looking at."""
@@ -377,8 +387,18 @@ class TransientAnalysis:
         y = system.full.reshape(state.y.shape).copy()
         if guessed:
             bound.increments.keep((y - state.y).ravel())
-        self._set_motion(scheme.after(state, y))
+        self._set_motion(self._settled(scheme.after(state, y)))
         return report
+
+    def _settled(self, now: TimeState) -> TimeState:
+        """The state after a step, with the acceleration that equilibrium asks for where its recursion is unstable.
+
+        The recursion multiplies the rounding of the acceleration by -a3 each step, and the system, which takes M a from
+        the forces, does not correct that: with a3 > 1, so beta < 1/4, the acceleration is solved for.
+        """
+        if now.a is None or self.state.integration.scheme.a3 <= 1.0:
+            return now
+        return now._replace(a=self.state.body.acceleration(now.y, now.v, self._base_acceleration(now.time)))
 
     def _set_motion(self, now: TimeState) -> None:
         """Take in the state after a step."""

@@ -6,7 +6,8 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from restshape.physics.elasticity.solid_effects import ELASTICITY, GRAVITY, LARGE_DEFORMATION
-from restshape.scene.effect import Effect
+from restshape.scene.effect import Effect, ResolvedSettings
+from restshape.scene.model import Scene
 from restshape.scene.units import UnitError
 from restshape.scene.values import Length, Strict, number_of
 
@@ -29,6 +30,20 @@ class DynamicsKeys(Strict):
     beta: Annotated[float, Field(gt=0, le=0.5)] = 0.25
     gamma: Annotated[float, Field(ge=0.5, le=1)] = 0.5
     mass: Literal["consistent", "lumped"] = "consistent"
+
+    def resolve(self, scene: Scene) -> ResolvedSettings:
+        """The keys as they are, with a warning where only short steps are stable.
+
+        Source: T. J. R. Hughes, The Finite Element Method, 1987, section 9.1: omega dt <= (gamma / 2 - beta)^(-1/2).
+        """
+        if 2.0 * self.beta >= self.gamma:
+            return ResolvedSettings(self)
+        most = (self.gamma / 2.0 - self.beta) ** -0.5
+        return ResolvedSettings(
+            self,
+            warns=f"with beta below gamma / 2 Newmark's method is stable only where time_step is at most {most:.3g} over "
+            "the highest angular frequency of the mesh; 2 beta >= gamma is stable for any step",
+        )
 
 
 class GroundKeys(Strict):
