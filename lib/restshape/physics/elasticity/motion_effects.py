@@ -41,8 +41,8 @@ class DynamicsKeys(Strict):
         most = (self.gamma / 2.0 - self.beta) ** -0.5
         return ResolvedSettings(
             self,
-            warns=f"with beta below gamma / 2 Newmark's method is stable only where time_step is at most {most:.3g} over "
-            "the highest angular frequency of the mesh; 2 beta >= gamma is stable for any step",
+            warns=f"with beta below gamma / 2 Newmark's method is stable only where time_step is at most {most:.3g} "
+            "over the highest angular frequency of the mesh; 2 beta >= gamma is stable for any step",
         )
 
 
