@@ -28,8 +28,10 @@ demo: setup
 test: setup
 	.venv/bin/python -m pytest -n 2 --dist worksteal $(PYTEST_ARGS)
 
-# What takes too long for every day: planted faults, each of which its test must notice; writes results/mutants.md.
+# What takes too long for every day: shipped scripts, each on the mesh of its scene; planted faults, each of which its
+# test must notice; writes results/mutants.md.
 weekly: setup
+	.venv/bin/python tests/shipped_scripts.py
 	.venv/bin/python scripts/mutants.py
 
 # What is committed under results/, as far as it is of older code: docs/results.md.
