@@ -12,7 +12,9 @@ from restshape.replay.parity import ENTRIES, Parity
 from restshape.scene.load import load_scene
 
 SCENES = [scene for app in applications().values() for scene in app.scenes()]
-LONG = 24
+LONG, PLACES, FRAMES, STILL = 24, 5, 4, 2
+"""Drags of a script, places of a path, frames of one event and of one rest that it is shortened to."""
+MOVING = "[effects.dynamics]"
 FLIPPING = {"relocation": "laplacian", "criterion": "author"}
 
 
@@ -25,38 +27,49 @@ def shortened(folder, scene):
     drags = [k for k, line in enumerate(lines) if line["do"] == "drag"]
     left_out = {k for i, k in enumerate(drags) if len(drags) > LONG and i % 10}
     lines = [line for k, line in enumerate(lines) if k not in left_out]
-    most = 2 if scene.stem in COARSE else LONG // 4
+    rests = LONG // 4 if MOVING in scene.read_text() else STILL
     for line in lines:
         if "frames" in line:
-            line["frames"] = min(line["frames"], most)
-        if len(line.get("path", ())) > LONG:
+            line["frames"] = min(line["frames"], rests if line["do"] == "idle" else FRAMES)
+        if len(line.get("path", ())) > PLACES:
             *way, end = line["path"]
-            line["path"] = [*way[:: len(way) // LONG + 1], end]
+            line["path"] = [*way[:: len(way) // PLACES + 1], end]
     path = folder / edits.name
     path.write_text("".join(json.dumps(line) + "\n" for line in (header, *lines)))
     return path
 
 
 COARSE = {
+    "bar_100": 0.007,
+    "bar_150": 0.008,
+    "bar_200": 0.009,
+    "bracket": 0.012,
     "bridge": 0.4,
+    "building": 0.6,
+    "catenary": 0.04,
+    "cook": 6.0,
     "csm1": 0.02,
     "cylinder": 0.02,
     "disc": 0.12,
-    "fish": 0.014,
+    "fish": 0.02,
     "incline": 0.03,
+    "kirsch": 0.05,
     "pins": 0.08,
+    "random": 0.028,
     "rosewood": 0.012,
     "sphere": 0.09,
     "square": 0.8,
+    "stiff": 0.034,
     "strip": 0.01,
     "supported": 0.5,
+    "timoshenko": 2.0,
 }
 """Mesh sizes [m] of scenes that take long, of cloth, of modes, of many frames; used where larger than their own."""
 
 
 def smaller(scene):
     """Overrides that make a scene cheap: few time steps a frame of what vibrates, a coarse mesh of what takes long."""
-    steps = ["effects.dynamics.steps=4"] if "[effects.dynamics]" in scene.read_text() else []
+    steps = ["effects.dynamics.steps=4"] if MOVING in scene.read_text() else []
     size = COARSE.get(scene.stem)
     return [*steps, *([f"mesh.size={size}"] if size and size > load_scene(scene).mesh.size else [])]
 
