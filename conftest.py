@@ -179,6 +179,15 @@ def on_ranks(two_ranks: "TwoRanks", command: Run, tmp_path: Path) -> Run:
 
 
 @pytest.fixture
+def jobs_here() -> Iterator[None]:
+    """Jobs of studies run in this process."""
+    from jobs_here import jobs_run_here
+
+    with jobs_run_here():
+        yield
+
+
+@pytest.fixture
 def start_restshape(tmp_path: Path) -> Callable[..., subprocess.Popen]:
     """Starts a `restshape` command in tmp_path, in a process group of its own."""
     started = []

@@ -27,6 +27,7 @@ def small(tmp_path) -> tuple[Path, Path]:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     scene, edits = small
     reported = command(

@@ -47,6 +47,7 @@ def test_predict_for_programs_and_people(tmp_path, command, scene):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 @pytest.mark.parametrize("law", ["", "[effects.large_deformation]\n"])
 def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
     scene.write_text(scene.read_text() + law)
@@ -67,6 +68,7 @@ def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 @pytest.mark.parametrize(
     ("words", "reported"),
     [
@@ -88,6 +90,7 @@ def test_what_cannot_be_measured(tmp_path, command, scene, words, reported):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_a_motion_has_no_prediction(command):
     done = command("bench", "predict", SCENES / "building.toml", "--edits", SCENES / "building.jsonl", "--repeat", 1)
     assert done.returncode == 2 and "time integration depends on the past" in done.stderr

@@ -55,6 +55,7 @@ def test_a_run_that_takes_too_long_is_given_up(tmp_path, command):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 @pytest.mark.parametrize(
     ("words", "reported"),
     [

@@ -4,11 +4,13 @@ import json
 from pathlib import Path
 
 import pytest
+from jobs_here import jobs_run_here
 from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.application import application
 from restshape.cli.main import main
 
+pytestmark = pytest.mark.usefixtures("jobs_here")
 PARTS = ["edit", "mesh", "observation", "record"]
 
 
@@ -30,7 +32,8 @@ def found(tmp_path_factory):
         "--set",
         "effects.gravity={}",
     ]
-    assert main([*words, "--json", str(folder / "found.json")]) == 0
+    with jobs_run_here():
+        assert main([*words, "--json", str(folder / "found.json")]) == 0
     return json.loads((folder / "found.json").read_text())
 
 
