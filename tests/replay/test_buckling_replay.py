@@ -90,7 +90,8 @@ def test_recording(tmp_path):
 @pytest.mark.mpi
 def test_two_ranks(tmp_path, on_ranks):
     scene = write_scene(tmp_path, WIDE)
-    script, found = write_script(tmp_path, [*AROUND[:2], {"do": "release"}, *SET]), []
+    around = drag("window", (0.4, 0.15), across((0.4, 0.15), (0.7, 0.17), 8))
+    script, found = write_script(tmp_path, [*around, *SET]), []
     for ranks in (1, 2):
         words = ("--edits", script, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-8", "--parity")
         done = on_ranks(ranks, "replay", scene, *words)

@@ -165,7 +165,8 @@ def test_a_recording_holds_quadratic_triangles(tmp_path):
 @pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks_give_what_one_gives(tmp_path, on_ranks):
-    scene, script = write_scene(tmp_path, plate(0.1)), write_script(tmp_path, EVENTS)
+    events = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.5, 0.5), 16))
+    scene, script = write_scene(tmp_path, plate(0.14)), write_script(tmp_path, events)
     found = []
     for ranks in (1, 2):
         words = ("--edits", script, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-9", "--set", ORDER)

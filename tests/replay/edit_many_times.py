@@ -1,6 +1,6 @@
-"""Replays a thousand edits and prints the memory in use [bytes] after each hundred.
+"""Replays six hundred edits and prints the memory in use [bytes] after each hundred.
 
-usage: edit_a_thousand_times.py FOLDER POLICY
+usage: edit_many_times.py FOLDER POLICY
 """
 
 import gc
@@ -14,7 +14,7 @@ petsc4py.init(["restshape"])
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from small_scenes import drag, make_replay, plate, write_scene, write_script  # noqa: E402
 
-EDITS = 1000
+EDITS = 600
 
 
 def round_of_edits() -> list[dict]:
@@ -45,7 +45,7 @@ def main(folder: Path, name: str) -> None:
     """Prints a number for each hundred edits."""
     rounds = round_of_edits()
     script = write_script(folder, rounds * (EDITS // 10))
-    made = make_replay(write_scene(folder, plate(0.15)), script, name)
+    made = make_replay(write_scene(folder, plate(0.3)), script, name)
     edits, line = 0, 0
     for row in made.frames():
         if row["refused"]:
