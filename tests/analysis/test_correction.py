@@ -13,6 +13,7 @@ from restshape.analysis import time_error
 from restshape.analysis.correction import DELAY, MOST, conjugate_steps, largest_values
 
 BUILDING = Path(__file__).parents[1] / "scenes" / "building.toml"
+COARSE = ("mesh.size=0.8", "effects.dynamics.steps=10")
 MOVED = [{"do": "idle", "frames": 3}, *drag("right_top", (5.7, 16.6), across((5.7, 16.6), (5.7, 16.0), 4))]
 
 
@@ -28,7 +29,7 @@ def directly(analysis, rest):
 @pytest.mark.slow
 @pytest.mark.parametrize("policy", ["auto", "thesis"])
 def test_error_of_a_time_step_with_an_incomplete_factor(tmp_path, monkeypatch, policy):
-    replay = make_replay(BUILDING, write_script(tmp_path, MOVED), policy)
+    replay = make_replay(BUILDING, write_script(tmp_path, MOVED), policy, COARSE)
     ratios = []
     for row in replay.frames():
         if row["index"]:
@@ -45,7 +46,7 @@ def test_two_ranks_tell_the_error_of_time_steps_that_one_tells(tmp_path, on_rank
     script, found = write_script(tmp_path, MOVED), []
     for ranks in (1, 2):
         words = ("--edits", script, "--policy", "thesis", "--json", f"{ranks}.json")
-        done = on_ranks(ranks, "replay", BUILDING, *words)
+        done = on_ranks(ranks, "replay", BUILDING, *words, *(word for one in COARSE for word in ("--set", one)))
         assert done.returncode == 0, done.stdout + done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text())["estimate_time"])
     assert found[1] == pytest.approx(found[0], rel=0.05)

@@ -2,25 +2,25 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
 
 from restshape.shape.handpath import cursor_path, minimum_jerk
 
 
-@pytest.mark.slow
 def test_the_law_is_the_minimiser_of_squared_jerk():
     n = 60
-    t = np.linspace(0, 1, n + 1)
+    t = np.linspace(0, 1, n + 1)[1:-1]
 
     def jerk(inner):
-        # At rest at both ends: two more points on either side.
+        """The third differences, with two more points at rest on either side."""
         x = np.concatenate([[0.0] * 3, inner, [1.0] * 3])
-        return np.sum((np.diff(x, 3) * n**3) ** 2) / n
+        return np.diff(x, 3) * n**3
 
-    found = minimize(jerk, t[1:-1], method="L-BFGS-B", options={"maxiter": 20000, "maxfun": 10**7, "ftol": 1e-15})
+    # Jerk is linear in the places: its squares are least where numpy's least squares have them.
+    fixed = jerk(np.zeros_like(t))
+    found = np.linalg.lstsq(np.column_stack([jerk(one) - fixed for one in np.eye(t.size)]), -fixed, rcond=None)[0]
     # The least of the continuous problem is 720; ends that rest for two steps are 2/n off.
-    assert jerk(minimum_jerk(t[1:-1])) == pytest.approx(720, rel=0.5)
-    assert np.abs(found.x - minimum_jerk(t[1:-1])).max() < 0.05
+    assert np.sum(jerk(minimum_jerk(t)) ** 2) / n == pytest.approx(720, rel=0.5)
+    assert np.abs(found - minimum_jerk(t)).max() < 0.05
     assert minimum_jerk(np.array([0.0, 0.5, 1.0])).tolist() == [0.0, 0.5, 1.0]
 
 

@@ -17,8 +17,15 @@ SCENE = application("bridge").folder / "scenes" / "bridge.toml"
 
 
 @pytest.fixture(scope="module")
-def ways():
-    return study()
+def ways(tmp_path_factory):
+    """The study on a coarse mesh."""
+    scene = tmp_path_factory.mktemp("bridge") / "bridge.toml"
+    text = SCENE.read_text(encoding="utf-8")
+    assert SIZE in text
+    scene.write_text(text.replace(SIZE, 'size = "400 mm"'), encoding="utf-8")
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr("restshape_verification.bridge.study.SCENE", scene)
+        return study()
 
 
 def test_the_scripts_differ_in_when_the_analysis_runs_and_in_nothing_else():

@@ -13,7 +13,7 @@ from restshape.application import application
 
 @pytest.mark.slow
 def test_nothing_breaks():
-    tried = fuzz(40, 1, ("couture",))
+    tried = fuzz(30, 1, ("couture",))
     assert not tried.found, [vars(found) for found in tried.found.values()]
     assert tried.valid >= 10 and tried.frames > 50 and 3 < tried.largest <= 200
 

@@ -18,9 +18,9 @@ from restshape.application import application
 
 @pytest.mark.slow
 def test_nothing_breaks():
-    tried = fuzz(50, 1, ("furniture",))
+    tried = fuzz(30, 1, ("furniture",))
     assert not tried.found, [vars(found) for found in tried.found.values()]
-    assert tried.valid >= 20 and tried.frames > 150 and tried.written >= 1
+    assert tried.valid >= 12 and tried.frames > 90 and tried.written >= 1
 
 
 @pytest.mark.slow
@@ -38,9 +38,9 @@ def test_scenes_and_edits_are_of_all_kinds(tmp_path):
         seen.update({"smooth": scene.floor.friction == 0.0, "pushes": bool(scene.pushes), "loads": bool(scene.weights)})
 
     drawn = SCENES.scenes.flatmap(lambda tables: scripts(tables, SCENES).map(lambda lines: (tables, lines)))
-    look_at_drawn(drawn, 250, tmp_path, look)
+    look_at_drawn(drawn, 150, tmp_path, look)
     # What makes no sense is refused, and is not most of it.
-    assert 0 < seen["refused"] < 125
+    assert 0 < seen["refused"] < 75
     wanted = {"named joint", "drawn", "centred", "smooth", "pushes", "loads"}
     effects = set(application("furniture").effects) - {"nails"}
     assert wanted | effects | set(PLANK_EVENTS) <= {k for k, n in seen.items() if n}

@@ -13,6 +13,8 @@ from restshape_verification.furniture.plank_study import study_planks, unseen, w
 from restshape.cli.main import main
 
 NONE = np.zeros((0, 2))
+ENDS = (1e-2, 1e-5, 1e-8)
+"""Tolerances of ends that the study is made with here."""
 
 
 BEYOND = (
@@ -48,14 +50,15 @@ def test_wrong_answers_are_where_intervals_differ(found, truth, length, missed):
 def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
     patch = pytest.MonkeyPatch()
-    patch.setattr(planks, "DENSE", 1537)
+    for name, value in (("DENSE", 1537), ("WAYS", 8), ("TOLERANCES", ENDS)):
+        patch.setattr(planks, name, value)
     found = study_planks(Case("bench", write_bench(folder), write_edits(folder, *BEYOND)))
     patch.undo()
     return found
 
 
 def test_ends_are_as_exact_as_they_are_asked_to_be(study):
-    assert [row["tolerance"] for row in study.ends] == list(planks.TOLERANCES)
+    assert [row["tolerance"] for row in study.ends] == list(ENDS)
     for row in study.ends:
         assert 0.0 < row["worst"] <= row["tolerance"] * 1.001
     assert study.ends[-1]["worst"] < 1e-4 * study.ends[0]["worst"]
@@ -91,7 +94,9 @@ def test_the_ratio_of_springs_counts_in_loops_alone(study):
 
 @pytest.mark.slow
 def test_the_command_writes_a_page_and_takes_nothing_about_meshes(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(planks, "DENSE", 769)
+    few = {"DENSE": 769, "WAYS": 3, "SAMPLED": (24, 96), "TOLERANCES": (1e-2, 1e-6), "EFFORTS": (1, 64)}
+    for name, value in few.items():
+        monkeypatch.setattr(planks, name, value)
     scene, edits = write_bench(tmp_path), write_edits(tmp_path, *BEYOND)
     out = tmp_path / "found"
     words = ["accuracy", str(scene), "--edits", str(edits), "--out", str(out)]

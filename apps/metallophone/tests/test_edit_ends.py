@@ -26,11 +26,11 @@ def lowest(analysis) -> float:
 
 
 def played(scene: Path, edits: Path, predict: str = "none", at_rest: Callable[[], None] = lambda: None) -> list[dict]:
-    """Rows with the LAPACK's frequency of the frames in which no hand drags; `at_rest` is called after idle frames."""
+    """Rows of a replay without refusals; `at_rest` is called after idle frames."""
     made, rows = replay(str(scene), edits, predict=predict), []
     for row in made.frames():
         assert not row["refused"], row["refused"]
-        rows.append(row | ({} if row["event"] == "drag" or row["predicted"] else {"right": lowest(made.analysis)}))
+        rows.append(row)
         if row["event"] == "idle":
             at_rest()
     return rows
@@ -42,11 +42,14 @@ def test_an_undo_that_ends_a_script_is_counted(tmp_path):
     tip = 0.035
     long, short = drag("e3", (0.048, tip), across((0.048, tip), (0.048, tip - 0.0026), 13)), (0.048, tip - 0.0026)
     little = drag("e3", short, across(short, (0.048, short[1] - 2e-4), 10))
-    rows = played(scene, events(tmp_path, long, little, {"do": "undo"}, {"do": "undo"}, {"do": "redo"}, {"do": "undo"}))
-    resting = [row for row in rows if "right" in row]
-    assert [row["event"] for row in resting[-4:]] == ["undo", "undo", "redo", "undo"]
-    for row in resting:
-        assert row["inertia_checked"] and row["f_1"] == pytest.approx(row["right"], rel=1e-5), row["index"]
+    undone = [{"do": "undo"}, {"do": "undo"}, {"do": "redo"}, {"do": "undo"}]
+    made, resting = replay(str(scene), events(tmp_path, long, little, *undone)), []
+    for row in made.frames():
+        assert not row["refused"], row["refused"]
+        if row["event"] != "drag":
+            resting.append(row["event"])
+            assert row["inertia_checked"] and row["f_1"] == pytest.approx(lowest(made.analysis), rel=1e-5), row["index"]
+    assert resting[-4:] == ["undo", "undo", "redo", "undo"]
 
 
 def test_a_prediction_goes_on_from_what_an_idle_frame_has_found(tmp_path, monkeypatch):
