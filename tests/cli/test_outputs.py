@@ -86,6 +86,7 @@ def test_inputs_foreign_files_and_each_other_are_refused(command, tmp_path, opti
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
+@pytest.mark.slow
 def test_files_of_its_own_are_replaced_and_a_script_only_if_nobody_changed_it(command, tmp_path):
     scene = write_scene(tmp_path, plate(), "plate.toml")
     for _ in range(2):

@@ -12,7 +12,7 @@ from small_scenes import drag, plate, write_scene, write_script
 
 from restshape.replay.recording import Recording
 
-FRAMES = 40_000
+FRAMES = 15_000
 
 
 @pytest.fixture
@@ -103,7 +103,7 @@ def test_a_full_disk(tmp_path, start_restshape, words):
     process = start_restshape(*words)
     wait_for_frames(process)
     (recorder,) = recorders(process.pid)
-    resource.prlimit(recorder, resource.RLIMIT_FSIZE, (20 << 20, 20 << 20))
+    resource.prlimit(recorder, resource.RLIMIT_FSIZE, (6 << 20, 6 << 20))
     _, reported = process.communicate(timeout=60)
     assert process.returncode == 2
     assert "the disk is full" in reported and "Traceback" not in reported
@@ -144,7 +144,7 @@ def test_a_full_disk_ends_all_ranks(tmp_path, start_restshape, words):
     process = start_restshape(*words, ranks=2)
     wait_for_frames(process)
     (recorder,) = [found for rank in children(process.pid) for found in recorders(rank)]
-    resource.prlimit(recorder, resource.RLIMIT_FSIZE, (10 << 20, 10 << 20))
+    resource.prlimit(recorder, resource.RLIMIT_FSIZE, (6 << 20, 6 << 20))
     _, reported = process.communicate(timeout=60)
     assert process.returncode == 2, reported
     assert "the disk is full" in reported and "Traceback" not in reported

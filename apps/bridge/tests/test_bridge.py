@@ -14,6 +14,8 @@ from restshape.scene.load import load_scene
 from restshape.shape.session import EditSession
 
 SCENE = application("bridge").folder / "scenes" / "bridge.toml"
+SIZE = 'size = "200 mm"'
+"""Of the mesh of that scene."""
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ def cloth(tmp_path):
     return tmp_path / "cloth.vtkhdf"
 
 
+@pytest.mark.slow
 def test_the_picture_of_single_frames(cloth, tmp_path, capsys):
     path = tmp_path / "a.png"
     assert picture([str(cloth), "--frames", "0", "-1", "--out", str(path)]) == 0

@@ -108,6 +108,7 @@ def test_what_the_full_test_rejects_bars_nothing() -> None:
     assert apart(found, set(kept))[0] == set()
 
 
+@pytest.mark.slow
 def test_with_its_limits_a_search_shows_what_the_enumeration_has() -> None:
     for make in (table, shelf_1, shelf_2):
         furniture, modes = model(make())
