@@ -127,11 +127,11 @@ def crumpled_among_bodies(trial: Trial) -> Iterator[Statement]:
 
 CASES = {
     "deep": Case(deep),
-    "swollen": Case(swollen),
+    "swollen": Case(swollen, long=True),
     "gone": Case(gone),
-    "thin_bar": Case(thin_bar),
+    "thin_bar": Case(thin_bar, long=True),
     "too_thin": Case(too_thin),
-    "slippery": Case(slippery),
+    "slippery": Case(slippery, long=True),
     "dragged_far": Case(dragged_far, share=0.5),
     "crumpled_among_bodies": Case(crumpled_among_bodies, share=0.5),
 }

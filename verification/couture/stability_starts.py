@@ -116,9 +116,9 @@ def without_weight(trial: Trial) -> Iterator[Statement]:
 
 
 CASES = {
-    "scattered": Case(scattered, exempt={"thesis": FOLDED}, share=0.34),
+    "scattered": Case(scattered, exempt={"thesis": FOLDED}, share=0.34, long=True),
     "crumpled_on_a_ball": Case(crumpled_on_a_ball),
-    "textile": Case(textile),
+    "textile": Case(textile, long=True),
     "thin_plate": Case(thin_plate),
     "endless_fall": Case(endless_fall),
     "without_weight": Case(without_weight),

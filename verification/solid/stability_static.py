@@ -246,7 +246,7 @@ CASES: dict[str, Case] = {
     "jump": Case(jump, ALL),
     "ligament": Case(ligament),
     "touching": Case(touching),
-    "slender": Case(slender, ("auto", "thesis")),
+    "slender": Case(slender, ("auto", "thesis"), long=True),
     "locking": Case(locking),
     "incompressible": Case(incompressible, ALL),
     "incompressible_large": Case(incompressible_large, ALL),

@@ -167,7 +167,7 @@ def dropped_gravity(trial: Trial) -> Iterator[Statement]:
 
 
 CASES: dict[str, Any] = {
-    "undamped_resonance": Case(undamped_resonance),
+    "undamped_resonance": Case(undamped_resonance, long=True),
     "damped_resonance": Case(damped_resonance),
     "window_jumps": Case(window_jumps, tuple(POLICIES)),
     "long_swing": Case(long_swing, share=0.03),

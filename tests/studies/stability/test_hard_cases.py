@@ -16,25 +16,9 @@ from restshape.policy import POLICIES
 KNOWN = cases()
 
 
-LONG = {
-    "couture.nested",
-    "couture.outline",
-    "couture.scattered",
-    "couture.slippery",
-    "couture.swollen",
-    "couture.textile",
-    "couture.thin_bar",
-    "metallophone.lowest_unknown",
-    "metallophone.nearly_cut",
-    "metallophone.thin_solid",
-    "metallophone.tiny_holes",
-    "solid.incompressible_strip",
-    "solid.slender",
-    "vibration.undamped_resonance",
-}
-"""Cases that take more than a second and a half."""
 PLAYED = [
-    pytest.param(name, policy, marks=[pytest.mark.slow] if name in LONG else []) for name, policy in jobs(KNOWN, [], [])
+    pytest.param(name, policy, marks=[pytest.mark.slow] if KNOWN[name].long else [])
+    for name, policy in jobs(KNOWN, [], [])
 ]
 
 
@@ -70,7 +54,6 @@ def test_bounds_that_say_nothing_are_found():
 
 
 def test_every_case_says_what_it_is():
-    assert set(KNOWN) >= LONG
     for name, case in KNOWN.items():
         assert case.summary.endswith(".") and len(case.summary) > 20, name
         assert set(case.exempt) <= set(POLICIES) and "auto" not in case.exempt, name
