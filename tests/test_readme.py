@@ -20,6 +20,10 @@ def block(page: str, language: str) -> str:
     return found
 
 
+NO_ANIMATION = ["--animation", "none"]
+"""Of a report: one page's animation is enough."""
+
+
 def commands(page: str) -> list[str]:
     """The lines of the page's shell blocks that run restshape."""
     shell = "".join(re.findall(r"```sh\n(.*?)```", page, re.S))
@@ -31,16 +35,19 @@ def write(page: str, folder: Path) -> None:
     (folder / "bracket.jsonl").write_text(block(page, "json"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("page", "names"), [(README, ["check", "replay", "report"]), (SCENES, ["check", "replay", "report", "script"])]
+    ("page", "names", "unmoved"),
+    [(README, ["check", "replay", "report"], []), (SCENES, ["check", "replay", "report", "script"], NO_ANIMATION)],
 )
-def test_the_commands_of_the_example_run(page, names, tmp_path, monkeypatch, capsys):
+def test_the_commands_of_the_example_run(page, names, unmoved, tmp_path, monkeypatch, capsys):
     write(page, tmp_path)
     monkeypatch.chdir(tmp_path)
     lines = commands(page)
     assert [shlex.split(line)[1] for line in lines] == names
     for line in lines:
-        assert main(shlex.split(line)[1:]) == 0, line
+        words = shlex.split(line)[1:]
+        assert main([*words, *(unmoved if words[0] == "report" else [])]) == 0, line
     assert "0 refused" in capsys.readouterr().out
     assert (tmp_path / "bracket-report" / "frames.png").stat().st_size > 10_000
 
