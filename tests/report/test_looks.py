@@ -100,6 +100,7 @@ def test_another_scene_in_the_header_is_refused(recorded):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("recorded", [2], indirect=True)
 def test_pictures_have_the_resolution_and_the_format_that_are_asked_for(recorded, tmp_path):
     few = ["--frames", "1", "--animation", "none", "--out"]
     assert main(["report", str(recorded), *few, str(tmp_path / "a")]) == 0
