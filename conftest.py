@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from importlib.metadata import entry_points
 from itertools import pairwise
 from pathlib import Path
@@ -46,12 +47,18 @@ PROCESSES = {"restshape", "start_restshape", "outside", "two_ranks"}
 """Fixtures of tests that start processes."""
 
 
+@cache
+def _installed() -> frozenset[str]:
+    """Names of the applications that are installed."""
+    return frozenset(entry_points(group="restshape.applications").names)
+
+
 def pytest_ignore_collect(collection_path: Path) -> bool | None:
     """True for tests of an application that is not installed."""
     parts = collection_path.relative_to(ROOT).parts if collection_path.is_relative_to(ROOT) else ()
     if parts[:1] != ("apps",) or "tests" not in parts:
         return None
-    return True if parts[1] not in entry_points(group="restshape.applications").names else None
+    return True if parts[1] not in _installed() else None
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

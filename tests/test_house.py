@@ -74,7 +74,7 @@ def doubled(names: Iterable[tuple[str, Path]]) -> dict[str, list[str]]:
     """Names that occur more than once, and where."""
     found: dict[str, list[str]] = {}
     for name, path in names:
-        found.setdefault(name, []).append(str(path.relative_to(LIBRARY.parent)))
+        found.setdefault(name, []).append(str(path.relative_to(LIBRARY.parents[1])))
     return {name: paths for name, paths in found.items() if len(paths) > 1}
 
 
@@ -99,6 +99,14 @@ def test_no_two_kernel_files_of_the_library_have_the_same_name():
 
 
 TESTS = Path(__file__).parent
+
+
+def test_no_two_files_of_tests_have_the_same_name():
+    """pytest knows them by it, for they are in no packages: of two it collects none."""
+    files = ((path.name, path) for room in (TESTS, TESTS.parent / "apps") for path in room.rglob("test_*.py"))
+    assert not doubled(files)
+
+
 NAMES = ("bridge", "cantilever", "couture", "furniture", "metallophone", "solid", "thermal", "vibration")
 NAMED = "|".join(NAMES)
 APPLICATION = re.compile(
