@@ -13,6 +13,10 @@ DRAWING_BYTES = 64 << 20
 """A .dxf, .svg or .step file; a .geo file has bounds of its own, in `restshape.shape.geo_tokens`."""
 MESH_BYTES = 1 << 30
 """A mesh file."""
+RECORD_BYTES = 32 << 20
+"""Text of a record of the ground's acceleration."""
+RECORD_POINTS = 1_000_000
+"""Samples of such a record."""
 READING_MEMORY = 4 << 30
 """Memory that reading a mesh or a drawing may take besides [bytes]: packed files hold more than they show."""
 

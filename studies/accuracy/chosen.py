@@ -5,6 +5,7 @@ import tempfile
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from restshape.outputs.whole import write_whole
 from restshape.scene.load import load_scene, parse_override
 from restshape.scene.permits import allow
 
-FILES = (("shape", "file"), ("mesh", "file"))
+FILES = (("shape", "file"), ("mesh", "file"), ("effects", "ground", "file"))
 """Keys that name files beside the scene."""
 LEAST_RATE = 0.5
 """Power of the mesh size with which the error of a quantity falls at least, or it counts as one that does not converge:
@@ -53,10 +54,10 @@ def write_scene(case: Case, picked: dict[str, Any], path: Path) -> None:
     changes += [(("solve", "policy"), picked["policy"]), (("solve", "tolerance"), picked["tolerance"])]
     for key, value in changes:
         _put(document, key, value)
-    for table, key in FILES:
-        name = document.get(table, {}).get(key)
+    for key in FILES:
+        name = reduce(lambda table, part: table.get(part, {}), key, document)
         if name and not Path(name).is_absolute():
-            document[table][key] = os.path.relpath(case.scene.parent / name, path.parent)
+            _put(document, key, os.path.relpath(case.scene.parent / name, path.parent))
             # The scene that is written is run, and names what the first one may name.
             allow(case.scene.parent)
     text = tomlkit.dumps(document)

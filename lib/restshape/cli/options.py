@@ -15,6 +15,7 @@ from restshape.outputs.claims import command_files, refuse_outputs
 from restshape.outputs.kinds import JsonFile
 from restshape.outputs.whole import write_whole
 from restshape.scene.permits import allow, trust_scripts
+from restshape.scene.plain_values import named_files
 
 if TYPE_CHECKING:
     from restshape.scene.model import Scene
@@ -117,8 +118,7 @@ def refuse_files_of_scene(args: argparse.Namespace, scene: Scene) -> None:
     Raises:
         UserError: one is.
     """
-    named = [(key, table["file"]) for key, table in scene.raw.items() if isinstance(table, dict) and "file" in table]
-    inputs = {f"{scene.path} ({key}.file)": scene.folder / str(file) for key, file in named}
+    inputs = {f"{scene.path} ({'.'.join(key)})": scene.folder / file for key, file in named_files(scene.raw)}
     if inputs and first_rank():
         refuse_outputs(command_files(vars(args))[0], inputs)
 

@@ -72,6 +72,20 @@ class SweepFile(OutputFile):
         return head.startswith(b"run,status,frames,refused,")
 
 
+TABLE_MARK = "# written by restshape "
+"""Beginning of the first line of a table; what follows it says of what."""
+
+
+class TableFile(OutputFile):
+    """A table (CSV) that says in its first line that restshape has written it: a spectrum, modes, a made record."""
+
+    what = "a table that restshape wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it says so."""
+        return head.startswith(TABLE_MARK.encode())
+
+
 class RecordingFile(OutputFile):
     """A recording, whole or damaged."""
 

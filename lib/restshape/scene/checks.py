@@ -56,8 +56,12 @@ def _check_names(scene: Scene, source: Source) -> None:
             taken[name] = f"the {kind} shape.{key}.{name}"
 
 
-def _check_file(key: tuple[str, str], file: str, source: Source) -> None:
-    """Refuses a file that is not there, or that the scene may not name."""
+def check_file(key: tuple[str, ...], file: str, source: Source) -> None:
+    """Refuses a file that is not there, or that the scene may not name.
+
+    Raises:
+        UserError: which key names it, and why not.
+    """
     if source.recorded:
         what, do = f"the recording names the file {file!r}, and no file but the recording is read", "replay its scene"
         raise source.error(key, what, do)
@@ -75,7 +79,7 @@ def _check_shape(scene: Scene, source: Source) -> None:
     shape = scene.shape
     for key, file in (("shape", shape.file), ("mesh", scene.mesh.file)):
         if file:
-            _check_file((key, "file"), file, source)
+            check_file((key, "file"), file, source)
     if scene.mesh.file:
         if shape.outline or shape.file:
             raise source.error(("mesh", "file"), "the scene has a shape and a mesh file", "keep one of the two")

@@ -16,7 +16,7 @@ from restshape.scene.bodies import POINTS, Body, bodies_of
 from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.permits import outside
-from restshape.scene.plain_values import Table, excess
+from restshape.scene.plain_values import Table, excess, named_files
 from restshape.scene.source import Source, read_text, split_key, suggestion
 from restshape.scene.units import article, length_unit
 from restshape.scene.validation_errors import user_error
@@ -294,11 +294,9 @@ def _refuse_outside(event: EventLine, scene: Scene | None, path: Path) -> None:
     value = event.value
     for part in reversed(split_key(event.key)):
         value = {part: value}
-    for table in ("shape", "mesh"):
-        section = value.get(table) if isinstance(value, dict) else None
-        file = section.get("file") if isinstance(section, dict) else None
-        if isinstance(file, str) and file not in scene._source.named and (refused := outside(file, scene.folder)):
-            raise UserError(refused[0], f"{path.name}: line {event.line}: {table}.file", refused[1])
+    for key, file in named_files(value) if isinstance(value, dict) else ():
+        if file not in scene._source.named and (refused := outside(file, scene.folder)):
+            raise UserError(refused[0], f"{path.name}: line {event.line}: {'.'.join(key)}", refused[1])
 
 
 def _first_line() -> str:

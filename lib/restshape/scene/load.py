@@ -50,7 +50,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         key, value = parse_override(override)
         put(raw, key, value, f"--set {override}", adds=isinstance(value, dict))
         keys.append(key)
-        if key[1:] == ("file",):
+        if len(key) > 1 and key[-1] == "file":
             named.append(str(value))
     if overrides:
         _refuse_excess(raw, Source(path, text, tuple(keys)))

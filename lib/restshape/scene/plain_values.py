@@ -20,6 +20,13 @@ def tables_in(raw: object, key: str) -> dict[str, Table]:
     return {name: table for name, table in table_in(raw, key).items() if isinstance(table, dict)}
 
 
+def named_files(raw: Table) -> list[tuple[Key, str]]:
+    """The files that tables of a scene name, by key: those of ``shape``, ``mesh`` and each effect."""
+    tables: list[tuple[Key, Table]] = [((key,), table_in(raw, key)) for key in ("shape", "mesh")]
+    tables += [(("effects", name), table) for name, table in tables_in(raw, "effects").items()]
+    return [((*key, "file"), file) for key, table in tables if isinstance(file := table.get("file"), str)]
+
+
 def excess(table: Table) -> tuple[Key, str, str] | None:
     """The first place in plain tables that is beyond a bound: its key, what is wrong, what to do; None without one."""
     waiting: list[tuple[Key, object]] = [((), table)]

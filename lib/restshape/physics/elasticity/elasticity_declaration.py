@@ -7,7 +7,7 @@ from pydantic import Field
 
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN, LARGE, SOLID
 from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
-from restshape.physics.elasticity.elasticity_scene_checks import check_solids, check_vibrations
+from restshape.physics.elasticity.elasticity_scene_checks import check_motion, check_solids, check_vibrations
 from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibration_plan
 from restshape.physics.elasticity.goal import Goal, goal_words
 from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
@@ -141,6 +141,8 @@ MOVING_SOLIDS = replace(
     summary="elastic solids in the plane, in motion",
     effects=IN_MOTION,
     columns=None,
+    check=check_motion,
+    inspect_shape="restshape.physics.elasticity.inspection:inspect_motion",
 )
 
 FREE_VIBRATIONS = Physics(

@@ -1,5 +1,7 @@
 """What models alone cannot check in a scene of elastic solids."""
 
+from restshape.physics.elasticity.ground_record import read_record
+from restshape.scene.checks import check_file
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.source import Source, suggestion
@@ -66,6 +68,21 @@ def _refuse_no_thickness(scene: Scene, source: Source) -> None:
         if "thickness" not in material.model_fields_set:
             what = f"stress is the force of loads.{force} by the thickness, which is left out"
             raise source.error(("material", name), what, 'add thickness = "8 mm"; until now it was 1 m')
+
+
+def check_motion(scene: Scene, source: Source) -> None:
+    """Checks a scene of elastic solids in motion: a record of the ground's motion can be read.
+
+    Raises:
+        UserError: the first thing that makes no sense.
+    """
+    check_solids(scene, source)
+    file = scene.effects.get("ground", {}).get("file")
+    # A recording names files, and none of them is read.
+    if file is not None and not source.recorded:
+        key = ("effects", "ground", "file")
+        check_file(key, file, source)
+        read_record(source.path.parent / file)
 
 
 def check_vibrations(scene: Scene, source: Source) -> None:

@@ -11,7 +11,9 @@ from restshape.errors import UserError
 from restshape.mesh.entity_area import entity_area
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.thickness import Thickness
+from restshape.physics.elasticity.ground_record import read_record
 from restshape.physics.elasticity.modal_effect import modal_keys
+from restshape.physics.elasticity.motion_effects import DynamicsKeys
 from restshape.physics.elasticity.singular_places import singular_quantities, warning
 from restshape.physics.elasticity.thickness_layers import FLOOR, usual_layers
 from restshape.scene.model import Material, Scene
@@ -40,6 +42,24 @@ def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
     warnings = [warning(name, scene.quantities[name], place) for name, place in places.items()]
     singular = {name: place.exponent for name, place in places.items()}
     return Inspection(seen.data, seen.rows, (*seen.warnings, *warnings), singular)
+
+
+def inspect_motion(scene: Scene, outline: Outline) -> Inspection:
+    """What `inspect_solid` sees, and the record that shakes the ground."""
+    seen, ground = inspect_solid(scene, outline), scene.effects.get("ground", {})
+    if ground.get("file") is None:
+        return seen
+    record = read_record(scene.folder / ground["file"])
+    last, peak = float(record.times[-1] - record.times[0]), abs(ground["scale"]) * record.peak
+    data = {"ground": {"samples": len(record.times), "step": record.step, "duration": last, "peak": peak}}
+    text = f"{ground['file']}: {len(record.times)} samples over {last:.6g} s, at most {peak:.4g} m/s^2"
+    time_step, warnings = scene.effects.get("dynamics", {}).get("time_step", DynamicsKeys().time_step), seen.warnings
+    if time_step > 1.001 * record.step:
+        what = (
+            f"effects.dynamics.time_step = {time_step:g} s passes over samples of the record, {record.step:g} s apart"
+        )
+        warnings = (*warnings, f"{what}: a time step of {record.step:g} s sees them all")
+    return Inspection(seen.data | data, [*seen.rows, ("ground motion", text)], warnings, seen.singular)
 
 
 def inspect_body(scene: Scene, outline: Outline) -> Inspection:

@@ -9,7 +9,7 @@ from restshape.physics.elasticity.solid_effects import ELASTICITY, GRAVITY, LARG
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.units import UnitError
-from restshape.scene.values import Length, Strict, number_of
+from restshape.scene.values import Length, Strict, number_of, only_one
 
 Frequency = Annotated[number_of("frequency"), Field(gt=0)]
 
@@ -47,28 +47,46 @@ class DynamicsKeys(Strict):
 
 
 class GroundKeys(Strict):
-    """Keys of ``[effects.ground]``: a harmonic motion, by the amplitude of its displacement or of its acceleration.
+    """Keys of ``[effects.ground]``: a harmonic motion, by its amplitude, or a record of accelerations.
 
     Args:
         direction: (x, y), of any length.
         displacement: amplitude [m].
         acceleration: amplitude [m/s^2].
         frequency: [Hz].
+        file: of a record beside the scene, a ``.csv`` of times and accelerations with their units, or an ``.at2``.
+        scale: of the accelerations of the record.
+        start: simulated time at which the record begins [s].
     """
 
     model_config = ConfigDict(title="Ground")
     direction: tuple[float, float] = (1.0, 0.0)
     displacement: Length | None = None
     acceleration: number_of("acceleration") | None = None
-    frequency: Frequency
+    frequency: Frequency | None = None
+    file: str | None = None
+    scale: number_of("number") = 1.0
+    start: number_of("time") = 0.0
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
-        if (self.displacement is None) == (self.acceleration is None):
-            raise UnitError("exactly one of displacement, acceleration is wanted here")
+        only_one(self, ("displacement", "acceleration", "file"))
         if self.direction == (0.0, 0.0):
             raise UnitError("the direction has no length")
+        if self.file is None and self.frequency is None:
+            raise UnitError("the frequency of a harmonic motion is missing")
+        if self.file is not None and self.frequency is not None:
+            raise UnitError("a record has no frequency: leave out file or frequency")
+        if self.file is None and (self.scale, self.start) != (1.0, 0.0):
+            raise UnitError("scale and start are those of a record: name its file, or leave them out")
         return self
+
+    def resolve(self, scene: Scene) -> ResolvedSettings:
+        """The path of the record, as it is opened."""
+        if self.file is None:
+            return ResolvedSettings(self)
+        why = f"the record {self.file}, linear between its samples"
+        return ResolvedSettings(self.model_copy(update={"file": str(scene.folder / self.file)}), why)
 
 
 class DampingKeys(Strict):
@@ -105,7 +123,7 @@ IN_MOTION = {
         kernels=("mass_", "lumped_mass_"),
     ),
     "solid": ELASTICITY,
-    "ground": Effect(GroundKeys, "ground that shakes at one frequency", drives=True),
+    "ground": Effect(GroundKeys, "ground that shakes at one frequency, or as a record says", drives=True),
     "damping": Effect(DampingKeys, "Rayleigh damping"),
     "gravity": replace(GRAVITY, summary="weight of the body, which acts at once"),
     "large_deformation": LARGE_DEFORMATION,

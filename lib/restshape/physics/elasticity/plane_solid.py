@@ -33,7 +33,7 @@ from restshape.fem.region_materials import by_cell, table_by_region
 from restshape.fem.space import Space
 from restshape.fem.supports import dirichlet_of
 from restshape.fem.time_integration import Newmark, Rayleigh, TimeIntegration
-from restshape.physics.elasticity.base_excitation import HarmonicExcitation
+from restshape.physics.elasticity.base_excitation import base_excitation
 from restshape.physics.elasticity.body_load import require_density
 from restshape.physics.elasticity.elasticity_quantities import MotionQuantities, PlaneQuantities
 from restshape.physics.elasticity.loads import PlaneLoads
@@ -220,7 +220,7 @@ class PlaneSolid(TransientProblem):
         scheme = Newmark(settings.beta, settings.gamma, settings.time_step)
         excitation = None
         if ground is not None:
-            excitation = HarmonicExcitation(ground, before.excitation if before else None, now)
+            excitation = base_excitation(ground, before.excitation if before else None, now)
         return TimeIntegration(scheme, settings.steps, Rayleigh.of(plan.settings("damping")), excitation)
 
     @staticmethod
