@@ -10,7 +10,7 @@ from restshape.scene.load import load_scene
 @pytest.mark.parametrize(
     ("quantity", "where", "what"),
     [
-        ("{ frequency = 1 }", "quantities.tone", "only free vibrations have frequencies"),
+        ("{ frequency = 1 }", "quantities.tone", "without modes there are no frequencies"),
         ("{ mode = 2 }", "quantities.tone", "only free vibrations have frequencies"),
         ("{ load_factor = 1 }", "quantities.tone.load_factor", "without buckling there are no load factors"),
     ],

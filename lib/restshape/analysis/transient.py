@@ -16,7 +16,9 @@ from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
+from restshape.analysis.modes_beside import ModesBeside
 from restshape.analysis.repeated_motion import RepeatedMotion
+from restshape.analysis.settings import modal_settings
 from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.time_error import local_error
 from restshape.analysis.transient_state import BoundMotion, TransientState
@@ -69,6 +71,7 @@ class TransientAnalysis:
         # The largest unknowns that errors of time steps have been related to.
         self._largest = 0.0
         self._observed: tuple[TransientState | None, dict[str, float]] = (None, {})
+        self.modes = ModesBeside(modal_settings(plan).modes) if plan.on("modal") else None
         self._estimate: tuple[SemiDiscrete | None, RecoveryEstimate | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
@@ -170,12 +173,17 @@ class TransientAnalysis:
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest after the last step, evaluated once a frame."""
         if self._observed[0] is not self.state:
-            self._observed = (self.state, self.state.observer(self.x, self.state.motion))
+            motion = self.state.motion if self.modes is None else replace(self.state.motion, modes=self._frequencies)
+            self._observed = (self.state, self.state.observer(self.x, motion))
         return self._observed[1]
 
     def row(self) -> RowValues:
-        """Columns of the frame's row that only this analysis has: the simulated time [s]."""
-        return {"time": self.time}
+        """Columns of the frame's row that only this analysis has: the simulated time [s], and those of modes."""
+        return {"time": self.time} | (self.modes.row(self) if self.modes else {})
+
+    def _frequencies(self) -> np.ndarray:
+        """Eigenfrequencies (k,) [Hz] of the present shape."""
+        return made(self.modes)(self).frequencies
 
     def solution(self) -> Solution:
         """The unknowns and, of second order in time, their rates, and what their energies are measured by."""

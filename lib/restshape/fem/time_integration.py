@@ -215,7 +215,13 @@ class Rayleigh:
 
 
 class Excitation(Protocol):
-    """Motion of the base that unknowns are relative to."""
+    """Motion of the base that unknowns are relative to.
+
+    Attributes:
+        direction: (f,) of length 1, along which it moves.
+    """
+
+    direction: np.ndarray
 
     def acceleration(self, t: float) -> np.ndarray:
         """The base's acceleration (f,) at the time t [s]."""
@@ -260,6 +266,7 @@ class Motion:
         edit: work of all edits so far [J].
         remesh: energy that new meshes have added to the motion so far [J].
         started: a step has been taken; before, rates are not known.
+        modes: evaluates `eigenfrequencies`; None: no modes are computed.
         dynamic_forces: evaluates `inertia_and_damping`.
     """
 
@@ -268,6 +275,12 @@ class Motion:
     remesh: float = 0.0
     dynamic_forces: Callable[[], np.ndarray] | None = None
     started: bool = True
+    modes: Callable[[], np.ndarray] | None = None
+
+    @cached_property
+    def eigenfrequencies(self) -> np.ndarray:
+        """Lowest eigenfrequencies (k,) of the present shape [Hz]; none where no modes are computed."""
+        return np.empty(0) if self.modes is None else self.modes()
 
     @cached_property
     def inertia_and_damping(self) -> np.ndarray:

@@ -24,7 +24,9 @@ class GroundSettings(Protocol):
 
 
 class BaseExcitation(Protocol):
-    """A motion of the ground."""
+    """A motion of the ground along a direction (2,) of length 1."""
+
+    direction: np.ndarray
 
     def acceleration(self, t: float) -> np.ndarray:
         """The ground's acceleration (2,) [m/s^2] at the time t [s]."""

@@ -11,7 +11,7 @@ from restshape.physics.elasticity.elasticity_scene_checks import check_motion, c
 from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibration_plan
 from restshape.physics.elasticity.goal import Goal, goal_words
 from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
-from restshape.physics.elasticity.motion_effects import IN_MOTION
+from restshape.physics.elasticity.motion_effects import IN_MOTION, motion_columns
 from restshape.physics.elasticity.solid_effects import AT_REST, buckling_columns
 from restshape.scene.derived_effects import REGIONS
 from restshape.scene.load_kind import AREAS, CURVES, ENTITIES, POINTS, LoadKind
@@ -140,7 +140,7 @@ MOVING_SOLIDS = replace(
     name="moving solids",
     summary="elastic solids in the plane, in motion",
     effects=IN_MOTION,
-    columns=None,
+    columns=motion_columns,
     check=check_motion,
     inspect_shape="restshape.physics.elasticity.inspection:inspect_motion",
 )

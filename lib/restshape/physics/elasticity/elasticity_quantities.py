@@ -149,6 +149,17 @@ class MotionQuantities(PlaneQuantities):
         super().__init__(solid)
         self.kinetic = kinetic
 
+    def __call__(self, name: str, quantity: Quantity) -> Function:
+        """The function that a quantity of this name is, frequencies included.
+
+        Raises:
+            UserError: it has no meaning, or none where it is asked for.
+        """
+        rank = quantity.number("frequency")
+        if rank is None:
+            return super().__call__(name, quantity)
+        return lambda x, motion: next(iter(motion.eigenfrequencies[rank - 1 : rank]), np.nan)
+
     def reaction(self, name: str, nodes: np.ndarray, column: int) -> Function:
         """The component of the force [N] of supports at the nodes (k,), with their inertia and damping."""
         at_rest = super().reaction(name, nodes, column)

@@ -7,7 +7,10 @@ from restshape.scene.model import Quantity, Scene
 from restshape.scene.source import Source, suggestion
 
 ELSEWHERE = {
-    "frequency": ("only free vibrations have frequencies", "use an application that has [effects.modal]"),
+    "frequency": (
+        "without modes there are no frequencies",
+        "add [effects.modal], in an application that has it",
+    ),
     "mode": ("only free vibrations have frequencies", "use an application that has [effects.modal]"),
     "load_factor": (
         "without buckling there are no load factors",
@@ -49,7 +52,10 @@ def check_solids(scene: Scene, source: Source) -> None:
     _refuse_no_thickness(scene, source)
     for name, quantity in scene.quantities.items():
         missing = elsewhere(quantity)
-        if missing and not source.recorded and not (quantity.load_factor and "buckling" in scene.effects):
+        found = (quantity.load_factor and "buckling" in scene.effects) or (
+            quantity.frequency and "modal" in scene.effects
+        )
+        if missing and not source.recorded and not found:
             raise source.error(("quantities", name, *missing[1]), missing[0], missing[2])
 
 
@@ -77,6 +83,12 @@ def check_motion(scene: Scene, source: Source) -> None:
         UserError: the first thing that makes no sense.
     """
     check_solids(scene, source)
+    modes = scene.effects.get("modal", {}).get("modes", 0)
+    for name, quantity in scene.quantities.items():
+        rank = quantity.number("frequency")
+        if rank is not None and rank > modes and not source.recorded:
+            do = f"set effects.modal.modes to {rank} or more"
+            raise source.error(("quantities", name, "frequency"), f"only {modes} modes are computed", do)
     file = scene.effects.get("ground", {}).get("file")
     # A recording names files, and none of them is read.
     if file is not None and not source.recorded:

@@ -1,10 +1,12 @@
 """Effects of elastic solids that move: keys of ``[effects]`` for motion in time, ground acceleration and damping."""
 
 from dataclasses import replace
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 
+from restshape.errors import UserError
 from restshape.physics.elasticity.solid_effects import ELASTICITY, GRAVITY, LARGE_DEFORMATION
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
@@ -114,6 +116,39 @@ class DampingKeys(Strict):
         return self
 
 
+class ModesBesideKeys(Strict):
+    """Keys of ``[effects.modal]`` of what moves: the lowest eigenfrequencies of each frame's shape, small deformation.
+
+    Args:
+        modes: how many are computed.
+    """
+
+    model_config = ConfigDict(title="ModesBeside")
+    modes: Annotated[int, Field(ge=1, le=20)] = 3
+
+    def resolve(self, scene: Scene) -> ResolvedSettings:
+        """The keys as they are.
+
+        Raises:
+            UserError: the law is not linear.
+        """
+        if "large_deformation" in scene.effects:
+            raise UserError(
+                "eigenfrequencies are those of a linear solid, and the scene asks for large deformation too",
+                "effects.modal",
+                "leave out one of [effects.modal] and [effects.large_deformation]",
+            )
+        return ResolvedSettings(self)
+
+
+def motion_columns(scene: Scene) -> dict[str, Any]:
+    """The columns that a replay with modes beside the motion has: frequencies, and shares of the mass."""
+    if "modal" not in scene.effects:
+        return {}
+    modes = range(1, ModesBesideKeys.model_validate(scene.effects["modal"]).modes + 1)
+    return {f"{name}_{k}": np.float64 for k in modes for name in ("f", "effective_mass")}
+
+
 IN_MOTION = {
     "dynamics": Effect(
         DynamicsKeys,
@@ -125,6 +160,7 @@ IN_MOTION = {
     "solid": ELASTICITY,
     "ground": Effect(GroundKeys, "ground that shakes at one frequency, or as a record says", drives=True),
     "damping": Effect(DampingKeys, "Rayleigh damping"),
+    "modal": Effect(ModesBesideKeys, "eigenfrequencies beside the motion", fixed=True, quantities=("frequency",)),
     "gravity": replace(GRAVITY, summary="weight of the body, which acts at once"),
     "large_deformation": LARGE_DEFORMATION,
 }
