@@ -1,0 +1,137 @@
+"""The steady motion of a shape on ground that moves at one frequency, over a range of frequencies.
+
+python -m restshape_apps.vibration.harmonic SCENE [--edits FILE --frame N] --range FROM TO [--csv FILE] [--picture FILE]
+
+Of each displacement along x or y among the scene's quantities: its amplitude relative to the ground under a ground
+acceleration of amplitude A, its phase against the acceleration, and the ratio of its amplitude in space to that of the
+ground's displacement. Damping is the scene's. Each frequency is a direct solve of (K - w^2 M + i w C) U = -M 1 A.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from restshape_apps.vibration.stage import Structure, add_structure, structure
+
+from restshape.analysis.harmonic import harmonic_response
+from restshape.cli.options import print_table, write_json
+from restshape.errors import UserError
+from restshape.outputs.kinds import TABLE_MARK, PictureFile, TableFile
+from restshape.outputs.whole import write_whole
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Steady motions over frequencies.
+
+    Args:
+        frequencies: (m,) [Hz].
+        acceleration: amplitude A of the ground [m/s^2].
+        relative: complex amplitudes (m,) [m] by quantity, relative to the ground.
+        transmissibility: (m,) by quantity: the amplitude in space over that of the ground.
+    """
+
+    frequencies: np.ndarray
+    acceleration: float
+    relative: dict[str, np.ndarray]
+    transmissibility: dict[str, np.ndarray]
+
+
+def sweep(shape: Structure, frequencies: np.ndarray, acceleration: float = 1.0) -> Sweep:
+    """The steady motions of a shape.
+
+    Args:
+        shape: with the scene's damping.
+        frequencies: (m,) positive [Hz].
+        acceleration: amplitude of the ground [m/s^2].
+    """
+    stiffness, mass, damping = shape.analysis.matrices()
+    load = -acceleration * shape.inertia()
+    found = []
+    for frequency in frequencies:
+        omega = 2.0 * np.pi * frequency
+        found.append(shape.looked(harmonic_response(stiffness, mass, damping, omega, load)))
+    relative = {name: np.array([one[name] for one in found]) for name in shape.looks}
+    ground = -acceleration / (2.0 * np.pi * frequencies) ** 2
+    ratios = {
+        name: np.abs(values + ground * shape.direction[shape.columns[name]]) / np.abs(ground)
+        for name, values in relative.items()
+    }
+    return Sweep(np.asarray(frequencies), acceleration, relative, ratios)
+
+
+def table(found: Sweep) -> str:
+    """A sweep as text: of each quantity amplitude [m], phase [deg] and transmissibility."""
+    heads, columns = ["frequency [Hz]"], [found.frequencies]
+    for name, values in found.relative.items():
+        heads += [f"{name} [m]", f"{name}_phase [deg]", f"{name}_transmissibility"]
+        columns += [np.abs(values), np.angle(values, deg=True), found.transmissibility[name]]
+    lines = [",".join(f"{value:.9g}" for value in row) for row in zip(*columns)]
+    return "\n".join([f"{TABLE_MARK}harmonic", ",".join(heads), *lines, ""])
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Print where each quantity is largest, and write the sweep; 0 on success, 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="python -m restshape_apps.vibration.harmonic", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    add_structure(parser)
+    parser.add_argument("--range", type=float, nargs=2, required=True, metavar=("FROM", "TO"), help="frequencies [Hz]")
+    parser.add_argument("--points", type=int, default=200, metavar="N", help="frequencies (%(default)s)")
+    parser.add_argument("--acceleration", type=float, default=1.0, metavar="A", help="of the ground [m/s^2] (1)")
+    parser.add_argument("--csv", type=TableFile, metavar="FILE", help="write the sweep as a table")
+    parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="draw it (.png, .svg)")
+    args = parser.parse_args(words)
+    try:
+        low, high = args.range
+        if not 0.0 < low < high < np.inf:
+            raise UserError("the frequencies are no range", "--range", "--range 0.5 10")
+        if not 2 <= args.points <= 10_000:
+            raise UserError("2 to 10,000 frequencies can be computed", "--points", "--points 200")
+        if not 0.0 < args.acceleration < np.inf:
+            raise UserError("the amplitude of the ground is positive", "--acceleration", "leave it out")
+        found = sweep(structure(args), np.linspace(low, high, args.points), args.acceleration)
+        _print(found)
+        if args.csv:
+            write_whole(args.csv, table(found))
+        if args.picture:
+            from restshape_apps.vibration.pictures import draw_sweep
+
+            draw_sweep(args.picture, found, args.scene.name)
+        write_json(args, _plain(found))
+    except OSError as error:
+        print(f"harmonic: {error.filename} cannot be written: {error.strerror}", file=sys.stderr)
+        return 2
+    except UserError as error:
+        print(f"harmonic: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _print(found: Sweep) -> None:
+    heads = ("quantity", "largest at [Hz]", "amplitude [mm]", "phase [deg]", "transmissibility")
+    rows = []
+    for name, values in found.relative.items():
+        k = int(np.argmax(np.abs(values)))
+        numbers = (1e3 * abs(values[k]), np.angle(values[k], deg=True), found.transmissibility[name][k])
+        rows.append((name, f"{found.frequencies[k]:.4g}", *(f"{number:.4g}" for number in numbers)))
+    title = f"harmonic response, ground acceleration of {found.acceleration:g} m/s^2"
+    print_table(title, heads, rows, right=heads[1:])
+
+
+def _plain(found: Sweep) -> dict[str, object]:
+    """A sweep for programs, in SI units and degrees."""
+    quantities = {
+        name: {
+            "amplitude": np.abs(values).tolist(),
+            "phase_deg": np.angle(values, deg=True).tolist(),
+            "transmissibility": found.transmissibility[name].tolist(),
+        }
+        for name, values in found.relative.items()
+    }
+    return {"frequency": found.frequencies.tolist(), "acceleration": found.acceleration, "quantities": quantities}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,126 @@
+"""The modes of a shape on moving ground, and the peaks of its motion by a response spectrum.
+
+python -m restshape_apps.vibration.modes SCENE [--edits FILE --frame N] [--modes K] [--record FILE]
+
+Each mode has its frequency, the scene's damping as a share of critical damping, its participation and the share of the
+mass that moves with it. With a record (the scene's, or --record) each displacement among the quantities has its peak by
+the record's response spectrum, modes combined by SRSS and CQC, and by adding the motions of the modes in time.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from restshape_apps.vibration.stage import Structure, add_structure, structure
+
+from restshape.analysis.base_modes import BaseModes, cqc, srss
+from restshape.analysis.modes_beside import present_modes
+from restshape.analysis.response_spectrum import oscillator_motions, response_spectrum
+from restshape.cli.options import print_table, write_json
+from restshape.errors import UserError
+from restshape.physics.elasticity.ground_record import GroundRecord, read_record
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """The largest displacement [m] of one quantity, three ways: by two combinations, and in time."""
+
+    srss: float
+    cqc: float
+    in_time: float
+
+
+def factors(shape: Structure, modes: BaseModes) -> dict[str, np.ndarray]:
+    """What a unit motion of each oscillator (k,) adds to each quantity, by name: participation times mode there."""
+    looked = [shape.looked(modes.shapes[:, k]) for k in range(len(modes.omega))]
+    return {name: modes.participation * np.array([one[name].real for one in looked]) for name in shape.looks}
+
+
+def peaks(shape: Structure, modes: BaseModes, record: GroundRecord, scale: float = 1.0) -> dict[str, Peaks]:
+    """The peaks of each quantity under a record.
+
+    Args:
+        shape: with the scene's damping.
+        modes: of it.
+        record: of the ground along its direction.
+        scale: of the record's accelerations.
+
+    Raises:
+        UserError: a mode is damped beyond what vibrates.
+    """
+    damping = modes.damping(shape.analysis.state.integration.damping)
+    if damping.max() >= 1.0:
+        what = f"mode {int(np.argmax(damping)) + 1} has {damping.max():.3g} of critical damping, and does not vibrate"
+        raise UserError(what, "effects.damping", "ask for fewer modes, or less damping")
+    accelerations = scale * record.accelerations
+    spectrum = response_spectrum(record.times, accelerations, modes.frequencies, damping)
+    moved = oscillator_motions(record.times, accelerations, modes.frequencies, damping)
+    found = {}
+    for name, factor in factors(shape, modes).items():
+        single = factor * spectrum.displacement
+        combined = float(srss(single)), float(cqc(single, modes.omega, damping))
+        found[name] = Peaks(*combined, float(np.abs(moved @ factor).max()))
+    return found
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Print modes and peaks; 0 on success, 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="python -m restshape_apps.vibration.modes", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    add_structure(parser)
+    parser.add_argument("--modes", type=int, default=6, metavar="K", help="how many (%(default)s)")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="record of the ground (.csv, .at2)")
+    args = parser.parse_args(words)
+    try:
+        if not 1 <= args.modes <= 40:
+            raise UserError("1 to 40 modes can be computed", "--modes", "--modes 6")
+        given = read_record(args.record) if args.record else None
+        shape = structure(args)
+        modes = present_modes(shape.analysis, args.modes)
+        ground = shape.analysis.state.plan.settings("ground")
+        scale = 1.0
+        if given is None and ground is not None and ground.file is not None:
+            given, scale = read_record(Path(ground.file)), ground.scale
+        found = peaks(shape, modes, given, scale) if given is not None else {}
+        _print(shape, modes, found)
+        write_json(args, _plain(shape, modes, found))
+    except UserError as error:
+        print(f"modes: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _print(shape: Structure, modes: BaseModes, found: dict[str, Peaks]) -> None:
+    damping = modes.damping(shape.analysis.state.integration.damping)
+    heads = ("mode", "frequency [Hz]", "damping [%]", "participation [kg^1/2]", "mass [%]", "mass so far [%]")
+    columns = (modes.frequencies, 100 * damping, modes.participation, 100 * modes.effective_mass)
+    rows = [
+        (k + 1, *(f"{value:.5g}" for value in values), f"{100 * modes.effective_mass[: k + 1].sum():.4g}")
+        for k, values in enumerate(zip(*columns))
+    ]
+    print_table(f"modes, of a mass of {modes.mass:.6g} kg", heads, rows, right=heads)
+    if found:
+        heads = ("quantity", "SRSS [mm]", "CQC [mm]", "in time [mm]")
+        cells = [
+            (name, *(f"{1e3 * value:.4g}" for value in (one.srss, one.cqc, one.in_time))) for name, one in found.items()
+        ]
+        print_table("largest displacements under the record", heads, cells, right=heads[1:])
+
+
+def _plain(shape: Structure, modes: BaseModes, found: dict[str, Peaks]) -> dict[str, object]:
+    """Modes and peaks for programs, in SI units."""
+    return {
+        "frequency": modes.frequencies.tolist(),
+        "damping": modes.damping(shape.analysis.state.integration.damping).tolist(),
+        "participation": modes.participation.tolist(),
+        "effective_mass": modes.effective_mass.tolist(),
+        "mass": modes.mass,
+        "peaks": {name: vars(one) for name, one in found.items()},
+    }
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,67 @@
+"""Pictures of response spectra and of harmonic sweeps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from restshape.analysis.response_spectrum import ResponseSpectrum
+from restshape.outputs.drawn import save_picture
+from restshape.physics.elasticity.ground_record import GroundRecord
+from restshape.report.style import INK, LEVELS, new_figure, scaled_unit
+
+if TYPE_CHECKING:
+    from restshape_apps.vibration.harmonic import Sweep
+
+COLOURS = (LEVELS[1], LEVELS[2], LEVELS[3], LEVELS[-1], INK)
+
+
+def draw_spectra(path: Path, record: GroundRecord, found: Sequence[ResponseSpectrum], name: str) -> None:
+    """Draws the record above, and below its pseudo-acceleration and displacement over the period, a line a damping."""
+    figure = new_figure(8.0, 6.0)
+    grid = figure.add_gridspec(2, 2, height_ratios=(2, 3))
+    above, left, right = (figure.add_subplot(place) for place in (grid[0, :], grid[1, 0], grid[1, 1]))
+    above.plot(record.times, record.accelerations, color=INK, lw=0.7)
+    above.set(xlabel="time [s]", ylabel="ground [m/s²]", xlim=(record.times[0], record.times[-1]))
+    for k, one in enumerate(found):
+        look = {"color": COLOURS[k % len(COLOURS)], "lw": 1.4, "label": f"damping {100 * one.damping[0]:.3g} %"}
+        left.plot(one.periods, one.pseudo_acceleration, **look)
+        right.plot(one.periods, 1e3 * one.displacement, **look)
+    left.set_ylabel("pseudo-acceleration [m/s²]")
+    right.set_ylabel("displacement [mm]")
+    for axes in (left, right):
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        axes.set(xlabel="period [s]", xlim=(found[0].periods.min(), found[0].periods.max()))
+        axes.set_ylim(bottom=0.0)
+        axes.grid(alpha=0.25)
+    left.legend(loc="upper right")
+    figure.suptitle(f"{name}: response spectrum", x=0.01, ha="left")
+    save_picture(figure, path)
+
+
+def draw_sweep(path: Path, found: Sweep, name: str) -> None:
+    """Draws amplitude and phase of each quantity over the frequency."""
+    figure = new_figure(8.0, 5.2)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    factor, unit = scaled_unit(max(float(np.abs(values).max()) for values in found.relative.values()), "m")
+    for k, (quantity, values) in enumerate(found.relative.items()):
+        look = {"color": COLOURS[k % len(COLOURS)], "lw": 1.4, "ls": ("-", "--", ":")[k % 3]}
+        above.plot(found.frequencies, factor * np.abs(values), label=quantity, **look)
+        phase = np.angle(values, deg=True)
+        # A line between -180 and 180 degrees would be none of the motion.
+        phase[np.append(np.abs(np.diff(phase)) > 180.0, False)] = np.nan
+        below.plot(found.frequencies, phase, **look)
+    above.set_ylabel(f"amplitude [{unit}]")
+    above.set_ylim(bottom=0.0)
+    above.legend(loc="upper right")
+    below.set(ylabel="phase [°]", xlabel="frequency [Hz]", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
+    below.set_xlim(found.frequencies[0], found.frequencies[-1])
+    for axes in (above, below):
+        axes.grid(alpha=0.25)
+    title = f"{name}: steady motion relative to the ground, which accelerates by {found.acceleration:g} m/s²"
+    figure.suptitle(title, x=0.01, ha="left")
+    save_picture(figure, path)

@@ -1,0 +1,143 @@
+"""Modes, harmonic sweeps and response spectra of a shape, against each other, closed forms and the motion in time."""
+
+import json
+
+import numpy as np
+import pytest
+from restshape_apps.vibration import harmonic, modes, spectrum
+from restshape_apps.vibration.stage import structure_of
+from small_scenes import make_replay, rows_of, write_script
+
+from restshape.analysis.modes_beside import present_modes
+from restshape.application import application
+from restshape.physics.elasticity.ground_record import read_record
+
+SCENES = application("vibration").folder / "scenes"
+FRAME, RECORD, COLUMN = SCENES / "frame.toml", SCENES / "ground.csv", SCENES / "column.toml"
+COARSE = ["mesh.size=1.2", "solve.jumps=false"]
+
+
+@pytest.fixture(scope="module")
+def shape():
+    replay = make_replay(FRAME, overrides=COARSE)
+    rows_of(replay)
+    return structure_of(replay.analysis, replay.session.scene)
+
+
+@pytest.fixture(scope="module")
+def motion(tmp_path_factory):
+    """The time history of the roof of the frame that nobody edits, every 0.1 s, and its peak."""
+    script = write_script(tmp_path_factory.mktemp("motion"), [{"do": "idle", "frames": 120}])
+    replay = make_replay(FRAME, script, overrides=[*COARSE, "solve.tolerance=1e-9"])
+    replay.estimating = False
+    rows = np.array([(row["q_drift"], row["q_largest_drift"]) for row in replay.frames()])
+    return rows[:, 0], rows[:, 1].max()
+
+
+def test_adding_modes_in_time_gives_the_time_history(shape, motion):
+    """6 modes, each exact in time, against Newmark's method, which lengthens periods by (w dt)^2 / 12 = 0.1 %."""
+    from restshape.analysis.response_spectrum import oscillator_motions
+
+    found, record = present_modes(shape.analysis, 6), read_record(RECORD)
+    damping = found.damping(shape.analysis.state.integration.damping)
+    moved = oscillator_motions(record.times, record.accelerations, found.frequencies, damping)
+    history = moved @ modes.factors(shape, found)["drift"]
+    assert np.abs(history[:1201:10] - motion[0]).max() < 0.03 * motion[1]
+
+
+def test_combinations_come_near_the_peak_of_the_time_history(shape, motion):
+    """SRSS and CQC are estimates by random vibration; here, where one mode leads, they are within 10 %."""
+    found = modes.peaks(shape, present_modes(shape.analysis, 6), read_record(RECORD))["drift"]
+    peak = motion[1]
+    assert found.in_time == pytest.approx(peak, rel=0.02)
+    assert found.srss == pytest.approx(peak, rel=0.1)
+    assert found.cqc == pytest.approx(peak, rel=0.1)
+
+
+def test_modes_hold_nearly_all_of_the_mass(shape):
+    """The shares of all modes add up to what is not fixed to the ground."""
+    found = present_modes(shape.analysis, 60)
+    assert 0.93 < found.effective_mass.sum() < 1.0
+
+
+def test_a_sweep_is_the_sum_of_modes(shape):
+    """U = sum of participation phi / (-w_k^2 + w^2 - 2 i z w_k w) for a unit acceleration, near the first resonance."""
+    found = present_modes(shape.analysis, 30)
+    omega, damping = found.omega, found.damping(shape.analysis.state.integration.damping)
+    frequencies = np.array([0.5, 0.9, 1.0, 1.1]) * found.frequencies[0]
+    w = 2 * np.pi * frequencies[:, None]
+    expected = -(modes.factors(shape, found)["drift"] / (omega**2 - w**2 + 2j * damping * omega * w)).sum(axis=1)
+    relative = harmonic.sweep(shape, frequencies).relative["drift"]
+    np.testing.assert_allclose(relative, expected, rtol=2e-3)
+
+
+def test_a_slender_column_with_its_mass_on_top_is_one_oscillator():
+    """Amplitude and transmissibility are those of one mass: T = sqrt((1 + (2 z r)^2) / ((1 - r^2)^2 + (2 z r)^2))."""
+    heavy = [
+        "shape.regions={head={polygon=[[0.05,3.6],[0.45,3.6],[0.45,3.95],[0.05,3.95]]}}",
+        'material.lead={E="700 GPa",nu=0.3,rho="2e6 kg/m^3",thickness="20 mm",region="head"}',
+        "material.aluminium.rho=1",
+        'effects.damping={beta="2 ms"}',
+    ]
+    replay = make_replay(COLUMN, overrides=[*heavy, "mesh.order=2", "mesh.size=0.25"])
+    rows_of(replay)
+    shape = structure_of(replay.analysis, replay.session.scene)
+    found = present_modes(shape.analysis, 1)
+    z, r = float(found.damping(shape.analysis.state.integration.damping)[0]), np.array([0.05, 0.5, 1.0])
+    factor = modes.factors(shape, found)["sway"][0]
+    swept = harmonic.sweep(shape, r * found.frequencies[0])
+    one = factor / found.omega[0] ** 2 / np.hypot(1 - r**2, 2 * z * r)
+    np.testing.assert_allclose(np.abs(swept.relative["sway"]), one, rtol=0.02)
+    ratio = np.sqrt((1 + (2 * z * r) ** 2) / ((1 - r**2) ** 2 + (2 * z * r) ** 2))
+    # The top sways a little more than the centre of the mass below it: by `factor`.
+    np.testing.assert_allclose(swept.transmissibility["sway"][:1], ratio[:1], rtol=0.01)
+    assert swept.transmissibility["sway"][2] == pytest.approx(factor * ratio[2], rel=0.02)
+
+
+COMMON = ["--set", "mesh.size=2", "--json", "a.json"]
+
+
+def test_modes_are_printed_with_peaks(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert modes.main([str(FRAME), "--modes", "2", *COMMON]) == 0
+    data = json.loads((tmp_path / "a.json").read_text())
+    assert len(data["frequency"]) == 2 and data["peaks"]["drift"]["cqc"] > 0.01
+    assert "SRSS" in capsys.readouterr().out
+
+
+def test_a_sweep_is_written_as_it_is_printed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    files = [tmp_path / "a.csv", tmp_path / "a.png"]
+    words = ["--csv", str(files[0]), "--picture", str(files[1])]
+    assert harmonic.main([str(FRAME), "--range", "1", "3", "--points", "5", *COMMON, *words]) == 0
+    table = np.genfromtxt(files[0], delimiter=",", skip_header=2)
+    data = json.loads((tmp_path / "a.json").read_text())
+    np.testing.assert_allclose(table[:, 0], data["frequency"])
+    np.testing.assert_allclose(table[:, 1], data["quantities"]["drift"]["amplitude"], rtol=1e-7)
+
+
+def test_a_spectrum_is_written_as_it_is_printed(tmp_path):
+    files = [tmp_path / "a.csv", tmp_path / "a.png"]
+    words = ["--csv", str(files[0]), "--picture", str(files[1])]
+    words = ["--points", "4", "--damping", "0.02", "0.05", *words, "--json", str(tmp_path / "a.json")]
+    assert spectrum.main([str(RECORD), *words]) == 0
+    data = json.loads((tmp_path / "a.json").read_text())
+    assert [one["damping"] for one in data] == [0.02, 0.05]
+    assert len(np.genfromtxt(files[0], delimiter=",", skip_header=2)) == 8
+
+
+@pytest.mark.parametrize(
+    ("tool", "words", "says"),
+    [
+        (harmonic, [FRAME, "--range", "3", "1"], "the frequencies are no range"),
+        (harmonic, [SCENES / "csm3.toml", "--range", "1", "3"], "linear solids"),
+        (modes, [FRAME, "--modes", "0"], "1 to 40 modes"),
+        (modes, [FRAME, "--record", "nowhere.csv"], "there is no such record"),
+        (spectrum, [RECORD, "--damping", "1"], "below 1"),
+        (spectrum, [RECORD, "--periods", "0", "1"], "the periods are no range"),
+        (spectrum, [FRAME], "a .csv or an .at2 file"),
+    ],
+)
+def test_what_makes_no_sense_ends_with_2(capsys, tool, words, says):
+    assert tool.main([str(word) for word in words]) == 2
+    assert says in capsys.readouterr().err
