@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from restshape_apps.vibration.harmonic_sweep import Sweep
 
 from restshape.analysis.response_spectrum import ResponseSpectrum
 from restshape.outputs.drawn import save_picture
 from restshape.physics.elasticity.ground_record import GroundRecord
 from restshape.report.style import INK, LEVELS, new_figure, scaled_unit
-
-if TYPE_CHECKING:
-    from restshape_apps.vibration.harmonic import Sweep
 
 COLOURS = (LEVELS[1], LEVELS[2], LEVELS[3], LEVELS[-1], INK)
 

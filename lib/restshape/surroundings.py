@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import platform
 import signal
 import sys
 from collections.abc import Sequence
@@ -55,6 +56,16 @@ def start_gmsh() -> ModuleType:
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     module: ModuleType = gmsh
     return module
+
+
+def cpu_model() -> str:
+    """The model of the CPU."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    named = (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    return next(named, platform.processor() or "unknown")
 
 
 def petsc_options() -> dict[str, str]:

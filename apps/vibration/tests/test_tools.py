@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from restshape_apps.vibration import harmonic, modes, spectrum
+from restshape_apps.vibration.harmonic_sweep import sweep
 from restshape_apps.vibration.stage import structure_of
 from small_scenes import make_replay, rows_of, write_script
 
@@ -67,7 +68,7 @@ def test_a_sweep_is_the_sum_of_modes(shape):
     frequencies = np.array([0.5, 0.9, 1.0, 1.1]) * found.frequencies[0]
     w = 2 * np.pi * frequencies[:, None]
     expected = -(modes.factors(shape, found)["drift"] / (omega**2 - w**2 + 2j * damping * omega * w)).sum(axis=1)
-    relative = harmonic.sweep(shape, frequencies).relative["drift"]
+    relative = sweep(shape, frequencies).relative["drift"]
     np.testing.assert_allclose(relative, expected, rtol=2e-3)
 
 
@@ -85,7 +86,7 @@ def test_a_slender_column_with_its_mass_on_top_is_one_oscillator():
     found = present_modes(shape.analysis, 1)
     z, r = float(found.damping(shape.analysis.state.integration.damping)[0]), np.array([0.05, 0.5, 1.0])
     factor = modes.factors(shape, found)["sway"][0]
-    swept = harmonic.sweep(shape, r * found.frequencies[0])
+    swept = sweep(shape, r * found.frequencies[0])
     one = factor / found.omega[0] ** 2 / np.hypot(1 - r**2, 2 * z * r)
     np.testing.assert_allclose(np.abs(swept.relative["sway"]), one, rtol=0.02)
     ratio = np.sqrt((1 + (2 * z * r) ** 2) / ((1 - r**2) ** 2 + (2 * z * r) ** 2))

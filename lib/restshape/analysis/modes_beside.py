@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
+import scipy.sparse as sp
 
 from restshape.analysis.base_modes import BaseModes, base_modes
 from restshape.analysis.row_values import RowValues
-
-if TYPE_CHECKING:
-    from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.transient_state import TransientState
 
 ALONG = (1.0, 0.0)
 """Direction of the effective mass where the ground stands still."""
+
+
+class LinearMotion(Protocol):
+    """What modes need of the analysis of a linear motion."""
+
+    @property
+    def state(self) -> TransientState: ...
+
+    def matrices(self) -> tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]:
+        """Stiffness, mass and damping of the free unknowns, whole on each rank."""
 
 
 class ModesBeside:
@@ -27,7 +36,7 @@ class ModesBeside:
         self.count = count
         self._known: tuple[tuple[object, ...], BaseModes] | None = None
 
-    def __call__(self, analysis: TransientAnalysis) -> BaseModes:
+    def __call__(self, analysis: LinearMotion) -> BaseModes:
         """The modes of the present shape, along the direction in which the ground moves."""
         state = analysis.state
         key = (state.body, state.scene, state.topology, state.geometry)
@@ -35,7 +44,7 @@ class ModesBeside:
             self._known = (key, present_modes(analysis, self.count))
         return self._known[1]
 
-    def row(self, analysis: TransientAnalysis) -> RowValues:
+    def row(self, analysis: LinearMotion) -> RowValues:
         """The columns of a frame: frequencies [Hz] and shares of the mass; nothing for modes that there are not."""
         modes = self(analysis)
         found: RowValues = {}
@@ -46,7 +55,7 @@ class ModesBeside:
         return found
 
 
-def present_modes(analysis: TransientAnalysis, count: int) -> BaseModes:
+def present_modes(analysis: LinearMotion, count: int) -> BaseModes:
     """The lowest modes of the shape that an analysis holds; all ranks must ask.
 
     Args:

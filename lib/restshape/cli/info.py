@@ -14,7 +14,7 @@ from restshape.calibration import Calibration, own_path
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.kinds import JsonFile
-from restshape.surroundings import start_petsc
+from restshape.surroundings import cpu_model, start_petsc
 
 SUMMARY = "show versions, how things were built, and the machine"
 PACKAGES = ("numpy", "scipy", "gmsh", "meshio", "ezdxf", "svgelements", "pydantic", "matplotlib", "vtk")
@@ -142,16 +142,6 @@ def system_name() -> str:
         return platform.freedesktop_os_release()["PRETTY_NAME"]
     except (OSError, KeyError):
         return platform.system()
-
-
-def cpu_model() -> str:
-    """The model of the CPU."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        lines = []
-    named = (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    return next(named, platform.processor() or "unknown")
 
 
 def calibrations(args: argparse.Namespace) -> dict[str, Any]:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import traceback
 from collections.abc import Callable
@@ -58,6 +59,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="show the frames of a drag by the design derivative, and solve on release (default: %(default)s)",
     )
     parser.add_argument("--out", type=RecordingFile, metavar="FILE", help="recording (.vtkhdf)")
+    parser.add_argument(
+        "--fields",
+        metavar="NAMES",
+        help="what the recording holds besides, with commas between: stress, principal, strain (recording.fields)",
+    )
     parser.add_argument("--csv", type=CsvFile, metavar="FILE", help="a row of numbers a frame")
     parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
     parser.add_argument("--strict", action="store_true", help="end with 1 where a frame was refused")
@@ -80,12 +86,16 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     from restshape.replay.request import Request
     from restshape.scene.edit_script import Script, load_script
 
+    if args.fields is not None:
+        names = [name.strip() for name in args.fields.split(",") if name.strip()]
+        args.set = [*args.set, f"recording.fields={json.dumps(names)}"]
     scene = read_scene(args)
     _check_name(args.out)
     app = application(scene.app, f"{args.scene}: app")
     script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)
     chosen = policy(args.policy or scene.solve.policy, args.guess)
-    request = Request(scene, script, app, chosen, Calibration.load(args.calibration), tuple(args.petsc), args.predict)
+    calibration, given = Calibration.load(args.calibration), (tuple(args.petsc), args.predict, tuple(args.set))
+    request = Request(scene, script, app, chosen, calibration, *given)
     first = first_rank()
     if first:
         for note in start_notes(scene, script):
@@ -179,7 +189,8 @@ def _stop_other_ranks(error: BaseException) -> None:
 def _tell(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -> int:
     """Print the tables, write the JSON file, and give the exit code."""
     # What is printed may find nobody who reads it.
-    write_json(args, {key: value for key, value in summary.items() if key not in NOT_IN_JSON})
+    found = {key: value for key, value in summary.items() if key not in NOT_IN_JSON}
+    write_json(args, {"origin": request.origin(), **found})
     for note in notes(request.scene.raw):
         print(f"note: {note}")
     print_summary(summary, request.application)

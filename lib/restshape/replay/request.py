@@ -10,6 +10,7 @@ from restshape.replay.constraints import recorded_limits
 from restshape.replay.rounding import load_scales
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
+from restshape.surroundings import cpu_model
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class Request:
         calibration: seconds a unit of counted work.
         petsc: words for PETSc's options database.
         predict: "none", or "linear": frames of a drag by the design derivative.
+        overrides: ``key=value`` of the command line, which the scene has taken in.
     """
 
     scene: Scene
@@ -33,14 +35,24 @@ class Request:
     calibration: Calibration
     petsc: tuple[str, ...] = ()
     predict: str = "none"
+    overrides: tuple[str, ...] = ()
+
+    def origin(self) -> dict[str, object]:
+        """What results say of where they come from: scene, script, overrides, version, units and machine."""
+        return {
+            "scene": self.scene.path.name,
+            "script": self.script.path.name if self.script.path else "",
+            "overrides": list(self.overrides),
+            "restshape": __version__,
+            "units": {name: quantity.unit for name, quantity in self.scene.quantities.items()},
+            "machine": cpu_model(),
+        }
 
     def header(self) -> dict[str, object]:
         """What a recording says of how it was made."""
         return {
-            "restshape": __version__,
-            "scene": self.scene.path.name,
+            **self.origin(),
             "scene_values": self.scene.raw,
-            "script": self.script.path.name if self.script.path else "",
             "script_text": self.script.path.read_text(errors="replace") if self.script.path else "",
             "title": self.scene.title,
             "load_scales": load_scales(self.scene),

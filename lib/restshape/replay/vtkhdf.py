@@ -19,11 +19,12 @@ from typing import NamedTuple
 
 import h5py
 import numpy as np
-import numpy.typing as npt
 
 from restshape.outputs.kinds import RecordingFile
 from restshape.outputs.locks import Lock
 from restshape.outputs.whole import new_part
+from restshape.replay.frame_data import FrameData
+from restshape.replay.growing import Growing
 
 VERSION = (2, 0)
 FORMAT = 1
@@ -62,47 +63,6 @@ class NoRoom(OSError):
 
 class Removed(OSError):
     """The file is not at its place any more: removed, or replaced by another."""
-
-
-class Growing:
-    """A dataset that is appended to: rows wait in memory until `write`."""
-
-    def __init__(self, group: h5py.Group, name: str, dtype: npt.DTypeLike, width: int = 0, chunk: int = 1024) -> None:
-        shape = (0, width) if width else (0,)
-        limit = (None, width) if width else (None,)
-        chunks = (chunk, width) if width else (chunk,)
-        self.dataset = group.create_dataset(name, shape, dtype=dtype, maxshape=limit, chunks=chunks)
-        self.width = width
-        self.length = 0
-        self._pending: list[np.ndarray] = []
-        self._last: tuple[int, bytes] | None = None
-
-    @property
-    def pending_bytes(self) -> int:
-        """Bytes that wait for `write`."""
-        return sum(rows.nbytes for rows in self._pending)
-
-    def add(self, rows: np.ndarray) -> int:
-        """The place of the rows, which are kept as they are until written."""
-        start = self.length
-        self._pending.append(rows)
-        self.length += len(rows)
-        return start
-
-    def add_changed(self, rows: np.ndarray) -> int:
-        """The place of the rows: that of the last ones where these repeat them bit for bit."""
-        data = rows.tobytes()
-        if self._last is None or self._last[1] != data:
-            self._last = (self.add(rows), data)
-        return self._last[0]
-
-    def write(self) -> None:
-        """Writes what waits."""
-        if self._pending:
-            rows = self._pending[0] if len(self._pending) == 1 else np.concatenate(self._pending)
-            self.dataset.resize(self.length, axis=0)
-            self.dataset[self.length - len(rows) :] = rows
-            self._pending.clear()
 
 
 # More than 15 attributes: each is a dataset or group of the file that every frame appends to.
@@ -176,6 +136,7 @@ class VtkHdfWriter:
         own.attrs["dimension"] = 0
         self.own = own
         self._table = Growing(own, "table", np.dtype([*self._row_dtype.descr, ("checksum", "<u4")]), chunk=64)
+        self._frame_data = FrameData(root, steps, self._row_dtype)
         self._last_time = -np.inf
         self._write_header()
 
@@ -232,6 +193,7 @@ class VtkHdfWriter:
         code = checksum(self._topologies[-1], frame.row, [frame.X, *data])
         row.view("u1")[:] = np.frombuffer(frame.row + np.uint32(code).tobytes(), dtype="u1")
         self._table.add(row)
+        self._frame_data.add(row, self.frames)
         self.frames += 1
 
     def _append_fields(self, kind: str, given: dict[str, np.ndarray], count: int) -> list[np.ndarray]:
@@ -270,7 +232,7 @@ class VtkHdfWriter:
         fields = [*self._fields["PointData"].values(), *self._fields["CellData"].values()] if self.frames else []
         points = [self._points] if self._points else []
         cells = [self._connectivity, self._cell_offsets, self._types]
-        small = [*self._parts.values(), *self._step.values(), self._table]
+        small = [*self._parts.values(), *self._step.values(), self._table, *self._frame_data.datasets]
         return points + fields + cells + small + (list(self._offsets.values()) if self.frames else [])
 
     def commit(self) -> None:

@@ -21,9 +21,19 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
         UserError: the first thing that makes no sense.
     """
     application.editing.check_scene(scene, application, source)
+    _check_recording(scene, application, source)
     for physics in application.physics:
         if physics.check:
             physics.check(scene, source)
+
+
+def _check_recording(scene: Scene, application: Application, source: Source) -> None:
+    """Refuses fields of recordings that the application does not have."""
+    known = sorted({name for physics in application.physics for name in physics.requested})
+    for name in scene.recording.fields:
+        if name not in known:
+            what = f"the application {application.name!r} has no fields {name!r} to record"
+            raise source.error(("recording", "fields"), what, suggestion(name, known) or "leave it out")
 
 
 def check_shaped(scene: Scene, application: Application, source: Source) -> None:

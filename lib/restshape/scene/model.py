@@ -282,6 +282,16 @@ class SolveSpec(Strict):
     jumps: bool | None = None
 
 
+class RecordingSpec(Strict):
+    """``[recording]``: what recordings hold besides what they always do.
+
+    ``fields``: groups of fields of the application's physics, such as "stress", "principal" and "strain" of solids.
+    """
+
+    fields: tuple[str, ...] = ()
+
+
+# More than 15 attributes: each is a table or a value at the top of a scene.
 class Scene(Strict):
     """A whole scene: object, material, effects, supports, loads, mesh, solution and what is observed.
 
@@ -315,6 +325,7 @@ class Scene(Strict):
     loads: dict[Name, Load] = {}
     mesh: MeshSpec = MeshSpec()
     solve: SolveSpec = SolveSpec()
+    recording: RecordingSpec = RecordingSpec()
     quantities: dict[Name, Quantity] = {}
 
     _source: Source = PrivateAttr(default_factory=lambda: Source(Path("scene.toml")))

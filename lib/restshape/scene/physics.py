@@ -173,6 +173,7 @@ class Physics:
         effects: by name; an application takes all or some.
         derived: parts that follow from a scene without being named, by name.
         invariants: what cannot change during an edit.
+        requested: what recordings hold besides where ``recording.fields`` names it: for people, by name.
         pictured: fields of recordings that pictures show, by name, the most important first.
         true_scale: names of effects under which pictures show deformations as they are, not exaggerated.
         pictures: of recordings that are not of a shape in the plane; None: there are none.
@@ -205,6 +206,7 @@ class Physics:
     effects: Mapping[str, Effect] = field(default_factory=dict)
     derived: Mapping[str, DerivedEffect] = field(default_factory=dict)
     invariants: tuple[Invariant, ...] = ()
+    requested: Mapping[str, str] = field(default_factory=dict)
     pictured: Mapping[str, PictureField] = field(default_factory=dict)
     true_scale: tuple[str, ...] = ()
     pictures: OwnPictures | None = None

@@ -14,6 +14,13 @@ from restshape.scene.load_kind import ENTITIES
 from restshape.scene.physics import OwnPictures, Physics, Section
 from restshape.scene.quantity import QuantityKind
 
+REQUESTED = {
+    "stress": "tensions xx, yy and xy [N/m] of the triangles, in the directions of the flat pattern",
+    "principal": "smaller principal tension [N/m], and the direction of the larger one from x towards y [rad]",
+    "strain": "Green's strains xx, yy and xy (of the tensor) of the triangles, in the directions of the flat pattern",
+}
+"""Groups of fields that recordings hold where `recording.fields` names them."""
+
 CLOTH = Physics(
     name="cloth",
     summary="sheets that stretch and bend, hang from supports and lie on bodies",
@@ -37,6 +44,7 @@ CLOTH = Physics(
     },
     effects=EFFECTS,
     derived=DERIVED,
+    requested=REQUESTED,
     pictures=OwnPictures(
         shows="restshape.physics.cloth.pictures.drape:shows_cloth",
         draw="restshape.physics.cloth.pictures.drape_frames:draw_drape",

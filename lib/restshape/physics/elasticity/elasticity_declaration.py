@@ -105,6 +105,17 @@ PICTURED = {
         f"stress_{key}": PictureField(f"stress {key}, {axis}", "Pa", signed=True, quantity=("stress", key))
         for key, axis in _AXES.items()
     },
+    "stress_zz": PictureField("stress zz, through the thickness", "Pa", signed=True),
+    **{
+        f"strain_{key}": PictureField(f"strain {key}, {axis}", "", signed=True)
+        for key, axis in {**_AXES, "zz": "through the thickness"}.items()
+    },
+}
+
+REQUESTED = {
+    "stress": "stresses xx, yy, xy and zz [Pa], recovered at nodes",
+    "principal": "principal stresses in the plane [Pa], and the direction of the larger one from x towards y [rad]",
+    "strain": "strains xx, yy, xy (of the tensor) and zz, recovered at nodes; Green's under large deformation",
 }
 
 PLANE_SOLIDS = Physics(
@@ -125,6 +136,7 @@ PLANE_SOLIDS = Physics(
             "make it two scenes, or give the load in both and set it to 0",
         ),
     ),
+    requested=REQUESTED,
     pictured=PICTURED,
     true_scale=(LARGE,),
     orders=(2, 1),

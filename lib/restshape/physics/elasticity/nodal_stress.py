@@ -1,6 +1,6 @@
 """Stresses of plane solids at nodes, which quantities, limits, error estimates and pictures share."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,14 @@ from restshape.scene.model import Quantity
 
 PICTURED = "von_mises"
 """The component that is always recorded."""
+STRAIN, STRAINS = "strain", ("xx", "yy", "xy", "zz")
+REQUESTED: dict[str, tuple[str, ...]] = {
+    "stress": ("xx", "yy", "xy", "zz"),
+    "principal": ("max_principal", "min_principal", "principal_angle"),
+    STRAIN: (),
+}
+"""What a scene may have recorded besides, and the components of stress that it names."""
+IN_CELLS = "_in_cells"
 
 
 class NodalStress:
@@ -51,25 +59,34 @@ class NodalStress:
         self._nodal = self.recovery(self._sampled)
         self._versions, self._x = versions, x.copy()
 
-    def fields(self, x: np.ndarray, quantities: Mapping[str, Quantity]) -> Fields:
-        """What recordings hold of them at x (n, 2) [m]: von Mises' stress, and what quantities name besides [Pa].
+    def fields(self, x: np.ndarray, quantities: Mapping[str, Quantity], wanted: Collection[str] = ()) -> Fields:
+        """What recordings hold of them at x (n, 2) [m]: von Mises' stress, what quantities name, what is wanted.
 
         Of one material by the nodes; where several regions meet a node has a stress on each side, and each cell its own
         values (ne, k) at its nodes.
+
+        Args:
+            x: displacement.
+            quantities: of the scene.
+            wanted: some of `REQUESTED`.
         """
-        named = dict.fromkeys((PICTURED, *(q.stress for q in quantities.values() if q.stress)))
+        stresses = [name for key in wanted for name in REQUESTED[key]]
+        named = dict.fromkeys((PICTURED, *(q.stress for q in quantities.values() if q.stress), *stresses))
         nodal = self(x)
-        found = {name: COMPONENTS[name](nodal) for name in named}
+        found = {field_name(name): COMPONENTS[name](nodal) for name in named}
+        if STRAIN in wanted:
+            strain = self.recovery(np.ascontiguousarray(self.stresses.strain(x, self.recovery.points)))
+            found |= {f"{STRAIN}_{name}": strain[:, k] for k, name in enumerate(STRAINS)}
         if not self.recovery.jumps:
-            return {field_name(name): values for name, values in found.items()}, {}
+            return found, {}
         rows = self.recovery.cell_rows()
-        return {}, {field_name(name, jumps=True): values[rows] for name, values in found.items()}
+        return {}, {f"{name}{IN_CELLS}": values[rows] for name, values in found.items()}
 
 
 def field_name(component: str, jumps: bool = False) -> str:
     """The name in recordings of a stress component; with jumps of one that cells have at their nodes."""
     name = component if len(component) > 2 else f"stress_{component}"
-    return f"{name}_in_cells" if jumps else name
+    return f"{name}{IN_CELLS}" if jumps else name
 
 
 def blank_stress(space: Space) -> Fields:

@@ -189,8 +189,8 @@ class PlaneSolid(TransientProblem):
     # --- what is observed ------------------------------------------------------------------------------------------
 
     def fields(self, x: np.ndarray) -> Fields:
-        """Displacement [m] and recovered stresses [Pa] at x (n, 2) [m]; see `NodalStress.fields`."""
-        points, cells = self.nodal_stress.fields(x, self.scene.quantities)
+        """Displacement [m], recovered stresses [Pa] and what is asked for at x (n, 2) [m]: `NodalStress.fields`."""
+        points, cells = self.nodal_stress.fields(x, self.scene.quantities, self.scene.recording.fields)
         return {"displacement": x, **points}, cells
 
     @classmethod

@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.fem.space import Space
+from restshape.physics.elasticity.plane_strains import plane_strains
 from restshape.physics.elasticity.thickness_stretch import thickness_stretch
 
 REFERENCE_NODES = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 0]], dtype=float)
@@ -44,6 +45,11 @@ class PlaneStresses:
             if self.large:
                 out /= thickness_stretch(self.space.X, x, self.space.cells, self._ratio, points)[..., None]
         return out
+
+    def strain(self, x: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
+        """Strains [1] of each cell, xx, yy, xy, zz: small ones, or Green's; arguments and shape as of `cauchy`."""
+        space = self.space
+        return plane_strains(space.X, x, space.cells, points, self.large, self._ratio if self.thins else None)
 
     def transposed(self, weights: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
         """What weights of Cauchy's stresses are as weights (n, 2) of displacements, of the linear law.
@@ -133,13 +139,21 @@ def principal(s: np.ndarray, sign: float) -> np.ndarray:
     return 0.5 * (xx + yy) + sign * np.hypot(0.5 * (xx - yy), xy)
 
 
+def principal_angle(s: np.ndarray) -> np.ndarray:
+    """Angles (n,) [rad] from x towards y of the direction of the larger principal stress, between -pi/2 and pi/2."""
+    xx, yy, xy, _ = s.T
+    return np.asarray(0.5 * np.arctan2(2.0 * xy, xx - yy))
+
+
 COMPONENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "xx": lambda s: s[:, 0],
     "yy": lambda s: s[:, 1],
     "xy": lambda s: s[:, 2],
+    "zz": lambda s: s[:, 3],
     "von_mises": von_mises,
     "max_principal": lambda s: principal(s, 1.0),
     "min_principal": lambda s: principal(s, -1.0),
+    "principal_angle": principal_angle,
 }
 
 

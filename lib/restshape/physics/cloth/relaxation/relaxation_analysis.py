@@ -19,8 +19,10 @@ from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Fields
 from restshape.fem.space import Space
+from restshape.first_use import made
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
+from restshape.physics.cloth.cloth_fields import requested_fields
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.binding import bind
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
@@ -188,7 +190,9 @@ class RelaxationAnalysis:
 
     def fields(self) -> Fields:
         """Displacement [m] of the nodes from the flat pattern, larger principal tension [N/m] of the cells."""
-        return self.state.problem.fields(self.state.x)
+        state = self.state
+        points, cells = state.problem.fields(state.x)
+        return points, cells | requested_fields(state.problem, state.x, made(state.scene).recording.fields)
 
     def blank_fields(self, space: Space) -> Fields:
         """The same fields, all NaN, on a mesh that has not been solved on."""
