@@ -95,7 +95,9 @@ def refuse_pictures(folder: Path, suffix: str = ".png") -> None:
     Raises:
         UserError: naming the first other file.
     """
-    named = [PictureFile(folder / f"{name}{suffix}") for name in ("frames", "levels", "quantities", "timeline")]
+    named = [
+        PictureFile(folder / f"{name}{suffix}") for name in ("frames", "levels", "quantities", "timeline", "history")
+    ]
     for path in (*named, *(AnimationFile(folder / f"animation.{kind}") for kind in _FORMATS[:2])):
         refuse_foreign(path, str(path))
 

@@ -56,14 +56,17 @@ def _draw(
     special: OwnPictures | None,
 ) -> list[Path]:
     from restshape.report.quantity_panels import draw_quantities
+    from restshape.report.time_history import draw_history
     from restshape.report.timeline import draw_timeline
 
     own, reuse = (application.report, application.editing.mesh) if application else (None, SHAPES.mesh)
-    frames, levels, quantities, timeline = (
-        folder / f"{name}{looks.suffix}" for name in ("frames", "levels", "quantities", "timeline")
+    frames, levels, quantities, timeline, history = (
+        folder / f"{name}{looks.suffix}" for name in ("frames", "levels", "quantities", "timeline", "history")
     )
     pictures = [timeline]
     draw_timeline(recording, timeline, iterations=reuse is not None)
+    if draw_history(recording, history):
+        pictures.insert(0, history)
     if draw_quantities(recording, quantities):
         pictures.insert(0, quantities)
     # Without a mesh there is none to reuse; where bodies move, and the pattern stays, there are no levels.

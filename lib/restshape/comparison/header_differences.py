@@ -9,6 +9,8 @@ from restshape.bounds import NESTING
 from restshape.comparison.result import Result
 
 TEXT = "script_text"
+REPEATED = ("overrides", "units")
+"""Keys that repeat what the scene says."""
 SHOWN = 60
 """Characters of a value that is shown."""
 
@@ -27,7 +29,7 @@ def header_differences(first: Result, second: Result) -> list[HeaderDifference]:
     Keys of the scene are dotted as after --set. Of scripts with the same name and other text the first line that
     differs is given.
     """
-    both = [_flat(one.header) for one in (first, second)]
+    both = [_flat({key: value for key, value in one.header.items() if key not in REPEATED}) for one in (first, second)]
     whole = all(one.recording for one in (first, second))
     keys = dict.fromkeys([*both[0], *both[1]] if whole else [key for key in both[0] if key in both[1]])
     found = []

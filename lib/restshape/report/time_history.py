@@ -1,0 +1,96 @@
+"""Each quantity over the simulated time, beside the edit time, with what was edited meanwhile."""
+
+from pathlib import Path
+from textwrap import shorten
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from restshape.outputs.drawn import save_picture
+from restshape.replay.columns import SIMULATED
+from restshape.replay.recording import Recording
+from restshape.report.field import limits_of
+from restshape.report.frames import scene_name
+from restshape.report.quantity_panels import draw_limits, least_span
+from restshape.report.style import INK, LEVELS, new_figure, scaled_unit, si
+from restshape.report.tables import column, quantity_units, refused
+
+EACH, AROUND = 1.5, 1.6
+"""Height of a panel, and of what is around them [inch]."""
+MOST = 8
+"""Quantities in a picture."""
+TICKS = 7
+"""Marks of the edit time at most."""
+EDITED = "#fde8c8"
+
+
+def draw_history(recording: Recording, path: Path) -> bool:
+    """Writes the picture, in the format that the path's suffix names; False, and none, without simulated times.
+
+    Quantities with limits come first; of more than `MOST` the others are left out, and counted in the title.
+    """
+    limits = limits_of(recording)
+    names = sorted((key[2:] for key in recording.table if key.startswith("q_")), key=lambda name: name not in limits)
+    times = column(recording, SIMULATED)
+    if not names or not np.nanmax(times, initial=0.0) > 0.0:
+        return False
+    shown = names[:MOST]
+    figure = new_figure(10.0, AROUND + EACH * len(shown))
+    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    units, stopped, edited = quantity_units(recording.header), refused(recording), edited_spans(recording)
+    for axes, name in zip(panels, shown):
+        values = np.where(stopped, np.nan, column(recording, f"q_{name}"))
+        for begin, end in edited:
+            axes.axvspan(begin, end, color=EDITED, linewidth=0, zorder=0)
+        _line(axes, times, values, units.get(name, ""), limits.get(name, {}))
+        axes.set_title(name, loc="left", pad=2)
+    panels[-1].set_xlabel("simulated time [s]")
+    panels[-1].set_xlim(np.nanmin(times), np.nanmax(times))
+    _edit_times(panels[0], times, recording.times)
+    step = si(float(np.nanmedian(np.diff(times)[np.diff(times) > 0.0])), "s")
+    left_out = f", {len(names) - MOST} more quantities are not shown" if len(names) > MOST else ""
+    title = shorten(scene_name(recording), 60, placeholder=" …")
+    figure.suptitle(f"{title}: {recording.summary}, a value every {step}{left_out}", x=0.01, ha="left", color=INK)
+    if edited:
+        panels[0].fill_between([], [], [], color=EDITED, label="shape or values edited")
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center")
+    figure.align_ylabels()
+    save_picture(figure, path)
+    return True
+
+
+def edited_spans(recording: Recording) -> list[tuple[float, float]]:
+    """Spans of simulated time [s] in which the shape or a value was edited: from the frame before to the last one."""
+    times, level = column(recording, SIMULATED), column(recording, "level")
+    events = recording.table.get("event", np.full(recording.n, ""))
+    changed = np.array([(k > 0 or event == "set") and i > 0 for i, (k, event) in enumerate(zip(level, events))])
+    found = []
+    for run in np.split(np.flatnonzero(changed), np.flatnonzero(np.diff(np.flatnonzero(changed)) > 1) + 1):
+        if len(run):
+            found.append((float(times[run[0] - 1]), float(times[run[-1]])))
+    return found
+
+
+def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: dict[str, float]) -> None:
+    """One quantity, with gaps where it has no value, and its limits."""
+    known = values[np.isfinite(values)]
+    factor, shown = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
+    axes.plot(times, factor * values, color=LEVELS[1], lw=1.0, marker="." if len(times) < 40 else "", ms=3)
+    axes.set_ylabel(f"[{shown}]" if shown else "")
+    axes.grid(True, color="#e6e6e6", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.margins(y=0.12)
+    axes.ticklabel_format(axis="y", useOffset=False)
+    if len(known):
+        least_span(axes, factor * float(known.min()), factor * float(known.max()))
+        draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown)
+
+
+def _edit_times(axes: Axes, times: np.ndarray, edits: np.ndarray) -> None:
+    """An axis above with the edit times of some frames."""
+    marked = np.unique(np.linspace(0, len(times) - 1, TICKS).astype(int))
+    # A frame that was refused has the simulated time of the one before.
+    marked = marked[np.unique(times[marked], return_index=True)[1]]
+    above = axes.secondary_xaxis("top")
+    above.set_xticks(times[marked], [f"{edits[k]:.2f}" for k in marked])
+    above.set_xlabel("edit time [s]")

@@ -1,0 +1,60 @@
+"""The picture of quantities over simulated time: drawn where there is one, and with what the recording holds."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from restshape.replay.columns import columns
+from restshape.replay.recorder import Recorder
+from restshape.replay.recording import Recording
+from restshape.report.time_history import draw_history, edited_spans
+
+CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+SWAY = 1e-3 * np.sin(np.arange(12.0))
+
+
+def record(path, own):
+    """A recording of 12 frames, 0.5 s of simulated time each, of which 4 to 6 move nodes and 9 is refused."""
+    known = columns(["sway"], own)
+    with Recorder.start(path, {"title": "mast"}, known) as recorder:
+        recorder.topology(np.array([[0, 1, 2]]))
+        time = 0.0
+        for i, value in enumerate(SWAY):
+            time += 0.5 if i and i != 9 else 0.0
+            row = {"index": i, "level": int(4 <= i <= 6), "event": "drag" if 4 <= i <= 6 else "idle", "time": time}
+            row |= {"q_sway": np.nan if i == 9 else value, "refused": "crosses itself" if i == 9 else ""}
+            recorder.frame(0.1 * i, CORNERS, {}, {}, {name: row[name] for name in row if name in known})
+    return Recording(path)
+
+
+def test_lines_are_the_recorded_values_over_simulated_time(tmp_path, monkeypatch):
+    figures = []
+    saved = Figure.savefig
+    monkeypatch.setattr(Figure, "savefig", lambda self, *a, **k: (figures.append(self), saved(self, *a, **k))[1])
+    with record(tmp_path / "a.vtkhdf", {"time": float}) as recording:
+        assert draw_history(recording, tmp_path / "history.png")
+        times = recording.table["time"]
+    axes = figures[0].axes[0]
+    (line,) = (one for one in axes.get_lines() if len(one.get_xdata()) == 12)
+    np.testing.assert_allclose(line.get_xdata(), times)
+    expected = 1e3 * SWAY
+    expected[9] = np.nan
+    np.testing.assert_allclose(np.asarray(line.get_ydata()), expected * line.get_ydata()[1] / expected[1])
+    assert axes.get_xlabel() == "simulated time [s]"
+    (above,) = axes.child_axes
+    marks = dict(zip(above.get_xticks(), (float(text.get_text()) for text in above.get_xticklabels())))
+    # Frame 11 ends at 5 s of simulated time, for one frame was refused, and at 1.1 s of edit time.
+    assert marks[0.0] == 0.0 and marks[5.0] == pytest.approx(1.1)
+    assert Image.open(tmp_path / "history.png").size[0] > 1000
+
+
+def test_edited_spans_begin_at_the_end_of_the_frame_before(tmp_path):
+    with record(tmp_path / "a.vtkhdf", {"time": float}) as recording:
+        assert edited_spans(recording) == [(1.5, 3.0)]
+
+
+def test_without_simulated_time_there_is_no_picture(tmp_path):
+    with record(tmp_path / "a.vtkhdf", {}) as recording:
+        assert not draw_history(recording, tmp_path / "history.png")
+    assert not (tmp_path / "history.png").exists()
