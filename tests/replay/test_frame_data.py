@@ -120,6 +120,14 @@ def test_results_say_where_they_are_from(recorded):
         assert {key: recording.header[key] for key in origin} == origin
 
 
+def test_reports_repeat_the_origin(recorded, tmp_path):
+    path, _, result = recorded
+    words = ["--out", str(tmp_path / "pictures"), "--animation", "none", "--json", str(tmp_path / "report.json")]
+    assert main(["report", str(path), *words]) == 0
+    assert json.loads((tmp_path / "report.json").read_text())["origin"] == result["origin"]
+    assert (tmp_path / "pictures" / "history.png").is_file()
+
+
 def test_fields_that_there_are_not_are_refused(tmp_path):
     path = write_scene(tmp_path, plate())
     with pytest.raises(UserError, match=r"recording\.fields: the application 'plane' has no fields 'stran'"):

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
+ORIGIN = ("scene", "script", "overrides", "restshape", "units", "machine")
+"""Keys of the header that results repeat."""
 EXTRAS = {"at_least": "at least", "at_most": "at most", "error": "largest estimated error"}
 """Columns of the table of quantities that only some have."""
 
@@ -154,7 +156,9 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
         print()
         application.report.print_tables(rows)
         of_application = application.report.summarised(rows)
+    origin = {key: recording.header[key] for key in ORIGIN if key in recording.header}
     return {
+        "origin": origin,
         "frames": recording.n,
         "refused": stopped,
         "status": recording.status,

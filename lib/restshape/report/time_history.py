@@ -1,7 +1,7 @@
 """Each quantity over the simulated time, beside the edit time, with what was edited meanwhile."""
 
 from pathlib import Path
-from textwrap import shorten
+from textwrap import shorten, wrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,6 +19,8 @@ EACH, AROUND = 1.5, 1.6
 """Height of a panel, and of what is around them [inch]."""
 MOST = 8
 """Quantities in a picture."""
+LETTERS = 18
+"""Of a name in one line beside its panel."""
 TICKS = 7
 """Marks of the edit time at most."""
 EDITED = "#fde8c8"
@@ -42,8 +44,8 @@ def draw_history(recording: Recording, path: Path) -> bool:
         values = np.where(stopped, np.nan, column(recording, f"q_{name}"))
         for begin, end in edited:
             axes.axvspan(begin, end, color=EDITED, linewidth=0, zorder=0)
-        _line(axes, times, values, units.get(name, ""), limits.get(name, {}))
-        axes.set_title(name, loc="left", pad=2)
+        unit = _line(axes, times, values, units.get(name, ""), limits.get(name, {}))
+        axes.set_ylabel("\n".join([*wrap(name, LETTERS)[:2], *([f"[{unit}]"] if unit else [])]))
     panels[-1].set_xlabel("simulated time [s]")
     panels[-1].set_xlim(np.nanmin(times), np.nanmax(times))
     _edit_times(panels[0], times, recording.times)
@@ -71,12 +73,11 @@ def edited_spans(recording: Recording) -> list[tuple[float, float]]:
     return found
 
 
-def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: dict[str, float]) -> None:
-    """One quantity, with gaps where it has no value, and its limits."""
+def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: dict[str, float]) -> str:
+    """Draws one quantity, with gaps where it has no value, and its limits; the unit in which it is shown."""
     known = values[np.isfinite(values)]
     factor, shown = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
     axes.plot(times, factor * values, color=LEVELS[1], lw=1.0, marker="." if len(times) < 40 else "", ms=3)
-    axes.set_ylabel(f"[{shown}]" if shown else "")
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.margins(y=0.12)
@@ -84,6 +85,7 @@ def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: d
     if len(known):
         least_span(axes, factor * float(known.min()), factor * float(known.max()))
         draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown)
+    return shown
 
 
 def _edit_times(axes: Axes, times: np.ndarray, edits: np.ndarray) -> None:

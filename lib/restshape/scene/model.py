@@ -285,7 +285,8 @@ class SolveSpec(Strict):
 class RecordingSpec(Strict):
     """``[recording]``: what recordings hold besides what they always do.
 
-    ``fields``: groups of fields of the application's physics, such as "stress", "principal" and "strain" of solids.
+    Args:
+        fields: groups of fields of the application's physics: "stress", "principal" and "strain" of solids and cloth.
     """
 
     fields: tuple[str, ...] = ()
@@ -310,6 +311,7 @@ class Scene(Strict):
         loads: what acts on the shape, by name.
         mesh: how fine the mesh is, and how it follows the shape.
         solve: how exactly is solved, and what is reused.
+        recording: what recordings hold besides what they always do.
         quantities: numbers a frame that are reported, by name.
     """
 
