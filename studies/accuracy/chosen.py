@@ -7,14 +7,16 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import reduce
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import tomlkit
 from restshape_studies.accuracy.front import known_error, percent, rates
+from restshape_studies.accuracy.kept_points import KeptPoints
 from restshape_studies.accuracy.reference import FINER
 from restshape_studies.accuracy.sampling import sampled
 from restshape_studies.accuracy.setting import Setting
-from restshape_studies.accuracy.study import Case, Play, Study, one, referred
+from restshape_studies.accuracy.study import Case, Deadline, Play, Study, one, referred
 from restshape_studies.bench.job import run
 from tomlkit.exceptions import TOMLKitError
 
@@ -112,14 +114,16 @@ def rerun(
     limit = study.total if app.transient(scene) else None
     sampling = sampled(scene, script, limit, study.asked.samples, app.transient(scene))
     setting = Setting(1.0, scene.mesh.order or 1, scene.solve.policy, scene.solve.tolerance)
+    play = Deadline(monotonic() - study.seconds, asked.budget, play).play
     # The reference is as fine as the study's was.
     own = replace(setting, factor=study.plan.factor / picked["size_factor"] * FINER)
     with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
-        again = referred(case, asked, scene, app, [own], sampling, Path(folder), on_run, play)
+        kept = KeptPoints(Path(folder) / "kept", {})
+        again = referred(case, asked, scene, app, [own], sampling, kept, on_run, play)
         on_run(f"{case.name}: the picked setting over {again.total} frames")
         longer = replace(asked, seconds=10.0 * asked.seconds)
         again.asked = longer
-        measured = one(again, setting, Path(folder), play, whole=True)
+        measured = one(again, setting, kept.folder, play, whole=True)
     ms, found = measured["frame_ms"], measured["error"]
     holds = ms is not None and found is not None
     diverges = not_converging(study)

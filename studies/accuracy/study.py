@@ -3,16 +3,18 @@
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 from restshape_studies.accuracy.front import mark_pareto
+from restshape_studies.accuracy.kept_points import KeptPoints
 from restshape_studies.accuracy.record import Truth, record, truth_of
 from restshape_studies.accuracy.reference import COARSER, MODULE, Plan, planned, quicker, solve
 from restshape_studies.accuracy.sampling import begun, sampled
 from restshape_studies.accuracy.setting import Choice, Omission, Setting, scale_of, settings
-from restshape_studies.bench.job import Job, Outcome, run
+from restshape_studies.bench.job import STOPPED, Job, Outcome, run
 
 from restshape.application import Application, application
 from restshape.errors import UserError
@@ -62,6 +64,8 @@ class Asked:
         samples: frames at which errors are taken.
         seconds: that a point may take; reference_seconds: that a reference may take.
         of: "field", or the name of the quantity whose error counts.
+        budget: seconds that the study may take as a whole.
+        within: time of a frame [ms] beyond which points are of no use; None: all are.
     """
 
     choice: Choice = field(default_factory=Choice)
@@ -70,6 +74,12 @@ class Asked:
     seconds: float = SECONDS
     reference_seconds: float = REFERENCE_SECONDS
     of: str = "field"
+    budget: float = inf
+    within: float | None = None
+
+    def most(self, points: int) -> float:
+        """Seconds that so many points and both references take at most."""
+        return min(self.budget, points * self.seconds + 2.0 * self.reference_seconds)
 
     def limit(self, scene: Scene, app: Application, script: Script) -> int | None:
         """Number of frames that are replayed; None for all."""
@@ -122,8 +132,21 @@ class Study:
         return self.truth.doubt(name[2:]) if name.startswith("q_") else self.truth.uncertainty.get(name, 0.0)
 
 
-def study(case: Case, asked: Asked, on_run: Callable[[str], None], play: Play = run) -> Study:
+def study(
+    case: Case,
+    asked: Asked,
+    on_run: Callable[[str], None],
+    play: Play = run,
+    out: Path | None = None,
+    on_point: Callable[[list[dict[str, Any]]], None] = lambda records: None,
+) -> Study:
     """Every setting's error and time.
+
+    Args:
+        case: scene and script; asked: by the user.
+        on_run: told what comes next; on_point: given all points whenever there is one more.
+        play: runs jobs.
+        out: folder in which a study that is stopped keeps what it has, and goes on; None: it keeps nothing.
 
     Raises:
         UserError: the scene or the script is of no use for a study, or its reference has no solution.
@@ -134,15 +157,88 @@ def study(case: Case, asked: Asked, on_run: Callable[[str], None], play: Play = 
     _refuse_senseless(case, asked, scene, app, script)
     tried, omitted = settings(case.scene, case.overrides, app, asked.choice)
     frames, total = sampled(scene, script, asked.limit(scene, app, script), asked.samples, app.transient(scene))
+    points = (
+        f"{len(tried)} points of at most {asked.seconds:g} s, two references of at most {asked.reference_seconds:g} s"
+    )
+    on_run(f"{case.name}: {points}: at most {asked.most(len(tried)):.0f} s in all (--budget, --seconds)")
+    deadline = Deadline(start, asked.budget, play)
     with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
-        found = referred(case, asked, scene, app, tried, (frames, total), Path(folder), on_run, play)
+        kept = KeptPoints((out or Path(folder)) / f".{case.name}-points", _question(case, asked, scene, script, total))
+        found = referred(case, asked, scene, app, tried, (frames, total), kept, on_run, deadline.play)
         found.omissions = omitted
+        waiting = 0
         for k, setting in enumerate(tried, 1):
-            on_run(f"{case.name}: {k} of {len(tried)}: {setting.name}")
-            found.records.append(one(found, setting, Path(folder), play))
+            record = kept.records.get(setting.name)
+            if record is None and (why := too_slow(found.records, setting, asked.within)):
+                found.omissions.append(Omission(setting.name, why))
+                continue
+            if record is None and deadline.left > 0.0:
+                on_run(f"{case.name}: {k} of {len(tried)}: {setting.name}")
+                record = deadline.whole(one(found, setting, kept.folder, deadline.play))
+                if record:
+                    kept.add(record)
+            if record is None:
+                found.omissions.append(Omission(setting.name, SPENT))
+                waiting += 1
+                continue
+            found.records.append(record)
+            mark_pareto(found.records)
+            on_point(found.records)
+        if not waiting:
+            kept.done()
     mark_pareto(found.records)
     found.seconds = monotonic() - start
     return found
+
+
+SPENT = "the time of --budget is spent: the same command goes on from here"
+
+
+class Deadline:
+    """Runs jobs for no longer than is left of a study's time.
+
+    Args:
+        start: of the study, on the monotonic clock.
+        budget: seconds that it may take.
+        play: runs jobs.
+    """
+
+    def __init__(self, start: float, budget: float, play: Play) -> None:
+        self.end, self._play = start + budget, play
+
+    @property
+    def left(self) -> float:
+        """Seconds."""
+        return self.end - monotonic()
+
+    def whole(self, record: dict[str, Any]) -> dict[str, Any] | None:
+        """A point; None where it was stopped because nothing was left."""
+        return None if self.left <= 0.0 and str(record["problem"]).startswith(STOPPED) else record
+
+    def play(self, job: Job, seconds: float) -> Outcome:
+        """What a job gives in the time that it may take, and that is left."""
+        return self._play(job, max(min(seconds, self.left), 0.1))
+
+
+def too_slow(records: list[dict[str, Any]], setting: Setting, within: float | None) -> str:
+    """Why a setting cannot be picked within a time of a frame [ms]: a coarser mesh takes longer; empty where it may."""
+    if within is None or setting.varied:
+        return ""
+    same = {"order": setting.order, "policy": setting.policy, "varied": ""}
+    coarser = [r for r in records if same.items() <= r.items() and r["size_factor"] > setting.factor and r["frame_ms"]]
+    slow = next((r for r in coarser if r["frame_ms"] > within), None)
+    return f"{slow['name']} takes {slow['frame_ms']:.3g} ms a frame already (--within)" if slow else ""
+
+
+def _question(case: Case, asked: Asked, scene: Scene, script: Script, total: int) -> dict[str, Any]:
+    """All that the points of a study depend on, but for the time that they may take."""
+    return {
+        "scene": scene.raw,
+        "script": script.path.read_text(errors="replace") if script.path else "",
+        "overrides": [*case.overrides, *case.petsc],
+        "frames": [total, asked.samples],
+        "of": asked.of,
+    }
 
 
 def referred(
@@ -152,18 +248,23 @@ def referred(
     app: Application,
     tried: list[Setting],
     sampling: tuple[list[int], int],
-    folder: Path,
+    kept: KeptPoints,
     on_run: Callable[[str], None],
     play: Play,
 ) -> Study:
-    """A study with its reference in a folder, and no points yet."""
+    """A study with its reference in the folder of what is kept, and no points yet."""
     frames, total = sampling
     finest = min(setting.factor for setting in tried)
     plan = planned(case.scene, case.overrides, app, finest)
     on_run(f"{case.name}: reference, size x {plan.factor:.3g}, order {plan.order}, and one {COARSER:g} times as coarse")
     job = case.job(plan.policy, (), {})
     advice = quicker(plan, finest, total, asked.reference_seconds)
-    fine, coarse = solve(job, scene, plan, folder, frames, lambda job: play(job, asked.reference_seconds), advice)
+    known = kept.reference(plan)
+    fine, coarse = known or solve(
+        job, scene, plan, kept.folder, frames, lambda job: play(job, asked.reference_seconds), advice
+    )
+    if not known:
+        kept.keep_reference(plan, fine, coarse)
     truth = truth_of(scene, fine, coarse)
     return Study(case, scene, asked, frames, total, plan, fine, coarse, truth)
 

@@ -4,6 +4,7 @@
 
 import argparse
 import sys
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
-from restshape.outputs.kinds import SceneFile
+from restshape.outputs.kinds import PointsFile, SceneFile
 from restshape.policy import POLICIES
 
 PLACE = 4
@@ -72,6 +73,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--seconds", type=float, default=30.0, metavar="S", help="that a point may take (default: %(default)g)"
     )
     parser.add_argument(
+        "--budget", metavar="TIME", help="that each study may take, such as 5min; the same command goes on from there"
+    )
+    parser.add_argument("--csv", type=PointsFile, metavar="FILE", help="a row a point, as soon as it is known")
+    parser.add_argument(
         "--reference-seconds",
         type=float,
         default=120.0,
@@ -104,7 +109,13 @@ def run(args: argparse.Namespace) -> int:
             meshless.append((case.name, title))
             write_json(args, finite(records))
             continue
-        found = study(case, asked, announce)
+        before = list(records)
+
+        def on_point(own: list[dict[str, Any]], before: list[dict[str, Any]] = before) -> None:
+            write_json(args, finite([*before, *own]))
+            write_csv(args.csv, [*before, *own])
+
+        found = study(case, asked, announce, out=args.out, on_point=on_point)
         tell(found)
         sound = reuse_holds(found) and sound
         records += found.records
@@ -151,14 +162,18 @@ def read(args: argparse.Namespace) -> tuple[Any, float | None, float | None]:
     for name in policies or ():
         if name not in POLICIES:
             raise UserError(f"no policy is named {name!r}", "--policies", f"choose from {','.join(POLICIES)}")
+    budget = bound(args.budget, "time", "--budget", "5min")
     choice = Choice(sizes, orders and tuple(int(order) for order in orders), tolerances, policies)
-    asked = Asked(choice, args.frames, args.samples, args.seconds, args.reference_seconds, args.of)
     within, error = bound(args.within, "time", "--within", "16ms"), bound(args.error, "number", "--error", "1%")
     if args.write and ((within is None and error is None) or len(args.scenes) > 1):
         raise UserError(
             "nothing is picked that could be written", "--write", "one scene, and --within 16ms or --error 1%"
         )
-    return asked, within and 1e3 * within, error
+    within = within and 1e3 * within
+    asked = Asked(
+        choice, args.frames, args.samples, args.seconds, args.reference_seconds, args.of, budget or inf, within
+    )
+    return asked, within, error
 
 
 def numbers(text: str | None, where: str) -> tuple[float, ...] | None:
@@ -258,6 +273,21 @@ def own_study(case: Any) -> Any:
     from restshape.scene.load import load_scene
 
     return verification(load_scene(case.scene, case.overrides).app).load_study()
+
+
+def write_csv(path: Path | None, records: list[dict[str, Any]]) -> None:
+    """Writes a table of points, if it is asked for.
+
+    Raises:
+        UserError: it cannot be written, or another file is there.
+    """
+    from restshape_studies.accuracy.kept_points import COLUMNS
+
+    from restshape.replay.row_table import table_of_rows
+
+    with table_of_rows(path, list(COLUMNS), PointsFile) as write:
+        for record in records if write else ():
+            write({name: "" if record.get(name) is None else record[name] for name in COLUMNS})
 
 
 def make_folder(folder: Path) -> None:

@@ -52,6 +52,16 @@ class JsonFile(OutputFile):
         return re.match(rb'(\{\}|\[\]|\{\n "|\[\n [^\s])', head) is not None
 
 
+class PointsFile(OutputFile):
+    """The points of studies, a row each."""
+
+    what = "a table of points that accuracy --csv wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it begins with the columns that such tables have."""
+        return head.startswith(b"scene,name,size,")
+
+
 class CsvFile(OutputFile):
     """The rows of a replay."""
 
