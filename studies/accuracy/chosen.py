@@ -1,5 +1,7 @@
 """A picked setting: the scene with it, and the whole script run again on that scene."""
 
+# More than 15 modules: what was picked is written as a scene, and studied again like any.
+
 import os
 import tempfile
 import tomllib

@@ -142,8 +142,8 @@ def test_poor_recordings_still_report(tmp_path, frames, refused, fields, columns
             data = ({"displacement": np.zeros((3, 2))}, {"von_mises": np.full(1, np.nan)}) if fields else ({}, {})
             recorder.frame(0.0, CORNERS, *data, {name: row[name] for name in row if name in columns})
     assert report(path) == 0
-    # One frame is made from nothing, and no level's.
-    wanted = {"animation.gif", "frames.png", "timeline.png"} | ({"levels.png"} if frames > 1 else set())
+    # One frame is made from nothing, and no level's; it has no course, and nothing of it moves.
+    wanted = {"frames.png"} | ({"animation.gif", "timeline.png", "levels.png"} if frames > 1 else set())
     wanted |= {"quantities.png"} if "q_tip" in columns else set()
     assert {p.name for p in (tmp_path / "poor-report").iterdir()} == wanted
 

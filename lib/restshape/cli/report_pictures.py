@@ -63,8 +63,10 @@ def _draw(
     frames, levels, quantities, timeline, history = (
         folder / f"{name}{looks.suffix}" for name in ("frames", "levels", "quantities", "timeline", "history")
     )
-    pictures = [timeline]
-    draw_timeline(recording, timeline, iterations=reuse is not None)
+    # A single frame goes on nowhere: it has no course, and nothing of it moves.
+    pictures = [timeline] if recording.n > 1 else []
+    if pictures:
+        draw_timeline(recording, timeline, iterations=reuse is not None)
     if draw_history(recording, history):
         pictures.insert(0, history)
     if draw_quantities(recording, quantities):
@@ -74,7 +76,7 @@ def _draw(
         pictures.insert(0, levels)
         reuse.draw_levels(recording, levels)
     if recording.dimension == 2:
-        moving = None if args.animation == "none" else folder / f"animation.{args.animation}"
+        moving = None if args.animation == "none" or recording.n == 1 else folder / f"animation.{args.animation}"
         if special:
             special.drawn(recording, args, frames, moving)
         else:
