@@ -37,6 +37,7 @@ class Furniture:
         def size(self) -> int: ...
 
     APART: typing.ClassVar[int] = 32
+    DOUBTFUL: typing.ClassVar[int] = 64
     LOST: typing.ClassVar[int] = 1
     OVERLAPPING: typing.ClassVar[int] = 2
     UNBALANCED: typing.ClassVar[int] = 16

@@ -16,11 +16,11 @@ from restshape_apps.furniture.guidance.design import Design, DesignDirection, Su
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, encode_ranges
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult
+from restshape_apps.furniture.physics.joint_compliance import UseRange, recorded_uses, use_range
 from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.physics.plank_phrases import held_by_springs, phrases
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
-from restshape_apps.furniture.physics.uncounted_moments import uncounted_moments
-from restshape_apps.furniture.scene.furniture import SUGGESTIONS_BYTES
+from restshape_apps.furniture.scene.furniture import REDUNDANT_BYTES, SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.boards import Boards
 
 from restshape.algebra.linear_report import LinearReport
@@ -28,6 +28,7 @@ from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem
+from restshape.replay.constraints import UNCERTAIN
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -67,6 +68,7 @@ class FurnitureAnalysis:
         self.result = TestResult(0, 0.0, 0.0, 0.0)
         self.forces: list[Forces] = []
         self.utilisation = np.zeros(0)
+        self.use_range: UseRange | None = None
         self.deflection = np.zeros(0)
         self.bent = np.nan
         self.stability_margin = np.nan
@@ -76,7 +78,7 @@ class FurnitureAnalysis:
         self.at = np.nan
         self.ranged_seconds = np.nan
         self.suggestion_list = SuggestionList()
-        self.note = self.sprung = self.uncounted = ""
+        self.note = self.sprung = ""
         self.age = 0
 
     @property
@@ -119,7 +121,6 @@ class FurnitureAnalysis:
             steps = self._balance(gamma)
             # What the forces say is the answer, and deflection an effect: no stage of quantities.
             self._measure(furniture)
-            self.uncounted = uncounted_moments(furniture, self.forces, gamma) if self.forces else ""
         return steps, fresh
 
     def _balance(self, gamma: np.ndarray) -> int:
@@ -143,18 +144,20 @@ class FurnitureAnalysis:
         """What the forces say of each plank, and of the piece."""
         planks = len(furniture.piece.planks)
         self.utilisation, self.deflection = np.zeros(planks), np.full(planks, np.nan)
-        self.bent = self.stability_margin = np.nan
+        self.bent, self.stability_margin, self.use_range = np.nan, np.nan, None
         if not self.forces:
             self.utilisation[:] = np.nan
             return
         for forces in self.forces:
-            worst = np.maximum(forces.pull_use, forces.shear_use)
+            worst = forces.use
             for k, joint in enumerate(furniture.piece.joints):
                 for plank in (joint.i, joint.j):
                     self.utilisation[plank] = max(self.utilisation[plank], worst[k])
         still = np.zeros((1, 8 * planks))
         rows = [stability_derivative(furniture, still, case)[0] for case in range(len(self.forces))]
         self.stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
+        moved = furniture.moved(self.gamma)
+        self.use_range = use_range(moved, furniture.compliance)
         if self.plan.on("bending"):
             self._bend(furniture)
 
@@ -192,13 +195,16 @@ class FurnitureAnalysis:
     def row(self) -> dict[str, Any]:
         """The columns that only furniture has, and its status."""
         found, low, high = self._ranges()
-        findings = findings_at(self.design.furniture, self.result, self.gamma)
+        depends = self.use_range.findings(self.design.piece) if self.use_range else ()
+        findings = (findings_at(self.design.furniture, self.result, self.gamma) or self.result.doubts) + depends
+        status = UNCERTAIN if depends and self.result.valid else self.result.status
         return {
-            "constraint_status": "holds" if self.result.valid else "fails",
+            "constraint_status": status,
             "violated_constraints": "; ".join(phrases(findings)),
             "findings": findings,
             "flaws": self.result.flaws,
             "utilisation": float(np.nanmax(self.utilisation)) if self.forces else np.nan,
+            "redundant": self._redundant(),
             "stability_margin": self.stability_margin,
             "unbalanced_load": self.result.unbalanced,
             "deflection": float(np.nanmax(self.deflection)) if np.isfinite(self.deflection).any() else np.nan,
@@ -218,8 +224,17 @@ class FurnitureAnalysis:
             "ms_equilibrium": 1e3 * self.seconds,
             "ms_range": 1e3 * self.ranged_seconds,
             "ms_suggestions": 1e3 * self.suggestion_list.seconds if self.suggestion_list.found else np.nan,
-            "note": "; ".join(filter(None, [self.note, self.sprung, self.uncounted])),
+            "note": "; ".join(filter(None, [self.note, self.sprung])),
         }
+
+    def _redundant(self) -> str:
+        """The JSON text of redundant joints with the range of their use, as many as there is room for."""
+        count = len(self.use_range.redundant) if self.use_range else 0
+        while len(text := json.dumps(recorded_uses(self.design.piece, self.use_range, count) if count else [])) > (
+            REDUNDANT_BYTES
+        ):
+            count -= 1
+        return text if count else ""
 
     def _ranges(self) -> tuple[str, float, float]:
         """The valid ranges of the parameter under the hand as text, and the ends of the one at the hand, or nearest."""
@@ -243,7 +258,7 @@ class FurnitureAnalysis:
                 ValidRange(float(low), float(high), bool(low <= way.low), bool(high >= way.high))
                 for low, high in way.ranges.intervals
             )
-        return encode_ranges(Grabbed(way.subject, way.unit, ranges))
+        return encode_ranges(Grabbed(way.subject, way.unit, ranges, way.doubtful if ranges else ()))
 
     def _inside(self) -> int:
         """1: the piece is valid at the hand; 0: it is not; -1: it is, but farther than ranges were looked for."""
@@ -340,4 +355,5 @@ def _suggestion_entry(number: int, suggestion: Suggestion) -> dict[str, Any]:
         entries
         | {"unit": suggestion.unit, "beyond": suggestion.beyond[1]}
         | ({"rest": suggestion.rest} if suggestion.rest else {})
+        | ({"doubt": suggestion.doubt} if suggestion.doubt else {})
     )

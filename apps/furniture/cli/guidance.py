@@ -1,5 +1,6 @@
 """What `restshape replay` prints of the guidance that furniture was given."""
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,6 +13,8 @@ from restshape.replay.constraints import LIMIT
 
 MOST = 12
 """Rows of a table at most."""
+MUCH = 0.5
+"""Use of a redundant joint from which on it is printed."""
 NAMED = 8
 """Frames that are named at most."""
 Ranges = Mapping[tuple[int, str, str], list[int]]
@@ -20,6 +23,7 @@ Ranges = Mapping[tuple[int, str, str], list[int]]
 def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
     """Prints statuses, the valid ranges of each parameter that was under the hand, and all suggestions."""
     _print_statuses(rows)
+    _print_redundant(rows)
     ranges: dict[tuple[int, str, str], list[int]] = {}
     for row in rows:
         if (hand := grabbed(row)) and hand.ranges is not None:
@@ -54,10 +58,25 @@ def _print_statuses(rows: Sequence[Mapping[str, Any]]) -> None:
     print_table("constraint status", ("line", "frames", "the piece"), cells, right=("line",))
 
 
+def _print_redundant(rows: Sequence[Mapping[str, Any]]) -> None:
+    """Prints the joints of the last frame whose use depends on the ratios of compliance, those of much use alone."""
+    last = next((row for row in reversed(rows) if row.get("redundant")), None)
+    if last is None:
+        return
+    joints = [(name, f"{low:.3g}", f"{high:.3g}") for name, low, high in json.loads(last["redundant"]) if high >= MUCH]
+    if joints:
+        heads = ("joint", "least use", "largest use")
+        title = f"redundant joints in frame {last['index']}, over the ratios of compliance"
+        print_table(title, heads, joints[:NAMED], right=heads[1:])
+
+
 def _valid(text: str) -> str:
     """Ranges of a recording as people read them."""
     hand = decode_ranges(text)
-    return "; ".join(_interval(one, *UNITS[hand.unit]) for one in hand.ranges) or "nothing"
+    factor, unit = UNITS[hand.unit]
+    parts = "; ".join(f"{factor * low:+.6g} to {factor * high:+.6g} {unit}" for low, high in hand.doubtful)
+    doubts = f"; doubtful from {parts}" if parts else ""
+    return ("; ".join(_interval(one, factor, unit) for one in hand.ranges) or "nothing") + doubts
 
 
 def _interval(one: ValidRange, factor: float, unit: str) -> str:
@@ -90,7 +109,7 @@ def _print_suggestions(same: Sequence[Mapping[str, Any]]) -> None:
 def _holds(one: Mapping[str, Any]) -> str:
     """Whether a piece holds after a suggestion, or what is still wrong with it."""
     if one["valid"]:
-        return "yes"
+        return f"yes, but {one['doubt']}" if one.get("doubt") else "yes"
     return f"in part; still {one['rest']}" if one.get("rest") else "in part"
 
 

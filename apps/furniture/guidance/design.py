@@ -18,13 +18,23 @@ from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
 from restshape_apps.furniture.guidance.suggestions import Combinations, suggest
 from restshape_apps.furniture.guidance.support_planks import FLOOR, SupportPlank, support_planks
 from restshape_apps.furniture.physics import plank_findings
-from restshape_apps.furniture.physics.furniture import APART, LOST, OVERLAPPING, UNSTABLE, WEAK, Furniture, TestResult
+from restshape_apps.furniture.physics.furniture import (
+    ALL,
+    APART,
+    DOUBTFUL,
+    LOST,
+    OVERLAPPING,
+    UNSTABLE,
+    WEAK,
+    Furniture,
+    TestResult,
+)
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, joints_near
 
 from restshape.findings import Finding
-from restshape.guidance.combination_search import Combination
+from restshape.guidance.combination_search import REPRESENTED, Combination
 from restshape.guidance.force_space import LONGEST
 from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
 
@@ -41,6 +51,9 @@ TRIED = 1e-3
 
 REST = 160
 """Letters at most of what a suggestion leaves wrong."""
+
+DOUBTS, NARROW = 48, 1e-4
+"""Places of a valid range where doubts are looked for, and the least part of the way that is shown as doubtful."""
 
 FASTENING = "closer fasteners ([fastener] spacing), stronger ones or a lighter load"
 """What else helps a weak joint."""
@@ -76,6 +89,7 @@ class Suggestion:
         name: which parameters it changes.
         beyond: the range may go on past what was looked at, at both ends.
         rest: what is still wrong where it is shown; empty where it is valid.
+        doubt: what is doubtful where it is valid; empty where nothing is.
     """
 
     words: str
@@ -88,6 +102,7 @@ class Suggestion:
     name: str = ""
     beyond: tuple[bool, bool] = (False, False)
     rest: str = ""
+    doubt: str = ""
 
     @classmethod
     def along(
@@ -119,7 +134,8 @@ class Suggestion:
     @property
     def summary(self) -> str:
         """What it does, and its range."""
-        parts = (self.words, self.range_words, f"still wrong: {self.rest}" if self.rest else "")
+        doubt = f"holds, but {self.doubt}" if self.doubt else ""
+        parts = (self.words, self.range_words, f"still wrong: {self.rest}" if self.rest else "", doubt)
         return "; ".join(filter(None, parts))
 
 
@@ -167,6 +183,11 @@ class DesignDirection:
     def ranges(self) -> Ranges:
         """Where the piece is valid along it."""
         return self.design.valid_along(self)
+
+    @cached_property
+    def doubtful(self) -> tuple[tuple[float, float], ...]:
+        """The parts of its ranges where moments that do not count overload a joint."""
+        return self.design.doubtful_along(self)
 
 
 @dataclass(eq=False)
@@ -236,7 +257,23 @@ class Design:
 
     def valid_along(self, way: DesignDirection) -> Ranges:
         """Where the piece is valid along a way, with ends that the force space predicts as hints."""
-        return valid_ranges(self.furniture.kernel, way.direction, way.low, way.high, hints=self.hints(way))
+        return valid_ranges(self.furniture.kernel, way.direction, way.low, way.high, hints=self.hints(way), wanted=ALL)
+
+    def doubtful_along(self, way: DesignDirection) -> tuple[tuple[float, float], ...]:
+        """The parts of a way's valid ranges where moments that do not count overload a joint."""
+        found: list[tuple[float, float]] = []
+        for low, high in way.ranges.intervals.tolist():
+            ranges = self._sure(way.direction, low, high)
+            marks = [low, *ranges.intervals.ravel().tolist(), high]
+            found += [
+                pair for pair in zip(marks[::2], marks[1::2]) if pair[1] - pair[0] > NARROW * (way.high - way.low)
+            ]
+        return tuple(found)
+
+    def _sure(self, direction: np.ndarray, low: float, high: float) -> Ranges:
+        """Where a piece that is valid along a direction (n, 8) is beyond doubt."""
+        wanted = ALL | DOUBTFUL
+        return valid_ranges(self.furniture.kernel, direction, low, high, samples=DOUBTS, tolerance=1e-4, wanted=wanted)
 
     def hints(self, way: DesignDirection) -> np.ndarray:
         """Parameters of a way where ends of its ranges are expected, by the derivative at the piece as it is."""
@@ -280,7 +317,10 @@ class Design:
             if flaws & WEAK and not flaws & UNSTABLE:
                 supports = [self._supported(one) for one in support_planks(self.furniture)][:most]
                 found = [*found[: most - len(supports)], *supports]
-        found = [self._with_rest(one) for one in _distinct(self.piece, found)]
+        judged = [self._with_doubt(self._with_rest(one)) for one in _distinct(self.piece, found)]
+        self.furniture.test()
+        # What is doubtful comes last, whatever else speaks for it.
+        found = sorted(judged, key=lambda one: bool(one.doubt))
         return SuggestionList(tuple(found), tried, tested, perf_counter() - start, "" if found else why)
 
     def _with_rest(self, one: Suggestion) -> Suggestion:
@@ -294,6 +334,28 @@ class Design:
             words = phrases(findings_at(self.furniture, self.furniture.test(gamma), gamma))
             self.furniture.test()
         return replace(one, rest=shorten("; ".join(words), REST, placeholder=" ..."))
+
+    def _with_doubt(self, one: Suggestion) -> Suggestion:
+        """The suggestion where it is beyond doubt if it is so anywhere in its range; else with what is doubtful."""
+        if not one.valid:
+            return one
+        if one.piece is not None:
+            return replace(one, doubt=self._doubt(Furniture(one.piece).test()))
+        result = self.furniture.test(one.t * one.direction)
+        if not result.doubts:
+            return one
+        low, high = one.span
+        intervals = self._sure(one.direction, low, high).intervals if high > low else np.zeros((0, 2))
+        if not len(intervals):
+            return replace(one, doubt=self._doubt(result))
+        left, right = intervals[int(np.argmin(np.abs(intervals - one.t).min(axis=1)))].tolist()
+        t = left + REPRESENTED * (right - left)
+        words = amounts.in_words(self.piece, t * one.direction)
+        return replace(one, t=t, span=(left, right), words=words, beyond=(False, one.beyond[1] and right >= high))
+
+    @staticmethod
+    def _doubt(result: TestResult) -> str:
+        return shorten("; ".join(phrases(result.doubts)), REST, placeholder=" ...")
 
     def _along(self, one: Combination | Reconnection, open_: bool, valid: bool) -> Suggestion:
         return Suggestion.along(self.piece, one.direction, one.t, one.span, open_, valid)

@@ -125,7 +125,7 @@ def _uses(furniture: Furniture) -> np.ndarray:
     use = np.zeros(len(furniture.piece.joints))
     for case in range(len(furniture.cases)):
         forces = furniture.forces(case)
-        use = np.maximum(use, np.maximum(forces.pull_use, forces.shear_use))
+        use = np.maximum(use, forces.use)
     return use
 
 

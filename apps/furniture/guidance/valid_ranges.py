@@ -19,11 +19,15 @@ class ValidRange(NamedTuple):
 
 
 class Grabbed(NamedTuple):
-    """What is under the hand, its unit ("m" or "rad"), and its valid ranges; None where none were looked for."""
+    """What is under the hand, its unit ("m" or "rad"), and its valid ranges; None where none were looked for.
+
+    `doubtful`: the parts of these ranges where moments that do not count overload a joint.
+    """
 
     subject: str
     unit: str
     ranges: tuple[ValidRange, ...] | None
+    doubtful: tuple[tuple[float, float], ...] = ()
 
 
 def encode_ranges(grabbed: Grabbed, size: int = RANGES_BYTES) -> str:
@@ -35,8 +39,10 @@ def encode_ranges(grabbed: Grabbed, size: int = RANGES_BYTES) -> str:
     """
     ranges = grabbed.ranges
     rounded = None if ranges is None else [[_rounded(r.low), _rounded(r.high), r.below, r.above] for r in ranges]
-    while len((text := _json([grabbed.subject[:LETTERS], grabbed.unit, rounded])).encode()) > size and rounded:
-        rounded.pop()
+    doubtful = [[_rounded(end) for end in one] for one in grabbed.doubtful]
+    whole = [grabbed.subject[:LETTERS], grabbed.unit, rounded]
+    while len((text := _json([*whole, doubtful] if doubtful else whole)).encode()) > size and (rounded or doubtful):
+        (rounded if len(rounded or ()) > len(doubtful) else doubtful).pop()
     return text
 
 
@@ -44,8 +50,9 @@ def decode_ranges(text: str) -> Grabbed | None:
     """What `encode_ranges` has written; None where nothing was under the hand."""
     if not text:
         return None
-    subject, unit, ranges = json.loads(text)
-    return Grabbed(subject, unit, None if ranges is None else tuple(ValidRange(*one) for one in ranges))
+    subject, unit, ranges, *doubtful = json.loads(text)
+    parts = tuple((low, high) for low, high in doubtful[0]) if doubtful else ()
+    return Grabbed(subject, unit, None if ranges is None else tuple(ValidRange(*one) for one in ranges), parts)
 
 
 def _rounded(value: float) -> float:

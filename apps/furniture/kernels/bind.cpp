@@ -37,7 +37,7 @@ std::unique_ptr<Furniture> furniture(const Doubles& centre, const Doubles& axes,
     require(centre.size() == 3 * n && axes.size() == 9 * n && size.size() == 3 * n, "planks: sizes differ");
     require(strength.size() == 3 * nj && places.size() == 3 * nl && planes.size() % 7 == 0, "joints or loads: sizes");
     require(cases.ndim() == 3 && cases.shape(1) == nl && cases.shape(2) == 3, "cases must be (cases, loads, 3)");
-    require(gravity.size() == 3 && settings.size() == 8, "gravity has 3 numbers, settings 8");
+    require(gravity.size() == 3 && settings.size() == 9, "gravity has 3 numbers, settings 9");
     for (py::ssize_t i = 0; i < n; ++i) {
         piece.centre.push_back(three(centre.data() + 3 * i)), piece.size.push_back(three(size.data() + 3 * i));
         piece.axes.emplace_back();
@@ -70,7 +70,7 @@ std::unique_ptr<Furniture> furniture(const Doubles& centre, const Doubles& axes,
     }
     piece.gravity = three(gravity.data());
     const double* s = settings.data();
-    piece.settings = {s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7]};
+    piece.settings = {s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8] != 0.0};
     return std::make_unique<Furniture>(std::move(piece));
 }
 
@@ -95,11 +95,14 @@ py::array_t<double> array(const Rows& a) {
 }
 
 py::tuple tuple(const DesignCheck& v) {
-    py::list faults, broken;
+    py::list faults, broken, doubts;
     for (const Flawed& one : v.faults) faults.append(py::make_tuple(static_cast<int>(one.fault), one.where));
     for (const Overloaded& one : v.overloaded)
-        broken.append(py::make_tuple(one.joint, one.load_case, one.utilisation, one.sheared));
-    return py::make_tuple(v.flaws, v.pull, v.shear, v.missing, faults, v.overlaps, v.falls, v.unbalanced, broken);
+        broken.append(py::make_tuple(one.joint, one.load_case, one.utilisation, static_cast<int>(one.by)));
+    for (const Overloaded& one : v.doubts)
+        doubts.append(py::make_tuple(one.joint, one.load_case, one.utilisation, static_cast<int>(one.by)));
+    return py::make_tuple(v.flaws, v.pull, v.shear, v.missing, faults, v.overlaps, v.falls, v.unbalanced, broken,
+                          doubts);
 }
 
 py::dict shape(Furniture& f, const std::optional<Doubles>& gamma) {
@@ -139,18 +142,25 @@ py::dict forces(Furniture& f, int c) {
     out["missing"] = f.missing(c, &balance), out["balance"] = array(balance);
     const std::vector<double> d = f.openings(c);
     const py::ssize_t nj = static_cast<py::ssize_t>(f.shape().joints.size());
-    py::array_t<double> joints({nj, py::ssize_t{6}});
+    py::array_t<double> joints({nj, py::ssize_t{10}});
     for (py::ssize_t k = 0; k < nj; ++k) {
         const auto h = joint_force(f.shape().joints[k], &d[6 * k], f.piece().settings);
-        const double row[6] = {h.tension, h.shear_x, h.shear_y, h.bending, h.twist_x, h.twist_n};
-        std::copy_n(row, 6, joints.mutable_data(k, 0));
+        const JointSpec& spec = f.piece().joints[k];
+        const JointUse use = joint_use(h, f.shape().joints[k], spec, f.shape().size[spec.i][2]);
+        const double row[10] = {h.tension, h.shear_x, h.shear_y, h.bending, h.twist_x,
+                                h.twist_n, use.pull,  use.shear, use.line,  use.twist};
+        std::copy_n(row, 10, joints.mutable_data(k, 0));
     }
     out["joints"] = joints;
     return out;
 }
 
+// Bits of what is wanted: where all are, flaws alone, for a doubt must be asked for by its own bit.
+int flaws_of(int wanted) { return wanted < 0 ? every_flaw : wanted; }
+
 py::tuple scan(Furniture& f, const Doubles& direction, const Doubles& t, int wanted) {
     require(direction.size() == 8 * f.piece().count(), "direction must have 8 numbers a plank");
+    wanted = flaws_of(wanted);
     std::vector<double> gamma(direction.size());
     py::array_t<int> flaws(t.size());
     py::array_t<double> pull(t.size()), shear(t.size());
@@ -165,7 +175,7 @@ py::tuple scan(Furniture& f, const Doubles& direction, const Doubles& t, int wan
 
 py::tuple bisect(Furniture& f, const Doubles& direction, double good, double bad, double tolerance, int wanted) {
     require(direction.size() == 8 * f.piece().count(), "direction must have 8 numbers a plank");
-    const int tests = f.bisect(direction.data(), good, bad, tolerance, wanted);
+    const int tests = f.bisect(direction.data(), good, bad, tolerance, flaws_of(wanted));
     return py::make_tuple(good, bad, tests);
 }
 
@@ -230,7 +240,8 @@ PYBIND11_MODULE(_kernels, m) {
             },
             "gamma"_a = py::none(), "wanted"_a = every_flaw, "quick"_a = false,
             "Flaws (bits), largest use of pull and of shear strength, the part of the load that contacts cannot "
-            "balance, and lists: faults, overlaps, what falls, cases without an equilibrium, broken joints.")
+            "balance, and lists: faults, overlaps, what falls, cases without an equilibrium, broken joints, and "
+            "doubts: joints that moments overload that do not count.")
         .def("forces", &forces, "case"_a, "Displacements, contact and joint forces at the last test.")
         .def("scan", &scan, "direction"_a, "t"_a, "wanted"_a = every_flaw,
              "Flaws, and uses of pull and shear strength, at each t along a direction (n, 8).")
@@ -261,5 +272,6 @@ PYBIND11_MODULE(_kernels, m) {
         });
     c.attr("LOST") = int(lost), c.attr("OVERLAPPING") = int(overlapping), c.attr("UNSTABLE") = int(unstable);
     c.attr("WEAK") = int(weak), c.attr("UNBALANCED") = int(unbalanced), c.attr("APART") = int(apart);
+    c.attr("DOUBTFUL") = int(doubtful);
     bind_mixed(c);
 }

@@ -29,14 +29,16 @@ DesignCheck Furniture::test(const double* gamma, int wanted, bool quick) {
     stand(check);
     if (!(wanted & (weak | unbalanced)) || (quick && (check.flaws & wanted))) return check;
     equilibrium_->find_free(shape_);
-    std::vector<Overloaded> most(P.joints.size(), {-1, -1, 1.0, false});
+    std::vector<Overloaded> most(P.joints.size(), {-1, -1, 1.0, Load::pull}), doubts = most;
     for (size_t c = 0; c < P.cases.size(); ++c) {
         settle(static_cast<int>(c));
         if (!states_[c].found) check.flaws |= unbalanced, check.unbalanced.push_back(static_cast<int>(c));
-        use(static_cast<int>(c), check, most);
+        use(static_cast<int>(c), check, most, doubts);
     }
     for (const Overloaded& one : most)
         if (one.joint >= 0) check.overloaded.push_back(one);
+    for (const Overloaded& one : doubts)
+        if (one.joint >= 0) check.doubts.push_back(one), check.flaws |= doubtful;
     if (!(check.pull <= 1.0 && check.shear <= 1.0)) check.flaws |= weak;
     return check;
 }
@@ -155,19 +157,28 @@ bool Furniture::wild(const CaseState& state) const {
     return false;
 }
 
-void Furniture::use(int load_case, DesignCheck& check, std::vector<Overloaded>& most) {
+void Furniture::use(int load_case, DesignCheck& check, std::vector<Overloaded>& most, std::vector<Overloaded>& doubts) {
     const std::vector<double> d = openings(load_case);
-    for (size_t k = 0; k < P.joints.size(); ++k) {
-        const auto f = joint_force(shape_.joints[k], &d[6 * k], P.settings);
-        const JointSpec& spec = P.joints[k];
-        const double nails = shape_.joints[k].nails, lever = shape_.size[spec.i][2];
-        const double pull = (2.0 * std::abs(f.bending) / lever + f.tension) / nails / spec.pull;
-        const double shear = std::hypot(f.shear_x, f.shear_y) / nails / spec.shear;
-        check.pull = std::max(check.pull, pull), check.shear = std::max(check.shear, shear);
+    const auto add = [&](std::vector<Overloaded>& all, size_t k, double use, Load by) {
         // A case that only repeats an earlier one, up to rounding, is not what breaks the joint.
-        const double known = most[k].joint < 0 ? most[k].utilisation : most[k].utilisation * (1.0 + repeated);
-        if (!(std::max(pull, shear) <= known))
-            most[k] = {static_cast<int>(k), load_case, std::max(pull, shear), shear > pull};
+        const double known = all[k].joint < 0 ? all[k].utilisation : all[k].utilisation * (1.0 + repeated);
+        if (!(use <= known)) all[k] = {static_cast<int>(k), load_case, use, by};
+    };
+    for (size_t k = 0; k < P.joints.size(); ++k) {
+        const JointSpec& spec = P.joints[k];
+        const auto f = joint_force(shape_.joints[k], &d[6 * k], P.settings);
+        const JointUse use = joint_use(f, shape_.joints[k], spec, shape_.size[spec.i][2]);
+        check.pull = std::max(check.pull, use.pull), check.shear = std::max(check.shear, use.shear);
+        add(most, k, std::max(use.pull, use.shear), use.shear > use.pull ? Load::shear : Load::pull);
+        const double moment = std::max(use.line, use.twist);
+        const Load by = use.twist > use.line ? Load::twist : Load::line;
+        if (P.settings.moments) {
+            check.pull = std::max(check.pull, use.line), check.shear = std::max(check.shear, use.twist);
+            if (moment > std::max(use.pull, use.shear)) add(most, k, moment, by);
+        } else if (by == Load::twist || !(use.pull > 1.0)) {
+            // What is drawn out by its tension is weak already.
+            add(doubts, k, moment, by);
+        }
     }
 }
 

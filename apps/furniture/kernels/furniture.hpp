@@ -8,8 +8,8 @@
 namespace restshape::planks {
 
 // What is not as it must be, as bits.
-enum Flaw { lost = 1, overlapping = 2, unstable = 4, weak = 8, unbalanced = 16, apart = 32 };
-constexpr int every_flaw = 63;
+enum Flaw { lost = 1, overlapping = 2, unstable = 4, weak = 8, unbalanced = 16, apart = 32, doubtful = 64 };
+constexpr int every_flaw = 63;  // a doubt is none
 
 struct CaseState {
     std::vector<double> x;     // 6 a plank
@@ -18,11 +18,14 @@ struct CaseState {
     double missing = 0.0;  // the part of the load that contacts cannot balance
 };
 
+// What overloads a joint: its pull, its shear, the moment along its line, the one about its normal.
+enum class Load { pull, shear, line, twist };
+
 // The largest use of a joint's strength, if that is more than there is.
 struct Overloaded {
     int joint, load_case;
     double utilisation;
-    bool sheared;
+    Load by;
 };
 
 struct DesignCheck {
@@ -34,6 +37,7 @@ struct DesignCheck {
     std::vector<std::pair<int, int>> falls;     // case, and the first plank of the part that falls
     std::vector<int> unbalanced;                // cases
     std::vector<Overloaded> overloaded;
+    std::vector<Overloaded> doubts;  // moments that do not count
 };
 
 class Furniture {
@@ -106,7 +110,7 @@ class Furniture {
 
     bool wild(const CaseState& state) const;
 
-    void use(int load_case, DesignCheck& check, std::vector<Overloaded>& most);
+    void use(int load_case, DesignCheck& check, std::vector<Overloaded>& most, std::vector<Overloaded>& doubts);
 
     double missing(const Part& part, int load_case, std::vector<V3<double>>* forces) const;
 };

@@ -37,6 +37,7 @@ struct Settings {
     double gap = 1e-6;            // of a closed joint [m]
     double least_overlap = 0.01;  // of a joint's length [m]
     double interference = 1e-4;   // of planks, that counts as touching [m]
+    bool moments = false;         // those along a joint's line and about its normal count in durability
 };
 
 // What is wrong with the geometry, in the order of the tests.

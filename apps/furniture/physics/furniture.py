@@ -12,11 +12,14 @@ from restshape_apps.furniture.shape.planks import Joint, Piece
 
 from restshape.errors import UserError
 from restshape.findings import Finding
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 
 LOST, OVERLAPPING, UNSTABLE, WEAK, UNBALANCED, APART = 1, 2, 4, 8, 16, 32
 ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED | APART
 """Flaws of a piece, as bits: a joint or foot is lost, planks overlap each other or the floor, it falls, a joint breaks,
 no equilibrium, it is in parts."""
+DOUBTFUL = 64
+"""No flaw: moments that do not count overload a joint. Wanted beside `ALL`, there must be none."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,8 @@ class Compliance:
 class TestResult:
     """What a test found.
 
+    A piece may hold and yet be doubtful: moments that do not count overload a joint.
+
     Args:
         flaws: bits; 0 is a valid piece.
         pull, shear: the largest use of a joint's strength, in parts of it.
@@ -67,6 +72,16 @@ class TestResult:
         return self.flaws == 0
 
     @property
+    def doubts(self) -> tuple[Finding, ...]:
+        """What overloads joints and is not counted, by names of planks, joints and loads."""
+        return () if np.isinf(self.pull) else tuple(plank_findings.doubts(self.piece, self.found))
+
+    @property
+    def status(self) -> str:
+        """The constraint status: "fails", "uncertain" where it holds but is doubtful, or "holds"."""
+        return FAILS if not self.valid else UNCERTAIN if self.found.doubts else HOLDS
+
+    @property
     def findings(self) -> tuple[Finding, ...]:
         """What is wrong, by names of planks, joints and loads."""
         found = plank_findings.apart(self.piece) if self.flaws & APART else []
@@ -81,8 +96,8 @@ class TestResult:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What is wrong, in words that name it."""
-        return phrases(self.findings)
+        """What is wrong, in words that name it; of a piece that holds what is doubtful."""
+        return phrases(self.findings or self.doubts)
 
 
 @dataclass(frozen=True)
@@ -99,6 +114,7 @@ class Forces:
         tension, shear, bending: (j,) of each joint: T [N], (j, 2) h_x, h_y [N], h^r_y [N m].
         twist: (j, 2) moments about x and n [N m].
         pull_use, shear_use: (j,) in parts of the joint's strength.
+        line_use, twist_use: (j,) the same by the moments about x and n, on the fastener that bears most.
     """
 
     u: np.ndarray
@@ -113,6 +129,20 @@ class Forces:
     twist: np.ndarray
     pull_use: np.ndarray
     shear_use: np.ndarray
+    line_use: np.ndarray
+    twist_use: np.ndarray
+    moments: bool = False
+
+    @property
+    def use(self) -> np.ndarray:
+        """The use (j,) of each joint's strength, of all that counts."""
+        counted = np.maximum(self.pull_use, self.shear_use)
+        return np.maximum(counted, self.moment_use) if self.moments else counted
+
+    @property
+    def moment_use(self) -> np.ndarray:
+        """The use (j,) of each joint's strength by the moments about x and n."""
+        return np.maximum(self.line_use, self.twist_use)
 
 
 @dataclass(frozen=True)
@@ -181,7 +211,7 @@ class Furniture:
             np.array([load.place for load in loads], dtype=float),
             self.cases,
             np.array(piece.gravity, dtype=float),
-            np.array(astuple(self.compliance)),
+            np.array([*astuple(self.compliance), float(piece.moments)]),
         )
         self.count = n
 
@@ -204,7 +234,7 @@ class Furniture:
     def test(self, gamma: np.ndarray | None = None, wanted: int = ALL, quick: bool = False) -> TestResult:
         """What the full test finds at design parameters (n, 8); with `quick` it ends at the first flaw wanted."""
         flaws, pull, shear, missing, *found = self.kernel.test(gamma, wanted, quick)
-        return TestResult(flaws, pull, shear, missing, FlawNumbers(*found), self.piece)
+        return TestResult(flaws & ALL, pull, shear, missing, FlawNumbers(*found), self.piece)
 
     def geometry(self, gamma: np.ndarray | None = None) -> Geometry:
         """The closed geometry at design parameters (n, 8), with all overlaps."""
@@ -229,8 +259,7 @@ class Furniture:
     def forces(self, case: int = 0) -> Forces:
         """Forces of a case at the last test."""
         raw = self.kernel.forces(case)
-        tension, h_x, h_y, bending, twist_x, twist_n = raw["joints"].T
-        pull, shear = self.strength.T * self.nails()
+        tension, h_x, h_y, bending, twist_x, twist_n, pull, shear, line, twist = raw["joints"].T
         return Forces(
             raw["x"].reshape(-1, 6),
             raw["law"] == 1,
@@ -242,8 +271,11 @@ class Furniture:
             np.stack([h_x, h_y], 1),
             bending,
             np.stack([twist_x, twist_n], 1),
-            (2.0 * np.abs(bending) / self.lever + tension) / pull,
-            np.hypot(h_x, h_y) / shear,
+            pull,
+            shear,
+            line,
+            twist,
+            self.piece.moments,
         )
 
     def nails(self) -> np.ndarray:

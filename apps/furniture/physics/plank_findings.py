@@ -20,8 +20,17 @@ APART, LOST, OVERLAPPING, FALLS, WEAK, UNBALANCED = "apart", "lost", "overlappin
 """Kinds of findings."""
 PART, NEAREST = "part", "nearest"
 """Details of what is apart: a part, with the number of its planks, and how far two parts are from each other."""
-PULL, SHEAR = "pull", "shear"
-"""Details of a weak joint."""
+DOUBTFUL = "doubtful"
+"""Kind of findings on what holds only because something is not counted in the constraint status."""
+DEPENDS = "depends"
+"""Kind of findings on joints whose compliance, which nobody knows, decides whether the piece holds."""
+PULL, SHEAR, LINE, TWIST = "pull", "shear", "line", "twist"
+"""Details of a weak joint, by what overloads it; the moments along its line and about its normal count where a scene
+says so, and are doubts elsewhere."""
+LOADS = (PULL, SHEAR, LINE, TWIST)
+"""The same by their numbers."""
+MOST_USE = 1e12
+"""Of a joint: a single fastener does not bear a twist at all."""
 WEIGHTS = "weights"
 """The case of the weights alone."""
 
@@ -36,14 +45,16 @@ class FlawNumbers:
         overlaps: pairs of planks; a plank and -1 - k where it goes through plane k.
         falls: case, and the first plank of the part of the piece that falls in it.
         unbalanced: cases without an equilibrium.
-        broken: joint, case, use in parts of its strength, and whether that is of shear.
+        broken: joint, case, use in parts of its strength, and by what, a number of `LOADS`.
+        doubts: the same of moments that do not count.
     """
 
     faults: Sequence[tuple[int, int]] = ()
     overlaps: Sequence[tuple[int, int]] = ()
     falls: Sequence[tuple[int, int]] = ()
     unbalanced: Sequence[int] = ()
-    broken: Sequence[tuple[int, int, float, bool]] = ()
+    broken: Sequence[tuple[int, int, float, int]] = ()
+    doubts: Sequence[tuple[int, int, float, int]] = ()
 
 
 def lost(piece: Piece, found: FlawNumbers) -> list[Finding]:
@@ -91,12 +102,12 @@ def falls(piece: Piece, found: FlawNumbers) -> list[Finding]:
 
 def weak(piece: Piece, found: FlawNumbers) -> list[Finding]:
     """Joints that break, the worst first."""
-    # Joints that differ by rounding alone stay in their order.
-    broken = sorted(found.broken, key=lambda one: -round(one[2], 6))
-    return [
-        Finding(WEAK, SHEAR if sheared else PULL, joint_planks(piece, k), use, 1.0, case=load_case(piece, case))
-        for k, case, use, sheared in broken
-    ] or [Finding(WEAK)]
+    return _overloaded(piece, WEAK, found.broken) or [Finding(WEAK)]
+
+
+def doubts(piece: Piece, found: FlawNumbers) -> list[Finding]:
+    """Joints that moments overload which the constraint status does not count, the worst first."""
+    return _overloaded(piece, DOUBTFUL, found.doubts)
 
 
 def unbalanced(piece: Piece, found: FlawNumbers) -> list[Finding]:
@@ -113,6 +124,16 @@ def joint_planks(piece: Piece, joint: int) -> tuple[str, str]:
 def load_case(piece: Piece, case: int) -> str:
     """What a case is called: the weights alone, or a push beside them."""
     return WEIGHTS if case == 0 else f"push {piece.pushes[case - 1].name}"
+
+
+def _overloaded(piece: Piece, kind: str, joints: Sequence[tuple[int, int, float, int]]) -> list[Finding]:
+    """Overloaded joints, the worst first."""
+    # Joints that differ by rounding alone stay in their order.
+    worst = sorted(joints, key=lambda one: -round(min(one[2], MOST_USE), 6))
+    return [
+        Finding(kind, LOADS[by], joint_planks(piece, k), use, 1.0, case=load_case(piece, case))
+        for k, case, use, by in worst
+    ]
 
 
 def _lost(piece: Piece, fault: int, key: tuple[str, int], subjects: tuple[str, ...]) -> Finding:

@@ -27,6 +27,9 @@ FAULTS = {
 }
 """What is said of what is lost, by its detail."""
 
+STRENGTHS = {kinds.SHEAR: "shear strength", kinds.LINE: "strength along its line", kinds.TWIST: "strength in twist"}
+"""What is overloaded, by details of a weak joint."""
+
 Worst = Collection[Finding]
 """Findings whose amount is the worst of several frames."""
 
@@ -56,8 +59,10 @@ def amount(finding: Finding) -> str:
     """The amount that a finding has, as its phrase shows it; empty without one."""
     if finding.value is None or finding.bound is None:
         return ""
-    if finding.kind == kinds.WEAK:
-        return _share(finding.value)
+    if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
+        # A single fastener bears no twist.
+        alone = finding.detail == kinds.TWIST and finding.value > kinds.MOST_USE
+        return "more than any" if alone else _share(finding.value)
     return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
 
 
@@ -80,16 +85,6 @@ def held_by_springs(piece: Piece, cases: Sequence[int]) -> str:
         return ""
     under = _listed([_load(load_case(piece, case)) for case in cases])
     return f"forces under {under} are of feet that springs hold: with feet that only push no equilibrium was found"
-
-
-def uncounted(piece: Piece, bent: Sequence[int], twisted: Sequence[int]) -> str:
-    """Joints with moments that the status does not count, more than their fasteners bear; empty without any."""
-    parts = [
-        f"{how} {_listed([joint_name(piece, k) for k in joints])}"
-        for how, joints in (("bends joint", bent), ("twists joint", twisted))
-        if joints
-    ]
-    return f"not in the constraint status: what {' and '.join(parts)} is more than the fasteners bear" if parts else ""
 
 
 def _apart(findings: list[Finding], worst: Worst) -> str:
@@ -131,12 +126,24 @@ def _falls(findings: list[Finding], parts: Sequence[tuple[str, ...]]) -> str:
 def _weak(findings: list[Finding], worst: Worst) -> str:
     joints = [
         f"{' on '.join(one.subjects)} at {'up to ' if one in worst else ''}{amount(one)}"
-        f" of its {'shear ' if one.detail == kinds.SHEAR else ''}strength"
+        f" of its {STRENGTHS.get(one.detail, 'strength')}"
         + (f" under {_load(one.case)}" if one.case != kinds.WEIGHTS else "")
         for one in findings
         if one.subjects
     ]
     return f"weak: joint {_listed(joints, _omitted(findings))}" if joints else "a joint is weak"
+
+
+def _depends(findings: list[Finding], worst: Worst) -> str:
+    joints = [
+        f"{' on '.join(one.subjects)} from {one.bound:.2f} to {_share(one.value)}" for one in findings if one.subjects
+    ]
+    what = f": the use of {_listed(joints, _omitted(findings))} over their compliances" if joints else ""
+    return f"depends on joints{what}"
+
+
+def _doubtful(findings: list[Finding], worst: Worst) -> str:
+    return _weak(findings, worst).replace("weak: joint", "not counted: joint", 1)
 
 
 def _unbalanced(findings: list[Finding], worst: Worst) -> str:
@@ -149,6 +156,8 @@ PHRASES: dict[str, Callable[[list[Finding], Worst], str]] = {
     kinds.LOST: _lost,
     kinds.OVERLAPPING: _overlapping,
     kinds.WEAK: _weak,
+    kinds.DOUBTFUL: _doubtful,
+    kinds.DEPENDS: _depends,
     kinds.UNBALANCED: _unbalanced,
 }
 

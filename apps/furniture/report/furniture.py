@@ -10,10 +10,11 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize
+from matplotlib.colors import Colormap, Normalize, to_rgb
 from matplotlib.figure import Figure
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
 from restshape_apps.furniture.report.labels import Labels
+from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.shape.planks import Piece, Plank
 
 from restshape.guidance.ranges import Ranges
@@ -68,6 +69,7 @@ class DesignDirectionView:
         at: the piece as it is is that of this t.
         piece: the end state, where it is another piece, with more planks.
         unit: factor and unit of t in numbers; None: of the way that the plank goes, or of the angle that it turns by.
+        doubts: (k, 2) parts of the range where moments that do not count overload a joint.
     """
 
     direction: np.ndarray
@@ -79,6 +81,7 @@ class DesignDirectionView:
     at: float = 0.0
     piece: Piece | None = None
     unit: tuple[float, str] | None = None
+    doubts: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
 
     def end(self, furniture: Furniture) -> Piece | None:
         """The end state that is shown; None: there is none."""
@@ -271,18 +274,21 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
     if not len(geometry.p):
         return
     cmap, norm = use_colours()
-    use = np.maximum(forces.pull_use, forces.shear_use)
+    use = forces.use
+    doubt = (use <= 1.0) & (forces.moment_use > 1.0)
     half = 0.5 * geometry.length[:, None] * geometry.y
     joints = np.stack([geometry.p - half, geometry.p + half], axis=1)
-    for some, radius, layer in ((use <= 1.0, JOINT, MARK), (use > 1.0, BROKEN, TOP)):
+    colours = np.where(doubt[:, None], to_rgb(DOUBT), cmap(norm(use))[:, :3])
+    for some, radius, layer in (((use <= 1.0) & ~doubt, JOINT, MARK), ((use > 1.0) | doubt, BROKEN, TOP)):
         view.image.scene.tubes(joints[some], "white", (radius + RIM) * view.size, HALO)
-        view.image.scene.tubes(joints[some], cmap(norm(use[some]))[:, :3], radius * view.size, layer)
+        view.image.scene.tubes(joints[some], colours[some], radius * view.size, layer)
     for ends in joints:
         view.labels.spare(view.at(ends))
-    for k in np.flatnonzero(use > 1.0):
+    for k in np.flatnonzero((use > 1.0) | doubt):
         # Level with its left end.
         left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
-        view.words(left, f"{np.ceil(100.0 * use[k]) / 100.0:.2f}", REFUSED, 0.0, -4.0)
+        most, colour = (forces.moment_use[k], DOUBT) if doubt[k] else (use[k], REFUSED)
+        view.words(left, f"{np.ceil(100.0 * most) / 100.0:.2f}", colour, 0.0, -4.0)
 
 
 def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: bool) -> None:
@@ -416,6 +422,9 @@ def _draw_range(view: PieceView, furniture: Furniture, direction_view: DesignDir
             view.axes.plot(*np.array([place - across, place + across]).T, color=colour, lw=1.6, zorder=8)
             text = f"{'beyond ' if is_open else ''}{t * scale:+.0f}{unit}".replace("-", "\N{MINUS SIGN}")
             view.words(at + t * speed, text, colour, 9.0 if t == right else -9.0)
+    for left, right in direction_view.doubts:
+        line = view.at(at + np.array([[left], [right]]) * speed)
+        view.axes.plot(*line.T, color=DOUBT, lw=3.2, solid_capstyle="butt", zorder=8.5)
     view.axes.plot(
         *view.at(at + direction_view.at * speed)[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9
     )

@@ -8,11 +8,11 @@ from itertools import groupby
 from typing import Any
 
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, decode_ranges
-from restshape_apps.furniture.physics.plank_findings import APART, LOST, NEAREST, WEAK
+from restshape_apps.furniture.physics.plank_findings import APART, DOUBTFUL, LOST, NEAREST, WEAK
 from restshape_apps.furniture.physics.plank_phrases import amount, phrases
 
 from restshape.findings import Finding, decode_findings
-from restshape.replay.constraints import FAILS, HOLDS, MIN
+from restshape.replay.constraints import FAILS, HOLDS, MIN, UNCERTAIN
 
 Row = Mapping[str, Any]
 
@@ -35,6 +35,11 @@ def grabbed(row: Row) -> Grabbed | None:
 def only_limits(row: Row) -> bool:
     """Whether a frame fails by limits of quantities alone: the piece holds."""
     return row["constraint_status"] == FAILS and row.get("flaws", 0) <= 0
+
+
+def doubtful(row: Row) -> bool:
+    """Whether the piece of a frame holds, but moments that do not count overload a joint."""
+    return row["constraint_status"] == UNCERTAIN
 
 
 def summary(rows: Sequence[Row]) -> dict[str, Any]:
@@ -91,6 +96,11 @@ def _same(one: Finding) -> Finding:
 
 def _at_worst(span: Sequence[Row]) -> str:
     """What is wrong in frames that differ in amounts alone, with the worst of each amount."""
+    words = _worst_words(span)
+    return f"holds, but {words}" if doubtful(span[0]) else words
+
+
+def _worst_words(span: Sequence[Row]) -> str:
     first = span[0]
     if first["constraint_status"] == HOLDS:
         return HOLDS
@@ -106,7 +116,7 @@ def _at_worst(span: Sequence[Row]) -> str:
     worst = [_worst(same) for same in equal.values()]
     varying = {one for one, same in zip(worst, equal.values()) if len(set(map(amount, same))) > 1}
     kinds = list(dict.fromkeys(one.kind for one in worst))
-    worst.sort(key=lambda one: (kinds.index(one.kind), -(one.value or 0.0) if one.kind == WEAK else 0.0))
+    worst.sort(key=lambda one: (kinds.index(one.kind), -(one.value or 0.0) if one.kind in (WEAK, DOUBTFUL) else 0.0))
     return "; ".join(phrases(worst, varying))
 
 
@@ -129,11 +139,13 @@ def _frame(row: Row) -> dict[str, Any]:
         "violated_constraints": row["violated_constraints"],
         "findings": [one.as_dict() for one in findings_of(row)] if "findings" in row else None,
         "utilisation": _number(row, "utilisation"),
+        "redundant": json.loads(row["redundant"]) if row.get("redundant") else [],
         "stability_margin": _number(row, "stability_margin"),
         "parameter": row.get("parameter", ""),
         "unit": hand.unit if hand else None,
         "at": _number(row, "at") if held else None,
         "ranges": None if ranges is None else [[one.low, one.high] for one in ranges],
+        "doubtful": [list(one) for one in hand.doubtful] if ranges else None if ranges is None else [],
         "beyond": None if ranges is None else [[one.below, one.above] for one in ranges],
         "inside": bool(row["inside"]) if held and row["inside"] >= 0 else None,
     }

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from restshape_apps.furniture.report.furniture import FOOT, add_use_bar, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, MOST_LINES, caption, pieces, shown_piece
-from restshape_apps.furniture.report.status_colour import BEYOND
+from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 
 from restshape.outputs.drawn import plain_texts
 from restshape.replay.recording import Recording
@@ -81,6 +81,6 @@ def _palette() -> np.ndarray:
     shades = colormaps[COLOURS](np.linspace(0, 1, 90))[:, :3]
     planks = np.linspace(AMBIENT, 1.0, 60)[:, None] * np.array(to_rgb(BODY))
     parts = np.linspace(0.15, 1.0, 16)[:, None]
-    mixed = np.vstack([parts * np.array(to_rgb(colour)) + 1.0 - parts for colour in (FOOT, REFUSED, BEYOND)])
+    mixed = np.vstack([parts * np.array(to_rgb(colour)) + 1.0 - parts for colour in (FOOT, REFUSED, BEYOND, DOUBT)])
     greys = np.repeat(np.linspace(0, 1, 256 - len(shades) - len(planks) - len(mixed))[:, None], 3, axis=1)
     return (255 * np.vstack([shades, planks, mixed, greys])).round().astype(np.uint8)

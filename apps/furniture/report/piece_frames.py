@@ -14,7 +14,7 @@ import numpy as np
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
-from restshape_apps.furniture.report.guided import grabbed, only_limits, runs
+from restshape_apps.furniture.report.guided import doubtful, grabbed, only_limits, runs
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import status_colour
 from restshape_apps.furniture.session.plank_session import PlankFrame
@@ -44,6 +44,7 @@ RANGES = (
     "Thin dashed line: the way of what is under the hand, as far as it was looked at; thick line with ends: its valid "
     "range, without one nothing of it is valid. Black where the piece holds, red where not; circle: the piece as it is"
 )
+DOUBTS = "Amber: the piece holds, but moments that do not count overload a joint; its number is the use by these"
 LIMITS = "Purple heading: the piece holds, but a quantity is beyond its limit; ranges are of the piece alone"
 
 
@@ -112,11 +113,11 @@ def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Des
     hand, way = grabbed(row_of(recording, frame.index)), frame.gesture
     if way is not None and hand and hand.ranges is not None:
         found = np.array([(one.low, one.high) for one in hand.ranges]).reshape(-1, 2)
-        ranges = Ranges(found, np.zeros(0), np.zeros(0), 0)
+        ranges, doubts = Ranges(found, np.zeros(0), np.zeros(0), 0), np.array(hand.doubtful).reshape(-1, 2)
         factor, unit = UNITS[hand.unit]
         unit = factor, "°" if unit == "deg" else f" {unit}"
         direction_view = DesignDirectionView(
-            way.direction, 0.0, ranges, way.low, way.high, result.valid, frame.c[0], unit=unit
+            way.direction, 0.0, ranges, way.low, way.high, result.valid, frame.c[0], unit=unit, doubts=doubts
         )
     return furniture, direction_view, 0 if result.flaws & LOST else worst_case(furniture)
 
@@ -124,7 +125,7 @@ def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Des
 def worst_case(furniture: Furniture) -> int:
     """The case of the loads in which most is missing of what could balance them, or a joint is used most."""
     every = [furniture.forces(case) for case in range(len(furniture.cases))]
-    uses = [max(one.pull_use.max(initial=0.0), one.shear_use.max(initial=0.0)) for one in every]
+    uses = [one.use.max(initial=0.0) for one in every]
     missing = np.array([one.unbalanced for one in every])
     # Rounding decides nothing.
     return int(np.argmax(missing)) if missing.max() > 1e-6 else int(np.argmax(uses))
@@ -139,7 +140,7 @@ def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
         far = f"{factor * float(row['at']):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
         lines += wrap(f"{row['parameter']} {far}", LETTERS, max_lines=1, placeholder=" …")
     words = "holds" if row["constraint_status"] == HOLDS else row["violated_constraints"] or "not judged"
-    words = f"holds, but {words}" if only_limits(row) else words
+    words = f"holds, but {words}" if only_limits(row) or doubtful(row) else words
     lines += wrap(words, LETTERS, max_lines=LINES, placeholder=" …")
     words = "\n".join(lines + ([f"loads: the weights, and the push {case}"] if case else []))
     return words, status_colour(row)
@@ -153,8 +154,10 @@ def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
         chosen: frames that are shown.
         ranges: some of them have a range.
     """
-    limits = any(only_limits(row_of(recording, i)) for i in chosen)
-    return ". ".join([MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else [])])
+    rows = [row_of(recording, i) for i in chosen]
+    limits, doubts = any(map(only_limits, rows)), any(map(doubtful, rows))
+    parts = [MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else []), *([DOUBTS] if doubts else [])]
+    return ". ".join(parts)
 
 
 def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> None:

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from restshape_apps.furniture.guidance.amounts import UNITS
-from restshape_apps.furniture.report.guided import found, grabbed, only_limits
-from restshape_apps.furniture.report.status_colour import BEYOND, status_colour
+from restshape_apps.furniture.report.guided import doubtful, found, grabbed, only_limits
+from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT, status_colour
 
 from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
@@ -22,7 +22,7 @@ from restshape.report.frames import scene_name
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 from restshape.report.tables import column, rows_of
 
-BAND, LIMIT = "#9ecae1", "#666666"
+BAND, DOUBTED, LIMIT = "#9ecae1", "#f2cf8d", "#666666"
 ROOM = 0.25
 """How far beyond its own way a parameter's range is shown, in parts of that way."""
 
@@ -49,7 +49,7 @@ def draw_guidance(recording: Recording, path: Path) -> None:
     name = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{name}: what holds, and how far edits may go", x=0.01, ha="left", color=INK)
     limits = any(only_limits(row) for row in rows)
-    _legend(figure, bool(units), any(row["suggestions"] for row in rows), limits)
+    _legend(figure, bool(units), any(row["suggestions"] for row in rows), limits, _doubts(rows))
     figure.align_ylabels()
     save_picture(figure, path)
 
@@ -74,6 +74,11 @@ def _unit(held: list[dict[str, Any]]) -> str:
 def _bands(row: dict[str, Any]) -> np.ndarray:
     """The valid ranges (k, 2) of a frame."""
     return np.array([(one.low, one.high) for one in grabbed(row).ranges or ()]).reshape(-1, 2)
+
+
+def _doubtful_bands(row: dict[str, Any]) -> np.ndarray:
+    """The parts (k, 2) of the valid ranges of a frame that are doubtful."""
+    return np.array(grabbed(row).doubtful).reshape(-1, 2)
 
 
 def _label(held: list[dict[str, Any]]) -> str:
@@ -115,8 +120,9 @@ def _draw_parameters(axes: Axes, holds: list[list[dict[str, Any]]], unit: str) -
         frames = np.array([row["index"] for row in held])
         way = factor * np.array([row["at"] for row in held], dtype=float)
         for row in held:
-            for low, high in factor * _bands(row):
-                axes.fill_between(row["index"] + np.array([-0.5, 0.5]), low, high, color=BAND, linewidth=0, zorder=1)
+            for bands, colour in ((_bands(row), BAND), (_doubtful_bands(row), DOUBTED)):
+                for low, high in factor * bands:
+                    axes.fill_between(row["index"] + np.array([-0.5, 0.5]), low, high, color=colour, lw=0, zorder=1)
         axes.plot(frames, way, color=FAINT, linewidth=0.8, zorder=2)
         _draw_dots(axes, frames, way, held, 14.0)
         axes.annotate(
@@ -150,7 +156,12 @@ def _mark_searches(panels: list[Axes], rows: list[dict[str, Any]]) -> None:
             )
 
 
-def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool) -> None:
+def _doubts(rows: list[dict[str, Any]]) -> tuple[bool, bool]:
+    """Whether a piece holds in doubt, and whether a part of a valid range is doubtful."""
+    return any(map(doubtful, rows)), any(bool(hand.doubtful) for row in rows if (hand := grabbed(row)))
+
+
+def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool, doubts: tuple[bool, bool]) -> None:
     dot = {"linestyle": "none", "marker": "o", "markersize": 4}
     marks = [
         Line2D([], [], color=INK, label="the piece holds", **dot),
@@ -159,6 +170,9 @@ def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool) -> None
     if limits:
         words = "it holds, but a quantity is beyond its limit"
         marks.append(Line2D([], [], color=BEYOND, label=words, **dot | {"marker": "D"}))
+    if doubts[0]:
+        words = "it holds, but moments that do not count\noverload a joint"
+        marks.append(Line2D([], [], color=DOUBT, label=words, **dot))
     marks.append(Line2D([], [], color=LIMIT, linestyle="--", linewidth=1.0, label="limit: use below 1, margin above 0"))
     marks += (
         [
@@ -170,5 +184,8 @@ def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool) -> None
         if ranges
         else []
     )
+    marks += [Patch(facecolor=DOUBTED, label="doubtful part of it")] if doubts[1] else []
     marks += [Line2D([], [], color="#d55e00", linestyle=":", label="suggestions, how many")] if suggested else []
-    figure.legend(handles=marks, loc="outside lower center", ncols=3 if limits else len(marks), fontsize=8)
+    figure.legend(
+        handles=marks, loc="outside lower center", ncols=min(len(marks), 3 if limits or any(doubts) else 5), fontsize=8
+    )

@@ -12,6 +12,7 @@ from restshape_apps.furniture.report import guided
 from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
+from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.outputs.drawn import save_picture
@@ -59,6 +60,8 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
     panels[0].set_title(words, fontsize=8.5, loc="left", color=REFUSED)
     for number, (axes, suggestion, direction_view) in enumerate(zip(panels[1:], suggestion_list, direction_views), 1):
         draw_piece(axes, furniture, _title(number, suggestion), direction_view, case, False, box)
+        if suggestion.doubt:
+            axes.set_title(_title(number, suggestion), fontsize=8.5, loc="left", color=DOUBT)
     name = shorten(scene_name(recording), 80, placeholder=" …")
     finish_sheet(figure, panels, count, across, f"{name}: suggestions in frame {i}\n{MEANING}")
     save_picture(figure, path)
@@ -78,4 +81,6 @@ def _title(number: int, suggestion: Suggestion) -> str:
         lines += wrap(suggestion.range_words, LETTERS, max_lines=2, placeholder=" …")
     if not suggestion.valid:
         lines += wrap(f"in part; still {suggestion.rest}", LETTERS, max_lines=2, placeholder=" …")
+    if suggestion.doubt:
+        lines += wrap(f"holds, but {suggestion.doubt}", LETTERS, max_lines=2, placeholder=" …")
     return "\n".join(lines)

@@ -3,13 +3,17 @@
 from collections.abc import Mapping
 from typing import Any
 
-from restshape_apps.furniture.report.guided import only_limits
+from restshape_apps.furniture.report.guided import doubtful, only_limits
 
 from restshape.replay.constraints import HOLDS
 from restshape.report.style import FAINT, INK, REFUSED
 
 BEYOND = "#8e3b8a"
 """Where the piece holds, but a quantity is beyond the limit that its scene gives it."""
+
+
+DOUBT = "#b87900"
+"""Where the piece holds, but moments that do not count overload a joint."""
 
 
 def status_colour(row: Mapping[str, Any]) -> str:
@@ -20,4 +24,6 @@ def status_colour(row: Mapping[str, Any]) -> str:
     """
     if not row["constraint_status"]:
         return FAINT
-    return INK if row["constraint_status"] == HOLDS else BEYOND if only_limits(row) else REFUSED
+    if row["constraint_status"] == HOLDS:
+        return INK
+    return DOUBT if doubtful(row) else BEYOND if only_limits(row) else REFUSED

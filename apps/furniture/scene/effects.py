@@ -1,11 +1,11 @@
 """Effects of furniture: keys of ``[effects]``, what they settle for a scene, and its columns."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
 from restshape_apps.furniture.physics.fasteners import fastener, wood
-from restshape_apps.furniture.scene.furniture import RANGES_BYTES, SUGGESTIONS_BYTES
+from restshape_apps.furniture.scene.furniture import RANGES_BYTES, REDUNDANT_BYTES, SUGGESTIONS_BYTES
 
 from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
@@ -20,7 +20,14 @@ MANY = 3
 
 
 class Nails(Strict):
-    """Keys of ``[effects.nails]``: none; ``[fastener]`` and ``[joints]`` say what joins the planks."""
+    """Keys of ``[effects.nails]``: what counts in the durability of joints, which ``[fastener]`` and ``[joints]`` name.
+
+    Args:
+        moments: "line", of a joint's moments that about its line alone; "all", also those that bend it along its line
+            and twist it. Where these do not count and overload a joint, the constraint status is "uncertain".
+    """
+
+    moments: Literal["line", "all"] = "line"
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same.
@@ -109,7 +116,7 @@ def furniture_columns(scene: Scene) -> dict[str, Any]:
     texts = dict.fromkeys(("note", "violated_constraints"), "S400")
     texts |= {"parameter": "S96", "ranges": "S240", "valid_ranges": f"S{RANGES_BYTES}"}
     texts |= {"suggestions": f"S{SUGGESTIONS_BYTES}"}
-    texts["no_suggestions"] = "S240"
+    texts |= {"no_suggestions": "S240", "redundant": f"S{REDUNDANT_BYTES}"}
     return dict.fromkeys(integers, np.int64) | dict.fromkeys(reals, np.float64) | texts
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from restshape_apps.furniture.scene.furniture import BESIDE
 from restshape_apps.furniture.shape import plank_edits
+from restshape_apps.furniture.shape.free_ends import free_ends
 from restshape_apps.furniture.shape.plank_scene import weighing
 from restshape_apps.furniture.shape.planks import Joint, Piece, Plank
 
@@ -40,7 +41,8 @@ def drawn(piece: Piece, scene: Scene, event: Any) -> Change:
     wood = event.wood or scene.wood.name
     plank = Plank.between(event.name, event.start, event.to, event.width, thickness, wood=wood)
     grown = plank_edits.added(piece, plank, scene.joints.reach, event.fastener or scene.fastener.name)
-    return grown, _met(piece, grown)
+    free = [end.words(grown) for end in free_ends(grown, [len(grown.planks) - 1])]
+    return grown, "; ".join(filter(None, [_met(piece, grown), *free]))
 
 
 def joined(piece: Piece, scene: Scene, event: Any) -> Change:

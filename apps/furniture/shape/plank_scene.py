@@ -49,6 +49,7 @@ def piece_of(scene: Scene) -> Piece:
         scene.fastener.spacing,
         scene.title or scene.path.stem,
         scene.joints.reach,
+        scene.effects.get("nails", {}).get("moments") == "all",
     )
 
 
@@ -82,6 +83,7 @@ def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
         gravity=new.gravity,
         spacing=new.spacing,
         reach=new.reach,
+        moments=new.moments,
     )
 
 

@@ -129,6 +129,7 @@ class Piece:
         gravity: (3,) [m/s^2].
         spacing: of fasteners along a joint [m].
         reach: how near ends are to faces that they are joined to [m].
+        moments: those along joints' lines and about their normals count in the durability of joints.
     """
 
     planks: tuple[Plank, ...]
@@ -141,6 +142,7 @@ class Piece:
     spacing: float = 0.02
     name: str = field(default="", compare=False)
     reach: float = NEAR
+    moments: bool = False
 
     @property
     def size(self) -> float:

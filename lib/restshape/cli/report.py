@@ -111,6 +111,7 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
         convergence_counts,
         estimate_table,
         level_table,
+        note_table,
         quantity_table,
         refused,
         rows_of,
@@ -150,6 +151,9 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
             print(note)
     if statuses:
         print("constraint status: " + ", ".join(f"{word} in {count} frames" for word, count in statuses.items()))
+    if notes := note_table(recording):
+        print()
+        print_table("notes", ("line", "frames", "note"), notes, right=("line",))
     of_application = {}
     if application and application.report:
         rows = rows_of(recording)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -164,6 +165,16 @@ def jumped(recording: Recording, least: float) -> np.ndarray:
         if name not in known and size > ROUNDING * scale:
             frames |= np.abs(np.nan_to_num(column(recording, jump_column(name)))) > least * size
     return np.flatnonzero(frames)
+
+
+def note_table(recording: Recording) -> list[tuple[int, str, str]]:
+    """All notes of a recording: the line of the script, the first frame to the last one, and what there is to note."""
+    found = []
+    for (line, note), same in groupby(rows_of(recording), key=lambda row: (int(row["line"]), row.get("note") or "")):
+        frames = [int(row["index"]) for row in same]
+        if note:
+            found.append((line, f"{frames[0]} to {frames[-1]}" if len(frames) > 1 else f"{frames[0]}", note))
+    return found
 
 
 def status_counts(recording: Recording) -> dict[str, int]:

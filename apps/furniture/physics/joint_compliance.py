@@ -1,0 +1,93 @@
+"""How the use of joints depends on what nobody knows: the ratios of the compliances of joints and floor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from restshape_apps.furniture.physics import plank_findings
+from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, WEAK, Compliance, Furniture
+from restshape_apps.furniture.physics.plank_findings import joint_planks
+from restshape_apps.furniture.shape.planks import Piece
+
+from restshape.findings import Finding
+
+DECADES = (1.0, 10.0, 100.0, 1000.0)
+"""Ratios of a joint's compliance in rotation and in translation [1/m^2], from that of the model on."""
+FLOORS = (1.0, 1e-3)
+"""Compliances of the floor, in parts of that of joints in translation."""
+SPREAD = 0.01
+"""Use of a joint that must differ between two ratios for the joint to count as redundant."""
+
+
+@dataclass(frozen=True)
+class UseRange:
+    """The use of each joint's strength over all ratios of compliance.
+
+    Args:
+        low, high: (j,) least and largest use, each the largest of all cases.
+        changes: whether the piece bears its loads depends on the ratios.
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    changes: bool
+
+    @property
+    def redundant(self) -> np.ndarray:
+        """Numbers of the joints whose use depends on the ratios."""
+        return np.flatnonzero(self.high - self.low > SPREAD)
+
+    def findings(self, piece: Piece) -> tuple[Finding, ...]:
+        """What decides whether the piece bears its loads: joints that are weak at some ratios alone, the worst first.
+
+        The value is the largest use, the bound the least.
+        """
+        if not self.changes:
+            return ()
+        across = np.flatnonzero((self.low <= 1.0) & (self.high > 1.0))
+        worst = sorted(across.tolist(), key=lambda k: -round(float(self.high[k]), 6))
+        return tuple(
+            Finding(plank_findings.DEPENDS, "", joint_planks(piece, k), float(self.high[k]), float(self.low[k]))
+            for k in worst
+        )
+
+
+def compliances(piece: Piece, nominal: Compliance) -> tuple[Compliance, ...]:
+    """The compliances that are tried: all joints alike, from rotationally stiff to a line of fasteners at an edge.
+
+    Such a line, half the thickness t from the edge about which it turns, makes the ratio 4 / t^2.
+    """
+    thinnest = min((float(piece.planks[joint.i].size[2]) for joint in piece.joints), default=1.0)
+    ratios = (*DECADES, max(4.0 / thinnest**2, DECADES[-1]))
+    t = nominal.joint_t
+    return tuple(replace(nominal, joint_r=ratio * t, floor=floor * t) for ratio in ratios for floor in FLOORS)
+
+
+def use_range(piece: Piece, nominal: Compliance) -> UseRange | None:
+    """The use of joints of a piece over all ratios; None where its joints are open or it has no equilibrium.
+
+    Source: docs/theory/furniture.md, "What compliance decides".
+    """
+    uses, bears, falls = [], [], False
+    for one in compliances(piece, nominal):
+        furniture = Furniture(piece, one)
+        flaws = furniture.test().flaws
+        if flaws & (ALL ^ WEAK ^ UNSTABLE):
+            return None
+        falls |= bool(flaws & UNSTABLE)
+        forces = [furniture.forces(case) for case in range(len(furniture.cases))]
+        uses.append(np.max([found.use for found in forces], axis=0))
+        bears.append(not flaws & WEAK)
+    return UseRange(np.min(uses, axis=0), np.max(uses, axis=0), any(bears) and not all(bears) and not falls)
+
+
+def recorded_uses(piece: Piece, known: UseRange, most: int) -> list[list[object]]:
+    """Name, least and largest use of redundant joints, the largest first, at most so many."""
+    order = sorted(known.redundant.tolist(), key=lambda k: -round(float(known.high[k]), 6))[:most]
+    return [[" on ".join(joint_planks(piece, k)), *_rounded(known, k)] for k in order]
+
+
+def _rounded(known: UseRange, joint: int) -> Sequence[float]:
+    return [float(f"{use[joint]:.4g}") for use in (known.low, known.high)]

@@ -1,0 +1,63 @@
+"""Ends that nothing holds: what they missed, and by how much."""
+
+import pytest
+from restshape_apps.furniture.pieces import SCENES, drawn
+from restshape_apps.furniture.session.plank_changes import drawn as drawn_in
+from restshape_apps.furniture.shape.free_ends import free_ends
+from restshape_apps.furniture.shape.plank_scene import piece_of
+from restshape_apps.furniture.tests.furniture_scenes import BENCH, write_bench
+
+from restshape.scene.load import load_scene
+
+
+def piece(tmp_path, old: str = "", new: str = "", more: str = ""):
+    return piece_of(load_scene(write_bench(tmp_path, BENCH.replace(old, new) + more)))
+
+
+def rail(start: list[float], end: list[float], width: list[float]) -> str:
+    return f"\n[planks.rail]\nfrom = {start}\nto = {end}\nwidth = {width}\n"
+
+
+@pytest.mark.parametrize("short", [0.03, 0.12, 0.15])
+def test_a_leg_that_ends_below_a_board_is_named(tmp_path, short: float) -> None:
+    found = piece(tmp_path, "to = [0.5, 0, 0.5]", f"to = [0.5, 0, {0.5 - short}]")
+    (one,) = free_ends(found)
+    assert one.gap == pytest.approx(short) and one.aside == 0.0 and not one.tilted
+    assert one.words(found) == f"right +x is free: {1e3 * short:.4g} mm from top (joints reach 15 mm)"
+
+
+def test_a_leg_that_hangs_above_the_floor_is_named(tmp_path) -> None:
+    found = piece(tmp_path, "from = [0.5, 0, 0]", "from = [0.5, 0, 0.08]")
+    (one,) = free_ends(found)
+    assert (one.other, one.gap) == (-1, pytest.approx(0.08))
+    assert one.words(found) == "right -x is free: 80 mm from the floor (joints reach 15 mm)"
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "width", "words"),
+    [
+        ([-0.47, 0, 0.2], [0.48, 0, 0.2], [0, 0.1, 0], ["rail -x is free: 20 mm from left"]),
+        ([-0.48, 0.21, 0.2], [0.48, 0.21, 0.2], [0, 0.1, 0], ["10 mm beside left", "10 mm beside right"]),
+        ([-0.48, 0, 0.2], [0.48, 0, 0.2], [0, 0.1, 0], []),
+        ([-0.3, 0, 0.2], [0.2, 0, 0.2], [0, 0.1, 0], ["190 mm from left", "290 mm from right"][:1]),
+    ],
+)
+def test_a_rail_that_is_not_joined_says_what_it_missed(tmp_path, start, end, width, words) -> None:
+    found = piece(tmp_path, more=rail(start, end, width))
+    said = [one.words(found) for one in free_ends(found)]
+    assert len(said) == len(words) and all(part in text for part, text in zip(words, said))
+
+
+def test_a_drawn_rail_notes_its_free_ends(tmp_path) -> None:
+    scene = load_scene(write_bench(tmp_path))
+
+    class Event:
+        name, start, to, width = "rail", (-0.46, 0.0, 0.2), (0.49, 0.0, 0.2), (0.0, 0.1, 0.0)
+        thickness = wood = fastener = None
+
+    _, note = drawn_in(piece_of(scene), scene, Event())
+    assert note == "joined: rail on right; rail -x is free: 30 mm from left (joints reach 15 mm)"
+
+
+def test_pieces_of_the_application_have_no_end_that_missed() -> None:
+    assert not {path.stem: found for path in sorted(SCENES.glob("*.toml")) if (found := free_ends(drawn(path.stem)))}

@@ -1,0 +1,132 @@
+"""What the compliance of joints decides: redundant joints, and verdicts that change with it; statics by numpy."""
+
+import json
+
+import numpy as np
+import pytest
+from restshape_apps.furniture.physics.furniture import Compliance, Furniture
+from restshape_apps.furniture.physics.joint_compliance import UseRange, compliances, recorded_uses, use_range
+from restshape_apps.furniture.physics.plank_findings import joint_planks
+from restshape_apps.furniture.physics.plank_phrases import phrases
+from restshape_apps.furniture.pieces import SCENES, cantilever, drawn, scales, table
+from restshape_apps.furniture.shape.planks import Piece
+from restshape_apps.furniture.small_pieces import bench, stretched
+from small_scenes import make_replay
+from test_moments_of_joints import STOOL
+
+RAIL = """
+[planks.rail]
+from = [0.17, -0.2, 0.12]
+to = [0.17, 0.2, 0.12]
+width = [0, 0, 0.08]
+"""
+
+
+def cross(v: np.ndarray) -> np.ndarray:
+    """The matrix whose product with a vector is the vector product of v and that."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def linear_uses(piece: Piece, compliance: Compliance) -> np.ndarray:
+    """Uses of pull and shear, the larger (j,), under the weights, of rigid bodies on linear springs: K u = f."""
+    furniture = Furniture(piece, compliance)
+    furniture.test()
+    g, n = furniture.geometry(), len(piece.planks)
+    K, f, rows = np.zeros((6 * n, 6 * n)), np.zeros(6 * n), []
+    for k, joint in enumerate(piece.joints):
+        B = np.zeros((6, 6 * n))
+        for plank, sign in ((joint.i, 1.0), (joint.j, -1.0)):
+            arm = g.p[k] - g.centre[plank]
+            B[:3, 6 * plank : 6 * plank + 6] = sign * np.hstack([np.eye(3), -cross(arm)])
+            B[3:, 6 * plank + 3 : 6 * plank + 6] = sign * np.eye(3)
+        scale = np.array([1.0 / compliance.joint_t] * 3 + [1.0 / compliance.joint_r] * 3)
+        K += B.T @ (scale[:, None] * B)
+        rows.append(scale[:, None] * B)
+    for k, point in enumerate(g.contacts):
+        plank = piece.feet[k // 4].plank
+        B = np.zeros((3, 6 * n))
+        B[:, 6 * plank : 6 * plank + 6] = np.hstack([np.eye(3), -cross(point - g.centre[plank])])
+        K += B.T @ B / compliance.floor
+    for k in range(n):
+        f[6 * k : 6 * k + 3] += g.mass[k] * np.array(piece.gravity)
+    for load in piece.weights:
+        arm = g.axes[load.plank] @ (np.array(load.place) * g.size[load.plank])
+        f[6 * load.plank : 6 * load.plank + 6] += np.concatenate([load.force, np.cross(arm, load.force)])
+    u = np.linalg.solve(K, f)
+    h = np.array([row @ u for row in rows])
+    pull, shear = furniture.strength.T * g.nails
+    tension, bending = np.sum(h[:, :3] * g.n, axis=1), np.sum(h[:, 3:] * g.y, axis=1)
+    across = np.hypot(np.sum(h[:, :3] * g.x, axis=1), np.sum(h[:, :3] * g.y, axis=1))
+    return np.maximum((2.0 * np.abs(bending) / furniture.lever + tension) / pull, across / shear)
+
+
+def test_the_range_of_use_is_that_of_linear_springs() -> None:
+    piece = Furniture(stretched(0.1)).moved()
+    known, uses, compared = use_range(piece, Compliance()), [], 0
+    for one in compliances(piece, Compliance()):
+        furniture = Furniture(piece, one)
+        furniture.test()
+        forces = furniture.forces()
+        uses.append(forces.use)
+        # Feet that lift or slide are no linear springs.
+        if not forces.one_sided:
+            assert forces.use == pytest.approx(linear_uses(piece, one), rel=2e-3, abs=1e-6)
+            compared += 1
+    assert compared >= 4 and len(known.redundant) > 1
+    assert known.low == pytest.approx(np.min(uses, axis=0)) and known.high == pytest.approx(np.max(uses, axis=0))
+
+
+def test_joints_that_alone_bear_a_load_are_not_redundant() -> None:
+    for piece in (cantilever(), scales(), bench()):
+        known = use_range(Furniture(piece).moved(), Compliance())
+        assert not len(known.redundant) and not known.changes and not known.findings(piece)
+
+
+def test_a_verdict_that_changes_depends_on_joints() -> None:
+    piece = table()
+    known = use_range(piece, Compliance())
+    assert known.changes
+    (one,) = known.findings(piece)
+    assert (one.kind, one.subjects) == ("depends", ("leg-4", "top"))
+    assert one.bound < 1.0 < one.value == known.high.max()
+    replay = make_replay(SCENES / "table.toml")
+    row = next(iter(replay.frames()))
+    assert (
+        row["constraint_status"] == "fails"
+        and "depends on joints: the use of leg-4 on top" in (row["violated_constraints"])
+    )
+    name, low, high = json.loads(row["redundant"])[0]
+    assert (name, low, high) == (
+        "leg-4 on top",
+        pytest.approx(known.low.min(), abs=1.0),
+        pytest.approx(one.value, rel=1e-3),
+    )
+
+
+def test_joints_that_are_weak_at_some_ratios_are_named_the_worst_first() -> None:
+    piece = table()
+    known = UseRange(np.array([0.2, 0.1, 1.2, 0.3]), np.array([0.9, 1.125, 1.3, 1.4]), True)
+    names = [one.subjects for one in known.findings(piece)]
+    assert names == [joint_planks(piece, 3), joint_planks(piece, 1)]
+    assert phrases(known.findings(piece)) == (
+        "depends on joints: the use of leg-4 on top from 0.30 to 1.40, leg-2 on top from 0.10 to 1.13"
+        " over their compliances",
+    )
+
+
+def test_a_rail_is_redundant_and_named(tmp_path) -> None:
+    path = tmp_path / "stool.toml"
+    path.write_text(STOOL + RAIL)
+    row = next(iter(make_replay(path).frames()))
+    names = {name: (low, high) for name, low, high in json.loads(row["redundant"])}
+    low, high = names["lower on rside"]
+    assert high > 1.5 and low < 0.5 * high
+    assert "depends on joints" not in row["violated_constraints"] and "falls" in row["violated_constraints"]
+
+
+def test_records_have_the_largest_first() -> None:
+    piece = drawn("chair-2")
+    known = use_range(piece, Compliance())
+    found = recorded_uses(piece, known, 9)
+    assert [one[2] for one in found] == sorted((one[2] for one in found), reverse=True)
+    assert len(found) == len(known.redundant)

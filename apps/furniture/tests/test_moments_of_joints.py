@@ -1,0 +1,219 @@
+"""Moments along joints and about their normals: fasteners one by one, levers by hand; doubts, and what counts them."""
+
+import json
+
+import numpy as np
+import pytest
+from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, decode_ranges, encode_ranges
+from restshape_apps.furniture.physics.furniture import Forces, Furniture
+from restshape_apps.furniture.pieces import SCENES, drawn
+from small_scenes import make_replay
+
+from restshape.findings import decode_findings
+
+G = 9.80665
+POST = """format = "restshape-scene"
+version = 1
+app = "furniture"
+title = "a post on a board"
+[wood]
+name = "pine"
+thickness = "18 mm"
+[fastener]
+name = "screw"
+spacing = "20 mm"
+[floor]
+friction = 0.9
+[planks.base]
+center = [0, 0, "9 mm"]
+size = [4, 4]
+[planks.post]
+from = [0, 0, "18 mm"]
+to = [0, 0, "1018 mm"]
+width = [0, WIDTH, 0]
+[pushes.across]
+on = "post"
+at = [0.5, 0, 0]
+force = [1, 0, 0]
+[pushes.along]
+on = "post"
+at = [0.5, 0, 0]
+force = [0, FORCE, 0]
+[effects.gravity]
+[effects.push]
+"""
+
+
+ALL = '[effects.nails]\nmoments = "all"\n'
+
+
+def post(width: str, force: str) -> str:
+    """A post whose joint is as long as it is wide, pushed at its top along the joint."""
+    return POST.replace("WIDTH", f'"{width}"').replace("FORCE", f'"{force}"')
+
+
+ARM = (
+    post("0.9 m", "1 N").split("[pushes.across]")[0]
+    + """[effects.gravity]
+[planks.arm]
+from = ["9 mm", 0, 0.8]
+to = ["209 mm", 0, 0.8]
+width = [0, 0, "24 mm"]
+[planks.out]
+from = [0.2, 0.009, 0.8]
+to = [0.2, 0.6, 0.8]
+width = ["18 mm", 0, 0]
+[weights.w]
+on = "out"
+at = [0.5, 0, 0.5]
+mass = "MASS"
+"""
+)
+
+
+STOOL = """format = "restshape-scene"
+version = 1
+app = "furniture"
+[wood]
+name = "pine"
+thickness = "18 mm"
+[fastener]
+name = "screw"
+spacing = "30 mm"
+[planks.lside]
+from = [0, -0.2, 0]
+to = [0, -0.2, 0.4]
+width = [0.36, 0, 0]
+[planks.rside]
+from = [0, 0.2, 0]
+to = [0, 0.2, 0.4]
+width = [0.36, 0, 0]
+[planks.upper]
+from = [0.12, -0.2, 0.39]
+to = [0.12, 0.2, 0.39]
+width = [0.2, 0, 0]
+[planks.lower]
+from = [-0.12, -0.2, 0.2]
+to = [-0.12, 0.2, 0.2]
+width = [0.2, 0, 0]
+[weights.tools]
+on = "upper"
+mass = "2 kg"
+[pushes.up]
+on = "upper"
+force = [0, 0, "-1000 N"]
+at = [0, -0.45, -0.5]
+[pushes.down]
+on = "lower"
+force = ["-60 N", 0, "-1000 N"]
+at = [0.3, -0.45, -0.5]
+[effects.gravity]
+[effects.push]
+"""
+
+
+def forces_of(furniture: Furniture) -> list[Forces]:
+    """Forces of all cases at the last test."""
+    return [furniture.forces(case) for case in range(len(furniture.cases))]
+
+
+def joint_of(furniture: Furniture, plank: str) -> int:
+    """The number of the joint of the end of a plank."""
+    return [furniture.piece.planks[one.i].name for one in furniture.piece.joints].index(plank)
+
+
+def analysed(tmp_path, text: str):
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    replay = make_replay(path)
+    rows = list(replay.frames())
+    return replay.analysis, rows[-1]
+
+
+@pytest.mark.parametrize(("width", "nails"), [(0.02, 1), (0.04, 2), (0.1, 5), (0.3, 15)])
+def test_a_post_pushed_along_its_joint_draws_its_screws(tmp_path, width: float, nails: int) -> None:
+    force = 20.0
+    analysis, row = analysed(tmp_path, post(f"{width} m", f"{force} N"))
+    furniture = analysis.design.furniture
+    forces = analysis.forces[2]
+    # About the end of the line, on which the post turns: the farthest of screws in the middles of equal parts.
+    places = (np.arange(nails) + 0.5) * width / nails
+    moment, weight = force * 1.0, 420.0 * 0.018 * width * 1.0 * G
+    pull = moment * places[-1] / (places**2).sum() - weight / nails
+    assert furniture.nails()[0] == nails
+    assert forces.line_use[0] == pytest.approx(pull / 549.0, rel=5e-3)
+    assert forces.twist_use[0] == pytest.approx(0.0, abs=1e-6)
+    assert (row["constraint_status"] == "uncertain") == (pull > 549.0) == (nails < 5)
+    found = [(one.kind, one.detail, one.subjects) for one in decode_findings(row["findings"])]
+    assert found == [("doubtful", "line", ("post", "base"))] * int(pull > 549.0)
+    # What counts is a flaw of the same joint, with the same use.
+    counted, failing = analysed(tmp_path, post(f"{width} m", f"{force} N") + ALL)
+    assert failing["constraint_status"] == ("fails" if pull > 549.0 else "holds")
+    assert counted.result.pull == pytest.approx(forces.line_use[0])
+
+
+@pytest.mark.parametrize("width", [0.05, 0.09, 0.15])
+def test_a_twist_shears_each_fastener_by_its_distance_from_the_middle(tmp_path, width: float) -> None:
+    analysis, _ = analysed(tmp_path, ARM.replace("MASS", "0.5 kg").replace('"24 mm"', f"{width}"))
+    furniture, forces = analysis.design.furniture, analysis.forces[0]
+    joint = joint_of(furniture, "arm")
+    nails = furniture.nails()[joint]
+    places = (np.arange(nails) + 0.5) * width / nails - 0.5 * width
+    # Of the arm's own load, 0.6 m beside its fasteners.
+    twist = abs(forces.twist[joint, 1])
+    own = 420.0 * 0.018 * 0.018 * 0.591 * G * 0.3
+    assert nails > 1 and twist == pytest.approx(0.5 * G * 0.6 + own, rel=0.05)
+    assert forces.twist_use[joint] == pytest.approx(
+        twist * places[-1] / (places**2).sum() / furniture.strength[joint, 1]
+    )
+
+
+def test_one_screw_holds_no_twist(tmp_path) -> None:
+    # The arm's load lies 0.6 m beside its only screw.
+    analysis, row = analysed(tmp_path, ARM.replace("MASS", "0.5 kg"))
+    joint = joint_of(analysis.design.furniture, "arm")
+    own = 420.0 * 0.018 * 0.018 * 0.591 * G * 0.3
+    assert analysis.forces[0].twist[joint, 1] == pytest.approx(0.5 * G * 0.6 + own, rel=0.05)
+    assert row["constraint_status"] == "uncertain" and np.isinf(analysis.forces[0].twist_use[joint])
+    assert "not counted: joint arm on post at more than any of its strength in twist" in row["violated_constraints"]
+
+
+def test_scenes_of_the_application_have_none_of_it() -> None:
+    for path in sorted(SCENES.glob("*.toml")):
+        assert Furniture(drawn(path.stem)).test().doubts == (), path.stem
+
+
+def test_a_range_says_where_it_is_doubtful(tmp_path) -> None:
+    # A narrower post has fewer screws, nearer to the end of its joint's line.
+    analysis, _ = analysed(tmp_path, post("0.1 m", "20 N"))
+    design = analysis.design
+    way = design.parameter(1, 7)
+    for low, high in way.doubtful:
+        # Ends are bisected: they are on the good side.
+        for t in low + np.array([0.01, 0.5, 0.99]) * (high - low):
+            result = design.furniture.test(t * way.direction)
+            assert result.valid and result.doubts
+    sure = [t for t in np.linspace(way.low, way.high, 60) if way.ranges.holds(t)]
+    for t in sure:
+        doubtful = any(low <= t <= high for low, high in way.doubtful)
+        assert bool(design.furniture.test(t * way.direction).doubts) == doubtful
+    assert way.doubtful
+    text = encode_ranges(Grabbed("rail", "m", (ValidRange(-1.0, 1.0, False, True),), way.doubtful))
+    assert decode_ranges(text).doubtful == pytest.approx(np.array(way.doubtful), rel=1e-5)
+
+
+def test_doubtful_suggestions_come_last_and_say_so(tmp_path) -> None:
+    analysis, row = analysed(tmp_path, STOOL)
+    found = analysis.design.suggestion_list.found
+    doubts = [bool(one.doubt) for one in found]
+    assert len(found) > 2 and doubts == sorted(doubts)
+    for one in found:
+        result = analysis.design.furniture.test(one.t * one.direction)
+        assert result.valid and bool(result.doubts) == bool(one.doubt)
+    assert [bool(one.get("doubt")) for one in json.loads(row["suggestions"])] == doubts
+    assert any(doubts) == ("but not counted: joint" in found[-1].summary)
+    # Where moments count, what is suggested bears them.
+    counted, _ = analysed(tmp_path, STOOL + ALL)
+    for one in counted.design.suggestion_list.found:
+        result = counted.design.furniture.test(one.t * one.direction)
+        assert result.valid and max(f.moment_use.max() for f in forces_of(counted.design.furniture)) <= 1.0
