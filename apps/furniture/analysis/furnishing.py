@@ -355,5 +355,6 @@ def _suggestion_entry(number: int, suggestion: Suggestion) -> dict[str, Any]:
         entries
         | {"unit": suggestion.unit, "beyond": suggestion.beyond[1]}
         | ({"rest": suggestion.rest} if suggestion.rest else {})
+        | ({"set": list(suggestion.setting)} if suggestion.setting else {})
         | ({"doubt": suggestion.doubt} if suggestion.doubt else {})
     )

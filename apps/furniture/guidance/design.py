@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from textwrap import shorten
@@ -14,7 +15,10 @@ import numpy as np
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.connecting import Connection, connections
 from restshape_apps.furniture.guidance.force_space import durability_space
+from restshape_apps.furniture.guidance.preferences import kept_modes, preserved, way_of_material
+from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
+from restshape_apps.furniture.guidance.remedies import Remedy, Setting, remedies
 from restshape_apps.furniture.guidance.suggestions import Combinations, suggest
 from restshape_apps.furniture.guidance.support_planks import FLOOR, SupportPlank, support_planks
 from restshape_apps.furniture.physics import plank_findings
@@ -37,6 +41,7 @@ from restshape.findings import Finding
 from restshape.guidance.combination_search import REPRESENTED, Combination
 from restshape.guidance.force_space import LONGEST
 from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
+from restshape.scene.model import Quantity
 
 REACH = LONGEST
 """How far a parameter is looked at on both sides, in parts of the piece's size, or in rad."""
@@ -67,11 +72,15 @@ class Guidance:
         ranges: valid ranges of the parameter under the hand.
         suggestions: shown at most; 0 looks for none.
         freedoms: of the design that a suggestion changes at most.
+        keep: what no suggestion changes, as in `[effects.guidance]`.
+        quantities: of the scene, whose limits suggestions are to obey.
     """
 
     ranges: bool = True
     suggestions: int = 8
     freedoms: int = 3
+    keep: tuple[str, ...] = ()
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -90,6 +99,7 @@ class Suggestion:
         beyond: the range may go on past what was looked at, at both ends.
         rest: what is still wrong where it is shown; empty where it is valid.
         doubt: what is doubtful where it is valid; empty where nothing is.
+        setting: key of the scene and its value, of what is no other drawing; None elsewhere.
     """
 
     words: str
@@ -103,6 +113,7 @@ class Suggestion:
     beyond: tuple[bool, bool] = (False, False)
     rest: str = ""
     doubt: str = ""
+    setting: Setting | None = None
 
     @classmethod
     def along(
@@ -120,6 +131,16 @@ class Suggestion:
     def of(cls, one: Connection) -> Suggestion:
         """The suggestion that joins a part to the rest."""
         return cls(one.words, None, 1.0, (0.0, 1.0), one.flaws == 0, one.piece, name="a part joined")
+
+    @classmethod
+    def by(cls, one: Remedy) -> Suggestion:
+        """The suggestion of other fasteners or thicker planks."""
+        return cls(one.words, None, 1.0, (0.0, 1.0), True, one.piece, name=one.name, setting=one.setting)
+
+    @property
+    def kind(self) -> str:
+        """What kind of change it leads with: a move, a turn, a length, or a plank."""
+        return self.name.partition(": ")[2].partition(" ")[0] if self.direction is not None else self.name
 
     @property
     def range_words(self) -> str:
@@ -310,18 +331,54 @@ class Design:
             found, tried, tested = [], 0, 0
             why = "nothing stands on the floor: draw a plank that does, or connect one that is near it"
         else:
-            of_modes = suggest(self.furniture, self.guidance.freedoms, most)
-            found = [self._along(one, one.beyond, one.valid) for one in of_modes.found]
-            tried, tested, why = sum(of_modes.tried), of_modes.tested, self._why_none(of_modes)
+            searches = self._combined(most)
+            found = [self._along(one, one.beyond, one.valid) for each in searches for one in each.found]
+            tried, tested = (sum(counts) for counts in zip(*((sum(one.tried), one.tested) for one in searches)))
+            why = self._why_none(searches[-1])
             why += f"; {FASTENING} may help" if flaws & WEAK else ""
             if flaws & WEAK and not flaws & UNSTABLE:
                 supports = [self._supported(one) for one in support_planks(self.furniture)][:most]
-                found = [*found[: most - len(supports)], *supports]
+                others = [Suggestion.by(one) for one in remedies(self.piece, self._obeys)]
+                found = [*found[: max(most - len(supports) - len(others), 0)], *supports, *others]
         judged = [self._with_doubt(self._with_rest(one)) for one in _distinct(self.piece, found)]
+        found = self._ordered([self._with_limits(one) for one in judged])[:most]
         self.furniture.test()
-        # What is doubtful comes last, whatever else speaks for it.
-        found = sorted(judged, key=lambda one: bool(one.doubt))
         return SuggestionList(tuple(found), tried, tested, perf_counter() - start, "" if found else why)
+
+    def _combined(self, most: int) -> list[Combinations]:
+        """Searches for combinations, first of those that keep the piece level and symmetric, until some are found."""
+        searches, count = [], 0
+        for modes in kept_modes(self.furniture, self.guidance.keep):
+            searches.append(suggest(self.furniture, self.guidance.freedoms, most, modes=modes))
+            # What holds in part only keeps nothing worth keeping.
+            count += sum(one.valid for one in searches[-1].found)
+            if count:
+                break
+        return searches
+
+    def _ordered(self, found: list[Suggestion]) -> list[Suggestion]:
+        """Suggestions by what they leave wrong or doubtful, what they keep, and how far material goes; of each kind the
+        first comes before the others."""
+        keys = {id(one): self._rank(one) for one in found}
+        order = sorted(found, key=lambda one: keys[id(one)])
+        seen: Counter[tuple] = Counter()
+        places = []
+        for one in order:
+            kind = (*keys[id(one)][:3], one.kind)
+            places.append((*keys[id(one)][:3], seen[kind]))
+            seen[kind] += 1
+        return [one for _, one in sorted(zip(places, order), key=lambda pair: pair[0])]
+
+    def _rank(self, one: Suggestion) -> tuple[bool, bool, int, float]:
+        if one.setting is not None:
+            # The drawing stays, and the hand that drew it may want to change that first.
+            return False, bool(one.doubt), 0, self.piece.size
+        after = one.piece or self.furniture.moved(one.t * one.direction)
+        if len(after.planks) == len(self.piece.planks):
+            lost = preserved(self.piece, after).count(False)
+        else:
+            lost = 0 if preserved(self.piece, replace(after, planks=after.planks[: len(self.piece.planks)]))[0] else 1
+        return not one.valid, bool(one.doubt), lost, round(way_of_material(self.piece, after), 9)
 
     def _with_rest(self, one: Suggestion) -> Suggestion:
         """The suggestion with what is still wrong where it is shown."""
@@ -352,6 +409,18 @@ class Design:
         t = left + REPRESENTED * (right - left)
         words = amounts.in_words(self.piece, t * one.direction)
         return replace(one, t=t, span=(left, right), words=words, beyond=(False, one.beyond[1] and right >= high))
+
+    def _obeys(self, piece: Piece) -> bool:
+        return not violated_limits(piece, self.guidance.quantities)
+
+    def _with_limits(self, one: Suggestion) -> Suggestion:
+        """The suggestion with the limits of quantities that it violates, which make it doubtful too."""
+        if not (one.valid and self.guidance.quantities):
+            return one
+        after = one.piece or self.furniture.moved(one.t * one.direction)
+        words = phrases(violated_limits(after, self.guidance.quantities))
+        doubt = "; ".join(filter(None, [one.doubt, *words]))
+        return replace(one, doubt=shorten(doubt, REST, placeholder=" ..."))
 
     @staticmethod
     def _doubt(result: TestResult) -> str:

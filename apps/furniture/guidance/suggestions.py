@@ -35,7 +35,13 @@ class Combinations:
     mended: int = 0
 
 
-def suggest(furniture: Furniture, most: int = 3, shown: int = SHOWN, limits: Limits | None = None) -> Combinations:
+def suggest(
+    furniture: Furniture,
+    most: int = 3,
+    shown: int = SHOWN,
+    limits: Limits | None = None,
+    modes: DesignModes | None = None,
+) -> Combinations:
     """Suggestions for a piece that falls or has a weak joint; none for one that is valid.
 
     Stability comes first: where the piece is weak too and nothing makes it both stable and durable, suggestions that
@@ -46,9 +52,11 @@ def suggest(furniture: Furniture, most: int = 3, shown: int = SHOWN, limits: Lim
         most: modes that are combined at most; `forecast` shows what more of them cost.
         shown: suggestions at most.
         limits: how much the search may do; where a second one follows, it has half of the trials.
+        modes: that are combined; None: all that the piece has.
     """
     result, limits = furniture.test(), limits or Limits()
-    modes = DesignModes.of(furniture.piece, furniture.kernel.freedoms())
+    if modes is None:
+        modes = DesignModes.of(furniture.piece, furniture.kernel.freedoms())
     if result.valid or result.flaws & (LOST | OVERLAPPING) or not len(modes):
         return Combinations((), (), 0, 0, modes)
     unstable = bool(result.flaws & UNSTABLE)

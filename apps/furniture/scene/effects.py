@@ -10,10 +10,14 @@ from restshape_apps.furniture.scene.furniture import RANGES_BYTES, REDUNDANT_BYT
 from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
+from restshape.scene.source import suggestion
 from restshape.scene.values import Strict, number_of
 
 OF_EACH_CASE = ("bending", "ranges", "suggestions")
 """What looks at every case of loads. Without any load a piece is tested all the same: none of them drives it alone."""
+
+KEPT_OF_ALL, KEPT_OF_ONE = ("symmetry", "level", "height"), ("level", "height", "place")
+"""What may be kept of the whole piece, and of a plank."""
 
 MANY = 3
 """Freedoms of a suggestion from which on the search is announced."""
@@ -88,14 +92,29 @@ class Guide(Strict):
         ranges: where the parameter under the hand may go.
         suggestions: for a piece that does not hold, at most so many.
         freedoms: of the design that one of them changes at most.
+        keep: what none of them changes: "symmetry", "level", "height" of the piece; "PLANK level", "PLANK height", or
+            "PLANK place" of a plank.
     """
 
     ranges: bool = True
     suggestions: Annotated[int, Field(ge=0, le=8)] = 8
     freedoms: Annotated[int, Field(ge=1, le=5)] = MANY
+    keep: list[str] = []
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
-        """The same keys, with a warning of how many combinations there are of more freedoms than usual."""
+        """The same keys, with a warning of how many combinations there are of more freedoms than usual.
+
+        Raises:
+            UserError: `keep` names no plank of the scene, or nothing that can be kept.
+        """
+        for lock in self.keep:
+            plank, _, what = lock.rpartition(" ")
+            if what not in (KEPT_OF_ALL if not plank else KEPT_OF_ONE):
+                do = f"write {', '.join(map(repr, KEPT_OF_ALL))}, or a plank and one of {', '.join(KEPT_OF_ONE)}"
+                raise UserError(f"{lock!r} cannot be kept", "effects.guidance.keep", do)
+            if plank and plank not in scene.planks:
+                do = suggestion(plank, sorted(scene.planks))
+                raise UserError(f"there is no plank {plank!r}", "effects.guidance.keep", do)
         if self.freedoms <= MANY or not self.suggestions:
             return ResolvedSettings(self)
         # The kernels are not loaded before a scene asks for it.

@@ -249,7 +249,15 @@ class PlankSession(ScriptSession):
             return
         before, suggestion = (self.design, self.scene), suggestion_list[event.number - 1]
         base = self.design
-        if suggestion.piece is not None:
+        if suggestion.setting is not None:
+            try:
+                scene = revise(self.scene, *suggestion.setting)
+                self.design = Design.closed(restated(base.piece, self.scene, scene), base.guidance)
+            except UserError as error:
+                yield self._refusal(error)
+                return
+            self.scene, self._chosen, change = scene, None, "values"
+        elif suggestion.piece is not None:
             self.design = Design.closed(_with_own_names(suggestion.piece), base.guidance)
             self._chosen = None
             change = "shape"
@@ -325,7 +333,9 @@ class PlankSession(ScriptSession):
 
     def _guidance(self) -> Guidance:
         asked = plan(self.scene, self._application).settings("guidance")
-        return Guidance(asked.ranges, asked.suggestions, asked.freedoms) if asked else Guidance()
+        if not asked:
+            return Guidance(quantities=self.scene.quantities)
+        return Guidance(asked.ranges, asked.suggestions, asked.freedoms, tuple(asked.keep), self.scene.quantities)
 
     def _rest(self) -> np.ndarray:
         return np.zeros((len(self.design.piece.planks), 8))

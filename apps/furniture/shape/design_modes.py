@@ -15,6 +15,7 @@ class DesignModes:
         freedoms: (m, 2) plank and number of its design parameter in `FREEDOMS`.
         unit: what a change of 1 of a move or a length is [m]: the longest side of the bounding box.
         blocks: (n, 8, 8) change of the piece's own parameters by those that modes are of; None: they are the same.
+        mates: of each mode plank, number and sign of other design parameters that change with it; empty: none has any.
 
     Source: the thesis, section 6.5.1.
     """
@@ -23,6 +24,7 @@ class DesignModes:
     freedoms: np.ndarray
     unit: float
     blocks: np.ndarray | None = None
+    mates: tuple[tuple[tuple[int, int, float], ...], ...] = ()
 
     @classmethod
     def of(cls, piece: Piece, freedoms: list[tuple[int, int]]) -> "DesignModes":
@@ -40,6 +42,9 @@ class DesignModes:
         plank, number = self.freedoms.T
         blocks = np.broadcast_to(np.eye(8), (planks, 8, 8)) if self.blocks is None else self.blocks
         directions[np.arange(len(self)), plank] = blocks[plank, :, number] * self.units[:, None]
+        for k, mates in enumerate(self.mates):
+            for other, mate, sign in mates:
+                directions[k, other] += sign * blocks[other, :, mate] * self.units[k]
         return directions.reshape(len(self), 8 * planks)
 
     @property
@@ -50,7 +55,9 @@ class DesignModes:
 
     def some(self, modes: np.ndarray) -> "DesignModes":
         """A few of the modes, by their numbers."""
-        return replace(self, freedoms=self.freedoms[np.asarray(modes)])
+        chosen = np.asarray(modes)
+        mates = tuple(self.mates[k] for k in chosen.tolist()) if self.mates else ()
+        return replace(self, freedoms=self.freedoms[chosen], mates=mates)
 
     def after(self, gamma: np.ndarray, moved: Piece) -> "DesignModes":
         """The same modes, of the piece that design parameters (n, 8) have led to.
@@ -72,7 +79,9 @@ class DesignModes:
         direction = np.zeros((len(self.piece.planks), 8))
         for k, part in zip(modes, parts):
             plank, number = self.freedoms[k]
-            direction[plank, number] += part * (1.0 if 3 <= number < 6 else self.unit)
+            mates = self.mates[int(k)] if self.mates else ()
+            for other, mate, sign in ((plank, number, 1.0), *mates):
+                direction[other, mate] += sign * part * (1.0 if 3 <= number < 6 else self.unit)
         return direction
 
     def names(self, modes: np.ndarray) -> tuple[str, ...]:

@@ -143,9 +143,11 @@ def test_why_there_is_no_suggestion() -> None:
 
 
 def test_a_replay_tells_ranges_as_they_were_listed_and_marks_open_ends(tmp_path) -> None:
-    choose = {"do": "choose", "number": 1}, {"do": "slide", "to": 0.5, "frames": 3}
+    design = Design(drawn("table"))
+    number = next(k for k, one in enumerate(design.suggestion_list.found, 1) if one.unit == "m" and one.beyond[1])
+    choose = {"do": "choose", "number": number}, {"do": "slide", "to": 0.5, "frames": 3}
     rows = rows_of(make_replay(SCENES / "table.toml", write_edits(tmp_path, *choose, scene="table.toml")))
-    listed = json.loads(rows[0]["suggestions"])[0]
+    listed = json.loads(rows[0]["suggestions"])[number - 1]
     low, high = listed["range"]
     assert listed["words"] in rows[1]["note"]
     assert [row["at"] for row in rows[2:]] == pytest.approx(

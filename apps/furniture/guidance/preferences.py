@@ -1,0 +1,120 @@
+"""What suggestions are to keep of a piece: locks of its scene, what is level or upright, and its symmetry."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
+from restshape_apps.furniture.shape.symmetry import groups, keeps, mirrors
+
+SYMMETRY, LEVEL, HEIGHT = "symmetry", "level", "height"
+"""What may be kept of the whole piece; of a plank it is "PLANK level", and "PLANK place" where it must not change."""
+PLACE = "place"
+STRAIGHT = 1e-9
+"""How far from 1 or 0 the cosine with the vertical is of a plank that is level or upright."""
+STEP = 1e-3
+"""Change of a freedom [m or rad] by which it is found what else it moves."""
+STILL = 1e-9
+"""How far what is kept may move by that step [m]."""
+
+Freedom = tuple[int, int]
+
+
+def kept_modes(furniture: Furniture, keep: Sequence[str]) -> list[DesignModes]:
+    """Modes that suggestions are made of, first those that keep symmetry and level, then level, then what is locked.
+
+    Args:
+        furniture: the model of the piece.
+        keep: locks that are never given up, as in `[effects.guidance]`.
+    """
+    piece = furniture.piece
+    free = [one for one in map(tuple, furniture.kernel.freedoms()) if _unlocked(furniture, one, keep)]
+    furniture.test()
+    level = [one for one in free if _keeps_level(piece, one)]
+    planes = mirrors(piece)
+    sets = [_grouped(piece, level, planes)] if planes else []
+    if SYMMETRY in keep and planes:
+        return sets if LEVEL in keep else [*sets, _grouped(piece, free, planes)]
+    sets.append(DesignModes.of(piece, level))
+    if LEVEL not in keep:
+        sets.append(DesignModes.of(piece, free))
+    distinct = [one for k, one in enumerate(sets) if len(one) and not any(_same(one, other) for other in sets[:k])]
+    return distinct or [DesignModes.of(piece, free)]
+
+
+def preserved(before: Piece, after: Piece) -> tuple[bool, bool]:
+    """Whether a change keeps what is level or upright so, and whether it keeps the symmetry of a piece."""
+    level = all(not _straight(old.axes) or _straight(new.axes) for old, new in zip(before.planks, after.planks))
+    return level, len(after.planks) == len(before.planks) and keeps(before, after)
+
+
+def way_of_material(before: Piece, after: Piece) -> float:
+    """How far material goes [m]: mean distance that corners of planks move, by their volumes; an added plank counts as
+    moved by the piece's size."""
+    volume = np.array([float(np.prod(plank.size)) for plank in after.planks])
+    far = [
+        float(np.linalg.norm(new.corners() - old.corners(), axis=1).mean())
+        for old, new in zip(before.planks, after.planks)
+    ]
+    far += [before.size] * (len(after.planks) - len(before.planks))
+    return float(np.dot(volume, far) / volume.sum())
+
+
+def _grouped(piece: Piece, free: Sequence[Freedom], planes: tuple) -> DesignModes:
+    members = groups(piece, free, planes)
+    modes = DesignModes.of(piece, [(plank, number) for (plank, number, _), *_ in members])
+    return replace(modes, mates=tuple(tuple(others) for _, *others in members))
+
+
+def _same(one: DesignModes, other: DesignModes) -> bool:
+    return one.mates == other.mates and np.array_equal(one.freedoms, other.freedoms)
+
+
+def _straight(axes: np.ndarray) -> bool:
+    """Whether a plank is level, or upright with an edge that is vertical."""
+    up = np.abs(axes[2])
+    return bool(up.max() > 1.0 - STRAIGHT)
+
+
+def _keeps_level(piece: Piece, freedom: Freedom) -> bool:
+    """Whether a freedom keeps a plank level or upright that is so: turns only about what is vertical."""
+    plank, number = freedom
+    axes = piece.planks[plank].axes
+    return not 3 <= number < 6 or not _straight(axes) or abs(axes[2, number - 3]) > 1.0 - STRAIGHT
+
+
+def _unlocked(furniture: Furniture, freedom: Freedom, keep: Sequence[str]) -> bool:
+    """Whether a freedom moves nothing that is locked."""
+    piece, (plank, number) = furniture.piece, freedom
+    for lock in keep:
+        name, _, what = lock.rpartition(" ")
+        if what == LEVEL and name == piece.planks[plank].name and not _keeps_level(piece, freedom):
+            return False
+        if what not in (PLACE, HEIGHT):
+            continue
+        gamma = np.zeros((len(piece.planks), len(FREEDOMS)))
+        gamma[plank, number] = STEP
+        pairs = [
+            (old.corners(), new.corners())
+            for old, new in zip(piece.planks, furniture.moved(gamma).planks)
+            if name in ("", old.name)
+        ]
+        if any(_moves(old, new, what) for old, new in ([_whole(pairs)] if what == HEIGHT else pairs)):
+            return False
+    return True
+
+
+def _whole(pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    old, new = zip(*pairs)
+    return np.concatenate(old), np.concatenate(new)
+
+
+def _moves(old: np.ndarray, new: np.ndarray, what: str) -> bool:
+    """Whether corners move, or the highest of them gets another height."""
+    if what == PLACE:
+        return bool(np.abs(new - old).max() > STILL)
+    return bool(abs(new[:, 2].max() - old[:, 2].max()) > STILL)

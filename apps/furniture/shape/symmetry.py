@@ -1,0 +1,112 @@
+"""Mirror planes of a piece: which plank is the image of which, and how freedoms of the two belong together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from restshape_apps.furniture.shape.planks import Piece, Plank
+
+SAME = 1e-6
+"""How far corners may be from those of a mirrored plank, in parts of the piece's size."""
+
+Member = tuple[int, int, float]
+"""Plank and number of a design parameter, and its part of a group."""
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """An upright mirror plane through the middle of a piece, across axis x or y of the room.
+
+    Args:
+        axis: 0 or 1, which the plane is normal to.
+        images: the number of the plank that each plank (n,) is mapped to.
+    """
+
+    axis: int
+    images: tuple[int, ...]
+
+    def mate(self, piece: Piece, plank: int, number: int) -> Member | None:
+        """The image of a design parameter; None where axes of the two planks do not agree."""
+        image, axis = self.images[plank], number % 3
+        sign = np.ones(3)
+        sign[self.axis] = -1.0
+        way = piece.planks[image].axes.T @ (sign * piece.planks[plank].axes[:, axis])
+        k = int(np.argmax(np.abs(way)))
+        if abs(way[k]) < 1.0 - SAME:
+            return None
+        if number >= 6:
+            return (image, 6 + k, 1.0) if k < 2 else None
+        # Turns go the other way round in a mirror.
+        return (image, k, float(np.sign(way[k]))) if number < 3 else (image, 3 + k, -float(np.sign(way[k])))
+
+
+def mirrors(piece: Piece) -> tuple[Mirror, ...]:
+    """The upright mirror planes, across x and y of the room, that map a piece's planks onto each other."""
+    corners = np.concatenate([plank.corners() for plank in piece.planks])
+    middle, room = 0.5 * (corners.min(axis=0) + corners.max(axis=0)), SAME * piece.size
+    found = []
+    for axis in (0, 1):
+        sign, shift = np.ones(3), np.zeros(3)
+        sign[axis], shift[axis] = -1.0, 2.0 * middle[axis]
+        images = [_image(piece, plank, sign, shift, room) for plank in piece.planks]
+        if all(image is not None for image in images):
+            found.append(Mirror(axis, tuple(images)))
+    return tuple(found)
+
+
+def groups(piece: Piece, freedoms: Iterable[tuple[int, int]], planes: tuple[Mirror, ...]) -> list[tuple[Member, ...]]:
+    """Freedoms that keep the symmetry of a piece, each with its images; those that break it on their own are left out.
+
+    Args:
+        piece: with these mirror planes.
+        freedoms: plank and number of each.
+        planes: whose symmetry is kept.
+    """
+    found, seen, free = [], set(), set(freedoms)
+    for one in sorted(free):
+        if one in seen:
+            continue
+        group = _orbit(piece, (*one, 1.0), planes)
+        if group is None:
+            continue
+        members = {(plank, number) for plank, number, _ in group}
+        seen |= members
+        if members <= free:
+            found.append(group)
+    return found
+
+
+def keeps(before: Piece, after: Piece) -> bool:
+    """Whether a change keeps all mirror planes that a piece has."""
+    return {one.axis for one in mirrors(before)} <= {one.axis for one in mirrors(after)}
+
+
+def _orbit(piece: Piece, start: Member, planes: tuple[Mirror, ...]) -> tuple[Member, ...] | None:
+    """All images of a design parameter; None where one of them is its opposite."""
+    parts, left = {start[:2]: start[2]}, [start]
+    while left:
+        plank, number, part = left.pop()
+        for plane in planes:
+            mate = plane.mate(piece, plank, number)
+            if mate is None:
+                return None
+            key, sign = mate[:2], part * mate[2]
+            if key not in parts:
+                parts[key] = sign
+                left.append((*key, sign))
+            elif parts[key] != sign:
+                return None
+    first = start[:2]
+    return tuple((*key, parts[key]) for key in sorted(parts, key=lambda one: (one != first, one)))
+
+
+def _image(piece: Piece, plank: Plank, sign: np.ndarray, shift: np.ndarray, room: float) -> int | None:
+    """The number of the plank that has a plank's mirrored corners, and its wood."""
+    wanted = plank.corners() * sign + shift
+    for k, other in enumerate(piece.planks):
+        apart = np.linalg.norm(wanted[:, None] - other.corners()[None], axis=2)
+        if other.wood == plank.wood and apart.min(axis=1).max() <= room and apart.min(axis=0).max() <= room:
+            return k
+    return None

@@ -1,0 +1,140 @@
+"""What suggestions keep: symmetry, level, locks; their order; mirrored freedoms against mirrored pieces."""
+
+import numpy as np
+import pytest
+from restshape_apps.furniture.guidance.design import Design, Guidance
+from restshape_apps.furniture.guidance.preferences import kept_modes, preserved, way_of_material
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.pieces import drawn, scales, table
+from restshape_apps.furniture.shape.plank_scene import piece_of
+from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
+from restshape_apps.furniture.shape.symmetry import groups, keeps, mirrors
+from restshape_apps.furniture.tests.furniture_scenes import BENCH, write_bench
+from test_moments_of_joints import STOOL
+
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
+from restshape.scene.plan import plan
+
+
+def read(tmp_path, text: str) -> Piece:
+    path = tmp_path / "piece.toml"
+    path.write_text(text)
+    return Furniture(piece_of(load_scene(path))).moved()
+
+
+def bench(tmp_path) -> Piece:
+    return Furniture(piece_of(load_scene(write_bench(tmp_path)))).moved()
+
+
+def after(design: Design, one) -> Piece:
+    return one.piece or design.furniture.moved(one.t * one.direction)
+
+
+def test_mirror_planes_are_found(tmp_path) -> None:
+    found = mirrors(bench(tmp_path))
+    assert [one.axis for one in found] == [0, 1]
+    assert [one.images for one in found] == [(0, 2, 1), (0, 1, 2)]
+    # One arm of the scales is longer than the other one; a leg of the table leans.
+    assert [one.axis for one in mirrors(scales())] == [1] and mirrors(table()) == ()
+
+
+@pytest.mark.parametrize("kind", ["bench", "stool"])
+def test_mirrored_freedoms_keep_the_piece_symmetric(tmp_path, kind: str) -> None:
+    piece = bench(tmp_path) if kind == "bench" else read(tmp_path, STOOL)
+    furniture, planes = Furniture(piece), mirrors(piece)
+    free = [tuple(one) for one in furniture.kernel.freedoms()]
+    grouped = groups(piece, free, planes)
+    assert 0 < len(grouped) < len(free)
+    for group in grouped:
+        gamma = np.zeros((len(piece.planks), len(FREEDOMS)))
+        for plank, number, part in group:
+            gamma[plank, number] = 0.01 * part
+        assert keeps(piece, furniture.moved(gamma)), group
+    # Alone, each of a group of several breaks it.
+    for plank, number, _ in next(group for group in grouped if len(group) > 1):
+        gamma = np.zeros((len(piece.planks), len(FREEDOMS)))
+        gamma[plank, number] = 0.01
+        assert not keeps(piece, furniture.moved(gamma))
+
+
+def test_grouped_modes_have_the_derivative_of_their_sum(tmp_path) -> None:
+    furniture = Furniture(read(tmp_path, STOOL))
+    modes = kept_modes(furniture, ())[0]
+    assert any(modes.mates)
+    for k in range(len(modes)):
+        assert modes.directions[k].reshape(-1, 8) == pytest.approx(modes.direction(np.array([k]), np.ones(1)))
+    some = modes.some(np.array([len(modes) - 1, 0]))
+    assert some.directions == pytest.approx(modes.directions[[len(modes) - 1, 0]])
+
+
+@pytest.mark.parametrize(
+    "name", ["bookshelf", "chair-1", "chair-2", "piece-28", "scales", "shelf-1", "shelf-2", "table"]
+)
+def test_the_first_suggestion_keeps_symmetry_and_level(name: str) -> None:
+    design = Design(drawn(name), Guidance())
+    found = design.suggestion_list.found
+    if design.furniture.test().valid:
+        assert not found
+        return
+    assert preserved(design.piece, after(design, found[0])) == (True, True)
+
+
+def test_a_stool_is_mended_on_both_sides(tmp_path) -> None:
+    design = Design(read(tmp_path, STOOL), Guidance())
+    found = design.suggestion_list.found
+    assert len(found) > 1
+    for one in found:
+        moved = after(design, one)
+        assert preserved(design.piece, moved) == (True, True) and Furniture(moved).test().valid
+    # Of each kind the nearest comes first, and these in the order of their ways.
+    ways = [way_of_material(design.piece, after(design, one)) for one in found]
+    kinds = [one.kind for one in found]
+    first = [ways[kinds.index(kind)] for kind in dict.fromkeys(kinds)]
+    assert first == sorted(first)
+    assert len(set(kinds[: len(set(kinds))])) == len(set(kinds))
+
+
+@pytest.mark.parametrize("lock", ["height", "upper place", "lower place", "lside level", "upper height"])
+def test_locks_are_kept(tmp_path, lock: str) -> None:
+    design = Design(read(tmp_path, STOOL), Guidance(keep=(lock,)))
+    name = lock.rpartition(" ")[0]
+    for one in design.suggestion_list.found:
+        moved = after(design, one)
+        old, new = ({p.name: p for p in piece.planks} for piece in (design.piece, moved))
+        if lock.endswith("place"):
+            assert new[name].corners() == pytest.approx(old[name].corners(), abs=1e-9)
+        tops = [max(p.corners()[:, 2].max() for k, p in each.items() if name in ("", k)) for each in (old, new)]
+        if lock.endswith("height"):
+            assert tops[0] == pytest.approx(tops[1], abs=1e-9)
+        assert preserved(design.piece, moved)[0]
+    assert design.suggestion_list.found or design.suggestion_list.why
+
+
+def test_a_lock_is_not_given_up() -> None:
+    piece = drawn("shelf-1")
+    names = [plank.name for plank in piece.planks]
+    free = Furniture(piece)
+    locks = tuple(f"{name} place" for name in names)
+    assert [len(modes) for modes in kept_modes(free, locks)] == [0]
+    assert all(one.piece is not None for one in Design(piece, Guidance(keep=locks)).suggestion_list.found)
+
+
+def test_material_goes_by_volume(tmp_path) -> None:
+    piece = bench(tmp_path)
+    moved = piece.placed(
+        np.array([plank.centre + (k == 0) * np.array([0.0, 0.0, 0.1]) for k, plank in enumerate(piece.planks)]),
+        np.array([plank.axes for plank in piece.planks]),
+        np.array([plank.size for plank in piece.planks]),
+    )
+    volumes = [float(np.prod(plank.size)) for plank in piece.planks]
+    assert way_of_material(piece, moved) == pytest.approx(0.1 * volumes[0] / sum(volumes))
+
+
+@pytest.mark.parametrize(
+    ("lock", "what"), [("seat", "cannot be kept"), ("seat level", "no plank"), ("place", "cannot")]
+)
+def test_a_lock_of_nothing_is_refused(tmp_path, lock: str, what: str) -> None:
+    path = write_bench(tmp_path, BENCH + f'\n[effects.guidance]\nkeep = ["{lock}"]\n')
+    with pytest.raises(UserError, match=what):
+        plan(load_scene(path))

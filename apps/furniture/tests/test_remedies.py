@@ -1,0 +1,86 @@
+"""Closer and stronger fasteners, thicker planks, and limits of quantities: each against the full test."""
+
+from dataclasses import replace
+
+from restshape_apps.furniture.guidance.design import Design, Guidance
+from restshape_apps.furniture.guidance.remedies import remedies
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.pieces import SCENES, drawn, scales
+from restshape_apps.furniture.small_pieces import stretched
+from restshape_apps.furniture.tests.furniture_scenes import write_edits
+from small_scenes import make_replay
+
+from restshape.scene.load import load_scene
+
+
+def test_the_widest_spacing_that_holds_is_suggested() -> None:
+    piece = scales()
+    found = {one.name: one for one in remedies(piece)}
+    one = found["closer fasteners"]
+    key, spacing = one.setting
+    assert key == "fastener.spacing" and one.piece.spacing == spacing
+    assert Furniture(replace(piece, spacing=spacing)).test().valid
+    assert not Furniture(replace(piece, spacing=spacing + 1e-3)).test().valid
+    # The widest is close by what the joint lacks: 1.64 times as many fasteners, up to their whole numbers.
+    fewer, more = (Furniture(each).geometry().nails for each in (piece, one.piece))
+    assert (more >= 1.64 * fewer - 1.0).any() and (more <= 2.0 * fewer).all()
+
+
+def test_thicker_planks_and_other_fasteners_hold() -> None:
+    piece = Furniture(replace(stretched(0.35, 40.0), spacing=0.04)).moved()
+    assert not Furniture(piece).test().valid
+    found = remedies(piece)
+    assert [one.name for one in found] == ["closer fasteners", "other fasteners", "thicker planks"]
+    for one in found:
+        assert Furniture(one.piece).test().valid
+    thick = next(one for one in found if one.name == "thicker planks")
+    assert {float(plank.size[2]) for plank in thick.piece.planks} == {thick.setting[1]}
+
+
+def test_what_obeys_limits_goes_before_smaller_changes() -> None:
+    piece = Furniture(replace(stretched(0.35, 40.0), spacing=0.04)).moved()
+    least = next(one for one in remedies(piece) if one.name == "thicker planks").setting[1]
+    thick = next(
+        one for one in remedies(piece, lambda one: one.planks[0].size[2] > least) if one.name == "thicker planks"
+    )
+    assert least < thick.setting[1] and Furniture(thick.piece).test().valid
+    # Where none obeys, the smallest is shown.
+    none = next(one for one in remedies(piece, lambda one: False) if one.name == "thicker planks")
+    assert none.setting[1] == least
+
+
+def test_what_holds_nowhere_is_not_suggested() -> None:
+    assert remedies(replace(scales(kilograms=500.0))) == ()
+
+
+def test_choosing_one_sets_the_scene(tmp_path) -> None:
+    scene = SCENES / "scales.toml"
+    found = Design(drawn("scales"), Guidance()).suggestion_list.found
+    number = next(k for k, one in enumerate(found, 1) if one.setting)
+    script = write_edits(tmp_path, {"do": "choose", "number": number}, scene="scales.toml")
+    replay = make_replay(scene, script=script)
+    row = list(replay.frames())[-1]
+    assert row["constraint_status"] == "holds"
+    assert replay.session.scene.fastener.spacing == found[number - 1].setting[1]
+
+
+def limited(tmp_path, most: float):
+    """The quantities of a scene whose mass has a limit [kg]."""
+    path = tmp_path / "table.toml"
+    table = f'\n[quantities]\nmass = {{ mass = true, reduce = "sum", max = {most} }}\n'
+    path.write_text((SCENES / "table.toml").read_text() + table)
+    return load_scene(path).quantities
+
+
+def test_limits_of_quantities_are_obeyed_first(tmp_path) -> None:
+    piece = drawn("table")
+    free = Design(piece, Guidance()).suggestion_list.found
+    assert not any(one.doubt for one in free)
+    pieces = [one.piece or Furniture(piece).moved(one.t * one.direction) for one in free]
+    heavy = [float(Furniture(one).geometry().mass.sum()) for one in pieces]
+    between = 0.5 * (min(heavy) + max(heavy))
+    found = Design(piece, Guidance(quantities=limited(tmp_path, between))).suggestion_list.found
+    doubts = [bool(one.doubt) for one in found]
+    assert any(doubts) and not all(doubts) and doubts == sorted(doubts)
+    assert sum(doubts) == sum(mass > between for mass in heavy)
+    assert "mass is" in found[-1].doubt
