@@ -462,7 +462,7 @@ class Design:
 
 def findings_at(furniture: Furniture, result: TestResult, gamma: np.ndarray) -> tuple[Finding, ...]:
     """What is wrong at design parameters (n, 8), with distances as they are there."""
-    moved = gamma.any() and result.flaws & (LOST | APART)
+    moved = gamma.any() and result.flaws & (LOST | APART | UNSTABLE)
     return (replace(result, piece=furniture.moved(gamma)) if moved else result).findings
 
 

@@ -1,6 +1,6 @@
 """Furniture: the compiled model of a piece, its tests, and what they found."""
 
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass, field, replace
 
 import numpy as np
 from restshape_apps.furniture import _kernels
@@ -20,6 +20,10 @@ ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED | APART
 no equilibrium, it is in parts."""
 DOUBTFUL = 64
 """No flaw: moments that do not count overload a joint. Wanted beside `ALL`, there must be none."""
+
+
+ROUGH = 1e6
+"""Coefficient of friction of a floor on which nothing slides."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +92,17 @@ class TestResult:
         kinds = {LOST: plank_findings.lost, OVERLAPPING: plank_findings.overlapping}
         # Of a piece that cannot be closed nothing else is known.
         if not np.isinf(self.pull):
-            kinds |= {UNSTABLE: plank_findings.falls, WEAK: plank_findings.weak, UNBALANCED: plank_findings.unbalanced}
+            kinds |= {UNSTABLE: self._falls, WEAK: plank_findings.weak, UNBALANCED: plank_findings.unbalanced}
         return (
             *found,
             *(one for bit, find in kinds.items() if self.flaws & bit for one in find(self.piece, self.found)),
         )
+
+    def _falls(self, piece: Piece, found: FlawNumbers) -> list[Finding]:
+        """What falls, and what only slides: a rough floor would hold it."""
+        rough = replace(piece, planes=tuple(replace(plane, mu=ROUGH) for plane in piece.planes))
+        _, _, _, _, _, _, tips, *_ = Furniture(rough).kernel.test(None, UNSTABLE)
+        return plank_findings.falls(piece, found, {case for case, _ in tips})
 
     @property
     def words(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, WEAK, Compliance, Furniture
-from restshape_apps.furniture.physics.plank_findings import joint_planks
+from restshape_apps.furniture.physics.plank_findings import MOST_USE, joint_planks
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.findings import Finding
@@ -90,4 +90,5 @@ def recorded_uses(piece: Piece, known: UseRange, most: int) -> list[list[object]
 
 
 def _rounded(known: UseRange, joint: int) -> Sequence[float]:
-    return [float(f"{use[joint]:.4g}") for use in (known.low, known.high)]
+    # A single fastener bears no twist; JSON knows no infinite number.
+    return [float(f"{min(use[joint], MOST_USE):.4g}") for use in (known.low, known.high)]

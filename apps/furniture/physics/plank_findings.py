@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from restshape_apps.furniture.shape.plank_gaps import Gap, gap_between_parts, gap_of
@@ -18,6 +18,8 @@ FAR_SLANT = "far slant"
 """The same of a slant where the two planks are farther from each other than joints reach."""
 APART, LOST, OVERLAPPING, FALLS, WEAK, UNBALANCED = "apart", "lost", "overlapping", "falls", "weak", "unbalanced"
 """Kinds of findings."""
+SLIDES = "slides"
+"""Detail of what falls by friction alone: more of it would hold it."""
 PART, NEAREST = "part", "nearest"
 """Details of what is apart: a part, with the number of its planks, and how far two parts are from each other."""
 DOUBTFUL = "doubtful"
@@ -90,12 +92,19 @@ def beyond_reach(piece: Piece, gap: Gap | None) -> Finding | None:
     return Finding(APART, NEAREST, subjects, gap.size, piece.reach, "m")
 
 
-def falls(piece: Piece, found: FlawNumbers) -> list[Finding]:
-    """Loads that it falls under, and what falls in each of them where it is in parts."""
+def falls(piece: Piece, found: FlawNumbers, tips: Collection[int]) -> list[Finding]:
+    """Loads that it falls or slides under, and what falls in each of them where it is in parts.
+
+    Args:
+        piece: that falls.
+        found: in which cases.
+        tips: cases in which it falls on a floor of any friction too.
+    """
     parts = parts_of(piece)
     if len(parts) == 1:
-        cases = dict.fromkeys(load_case(piece, case) for case, _ in found.falls)
-        return [Finding(FALLS, case=case) for case in cases] or [Finding(FALLS)]
+        cases = dict.fromkeys(case for case, _ in found.falls)
+        details = {case: "" if case in tips else SLIDES for case in cases}
+        return [Finding(FALLS, details[case], case=load_case(piece, case)) for case in cases] or [Finding(FALLS)]
     down = [(case, next(part for part in parts if first in part)) for case, first in found.falls]
     return [_part(piece, part, FALLS, load_case(piece, case)) for case, part in dict.fromkeys(down)] or [Finding(FALLS)]
 

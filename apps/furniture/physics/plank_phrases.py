@@ -115,7 +115,10 @@ def _overlapping(findings: list[Finding], worst: Worst) -> str:
 
 def _falls(findings: list[Finding], parts: Sequence[tuple[str, ...]]) -> str:
     """Loads that it falls under, and which of the parts, in their order."""
-    cases = list(dict.fromkeys(_load(one.case) for one in findings if one.case))
+    slides = list(dict.fromkeys(_load(one.case) for one in findings if one.detail == kinds.SLIDES))
+    cases = list(dict.fromkeys(_load(one.case) for one in findings if one.case and one.detail != kinds.SLIDES))
+    if slides:
+        return "; ".join([*([f"falls under {_listed(cases)}"] if cases else []), f"slides under {_listed(slides)}"])
     if not cases:
         return "falls"
     falling = {one.subjects: one for one in findings if one.subjects}

@@ -151,6 +151,8 @@ class Floor(Strict):
 class WeightSpec(Strict):
     """``[weights.NAME]``: a mass [kg] put on a plank, ``at`` a place in parts of its size from its middle.
 
+    Without ``at`` it lies on top: in the middle of the side that looks up most.
+
     Args:
         on: the plank that bears it.
         mass: its mass.
@@ -159,7 +161,7 @@ class WeightSpec(Strict):
 
     on: str
     mass: value_of("mass")
-    at: Parts = (0.0, 0.0, 0.5)
+    at: Parts | None = None
 
 
 class PushSpec(Strict):

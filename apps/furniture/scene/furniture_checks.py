@@ -42,7 +42,7 @@ def check_furniture(scene: Scene, source: Source) -> None:
         _check_number(scene, source, key, value)
     for table in ("weights", "pushes"):
         for name, load in getattr(scene, table).items():
-            if max(map(abs, load.at)) > 0.5:
+            if load.at is not None and max(map(abs, load.at)) > 0.5:
                 what = f"the place {list(load.at)} is beside the plank {load.on}"
                 raise source.error((table, name, "at"), what, BESIDE)
     check_plank_quantities(scene, source)

@@ -205,7 +205,7 @@ class PutWeight(EventLine):
     name: Name
     on: str
     mass: Annotated[number_of("mass"), Field(gt=0)]
-    at: Parts = (0.0, 0.0, 0.5)
+    at: Parts | None = None
 
 
 class Remove(EventLine):

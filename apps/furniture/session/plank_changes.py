@@ -10,7 +10,7 @@ import numpy as np
 from restshape_apps.furniture.scene.furniture import BESIDE
 from restshape_apps.furniture.shape import plank_edits
 from restshape_apps.furniture.shape.free_ends import free_ends
-from restshape_apps.furniture.shape.plank_scene import weighing
+from restshape_apps.furniture.shape.plank_scene import top_of, weighing
 from restshape_apps.furniture.shape.planks import Joint, Piece, Plank
 
 from restshape.errors import UserError
@@ -59,12 +59,13 @@ def put(piece: Piece, scene: Scene, event: Any) -> Change:
     if event.name not in {load.name for load in piece.weights}:
         _refuse_taken(piece, event.name)
     on = plank_number(piece, event.on)
-    if max(map(abs, event.at)) > 0.5:
+    at = event.at or top_of(piece.planks[on])
+    if max(map(abs, at)) > 0.5:
         plank = piece.planks[on]
         size, middle = (", ".join(f"{x:.4g}" for x in values) for values in (plank.size, plank.centre))
         where = f"a plank of ({size}) m with its middle at ({middle}) m"
-        raise UserError(f"the place {list(event.at)} is beside {event.on}, {where}", do=BESIDE)
-    load = weighing(scene, event.name, on, event.mass, event.at)
+        raise UserError(f"the place {list(at)} is beside {event.on}, {where}", do=BESIDE)
+    load = weighing(scene, event.name, on, event.mass, at)
     note = "" if np.any(load.force) else f"{event.name} weighs nothing: there is no gravity (add [effects.gravity])"
     return plank_edits.loaded(piece, load), note
 

@@ -6,7 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 from restshape_apps.furniture.scene.furniture import JointSpec, PlankSpec
-from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plane, Plank, feet_near, joints_near
+from restshape_apps.furniture.shape.planks import (
+    LEAST_SLANT,
+    SIDES,
+    Joint,
+    Load,
+    Piece,
+    Plane,
+    Plank,
+    feet_near,
+    joints_near,
+)
 
 from restshape.errors import UserError
 from restshape.scene.bodies import number
@@ -30,7 +40,12 @@ def piece_of(scene: Scene) -> Piece:
     g = _gravity(scene)
     index = {name: k for k, name in enumerate(scene.planks)}
     weights = tuple(
-        Load(name, index[w.on], w.at, tuple(number(w.mass, scene.parameters) * a for a in g))
+        Load(
+            name,
+            index[w.on],
+            w.at or top_of(planks[index[w.on]]),
+            tuple(number(w.mass, scene.parameters) * a for a in g),
+        )
         for name, w in scene.weights.items()
     )
     pushes = tuple(
@@ -51,6 +66,15 @@ def piece_of(scene: Scene) -> Piece:
         scene.joints.reach,
         scene.effects.get("nails", {}).get("moments") == "all",
     )
+
+
+def top_of(plank: Plank) -> tuple[float, float, float]:
+    """The middle of the side of a plank that looks up most, a face before ends, in parts of its size."""
+    up = plank.axes[2]
+    axis = 2 if abs(up[2]) > LEAST_SLANT else int(np.argmax(np.abs(up)))
+    place = np.zeros(3)
+    place[axis] = 0.5 if up[axis] > 0.0 else -0.5
+    return tuple(place.tolist())
 
 
 def weighing(scene: Scene, name: str, plank: int, mass: float, at: tuple[float, float, float]) -> Load:
