@@ -23,6 +23,7 @@ application = Application(
         events="restshape.scene.edit_script:PLAIN_EVENTS",
         check="restshape.scene.checks:check_parameters",
         contents="restshape_apps.furniture.cli.check_planks:checked",
+        restated="restshape_apps.furniture.session.restated_scene:restated_tables",
     ),
     lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.plank_language:PlankInterpreter"),
     report=Reporting(

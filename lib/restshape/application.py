@@ -67,6 +67,7 @@ class Editing:
         check: of a scene, the application and its source; raises a `UserError` of what makes no sense.
         contents: of a scene and its plan, what is in it: for programs, as rows for people, and its outline if any.
         mesh: what frames reuse of the mesh; None: what is edited has none.
+        restated: of a frame without an outline, the plain tables of a scene that has its shape; empty: there are none.
     """
 
     session: str
@@ -75,6 +76,11 @@ class Editing:
     check: str
     contents: str
     mesh: MeshReuse | None = None
+    restated: str = ""
+
+    def restate(self, frame: object) -> Mapping[str, object]:
+        """The plain tables of a scene that has the shape of a frame, whose maker is imported now."""
+        return cast("Mapping[str, object]", _function(self.restated)(frame))
 
     def make_session(self, scene: Scene, *script_application: object) -> object:
         """The session, whose maker is imported now."""

@@ -40,13 +40,13 @@ def adopted(scene: Scene, piece: Piece, key: str) -> Scene:
     if not missing and not weights:
         return scene
     raw = dict(scene.raw)
-    raw["planks"] = {**raw["planks"], **{k: _drawn(plank) for k, plank in missing.items()}}
+    raw["planks"] = {**raw["planks"], **{k: drawn_table(plank) for k, plank in missing.items()}}
     if weights:
-        raw["weights"] = {**raw.get("weights", {}), **{k: _put(piece, load) for k, load in weights.items()}}
+        raw["weights"] = {**raw.get("weights", {}), **{k: put_table(piece, load) for k, load in weights.items()}}
     return remade(scene, raw)
 
 
-def _drawn(plank: Any) -> dict[str, Any]:
+def drawn_table(plank: Any) -> dict[str, Any]:
     """The table of a plank."""
     lines = {"from": plank.end(0), "to": plank.end(1), "width": plank.axes[:, 1] * plank.size[1]}
     return {
@@ -56,7 +56,7 @@ def _drawn(plank: Any) -> dict[str, Any]:
     }
 
 
-def _put(piece: Piece, load: Load) -> dict[str, Any]:
+def put_table(piece: Piece, load: Load) -> dict[str, Any]:
     """The table of a weight."""
     g2 = float(np.dot(piece.gravity, piece.gravity))
     if g2 == 0.0:

@@ -2,11 +2,16 @@
 
 import numpy as np
 import pytest
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.session.plank_session import PlankSession
+from restshape_apps.furniture.shape.plank_scene import piece_of
 from scipy.spatial import ConvexHull
 
 from restshape.application import applications
 from restshape.cli.main import main
 from restshape.replay.recording import Recording
+from restshape.scene.edit_script import load_script
+from restshape.scene.load import load_scene
 
 ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -25,3 +30,19 @@ def test_the_surface_of_planks_holds_their_volume(tmp_path, capsys):
     capsys.readouterr()
     assert main(["export", str(recorded), "--as", "dxf"]) == 2
     assert "has no outline" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["table", "bench"])
+def test_an_edited_piece_is_exported_as_a_scene(tmp_path, name) -> None:
+    folder = applications()["furniture"].folder
+    scene, script = (folder / part / f"{name}.{end}" for part, end in (("scenes", "toml"), ("edits", "jsonl")))
+    out = tmp_path / "edited.toml"
+    assert main(["export", str(scene), "--edits", str(script), "--as", "toml", "--out", str(out)]) == 0
+    read = load_scene(scene)
+    *_, last = PlankSession(read, load_script(script, read)).frames()
+    piece, again = last.design.furniture.moved(last.gamma), piece_of(load_scene(out))
+    assert [plank.name for plank in again.planks] == [plank.name for plank in piece.planks]
+    for one, other in zip(piece.planks, again.planks):
+        assert other.corners() == pytest.approx(one.corners(), abs=1e-9) and other.wood == one.wood
+    assert (again.joints, again.feet) == (piece.joints, piece.feet)
+    assert Furniture(again).test().words == Furniture(piece).test().words

@@ -14,6 +14,7 @@ from restshape.outputs.kinds import ExportFile
 if TYPE_CHECKING:
     from restshape.export.edited_frame import EditedFrame
     from restshape.export.frame_mesh import FrameMesh
+    from restshape.export.restated_frame import RestatedFrame
 
 SUMMARY = "the edited shape as toml, dxf, svg or step, its mesh and fields as stl, vtu or csv"
 KINDS = ("toml", "dxf", "svg", "step", "stl", "vtu", "csv")
@@ -57,8 +58,9 @@ def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
             what = "a recording has its own scene and edits"
             raise UserError(what, option, "leave it out, or name the scene instead of the recording")
     from restshape.cli.report import refuse_damage
-    from restshape.export.edited_frame import frame_of_recording, row_of
+    from restshape.export.edited_frame import frame_of_recording, row_of, scene_of
     from restshape.export.frame_mesh import mesh_of_recording
+    from restshape.export.restated_frame import restated_of_recording, restates
     from restshape.replay.recording import Recording
 
     with Recording(args.source) as recording:
@@ -72,6 +74,8 @@ def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
             refused = str(recording.table["refused"][row]) if "refused" in recording.table else ""
             notes = _write_mesh(args.kind, mesh, out)
             return _result(args, out, (row, recording.n, float(recording.times[row])), refused, notes)
+        if args.kind == "toml" and restates(scene_of(recording)):
+            return _restated(args, restated_of_recording(recording, row), out)
         return _written(args, frame_of_recording(recording, row), mesh, out)
 
 
@@ -79,6 +83,7 @@ def _of_scene(args: argparse.Namespace) -> dict[str, Any]:
     """Exports a frame of a script, or the first shape of a scene."""
     from restshape.export.edited_frame import frame_of_script
     from restshape.export.frame_mesh import mesh_of_shape
+    from restshape.export.restated_frame import restated_of_script, restates
     from restshape.scene.edit_script import Script, load_script
     from restshape.scene.load import load_scene
 
@@ -87,6 +92,8 @@ def _of_scene(args: argparse.Namespace) -> dict[str, Any]:
     refuse_files_of_scene(args, scene)
     script = load_script(args.edits, scene) if args.edits else Script.empty(scene)
     try:
+        if args.kind == "toml" and restates(scene):
+            return _restated(args, restated_of_script(scene, script, args.frame), out)
         frame = frame_of_script(scene, script, args.frame)
     except UserError as error:
         raise scene.located(error) from None
@@ -97,6 +104,16 @@ def _of_scene(args: argparse.Namespace) -> dict[str, Any]:
         return _written(args, frame, mesh, out)
     notes = [*_write_mesh(args.kind, mesh, out), "the mesh alone: a recording has the fields (restshape replay --out)"]
     return _result(args, out, (frame.row, frame.count, frame.t), frame.refused, notes)
+
+
+def _restated(args: argparse.Namespace, frame: RestatedFrame, out: ExportFile) -> dict[str, Any]:
+    """Writes a scene without an outline; what has been written."""
+
+    def write() -> list[str]:
+        frame.write(out)
+        return []
+
+    return _result(args, out, (frame.row, frame.count, frame.t), frame.refused, _writing(out, write))
 
 
 def _out(args: argparse.Namespace, scene: str) -> ExportFile:

@@ -68,7 +68,7 @@ def frame_of_recording(recording: Recording, row: int) -> EditedFrame:
     """
     scene = scene_of(recording)
     refuse_shapeless(scene)
-    session = session_of(scene, _script_of(recording, scene))
+    session = session_of(scene, script_of(recording, scene))
     refused = dict(zip(map(int, recording.table["index"]), _texts(recording, "refused")))
     wanted = int(recording.table["index"][row])
     for frame in cast(Iterator[EditFrame], session.frames()):
@@ -99,7 +99,7 @@ def scene_of(recording: Recording) -> Scene:
     return recorded_scene(raw, Path(str(recording.header.get("scene") or "scene.toml")).with_suffix(".toml"))
 
 
-def _script_of(recording: Recording, scene: Scene) -> Script:
+def script_of(recording: Recording, scene: Scene) -> Script:
     """The script that a recording holds, up to a bad line."""
     text = str(recording.header.get("script_text") or "")
     name = Path(str(recording.header.get("script") or "script.jsonl"))
@@ -134,7 +134,7 @@ def refuse_shapeless(scene: Scene) -> None:
     """
     if application(scene.app).editing.mesh is None:
         what = f"a scene of {scene.app!r} has no outline, so that there is no drawing or scene of one"
-        raise UserError(what, str(scene.path), "export a recording of it as stl, vtu or csv")
+        raise UserError(what, str(scene.path), "export it as toml, or a recording of it as stl, vtu or csv")
 
 
 def thickness_of(scene: Scene) -> float | None:
