@@ -18,11 +18,14 @@ WIDTHS = (2, 3, 4, 6, 8, 10)
 
 
 class _RecordedScene(BaseModel):
-    """What readers of a recording take from its scene without reading it as a scene."""
+    """What readers of a recording take from its scene without reading it as a scene.
+
+    Beside quantities stands the switch for the errors of all of them.
+    """
 
     model_config = ConfigDict(extra="allow", strict=True)
 
-    quantities: dict[str, Table] = {}
+    quantities: dict[str, Table | bool] = {}
     effects: Table = {}
 
 
@@ -39,7 +42,8 @@ class _Header(BaseModel):
     predict: str = ""
     scene_values: _RecordedScene = _RecordedScene()
     limits: dict[str, Table] = {}
-    singular: Table = {}
+    singular: dict[str, float] = {}
+    load_scales: dict[str, float] = {}
     calibration: Table = {}
     petsc_in_effect: Table = {}
 
@@ -88,7 +92,7 @@ def refuse_bad_header(header: Table, path: Path) -> None:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         place = ".".join(str(part) for part in first["loc"])
-        what = "no text" if first["type"] == "string_type" else "no table"
+        what = {"string_type": "no text", "float_type": "no number"}.get(first["type"], "no table")
         raise bad(path, f"{printable(place)!r} of its header is {what}") from None
 
 

@@ -88,7 +88,8 @@ def quantities_from(recording: Recording, looks: Mapping[str, PictureField]) -> 
 def quantity_specs(recording: Recording) -> dict[str, dict[str, Any]]:
     """The quantities of the recorded scene by name, as the scene wrote them."""
     scene = recording.header.get("scene_values")
-    return dict(scene.get("quantities", {})) if isinstance(scene, dict) else {}
+    given = scene.get("quantities", {}) if isinstance(scene, dict) else {}
+    return {name: spec for name, spec in given.items() if isinstance(spec, dict)}
 
 
 def limits_of(recording: Recording) -> dict[str, dict[str, float]]:

@@ -188,7 +188,8 @@ def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:
     scene = header.get("scene_values")
     given = scene.get("quantities", {}) if isinstance(scene, Mapping) else {}
     units = kind_units()
-    return {name: next((units[key] for key in spec if key in units), "") for name, spec in given.items()}
+    specs = {name: spec for name, spec in given.items() if isinstance(spec, Mapping)}
+    return {name: next((units[key] for key in spec if key in units), "") for name, spec in specs.items()}
 
 
 @cache
