@@ -35,7 +35,7 @@ def toml_text(tables: Table) -> str:
             document.add(key, tomlkit.item(value))
     for key, value in tables.items():
         if isinstance(value, dict):
-            document.add(key, _table(value, 1 if key in ("shape", "planks") else 0))
+            document.add(key, _table(value, 1 if key == "shape" else 0))
     return tomlkit.dumps(document)
 
 
