@@ -22,7 +22,7 @@ setup:
 
 demo: setup
 	@mkdir -p demo
-	$(restshape) replay $(plate) --edits $(plate_edits) --out demo/plate.vtkhdf
+	$(restshape) replay $(plate) $(plate_edits) --out demo/plate.vtkhdf
 	$(restshape) report demo/plate.vtkhdf
 
 test: setup

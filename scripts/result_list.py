@@ -66,7 +66,7 @@ def reports(name: str, scene: str, edits: str = "") -> tuple[Result, Result]:
 
 def recorded(name: str, scene: str, edits: str = "") -> str:
     """The command that records a replay."""
-    return f"restshape replay {scene}{f' --edits {edits}' if edits else ''} --out results/{name}.vtkhdf"
+    return f"restshape replay {scene}{f' {edits}' if edits else ''} --out results/{name}.vtkhdf"
 
 
 def bench(kind: str, words: str, files: Sequence[str], *scenes: str) -> Result:
@@ -83,7 +83,7 @@ PLATE, BEAM, FISH = f"{SOLID}/plate.toml", f"{CANTILEVER}/cantilever.toml", "app
 BRIDGE, BUILDING = "apps/bridge/scenes/bridge.toml", "apps/vibration/scenes/building.toml"
 SPHERE, PINS, STRIP = (f"{COUTURE}/scenes/{name}.toml" for name in ("sphere", "pins", "strip"))
 BAR, TABLE = "apps/metallophone/scenes/bar_200.toml", "apps/furniture/scenes/table.toml"
-DRAPED = "restshape_apps.couture.picture"
+DRAPED = ("restshape_apps.couture.drapes_command", "restshape_apps.couture.picture")
 MAIN = (PLATE, BEAM, BRIDGE, BUILDING, FISH, STRIP, TABLE)
 
 
@@ -93,10 +93,9 @@ def verifying(module: str) -> list[str]:
     return [f"restshape_verification.{path.parent.name}.{module}" for path in files]
 
 
-def of_module(picture: str, command: str, *scenes: str) -> Result:
-    """What a module draws that is started with `python -m`."""
-    module = command.split()[0]
-    return Result((picture,), (command,), (module,), scenes)
+def brought(picture: str, module: str, words: str, *scenes: str) -> Result:
+    """What a command draws that an application brings along; the module has it, or draws for it."""
+    return Result((picture,), (f"restshape {words}",), (module,), scenes)
 
 
 ELSEWHERE = ("mutants.md",)
@@ -111,59 +110,66 @@ LIST = (
         ("couture-sphere.png",),
         (
             recorded("couture", SPHERE, f"{COUTURE}/edits/sphere-drag.jsonl"),
-            f"{DRAPED} results/couture.vtkhdf --frames 0 24 61 --out results/couture-sphere.png",
+            "restshape drapes results/couture.vtkhdf --frames 0 24 61 --out results/couture-sphere.png",
         ),
-        (*REPLAY, DRAPED),
+        (*REPLAY, *DRAPED),
     ),
     Result(
         ("couture-pins.png",),
         (
             recorded("couture-pins", PINS, f"{COUTURE}/edits/pins.jsonl"),
-            f"{DRAPED} results/couture-pins.vtkhdf --frames 0 17 26 --out results/couture-pins.png",
+            "restshape drapes results/couture-pins.vtkhdf --frames 0 17 26 --out results/couture-pins.png",
         ),
-        (*REPLAY, DRAPED),
+        (*REPLAY, *DRAPED),
     ),
-    of_module(
-        "bridge-study.png", "restshape_verification.bridge.study --picture results/bridge-study.png", "bridge/*/*"
+    brought(
+        "bridge-study.png",
+        "restshape_verification.bridge.study",
+        "bridge-study --picture results/bridge-study.png",
+        "bridge/*/*",
     ),
-    of_module(
+    brought(
         "vibration-resonance.png",
-        "restshape_verification.vibration.resonance --picture results/vibration-resonance.png",
+        "restshape_verification.vibration.resonance",
+        "resonance --picture results/vibration-resonance.png",
         "vibration/*/building.*",
     ),
     Result(
         ("metallophone-modes.png", "metallophone-rasp.png"),
-        (
-            f"restshape_apps.metallophone.picture {FISH} --out results/metallophone-modes.png"
-            " --rasp results/metallophone-rasp.png",
-        ),
+        (f"restshape modes {FISH} --out results/metallophone-modes.png --rasp results/metallophone-rasp.png",),
         ("restshape_apps.metallophone.picture",),
     ),
-    of_module(
+    brought(
         "metallophone-fish.wav",
-        f"restshape_apps.metallophone.sound {FISH} --out results/metallophone-fish.wav --seconds 1",
+        "restshape_apps.metallophone.sound",
+        f"sound {FISH} --out results/metallophone-fish.wav --seconds 1",
     ),
     Result(
         ("metallophone-accuracy.png",),
-        ("restshape_verification.metallophone.accuracy --picture results/metallophone-accuracy.png",),
+        ("restshape bar-accuracy --picture results/metallophone-accuracy.png",),
         ("restshape_verification.metallophone.accuracy",),
         ("metallophone/*/*",),
         timed=True,
     ),
-    of_module("column-modes.png", f"restshape_apps.solid.picture {SOLID}/column.toml --out results/column-modes.png"),
+    brought(
+        "column-modes.png",
+        "restshape_apps.solid.picture",
+        f"buckling {SOLID}/column.toml --out results/column-modes.png",
+    ),
     Result(
         ("couture-bending.png",),
         ("tests/physics/bending_kinds.py --picture results/couture-bending.png",),
         ("tests.physics.bending_kinds",),
     ),
-    of_module(
+    brought(
         "couture-cycles.png",
-        "restshape_verification.couture.cycles --picture results/couture-cycles.png",
+        "restshape_verification.couture.cycles",
+        "cloth-cycles --picture results/couture-cycles.png",
         "couture/scenes/sphere.toml",
     ),
     Result(
         ("furniture-*.png",),
-        ("restshape_apps.furniture.pictures --out results/furniture",),
+        ("restshape furniture-pictures --out results/furniture",),
         ("restshape_apps.furniture.pictures",),
         ("furniture/*/*",),
     ),

@@ -7,7 +7,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
-from restshape.application import Application, applications
+from restshape.application import VERIFICATION, Application, Command, applications
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from restshape.scene.model import Scene
 
-GROUP = "restshape.verification"
 FrameCheck = Callable[[Any, dict[str, Any]], str]
 """What is wrong with an analysis and the row of its frame, in words; empty where nothing is."""
 
@@ -60,6 +59,7 @@ class Verification:
         study: path of the study of accuracy of scenes without a mesh: of a case, a function that announces, a folder
             for pages and the command, it prints tables, writes pages, and gives records and the scene's title.
         frame_check: path of the `FrameCheck` of random edits; empty: shown numbers and fields must be finite.
+        commands: that it adds to `restshape`.
     """
 
     validation: str = ""
@@ -70,6 +70,7 @@ class Verification:
     random_scenes: str = ""
     study: str = ""
     frame_check: str = ""
+    commands: tuple[Command, ...] = ()
 
     def load_validation(self) -> dict[str, Callable[..., Any]]:
         """The validation cases by name, imported now."""
@@ -109,7 +110,7 @@ def _attribute(path: str) -> Any:
 def verifications() -> dict[str, Verification]:
     """What verifies each installed application, by its name."""
     known = applications()
-    return {entry.name: entry.load() for entry in sorted(entry_points(group=GROUP)) if entry.name in known}
+    return {entry.name: entry.load() for entry in sorted(entry_points(group=VERIFICATION)) if entry.name in known}
 
 
 def verification(name: str) -> Verification:
@@ -132,6 +133,6 @@ def check_cases(names: list[str], known: dict[str, Any], remedy: str) -> None:
     if not unknown:
         return
     app = unknown[0].partition(".")[0]
-    if app not in applications() and entry_points(group=GROUP, name=app):
+    if app not in applications() and entry_points(group=VERIFICATION, name=app):
         raise UserError(f"the application {app!r} is not installed", f"--case {unknown[0]}", f"install {app}")
     raise UserError(f"no case is named {unknown[0]!r}", "--case", remedy)

@@ -6,14 +6,13 @@ the score.
 
 from pathlib import Path
 
-from restshape.application import Application
-from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
+from restshape.application import Application, Declared
 
 application = Application(
     name="bridge",
     summary="bridges that bear a weight with little material",
     folder=Path(__file__).parent,
-    physics=(PLANE_SOLIDS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
     takes=("solid", "gravity", "large_deformation"),
 )

@@ -5,14 +5,13 @@ Quantities of interest: the mean distance of the deformed outline from a goal, a
 
 from pathlib import Path
 
-from restshape.application import Application
-from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
+from restshape.application import Application, Declared
 
 application = Application(
     name="cantilever",
     summary="beams that deform by weight and wind to meet a goal shape",
     folder=Path(__file__).parent,
-    physics=(PLANE_SOLIDS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
     takes=("solid", "large_deformation", "gravity"),
     needs=("large_deformation",),

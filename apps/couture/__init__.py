@@ -6,13 +6,15 @@ equilibrium.
 
 from pathlib import Path
 
-from restshape.application import Application
-from restshape.physics.cloth.cloth_declaration import CLOTH
+from restshape.application import Application, Command, Declared
 
 application = Application(
     name="couture",
     summary="cloth that hangs from supports and lies on bodies, in static equilibrium",
     folder=Path(__file__).parent,
-    physics=(CLOTH,),
+    physics=Declared("restshape.physics.cloth.cloth_declaration:CLOTH"),
     analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",
+    commands=(
+        Command("drapes", "draw single frames of a recording of cloth", "restshape_apps.couture.drapes_command"),
+    ),
 )

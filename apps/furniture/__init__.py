@@ -6,16 +6,15 @@ loads, how far the parameter under the hand may go, and what would mend a piece 
 
 from pathlib import Path
 
-from restshape_apps.furniture.scene.declaration import PLANKS
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
-from restshape.application import Application, Editing, Reporting, ScriptLines
+from restshape.application import Application, Command, Declared, Editing, Reporting, ScriptLines
 
 application = Application(
     name="furniture",
     summary="planks and nails: what holds, how far each edit may go, and what would mend it",
     folder=Path(__file__).parent,
-    physics=(PLANKS,),
+    physics=Declared("restshape_apps.furniture.scene.declaration:PLANKS"),
     analysis="restshape_apps.furniture.analysis.furnishing:FurnitureAnalysis",
     editing=Editing(
         session="restshape_apps.furniture.session.plank_session:PlankSession",
@@ -35,4 +34,11 @@ application = Application(
         check="restshape_apps.furniture.cli.report:check",
     ),
     explain="restshape_apps.furniture.cli.frame_parts:FRAME_PARTS",
+    commands=(
+        Command(
+            "furniture-pictures",
+            "draw pieces, suggestions, ranges, force space and valid regions",
+            "restshape_apps.furniture.pictures_command",
+        ),
+    ),
 )

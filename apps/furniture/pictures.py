@@ -1,12 +1,7 @@
-"""Pictures of furniture: pieces with their joints, suggestions, ranges, force space, valid regions, thickness.
-
-python -m restshape_apps.furniture.pictures --out results/furniture [--only NAME ...] [--piece NAME] [--joints A B]
-"""
+"""Pictures of furniture: pieces with their joints, suggestions, ranges, force space, valid regions, thickness."""
 
 # More than 15 modules: each picture of the page has a module of its own.
 
-import argparse
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from textwrap import wrap
@@ -208,30 +203,7 @@ PICTURES: dict[str, Callable[[Path], None]] = {
 }
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Draw; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.furniture.pictures", description=__doc__)
-    parser.add_argument("--out", type=Path, metavar="STEM", required=True, help="files are STEM-NAME.png")
-    parser.add_argument("--only", nargs="+", choices=sorted(PICTURES), default=list(PICTURES), help="default: all")
-    parser.add_argument("--piece", choices=sorted(PIECES), help="of pieces, suggestions and forces")
-    parser.add_argument("--joints", nargs=2, type=int, metavar="N", help="of forces; default: the weakest two")
-    args = parser.parse_args(words)
-    try:
-        args.out.parent.mkdir(parents=True, exist_ok=True)
-        for name in args.only:
-            path = args.out.with_name(f"{args.out.name}-{name}.png")
-            _draw(name, path, args.piece, tuple(args.joints) if args.joints else None)
-            print(f"wrote {path}")
-    except UserError as error:
-        print(f"pictures: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"pictures: {args.out} cannot be written: {error.strerror}", file=sys.stderr)
-        return 2
-    return 0
-
-
-def _draw(name: str, path: Path, piece: str | None, joints: tuple[int, int] | None) -> None:
+def draw_named(name: str, path: Path, piece: str | None, joints: tuple[int, int] | None) -> None:
     """Draw one picture, of a piece and joints where they are named."""
     if name == "pieces" and piece:
         pieces(path, (piece,))
@@ -241,7 +213,3 @@ def _draw(name: str, path: Path, piece: str | None, joints: tuple[int, int] | No
         force_space(path, piece or "scales", joints)
     else:
         PICTURES[name](path)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

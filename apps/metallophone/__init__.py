@@ -5,13 +5,19 @@ After section 4.4 of the thesis. Quantities of interest: frequencies, by rank or
 
 from pathlib import Path
 
-from restshape.application import Application
-from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS
+from restshape.application import Application, Command, Declared
 
 application = Application(
     name="metallophone",
     summary="plates that sound when struck: eigenfrequencies and modes",
     folder=Path(__file__).parent,
-    physics=(FREE_VIBRATIONS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:FREE_VIBRATIONS"),
     analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
+    commands=(
+        Command("modes", "draw modes with their tones and nodal lines", "restshape_apps.metallophone.modes_command"),
+        Command(
+            "sound", "write the sound of a plate that is struck (.wav)", "restshape_apps.metallophone.sound_command"
+        ),
+        Command("rates", "tell how tones follow numbers and outline", "restshape_apps.metallophone.rates_command"),
+    ),
 )

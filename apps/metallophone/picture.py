@@ -1,23 +1,14 @@
-"""Pictures of a plate: its modes with the lines where they are still, and where rasping its edge moves a tone.
+"""Pictures of a plate: its modes with the lines where they are still, and where rasping its edge moves a tone."""
 
-python -m restshape_apps.metallophone.picture SCENE [--edits FILE] [--out FILE] [--rasp FILE]
-"""
-
-import argparse
-import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from restshape_apps.metallophone.rasp import draw_outline_density
-from restshape_apps.metallophone.stage import add_scene, analysed
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.pitch import note
-from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
 from restshape.mesh.lagrange_space import LagrangeSpace
-from restshape.outputs.kinds import PictureFile
 from restshape.report.modes import draw_modes
 from restshape.sensitivity.frequency_derivative import stands_alone
 from restshape.sensitivity.outline_density import outline_density
@@ -56,31 +47,3 @@ def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:
     density[found.nodes] = found.density
     title = f"{analysis.state.scene.title}: {analysis.frequencies[0]:.1f} Hz"
     draw_outline_density(path, mesh.X, mesh.cells, mesh.facets, density, title)
-
-
-def main(words: Sequence[str] | None = None) -> int:
-    """Draw; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.metallophone.picture", description=__doc__)
-    add_scene(parser)
-    parser.add_argument("--out", type=PictureFile, metavar="FILE", help="modes and nodal lines (.png)")
-    parser.add_argument(
-        "--rasp", type=PictureFile, metavar="FILE", help="what rasping the outline does to the first tone (.png)"
-    )
-    args = parser.parse_args(words)
-    try:
-        refuse_overwriting(args)
-        if not (args.out or args.rasp):
-            raise UserError("no picture is asked for", "--out", "--out modes.png, or --rasp rasp.png")
-        analysis = analysed(args)
-        for path, drawn in ((args.out, draw), (args.rasp, draw_rasp)):
-            if path:
-                drawn(analysis, path)
-                print(f"wrote {path}")
-    except UserError as error:
-        print(f"picture: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -6,13 +6,13 @@ critical load factors.
 
 from pathlib import Path
 
-from restshape.application import Application
-from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
+from restshape.application import Application, Command, Declared
 
 application = Application(
     name="solid",
     summary="elastic solids in the plane, in static equilibrium",
     folder=Path(__file__).parent,
-    physics=(PLANE_SOLIDS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
+    commands=(Command("buckling", "draw the modes in which a solid buckles", "restshape_apps.solid.buckling_command"),),
 )

@@ -5,13 +5,12 @@ Quantities of interest: temperatures, means and extremes, and the heat that leav
 
 from pathlib import Path
 
-from restshape.application import Application
-from restshape.physics.heat.heat_declaration import HEAT
+from restshape.application import Application, Declared
 
 application = Application(
     name="thermal",
     summary="bodies in the plane that conduct heat",
     folder=Path(__file__).parent,
-    physics=(HEAT,),
+    physics=Declared("restshape.physics.heat.heat_declaration:HEAT"),
     analysis="restshape.physics.heat.heat_analyses:heat_analysis",
 )

@@ -9,13 +9,12 @@ Quantities of interest: those of static solids, peaks over a frame's time steps,
 
 from pathlib import Path
 
-from restshape.application import Application
-from restshape.physics.elasticity.elasticity_declaration import MOVING_SOLIDS
+from restshape.application import Application, Declared
 
 application = Application(
     name="vibration",
     summary="elastic solids that vibrate, also by base excitation",
     folder=Path(__file__).parent,
-    physics=(MOVING_SOLIDS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:MOVING_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:transient_analysis",
 )

@@ -9,7 +9,8 @@ from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from types import ModuleType
+from typing import TYPE_CHECKING, cast, overload
 
 from restshape.errors import UserError
 
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from restshape.scene.model import Scene
     from restshape.scene.physics import Physics
     from restshape.scene.source import Source
+
+VERIFICATION = "restshape.verification"
+"""Group of entry points of what verifies applications, by their names; each has `commands`, as an application has."""
 
 Rows = Sequence[Mapping[str, object]]
 """Of the frames of a replay, each with its columns by name."""
@@ -163,6 +167,54 @@ class Reporting:
         return cast("list[Path]", _function(self.pictures)(recording, folder, options))
 
 
+class Declared(Sequence["Physics"]):
+    """Physics by paths ``module:attribute``, imported where somebody first looks at them: lists and helps do not.
+
+    Args:
+        paths: one for each, in order.
+    """
+
+    def __init__(self, *paths: str) -> None:
+        self.paths = paths
+
+    @cached_property
+    def _found(self) -> tuple[Physics, ...]:
+        return tuple(cast("Physics", _attribute(path)) for path in self.paths)
+
+    @overload
+    def __getitem__(self, index: int) -> Physics: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Physics]: ...
+
+    def __getitem__(self, index: int | slice) -> Physics | Sequence[Physics]:
+        """One of them, or a slice."""
+        return self._found[index]
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self.paths)
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of `restshape` that an application, or what verifies it, brings along.
+
+    Args:
+        name: as it is typed after ``restshape``.
+        summary: one line for people.
+        module: path of the module with ``arguments(parser)`` and ``run(args)``, imported when the command is used.
+    """
+
+    name: str
+    summary: str
+    module: str
+
+    def load(self) -> ModuleType:
+        """The module, imported now."""
+        return import_module(self.module)
+
+
 @dataclass(frozen=True)
 class Application:
     """A kind of object: its physics, its analysis, and the folder of its scenes.
@@ -171,7 +223,7 @@ class Application:
         name: as scenes name it in ``app``.
         summary: one line for people.
         folder: holds ``scenes/*.toml`` and ``edits/*.jsonl``.
-        physics: what its scenes may say, each declared once for all applications that have it.
+        physics: what its scenes may say, each declared once for all applications that have it; `Declared` by paths.
         analysis: path ``module:attribute`` of its analysis class, imported at the first solve.
         editing: what its scripts edit.
         lines: what `restshape script` understands; None: what it understands of shapes.
@@ -179,12 +231,13 @@ class Application:
         explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
         takes: names of the effects of its physics that its scenes may name; None: all of them.
         needs: those among them without which it makes no sense, besides those that its physics require.
+        commands: that it adds to `restshape`.
     """
 
     name: str
     summary: str
     folder: Path
-    physics: tuple[Physics, ...]
+    physics: Sequence[Physics]
     analysis: str
     editing: Editing = SHAPES
     lines: ScriptLines | None = None
@@ -192,6 +245,7 @@ class Application:
     explain: str = ""
     takes: tuple[str, ...] | None = None
     needs: tuple[str, ...] = ()
+    commands: tuple[Command, ...] = ()
 
     @cached_property
     def effects(self) -> dict[str, Effect]:
@@ -280,6 +334,15 @@ def _function(path: str) -> Callable[..., object]:
 def applications() -> dict[str, Application]:
     """All installed applications by name."""
     return {entry.name: entry.load() for entry in sorted(entry_points(group="restshape.applications"))}
+
+
+def brought_commands() -> dict[str, tuple[Command, ...]]:
+    """The commands that come with each installed application: its own, then those of what verifies it."""
+    known = applications()
+    beside = {entry.name: entry for entry in entry_points(group=VERIFICATION) if entry.name in known}
+    return {
+        name: (*app.commands, *(beside[name].load().commands if name in beside else ())) for name, app in known.items()
+    }
 
 
 def application(name: str, where: str = "app") -> Application:

@@ -7,6 +7,7 @@ from typing import Any
 
 from restshape.application import application
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
+from restshape.cli.parser import add_edits
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
 from restshape.cli.shipped import script_of
@@ -23,9 +24,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     add_scene(parser)
     add_verbose(parser)
-    parser.add_argument(
-        "--edits", metavar="FILE", type=Path, help="edit script (default: the one that names the scene)"
-    )
+    add_edits(parser, "edit script (default: the one that names the scene)")
     parser.add_argument(
         "--frames",
         metavar="N",

@@ -15,7 +15,8 @@ import pytest
 from matplotlib.figure import Figure
 from small_scenes import plate, write_scene
 
-from restshape.cli.main import all_commands, parser_for
+from restshape.application import brought_commands
+from restshape.cli.main import all_commands, command_parser
 from restshape.errors import UserError
 from restshape.outputs.drawn import save_picture
 from restshape.outputs.kinds import JsonFile, OutputFile, PictureFile, RecordingFile, SoundFile, mark_sound
@@ -46,8 +47,10 @@ def options(parser: ArgumentParser) -> Iterator[tuple[str, object]]:
 
 def test_options_that_name_a_file_to_write_say_so_by_their_type():
     kinds: dict[str, set] = {}
-    for name, kind in options(parser_for(all_commands())):
-        kinds.setdefault(name, set()).add(kind)
+    brought = {one.name: one.load() for many in brought_commands().values() for one in many}
+    for command, module in (all_commands() | brought).items():
+        for name, kind in options(command_parser(command, "", module)):
+            kinds.setdefault(name, set()).add(kind)
     for name in ("--json", "--csv", "--picture", "--write"):
         assert all(issubclass(kind, OutputFile) for kind in kinds[name]), name
     # A folder where it is no file.

@@ -2,17 +2,15 @@
 
 Both scripts start from the same scene and hold the same edits at the same times; they differ in when the analysis runs.
 That is an illustration of figure 4.14 of the thesis, which shows what six people did; it proves nothing about people.
-
-python -m restshape_verification.bridge.study [--picture FILE]
 """
 
 import argparse
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from restshape.application import application
+from restshape.outputs.kinds import PictureFile
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.replayed_files import replay_files
 from restshape.scene.load import load_scene
@@ -64,11 +62,13 @@ def followed(rows: list[dict]) -> SessionCourse:
     return SessionCourse(t, score, stress, np.isin(statuses, (HOLDS, UNCERTAIN)), statuses == FAILS, solved, taken)
 
 
-def main() -> None:
-    """Print what each way finds, and draw it."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_verification.bridge.study", description=__doc__)
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="score against edit time (.png)")
-    args = parser.parse_args()
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="score against edit time (.png)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print what each way finds, and draw it; 0."""
     ways = study()
     print("illustration with one scripted designer, after figure 4.14 of the thesis; not a user study")
     for name, way in ways.items():
@@ -80,7 +80,5 @@ def main() -> None:
         from restshape_studies.pictures.score import draw_score
 
         draw_score(args.picture, ways, load_scene(SCENE).quantities["strength"].max)
-
-
-if __name__ == "__main__":
-    main()
+        print(f"wrote {args.picture}")
+    return 0

@@ -2,6 +2,8 @@
 
 from restshape_studies.verification import StudyParameter, Verification
 
+from restshape.application import Command
+
 verification = Verification(
     validation="restshape_verification.couture.validation:CASES",
     hard_cases="restshape_verification.couture.stability:CASES",
@@ -11,4 +13,11 @@ verification = Verification(
     ),
     scale="restshape_verification.couture.scale:scale_of",
     random_scenes="restshape_verification.couture.random_scenes:SCENES",
+    commands=(
+        Command(
+            "cloth-cycles",
+            "show what makes cloth cycle for ever, and what cures it",
+            "restshape_verification.couture.cycles",
+        ),
+    ),
 )

@@ -4,8 +4,6 @@ The author's released program moves cloth in steps of one length with kinetic da
 with a kink; normal forces, and anchors of friction on springs about as stiff as contact, are taken in each step.
 Here cloth on a ball is moved like that until it goes round. From there it goes on once more like that, with either
 cause taken away, with both, with both and an eye on the energy, and by the way of this application.
-
-python -m restshape_verification.couture.cycles [--picture FILE] [--json FILE] [--set KEY=VALUE]
 """
 
 # More than 15 modules: the motion is set up by hand from the parts that cloth is relaxed by.
@@ -13,11 +11,8 @@ python -m restshape_verification.couture.cycles [--picture FILE] [--json FILE] [
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 
 import numpy as np
 from petsc4py import PETSc
@@ -28,8 +23,9 @@ from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
 from restshape.application import application
 from restshape.calibration import Calibration
-from restshape.errors import UserError
+from restshape.cli.options import add_json, write_json
 from restshape.mesh.generate import generate
+from restshape.outputs.kinds import PictureFile
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
@@ -188,33 +184,26 @@ def study(overrides: Sequence[str] = (), before: int = BEFORE, after: int = AFTE
     return courses
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Print how each course ends, and draw them; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_verification.couture.cycles", description=__doc__)
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="residuals and speeds against steps (.png)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="the courses, for programs")
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="residuals and speeds against steps (.png)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change the scene")
-    args = parser.parse_args(words)
-    try:
-        courses = study(args.set)
-    except UserError as error:
-        print(error, file=sys.stderr)
-        return 2
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print how each course ends, and draw them; 0."""
+    courses = study(args.set)
     for name, course in courses.items():
         late = [speed for speed in course.speeds[-LATE:] if speed is not None]
         speed = f", fastest node in the last {LATE} steps {max(late):.2g} m/s" if late else ""
         end = "converged" if course.converged else "not converged"
         steps, residual = len(course.residuals), course.residuals[-1]
         print(f"{name}: {end} after {steps} steps, residual {residual:.1e} of the weight{speed}")
-    if args.json:
-        args.json.write_text(json.dumps({name: asdict(course) for name, course in courses.items()}, indent=1) + "\n")
+    write_json(args, {name: asdict(course) for name, course in courses.items()})
     if args.picture:
         from restshape_studies.pictures.cycles import draw_cycles
 
         draw_cycles(args.picture, courses, REST)
         print(f"wrote {args.picture}")
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

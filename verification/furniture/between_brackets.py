@@ -1,21 +1,17 @@
 """What a board between two brackets as weak as each other takes off their joints, in the bookshelf of 20 planks.
 
-python -m restshape_verification.furniture.between_brackets [--json FILE]
-
 Both brackets turn alike under their loads, so that the board can only turn with them.
 """
 
 import argparse
-import json
-import sys
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
 from restshape_apps.furniture.pieces import bookshelf_20
 from restshape_apps.furniture.shape.planks import Piece, Plank, joints_near
+
+from restshape.cli.options import add_json, write_json
 
 BRACKETS = ("bracket-1", "bracket-3")
 """The lower and the upper one, on one side of an upright board."""
@@ -84,13 +80,13 @@ def boards(piece: Piece) -> list[Board]:
     return rows
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
     """Print the uses without a board, and with that which leaves least, by its width; 0."""
-    parser = argparse.ArgumentParser(
-        prog="python -m restshape_verification.furniture.between_brackets", description=__doc__
-    )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
-    args = parser.parse_args(words)
     piece = bookshelf_20()
     rows = boards(piece)
     print("use of the joints of", " and ".join(BRACKETS))
@@ -99,10 +95,5 @@ def main(words: Sequence[str] | None = None) -> int:
         best = min((row for row in rows if row.width == width), key=lambda row: max(row.uses))
         utilisations = " and ".join(f"{use:.3f}" for use in best.uses)
         print(f"with the best of {width * 1e3:g} mm, {best.place * 1e3:.0f} mm from the upright board: {utilisations}")
-    if args.json:
-        args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1), encoding="utf-8")
+    write_json(args, [asdict(row) for row in rows])
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

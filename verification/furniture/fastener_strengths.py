@@ -1,17 +1,12 @@
-"""What one fastener bears in the end of a plank, by its kind, the wood and the thickness.
-
-python -m restshape_verification.furniture.fastener_strengths [--json FILE]
-"""
+"""What one fastener bears in the end of a plank, by its kind, the wood and the thickness."""
 
 import argparse
-import json
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 from restshape_apps.furniture.physics.fasteners import FASTENERS, WOODS, fastener, wood
 
+from restshape.cli.options import add_json, write_json
 from restshape.errors import UserError
 
 THICK = 0.018
@@ -75,13 +70,13 @@ def table(rows: Sequence[Strength]) -> list[str]:
     return lines
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
     """Print the tables; 0."""
-    parser = argparse.ArgumentParser(
-        prog="python -m restshape_verification.furniture.fastener_strengths", description=__doc__
-    )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
-    args = parser.parse_args(words)
     rows = strengths()
     print("one fastener bears [N]; -: not known")
     print(*table(rows), "", sep="\n")
@@ -91,10 +86,5 @@ def main(words: Sequence[str] | None = None) -> int:
         print(
             f"pull at which a screw's head passes through {1e3 * thickness:g} mm of MDF: {head_pull(thickness):.0f} N"
         )
-    if args.json:
-        args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1), encoding="utf-8")
+    write_json(args, [asdict(row) for row in rows])
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

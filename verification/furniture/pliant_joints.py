@@ -1,17 +1,12 @@
 """How much of a joint's use hangs on how easily joints turn: a bench with a stretcher, and all scenes of furniture.
 
-python -m restshape_verification.furniture.pliant_joints [--json FILE]
-
 Joints are springs, and where a piece is redundant the ratio of their compliances decides how they share a load. Uses
 are in parts of a joint's strength, of pull or of shear.
 """
 
 import argparse
-import json
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from restshape_apps.furniture.physics.fasteners import fastener, wood
@@ -19,6 +14,8 @@ from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.pieces import SCENES, drawn
 from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import stretched
+
+from restshape.cli.options import add_json, write_json
 
 RATIOS = (1.0, 10.0, 100.0, 1000.0)
 """Turn of a joint for each N m over its way for each N [1/m^2]; 1 is the thesis's."""
@@ -129,13 +126,13 @@ def table(rows: Sequence[Use], head: str, of: str) -> list[str]:
     return lines
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
     """Print the tables; 0."""
-    parser = argparse.ArgumentParser(
-        prog="python -m restshape_verification.furniture.pliant_joints", description=__doc__
-    )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
-    args = parser.parse_args(words)
     benches, scenes = of_stretchers(), of_scenes()
     print(*table(benches, "use, by turn for each N m over way for each N [1/m²]", "largest"), "", sep="\n")
     for of in ("pull", "shear"):
@@ -144,10 +141,5 @@ def main(words: Sequence[str] | None = None) -> int:
         print(f"a line of fasteners in a plank of {1e3 * thickness:g} mm: {rounded(line_ratio(thickness))} 1/m²")
     each, all_of_them = 1e-3 / slip("pine", "nail", 1), 1e9 * slip("pine", "nail", NAILS)
     print(f"a nail in a drilled hole of pine: {each:.3g} N/mm; a joint of {NAILS}: {all_of_them:.3g} nm for each N")
-    if args.json:
-        args.json.write_text(json.dumps([asdict(row) for row in (*benches, *scenes)], indent=1), encoding="utf-8")
+    write_json(args, [asdict(row) for row in (*benches, *scenes)])
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

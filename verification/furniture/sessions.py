@@ -1,17 +1,12 @@
 """One design target tried by three strategies: with no feedback, with ranges alone, and with suggestions.
 
-python -m restshape_verification.furniture.sessions [--json FILE]
-
 A designer wants a change of a piece that does not hold with it, and every strategy begins with that change. What counts
 is the edits until the piece is valid, and how much of the wanted change is left. An illustration, no study of people.
 """
 
 import argparse
-import json
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 import numpy as np
 from restshape_apps.furniture.guidance.suggestions import suggest
@@ -20,6 +15,7 @@ from restshape_apps.furniture.pieces import scales, shelf_1, shelf_2, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 
+from restshape.cli.options import add_json, write_json
 from restshape.guidance.ranges import valid_ranges
 
 LOOKS = 5
@@ -172,20 +168,17 @@ def sessions() -> list[Session]:
     return rows
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
     """Print the table; 0."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_verification.furniture.sessions", description=__doc__)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows for programs into this file")
-    args = parser.parse_args(words)
     rows = sessions()
     print("| wanted | strategy | edits | valid in the end | away from what was wanted [%] |")
     print("| --- | --- | ---: | ---: | ---: |")
     for row in rows:
         print(f"| {row.target} | {row.strategy} | {row.edits:.3g} | {100 * row.valid:.0f} % | {100 * row.away:.2g} |")
-    if args.json:
-        args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1), encoding="utf-8")
+    write_json(args, [asdict(row) for row in rows])
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

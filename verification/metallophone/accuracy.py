@@ -1,14 +1,9 @@
-"""How far models of a free bar are from three-dimensional elasticity, and what a frame of each costs.
-
-python -m restshape_verification.metallophone.accuracy [--picture FILE] [--json FILE] [--frames N]
-"""
+"""How far models of a free bar are from three-dimensional elasticity, and what a frame of each costs."""
 
 import argparse
-import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -16,8 +11,9 @@ import numpy as np
 from restshape_studies.bench.job import Job, Outcome, run
 
 from restshape.application import application
-from restshape.cli.options import print_table
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
+from restshape.outputs.kinds import PictureFile
 
 FOLDER = application("metallophone").folder
 BARS = {
@@ -149,30 +145,23 @@ def tell(records: list[dict[str, Any]]) -> None:
         print(f"Kirchhoff's limit, errors of the five: {thin}\n")
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Measure, print and draw; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_verification.metallophone.accuracy", description=__doc__)
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="error against time (.png)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="the same for programs")
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="error against time (.png)")
     parser.add_argument("--frames", type=int, default=60, metavar="N", help="of each edit (default: %(default)s)")
-    args = parser.parse_args(words)
-    try:
-        if args.frames < 5:
-            raise UserError(f"{args.frames} frames measure nothing", "--frames", "at least 5")
-        records = study(args.frames, lambda line: print(line, file=sys.stderr))
-    except UserError as error:
-        print(f"accuracy: {error}", file=sys.stderr)
-        return 2
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure, print and draw; 0, or a `UserError`."""
+    if args.frames < 5:
+        raise UserError(f"{args.frames} frames measure nothing", "--frames", "at least 5")
+    records = study(args.frames, lambda line: print(line, file=sys.stderr))
     tell(records)
-    if args.json:
-        args.json.write_text(json.dumps(records, indent=1) + "\n", encoding="utf-8")
+    write_json(args, records)
     if args.picture:
         from restshape_studies.pictures.accuracy import draw_accuracy
 
         draw_accuracy(records, args.picture)
         print(f"wrote {args.picture}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,14 +1,13 @@
-"""Nearly incompressible bodies, on Cook's membrane in plane strain: what locks, and what does not.
+"""Nearly incompressible bodies, on Cook's membrane in plane strain: what locks, and what does not."""
 
-python -m restshape_verification.solid.incompressible     prints errors by element and size
-"""
-
+import argparse
 from collections.abc import Iterable
 
 from petsc4py import PETSc
 from restshape_studies.validation.case import PROGRAM, Check
 
 from restshape.application import application
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.replay.first_frame import first_frame
 
 SCENE = application("solid").folder / "scenes" / "cook.toml"
@@ -59,6 +58,16 @@ def incompressible(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
-if __name__ == "__main__":
-    for line in table(SIZES, PETSc.COMM_WORLD):
-        print(f"{line['element']:25} {line['size']:5g} {line['unknowns']:6} {line['v']:9.4f} {line['error']:+.2%}")
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print errors by element and size; 0."""
+    rows = table(SIZES, PETSc.COMM_WORLD)
+    heads = ("element", "size [m]", "unknowns", "v at (48, 52) [m]", "error")
+    cells = [(r["element"], r["size"], r["unknowns"], f"{r['v']:.4f}", f"{r['error']:+.2%}") for r in rows]
+    print_table("Cook's membrane, nu = 0.4999", heads, cells, right=heads[1:])
+    write_json(args, rows)
+    return 0

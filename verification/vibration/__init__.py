@@ -2,6 +2,8 @@
 
 from restshape_studies.verification import StudyParameter, Verification
 
+from restshape.application import Command
+
 verification = Verification(
     validation="restshape_verification.vibration.validation:CASES",
     hard_cases="restshape_verification.vibration.stability:CASES",
@@ -13,4 +15,11 @@ verification = Verification(
     ),
     thesis="restshape_verification.vibration.thesis:rows",
     random_scenes="restshape_verification.vibration.random_scenes:SCENES",
+    commands=(
+        Command(
+            "resonance",
+            "find where a window meets the resonance of a building",
+            "restshape_verification.vibration.resonance",
+        ),
+    ),
 )

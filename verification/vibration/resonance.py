@@ -1,12 +1,8 @@
-"""The building's resonance: amplitude of its motion, harmonic response and eigenfrequency by the place of the window.
-
-python -m restshape_verification.vibration.resonance [--picture FILE] [--csv FILE]
-"""
+"""A building's resonance: amplitude of its motion, harmonic response and eigenfrequency by the place of the window."""
 
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from petsc4py import PETSc
@@ -16,6 +12,8 @@ from restshape.analysis.harmonic import harmonic_response
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.outputs.kinds import CsvFile, PictureFile
+from restshape.outputs.whole import write_whole
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.scene.edit_script import load_script
@@ -113,23 +111,28 @@ def steady(analysis: TransientAnalysis, outline: object) -> tuple[float, float]:
     return float(abs(motion[2 * node])), float(lowest_modes(stiffness, mass, 1)[0][0] / (2 * np.pi))
 
 
-def main() -> None:
-    """Print the three places, and write the picture and the table."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_verification.vibration.resonance", description=__doc__)
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="amplitude against the place of the window (.png)")
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="place [m], amplitude [m] of each frame of the drag")
-    args = parser.parse_args()
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "--picture", type=PictureFile, metavar="FILE", help="amplitude by the place of the window (.png)"
+    )
+    parser.add_argument(
+        "--csv", type=CsvFile, metavar="FILE", help="place [m], amplitude [m] of each frame of the drag"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the three places, and write the picture and the table; 0."""
     found = study()
     print(f"eigenfrequency meets {found.excitation_frequency:g} Hz with the window {found.crossing:.3f} m down")
     print(f"peak of the motion {found.moving_peak:.3f} m, of the harmonic response {found.harmonic_peak:.3f} m down")
     if args.csv:
-        table = np.column_stack([found.path, found.amplitude])
-        np.savetxt(args.csv, table, delimiter=",", header="window_down_m,amplitude_m", comments="")
+        rows = zip(found.path, found.amplitude, strict=True)
+        lines = ["window_down_m,amplitude_m", *(f"{down:.18e},{amplitude:.18e}" for down, amplitude in rows)]
+        write_whole(args.csv, "\n".join(lines) + "\n")
     if args.picture:
         from restshape_studies.pictures.response import draw_response
 
         draw_response(args.picture, found)
-
-
-if __name__ == "__main__":
-    main()
+        print(f"wrote {args.picture}")
+    return 0

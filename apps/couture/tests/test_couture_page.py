@@ -6,7 +6,6 @@ import shlex
 from pathlib import Path
 
 import pytest
-from restshape_apps.couture.picture import main as picture
 
 from restshape.cli.main import main
 
@@ -21,7 +20,7 @@ def test_the_napkin(tmp_path, monkeypatch):
     block = PAGE.split("```sh\n")[1].split("```")[0]
     lines = [line.split("#")[0].strip() for line in block.splitlines()]
     calls = [shlex.split(line) for line in lines if line.startswith("restshape ")]
-    assert [call[1] for call in calls] == ["new", "check", "replay", "report", "bench"]
+    assert [call[1] for call in calls] == ["new", "check", "replay", "report", "drapes", "bench"]
     for call in calls[:3]:
         assert main([*call[1:], *(["--json", "napkin.json"] if call[1] == "replay" else [])]) == 0
     assert main([*calls[3][1:], "--animation", "none"]) == 0
@@ -31,8 +30,8 @@ def test_the_napkin(tmp_path, monkeypatch):
     reported = [float(value) for value in re.search(r"corner at (\d+) mm .*?and about (\d+) mm", PAGE, re.S).groups()]
     # Where folds go hangs on the machine's rounding.
     assert [-1e3 * lowest[0], -1e3 * lowest[-1]] == pytest.approx(reported, rel=0.03)
-    (drawn,) = (shlex.split(line) for line in lines if "couture.picture" in line)
-    assert picture(drawn[3:]) == 0 and Path("napkin.png").stat().st_size > 10_000
+    (drawn,) = (shlex.split(line) for line in lines if line.startswith("restshape drapes"))
+    assert main(drawn[1:]) == 0 and Path("napkin.png").stat().st_size > 10_000
 
 
 def test_the_strip(tmp_path):

@@ -5,7 +5,8 @@ import pytest
 from cloths_recorded import record_cloth
 from PIL import Image
 from plates import record_plate
-from restshape_apps.couture.picture import main as picture
+
+from restshape.cli.main import main
 
 
 @pytest.fixture
@@ -17,13 +18,13 @@ def cloth(tmp_path):
 @pytest.mark.slow
 def test_the_picture_of_single_frames(cloth, tmp_path, capsys):
     path = tmp_path / "a.png"
-    assert picture([str(cloth), "--frames", "0", "-1", "--out", str(path)]) == 0
+    assert main(["drapes", str(cloth), "--frames", "0", "-1", "--out", str(path)]) == 0
     with Image.open(path) as image:
         assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 500
-    assert picture([str(cloth), "--frames", "2", "--out", str(path)]) == 2
-    assert picture([str(cloth), "--out", str(tmp_path / "none" / "a.png")]) == 2
+    assert main(["drapes", str(cloth), "--frames", "2", "--out", str(path)]) == 2
+    assert main(["drapes", str(cloth), "--out", str(tmp_path / "none" / "a.png")]) == 2
     record_plate(tmp_path / "plate.vtkhdf", frames=2)
-    assert picture([str(tmp_path / "plate.vtkhdf"), "--out", str(path)]) == 2
+    assert main(["drapes", str(tmp_path / "plate.vtkhdf"), "--out", str(path)]) == 2
     printed = capsys.readouterr().err
     for message in ("there is no frame 2", "not of cloth", "cannot be written"):
         assert message in printed

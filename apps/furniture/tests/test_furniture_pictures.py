@@ -7,7 +7,6 @@ import pytest
 from matplotlib import image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
-from restshape_apps.furniture import pictures
 from restshape_apps.furniture.guidance.suggestions import suggest
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import cantilever, scales, table
@@ -26,6 +25,7 @@ from restshape_apps.furniture.report.furniture import (
 )
 from restshape_apps.furniture.small_pieces import toppling
 
+from restshape.cli.main import main
 from restshape.report.space_scene import SpaceDrawing, SpaceImage
 from restshape.report.style import REFUSED, new_figure
 
@@ -241,14 +241,16 @@ def test_a_region_is_valid_where_the_full_test_says_so() -> None:
 
 def test_pictures_are_written(tmp_path, capsys) -> None:
     words = ["--out", str(tmp_path / "a"), "--only", "forces", "suggestions", "--piece", "scales"]
-    assert pictures.main(words) == 0
+    assert main(["furniture-pictures", *words]) == 0
     for name in ("forces", "suggestions"):
         pixels = image.imread(tmp_path / f"a-{name}.png")
         assert pixels.shape[0] > 400
         assert pixels[..., :3].std() > 0.02
-    assert pictures.main(["--out", str(tmp_path / "a"), "--only", "forces", "--joints", "1", "9"]) == 2
+    assert main(["furniture-pictures", "--out", str(tmp_path / "a"), "--only", "forces", "--joints", "1", "9"]) == 2
     assert "choose from 0 to 2" in capsys.readouterr().err
-    assert pictures.main(["--out", str(tmp_path / "a"), "--only", "suggestions", "--piece", "chair-1"]) == 2
+    assert (
+        main(["furniture-pictures", "--out", str(tmp_path / "a"), "--only", "suggestions", "--piece", "chair-1"]) == 2
+    )
 
 
 def test_names_and_pushes_are_written_where_they_are_wanted() -> None:

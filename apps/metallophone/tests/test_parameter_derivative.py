@@ -5,8 +5,9 @@ import json
 import numpy as np
 import pytest
 from modal import SMALL, solved
-from restshape_apps.metallophone import application, derivative
+from restshape_apps.metallophone import application
 
+from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.replay.first_frame import first_frame
 from restshape.sensitivity.parameter_derivative import parameter_derivatives
@@ -89,7 +90,7 @@ def test_what_is_no_number_or_moves_the_mesh_is_refused(key):
 def test_command_tells_numbers_and_the_outline(tmp_path, capsys):
     scene, out = str(SCENES / "bar_100.toml"), tmp_path / "d.json"
     settings = [word for override in PLATE for word in ("--set", override)]
-    assert derivative.main([scene, *settings, "--outline", "--json", str(out)]) == 0
+    assert main(["rates", scene, *settings, "--outline", "--json", str(out)]) == 0
     assert "0.1 mm off edge" in capsys.readouterr().out
     reported = json.loads(out.read_text())
     assert set(reported["by"]) == {f"material.aluminium.{key}" for key in ("E", "nu", "rho", "thickness")}
@@ -101,5 +102,5 @@ def test_command_tells_numbers_and_the_outline(tmp_path, capsys):
 
 
 def test_command_refuses_what_is_no_number(capsys):
-    assert derivative.main([str(SCENES / "bar_100.toml"), "--by", "material.aluminium.colour"]) == 2
+    assert main(["rates", str(SCENES / "bar_100.toml"), "--by", "material.aluminium.colour"]) == 2
     assert "no number" in capsys.readouterr().err

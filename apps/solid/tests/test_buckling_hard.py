@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from columns import FOOT, Column, column
 from petsc4py import PETSc
-from restshape_apps.solid.picture import main
 from restshape_verification.solid.stability_buckling import PULL, masts
 from scipy.linalg import eigh
 from small_scenes import across, drag, make_replay, write_scene, write_script
@@ -12,6 +11,7 @@ from small_scenes import across, drag, make_replay, write_scene, write_script
 from restshape.algebra.eigen import COUNT_EVERY
 from restshape.algebra.gathering import gather_matrix
 from restshape.analysis.buckling_matrices import products
+from restshape.cli.main import main
 
 
 def test_a_lost_mode_is_found_by_the_next_count(tmp_path):
@@ -29,9 +29,12 @@ def test_a_lost_mode_is_found_by_the_next_count(tmp_path):
 
 def test_a_picture_of_the_modes(tmp_path, capsys):
     path = write_scene(tmp_path, column())
-    assert main([str(path), "--out", str(tmp_path / "a.png")]) == 0 and (tmp_path / "a.png").stat().st_size > 1e4
+    assert (
+        main(["buckling", str(path), "--out", str(tmp_path / "a.png")]) == 0
+        and (tmp_path / "a.png").stat().st_size > 1e4
+    )
     pulled = write_scene(tmp_path, column(FOOT, PULL.format(1e3)), "pulled.toml")
-    assert main([str(pulled), "--out", str(tmp_path / "b.png")]) == 2 and not (tmp_path / "b.png").exists()
+    assert main(["buckling", str(pulled), "--out", str(tmp_path / "b.png")]) == 2 and not (tmp_path / "b.png").exists()
     assert "nothing buckles" in capsys.readouterr().err
 
 

@@ -1,10 +1,10 @@
 """`restshape check`: reads a scene and an edit script, and says what they hold."""
 
 import argparse
-from pathlib import Path
 
 from restshape.cli.limits import add_limits, limited
 from restshape.cli.options import add_scene
+from restshape.cli.parser import add_edits
 from restshape.outputs.kinds import PictureFile
 
 SUMMARY = "check a scene and an edit script without solving anything"
@@ -14,7 +14,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     add_scene(parser)
     add_limits(parser)
-    parser.add_argument("edits", metavar="EDITS", type=Path, nargs="?", help="edit script (.jsonl)")
+    add_edits(parser, "edit script (.jsonl)")
     parser.add_argument(
         "--picture", metavar="FILE", type=PictureFile, help="draw the scene with its names (.png or .svg)"
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from restshape.cli.options import add_json, add_set, refuse_files_of_scene, write_json
+from restshape.cli.parser import add_edits
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_outputs
 from restshape.outputs.kinds import ExportFile
@@ -25,11 +26,9 @@ RECORDING = ".vtkhdf"
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
-    parser.add_argument(
-        "source", metavar="RECORDING|SCENE", type=Path, help="recording (.vtkhdf), or scene (.toml) with --edits"
-    )
+    parser.add_argument("source", metavar="RECORDING|SCENE", type=Path, help="recording (.vtkhdf), or scene (.toml)")
     parser.add_argument("--as", dest="kind", choices=KINDS, required=True, help="format of the file to write")
-    parser.add_argument("--edits", metavar="FILE", type=Path, help="edit script (.jsonl) of a scene")
+    add_edits(parser, "edit script (.jsonl) of a scene")
     parser.add_argument(
         "--frame", metavar="N", type=int, default=-1, help="from 0, or from -1 backwards (default: the last one)"
     )
@@ -53,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
     """Exports a frame of a recording."""
-    for option, given in (("--edits", args.edits), ("--set", args.set)):
+    for option, given in (("EDITS", args.edits), ("--set", args.set)):
         if given:
             what = "a recording has its own scene and edits"
             raise UserError(what, option, "leave it out, or name the scene instead of the recording")

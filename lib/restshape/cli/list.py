@@ -3,12 +3,14 @@
 import argparse
 import json
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from restshape.application import Application, applications
+from restshape.application import Application, Command, applications, brought_commands
 from restshape.cli.options import add_json, print_table, write_json
 
-SUMMARY = "list the applications with their scenes and edit scripts"
+SUMMARY = "list the applications with their commands, scenes and edit scripts"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,20 +19,27 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Prints applications, scenes and scripts."""
-    found = {name: contents(app) for name, app in applications().items()}
+    """Prints applications, what they add to `restshape`, scenes and scripts."""
+    brought = brought_commands()
+    found = {name: contents(app, brought[name]) for name, app in applications().items()}
     print_table("applications", ("name", "summary"), ((name, app["summary"]) for name, app in found.items()))
+    print()
+    commands = [(name, f"restshape {one.name}", one.summary) for name, many in brought.items() for one in many]
+    print_table("commands of applications", ("application", "command", "summary"), commands)
     print()
     rows = [
         (name, s["path"], ", ".join(s["scripts"]), s["title"]) for name, app in found.items() for s in app["scenes"]
     ]
     print_table("scenes", ("application", "scene", "scripts", "title"), rows)
-    write_json(args, found)
+    if args.json:
+        # Effects are the physics', whose import takes longer than all else here.
+        effects = {name: {n: e.summary for n, e in app.effects.items()} for name, app in applications().items()}
+        write_json(args, {name: {**app, "effects": effects[name]} for name, app in found.items()})
     return 0
 
 
-def contents(app: Application) -> dict:
-    """Summary, effects, scenes and scripts of an application."""
+def contents(app: Application, brought: Sequence[Command]) -> dict[str, Any]:
+    """Summary, commands, scenes and scripts of an application."""
     scripts: dict[str, list[str]] = {}
     for path in sorted((app.folder / "edits").glob("*.jsonl")):
         scripts.setdefault(scene_of(path), []).append(path.name)
@@ -38,7 +47,7 @@ def contents(app: Application) -> dict:
         {"path": relative(path), "title": title_of(path), "scripts": scripts.get(path.name, [])}
         for path in app.scenes()
     ]
-    return {"summary": app.summary, "effects": {n: e.summary for n, e in app.effects.items()}, "scenes": scenes}
+    return {"summary": app.summary, "commands": {one.name: one.summary for one in brought}, "scenes": scenes}
 
 
 def relative(path: Path) -> str:

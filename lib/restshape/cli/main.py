@@ -14,10 +14,13 @@ from types import ModuleType
 from typing import TextIO
 
 from restshape import __version__
+from restshape.application import brought_commands
 from restshape.cli.limits import LIMIT_REACHED
+from restshape.cli.parser import Parser
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import ending_signals, exit_code, open_streams
 from restshape.errors import UserError, printable, quoted
+from restshape.surroundings import start_petsc
 
 COMMANDS = (
     "new",
@@ -47,27 +50,32 @@ UNREAD = 128 + signal.SIGPIPE
 """What a shell says of a program that ends because nobody reads its output any more."""
 
 
-def command(name: str) -> ModuleType | None:
-    """The module of a command, imported now; None where there is no such command."""
-    if name in COMMANDS:
-        return import_module(f"restshape.cli.{name}")
-    return next((entry.load() for entry in entry_points(group=GROUP, name=name)), None)
-
-
 def all_commands() -> dict[str, ModuleType]:
-    """The modules of all commands by name, imported now, in the order of the help."""
+    """The modules of the commands that no application brings, by name, imported now, in the order of the help."""
     own = {name: import_module(f"restshape.cli.{name}") for name in COMMANDS}
     others = {entry.name: entry.load() for entry in entry_points(group=GROUP) if entry.name not in own}
     return own | dict(sorted(others.items(), key=lambda item: (item[1].PLACE, item[0])))
 
 
-def parser_for(commands: dict[str, ModuleType], listed: bool = False) -> argparse.ArgumentParser:
-    """The argument parser of the commands given, modules by name.
+def named_command(name: str, petsc: list[str]) -> tuple[str, ModuleType] | None:
+    """Summary and module of a command, imported now; None where there is no such command.
 
     Args:
-        commands: the modules.
-        listed: for the help that lists them, without the arguments of any.
+        name: of the command.
+        petsc: words for PETSc, which commands that applications bring may start as soon as they are imported.
     """
+    found = import_module(f"restshape.cli.{name}") if name in COMMANDS else None
+    found = found or next((entry.load() for entry in entry_points(group=GROUP, name=name)), None)
+    if found:
+        return found.SUMMARY, found
+    brought = [one for many in brought_commands().values() for one in many if one.name == name]
+    if brought and petsc:
+        start_petsc(petsc)
+    return (brought[0].summary, brought[0].load()) if brought else None
+
+
+def help_parser() -> argparse.ArgumentParser:
+    """The parser of the help: it lists all commands, and imports none that applications bring."""
     parser = argparse.ArgumentParser(
         prog="restshape",
         description="Simulates an object while its rest shape is being edited.",
@@ -75,11 +83,19 @@ def parser_for(commands: dict[str, ModuleType], listed: bool = False) -> argpars
     )
     parser.add_argument("--version", action="version", version=f"restshape {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for name, module in commands.items():
-        sub = subparsers.add_parser(name, help=module.SUMMARY, description=module.SUMMARY, epilog=EXIT_CODES)
-        if not listed:
-            module.arguments(sub)
-            sub.set_defaults(run=module.run)
+    for name, module in all_commands().items():
+        subparsers.add_parser(name, help=module.SUMMARY)
+    for application, many in brought_commands().items():
+        for one in many:
+            subparsers.add_parser(one.name, help=f"{application}: {one.summary}")
+    return parser
+
+
+def command_parser(name: str, summary: str, module: ModuleType) -> argparse.ArgumentParser:
+    """The argument parser of one command."""
+    parser = Parser(prog=f"restshape {name}", description=summary, epilog=EXIT_CODES)
+    module.arguments(parser)
+    parser.set_defaults(run=module.run, command=name)
     return parser
 
 
@@ -112,10 +128,11 @@ def _run(words: list[str]) -> int:
     """The exit code of the words of a command line, with a message where something is wrong."""
     petsc = words[words.index("--") + 1 :] if "--" in words else []
     words = words[: words.index("--")] if "--" in words else words
-    named = {word: module for word in words[:1] if (module := command(word))}
-    args = (parser_for(named) if named else parser_for(all_commands(), listed=True)).parse_args(words)
-    args.petsc, args.words = petsc, words
+    asked = " ".join(words[:1])
     try:
+        named = named_command(asked, petsc)
+        args = command_parser(asked, *named).parse_args(words[1:]) if named else help_parser().parse_args(words)
+        args.petsc, args.words = petsc, words
         from restshape.cli.options import permit, refuse_overwriting
 
         permit(args)
@@ -127,17 +144,17 @@ def _run(words: list[str]) -> int:
         return args.run(args)
     except UserError as error:
         if first_rank():
-            print(printable(f"restshape {args.command}: {error}"), file=sys.stderr)
+            print(printable(f"restshape {asked}: {error}"), file=sys.stderr)
         else:
             # mpiexec ends all ranks as soon as one has failed: the first one must have said why by then.
             time.sleep(LAST_WORD)
         return 2
     except KeyboardInterrupt:
         if first_rank():
-            print(f"restshape {args.command}: interrupted", file=sys.stderr)
+            print(f"restshape {asked}: interrupted", file=sys.stderr)
         return exit_code()
     except MemoryError as error:
-        print(f"restshape {args.command}: not enough memory ({error})", file=sys.stderr)
+        print(f"restshape {asked}: not enough memory ({error})", file=sys.stderr)
         print("  try: a coarser mesh, or fewer points", file=sys.stderr)
         return LIMIT_REACHED
 

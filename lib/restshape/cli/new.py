@@ -33,5 +33,5 @@ def run(args: argparse.Namespace) -> int:
     scene, edits = (args.dir / name for name in FILES)
     print(f"wrote {scene} and {edits}; next:")
     print(f"  restshape check {scene} {edits}")
-    print(f"  restshape replay {scene} --edits {edits}")
+    print(f"  restshape replay {scene} {edits}")
     return 0

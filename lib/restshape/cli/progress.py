@@ -1,34 +1,97 @@
-"""Progress of a replay: a bar on a terminal, plain lines elsewhere."""
+"""How far a command is: a bar on a terminal; elsewhere a line every ten seconds, with the total and the time left."""
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from time import monotonic
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from restshape.cli.console import Output
+from restshape.errors import UserError
+
+EVERY = 10.0
+"""Seconds between lines where there is no terminal."""
+OTHERWISE = "RESTSHAPE_PROGRESS"
+"""Variable of the environment that holds another number of seconds."""
+Advance = Callable[[int], None]
+"""Counts so many steps; 0 shows that there is life."""
+
+
+class ProgressLines:
+    """Writes a line to stderr now and then.
+
+    Args:
+        what: steps are, in the plural.
+        total: steps in all.
+        clock: seconds, for the time between lines and the time left.
+
+    Raises:
+        UserError: the environment asks for no number of seconds.
+    """
+
+    def __init__(self, what: str, total: int, clock: Callable[[], float] = monotonic) -> None:
+        self.what, self.total, self.clock = what, total, clock
+        self.every = _seconds_between()
+        self.done, self._first = 0, 0
+        self._start = self._last = clock()
+
+    def __call__(self, steps: int) -> None:
+        """Counts steps, and writes a line where the last one is old enough."""
+        self.done += steps
+        now = self.clock()
+        if not self._first and self.done:
+            # The first step makes what the others go on with: it says nothing of their time.
+            self._first, self._start = self.done, now
+        if now - self._last < self.every:
+            return
+        self._last = now
+        # A replay goes on although nobody reads how far it is.
+        with suppress(BrokenPipeError):
+            print(self.line(now), file=sys.stderr, flush=True)
+
+    def line(self, now: float) -> str:
+        """How far it is at a time [s]."""
+        known = self.done - self._first
+        left = f", about {duration((now - self._start) / known * (self.total - self.done))} left" if known else ""
+        return f"{self.done} of {self.total} {self.what}{left}"
+
+
+def _seconds_between() -> float:
+    """Seconds between lines."""
+    try:
+        return max(float(os.environ.get(OTHERWISE, EVERY)), 0.0)
+    except ValueError as error:
+        what = f"{os.environ[OTHERWISE]!r} is no number of seconds"
+        raise UserError(what, f"{OTHERWISE} in the environment", f"{OTHERWISE}=10") from error
+
+
+def duration(seconds: float) -> str:
+    """A time in words: 42 s, 3 min 20 s, 2 h 5 min."""
+    whole = round(max(seconds, 0.0))
+    if whole < 60:
+        return f"{whole} s"
+    minutes, rest = divmod(whole, 60)
+    return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
 
 
 @contextmanager
-def progress(quiet: bool) -> Iterator[Callable[[], None]]:
-    """A function that counts a frame: a bar on a terminal, a line every hundred frames elsewhere."""
+def progress(quiet: bool, total: int, what: str = "frames") -> Iterator[Advance]:
+    """A function that counts steps, and shows how many of all are done and how much time is left.
+
+    Args:
+        quiet: show nothing.
+        total: steps in all.
+        what: they are, in the plural.
+    """
     console = Output(stderr=True)
     if quiet:
-        yield lambda: None
+        yield lambda steps: None
     elif console.is_terminal:
-        layout = (TextColumn("replay"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        layout = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TextColumn("left"), TimeRemainingColumn())
         with Progress(*layout, console=console, transient=True, refresh_per_second=4) as bar:
-            task = bar.add_task("replay", total=None)
-            yield lambda: bar.advance(task)
+            task = bar.add_task(what, total=total)
+            yield lambda steps: bar.advance(task, steps)
     else:
-        count = 0
-
-        def line() -> None:
-            nonlocal count
-            count += 1
-            if count % 100 == 0:
-                # A replay goes on although nobody reads how far it is.
-                with suppress(BrokenPipeError):
-                    print(f"{count} frames", file=sys.stderr, flush=True)
-
-        yield line
+        yield ProgressLines(what, total)

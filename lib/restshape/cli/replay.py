@@ -17,6 +17,7 @@ from restshape.application import Application, application
 from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
+from restshape.cli.parser import add_edits
 from restshape.cli.quantity_tables import percent, print_quantities
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing, exit_code
@@ -45,9 +46,7 @@ SUMMARY = "replay an edit script against a scene: result, cost and error of ever
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_scene(parser)
-    parser.add_argument(
-        "--edits", type=Path, metavar="FILE", help="edit script (.jsonl); default: the first shape only"
-    )
+    add_edits(parser, "edit script (.jsonl); default: the first shape only")
     parser.add_argument("--policy", choices=list(POLICIES), help="what is reused (default: the scene's)")
     parser.add_argument(
         "--guess", choices=list(GUESSES), help="initial guess of iterative solves (default: the policy's best)"
@@ -101,7 +100,7 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
         for note in start_notes(scene, script):
             print(f"note: {note}", file=sys.stderr)
         if not args.edits and (known := script_of(args.scene)):
-            print(f"note: the first shape only; its edits: --edits {known}", file=sys.stderr)
+            print(f"note: the first shape only; its edits: {known}", file=sys.stderr)
     recorder = _start_recorder(args.out, request) if args.out and first else None
     try:
         if recorder:
@@ -150,12 +149,13 @@ def _run(
     from restshape.cli.progress import progress
     from restshape.replay.run import run_replay
 
-    with progress(quiet=not first_rank()) as count, agreeing(PETSc.COMM_WORLD.tompi4py()) as end_if_asked:
+    frames = request.script.frame_count
+    with progress(not first_rank(), frames) as count, agreeing(PETSc.COMM_WORLD.tompi4py()) as end_if_asked:
 
         def on_frame() -> None:
             end_if_asked()
             begin_frame()
-            count()
+            count(1)
 
         return run_replay(request, recorder, args.parity, args.csv, on_frame, keep_rows=False)
 

@@ -8,11 +8,13 @@ import argparse
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from restshape.cli.limits import add_limits, lift_limits, limited
 from restshape.cli.options import add_scene, print_table, refuse_files_of_scene, write_json
+from restshape.cli.parser import add_edits
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing
 from restshape.cli.verbosity import add_verbose
@@ -33,7 +35,7 @@ SUMMARY = "replay a scene with one value after the other: a table and a picture 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_scene(parser, "KEY=VALUE, KEY=FROM:TO:STEP or KEY=A,B,C", "a key and its values, e.g. E=60GPa:80GPa:5GPa")
-    parser.add_argument("--edits", type=Path, metavar="FILE", help="edit script; default: the first shape only")
+    add_edits(parser, "edit script (.jsonl); default: the first shape only")
     parser.add_argument("--policy", choices=list(POLICIES), help="what is reused (default: the scene's)")
     parser.add_argument("--guess", choices=list(GUESSES), help="initial guess of iterative solves")
     parser.add_argument("--csv", type=SweepFile, metavar="FILE", help="a row a run")
@@ -93,7 +95,7 @@ def _run_all(
 
     first = first_rank()
     with (
-        progress(quiet=not first) as count,
+        progress(not first, prod(len(one.values) for one in swept), "runs") as count,
         agreeing(PETSc.COMM_WORLD.tompi4py()) as end_if_asked,
         ExitStack() as files,
     ):
@@ -101,7 +103,7 @@ def _run_all(
         def on_frame() -> None:
             end_if_asked()
             begin_frame()
-            count()
+            count(0)
 
         rows = CsvRows(args.csv if first else None, [one.key for one in swept], bool(args.edits), files)
         try:
@@ -112,6 +114,7 @@ def _run_all(
                     _print_notes(sweep.scene)
                 runs.append(one)
                 rows.add(one, sweep)
+                count(1)
                 begin_frame()
         except KeyboardInterrupt:
             if not runs:

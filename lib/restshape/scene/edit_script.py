@@ -235,6 +235,11 @@ class Script:
         """The script that leaves the scene's shape as it is."""
         return cls(Header(format="restshape-edits", version=1, scene=scene.path.name), ())
 
+    @property
+    def frame_count(self) -> int:
+        """Frames that a replay has: the first shape, and those of all events."""
+        return 1 + sum(event.frame_count for event in self.events)
+
 
 def load_script(path: str | Path, scene: Scene | None = None, keep_good: bool = False) -> Script:
     """The edit script of a JSON Lines file.

@@ -5,10 +5,7 @@ They are found by the entry points beside this folder, which pytest has on its p
 
 from pathlib import Path
 
-from restshape.application import Application
-from restshape.physics.cloth.cloth_declaration import CLOTH
-from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS, MOVING_SOLIDS, PLANE_SOLIDS
-from restshape.physics.heat.heat_declaration import HEAT
+from restshape.application import Application, Command, Declared
 
 HERE = Path(__file__).parent
 
@@ -16,14 +13,15 @@ plane = Application(
     name="plane",
     summary="solids in the plane, in static equilibrium",
     folder=HERE / "plane",
-    physics=(PLANE_SOLIDS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
+    commands=(Command("sample-names", "print the names in a scene", "sample_applications.names_command"),),
 )
 beams = Application(
     name="beams",
     summary="beams that deform far",
     folder=HERE / "beams",
-    physics=(PLANE_SOLIDS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
     takes=("solid", "large_deformation", "gravity"),
     needs=("large_deformation",),
@@ -32,27 +30,27 @@ moving = Application(
     name="moving",
     summary="solids in motion",
     folder=HERE / "moving",
-    physics=(MOVING_SOLIDS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:MOVING_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:transient_analysis",
 )
 modes = Application(
     name="modes",
     summary="bodies that vibrate freely",
     folder=HERE / "modes",
-    physics=(FREE_VIBRATIONS,),
+    physics=Declared("restshape.physics.elasticity.elasticity_declaration:FREE_VIBRATIONS"),
     analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
 )
 cloth = Application(
     name="cloth",
     summary="cloth at rest",
     folder=HERE / "cloth",
-    physics=(CLOTH,),
+    physics=Declared("restshape.physics.cloth.cloth_declaration:CLOTH"),
     analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",
 )
 conduction = Application(
     name="conduction",
     summary="bodies that conduct heat",
     folder=HERE / "conduction",
-    physics=(HEAT,),
+    physics=Declared("restshape.physics.heat.heat_declaration:HEAT"),
     analysis="restshape.physics.heat.heat_analyses:heat_analysis",
 )

@@ -12,7 +12,6 @@ from restshape_studies.stability.plane_strategies import solid_effects, solid_sc
 from restshape_studies.stability.random_scenes import RandomScenes
 from restshape_studies.stability.scenery import STEEL, block, drag, head, meshed, plate, write_scene
 from restshape_studies.validation.case import CLOSED_FORM, ROUNDING, Check
-from restshape_studies.verification import StudyParameter, Verification
 
 from restshape.application import Application
 from restshape.replay.first_frame import first_frame
@@ -50,34 +49,8 @@ HARD = {
     "still": Case(still_plate),
 }
 RANDOM = RandomScenes(solid_scenes("plane", solid_effects(), own=lambda effects: {}))
-verification = Verification(
-    validation=f"{__name__}:VALIDATION",
-    hard_cases=f"{__name__}:HARD",
-    random_scenes=f"{__name__}:RANDOM",
-)
-
-STEP, STEPS = "effects.dynamics.time_step", "effects.dynamics.steps"
-moving = Verification(
-    parameters=(
-        StudyParameter(STEP, factors=(2.0, 0.5), reference=0.25, against=STEPS),
-        StudyParameter("effects.dynamics.mass", ("consistent", "lumped"), reference="consistent"),
-    )
-)
-modes = Verification(
-    parameters=(
-        StudyParameter("effects.modal.model", ("solid", "plate"), reference="solid", grid=True),
-        StudyParameter("mesh.layers", (1, 2, 3), reference=2),
-    )
-)
-BENDING = ("morley", "hinge", "nonlinear")
 
 
 def cloth_scale(scene: Scene, application: Application, order: int) -> StudyScale:
     """The scale of scenes of cloth, whose folds go on from frame to frame; arguments as of the usual one."""
     return StudyScale(6e3, 4e4, 1.0, (1e-7, 1e-6, 1e-5), 8, per_node=12.0, tightest=1e-8, continues=True)
-
-
-cloth = Verification(
-    parameters=(StudyParameter("effects.cloth.bending", values=BENDING, reference="morley", grid=True),),
-    scale=f"{__name__}:cloth_scale",
-)

@@ -1,0 +1,30 @@
+"""`restshape buckling`: the modes in which a solid buckles."""
+
+import argparse
+from pathlib import Path
+
+from restshape.cli.options import add_set
+from restshape.errors import UserError
+from restshape.outputs.kinds import PictureFile
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.toml) with [effects.buckling]")
+    parser.add_argument("--out", metavar="FILE", type=PictureFile, required=True, help="the picture (.png)")
+    add_set(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Draw; 0, or a `UserError` where nothing buckles."""
+    from restshape_apps.solid.picture import draw
+
+    from restshape.analysis.buckling import BucklingAnalysis
+    from restshape.replay.first_frame import first_frame
+
+    analysis = first_frame(args.scene, args.set).analysis
+    if not isinstance(analysis, BucklingAnalysis):
+        raise UserError("the scene does not ask for buckling", str(args.scene), "add [effects.buckling]")
+    draw(analysis, args.out)
+    print(f"wrote {args.out}")
+    return 0

@@ -1,0 +1,71 @@
+"""How far a command is, off a terminal: a line every ten seconds, with the total and the time left."""
+
+import pytest
+from small_scenes import drag, plate, write_scene, write_script
+
+from restshape.cli.main import main
+from restshape.cli.progress import ProgressLines, duration, progress
+from restshape.errors import UserError
+from restshape.scene.edit_script import load_script
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def test_a_line_every_ten_seconds_with_total_and_time_left(capsys):
+    clock = Clock()
+    count = ProgressLines("frames", 101, clock)
+    for k in range(1, 101):
+        # The first frame takes 5 s, each later one 0.5 s.
+        clock.now = 5.0 + 0.5 * (k - 1)
+        count(1)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0] == "11 of 101 frames, about 45 s left"
+    assert lines[1] == "31 of 101 frames, about 35 s left"
+    assert len(lines) == 5
+
+
+def test_nothing_is_told_of_a_short_command_or_a_quiet_one(capsys):
+    with progress(False, 10) as count, progress(True, 10) as silent:
+        for _ in range(10):
+            count(1)
+            silent(1)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_first_step_that_takes_long_has_no_time_left(capsys):
+    clock = Clock()
+    count = ProgressLines("runs", 20, clock)
+    clock.now = 11.0
+    count(0)
+    assert capsys.readouterr().err == "0 of 20 runs\n"
+
+
+@pytest.mark.parametrize(("seconds", "words"), [(0.2, "0 s"), (59.4, "59 s"), (200, "3 min 20 s"), (7500, "2 h 5 min")])
+def test_durations(seconds, words):
+    assert duration(seconds) == words
+
+
+def test_the_total_is_the_plan_of_the_script(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("RESTSHAPE_PROGRESS", "0")
+    scene = write_scene(tmp_path, plate(0.3))
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), [(0.52, 0.5), (0.54, 0.5)]))
+    total = load_script(script).frame_count
+    assert main(["replay", str(scene), str(script)]) == 0
+    printed = capsys.readouterr()
+    lines = [line for line in printed.err.splitlines() if " frames" in line and not line.startswith("note:")]
+    assert lines[-1] == f"{total} of {total} frames, about 0 s left" and len(lines) == total
+    assert printed.out.startswith(f"{total} frames, 0 refused")
+
+
+def test_a_bad_number_of_seconds_is_refused(monkeypatch):
+    monkeypatch.setenv("RESTSHAPE_PROGRESS", "often")
+    with pytest.raises(UserError, match="no number of seconds"):
+        ProgressLines("frames", 3)
