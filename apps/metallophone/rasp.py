@@ -7,7 +7,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
 from restshape.outputs.drawn import save_picture
-from restshape.report.style import length_unit, new_figure
+from restshape.outputs.si_numbers import length_unit
+from restshape.report.style import new_figure
 
 
 def draw_outline_density(

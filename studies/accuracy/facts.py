@@ -11,7 +11,7 @@ from restshape_studies.accuracy.setting import present, shown
 from restshape_studies.accuracy.study import Study
 
 from restshape.application import application
-from restshape.report.style import si
+from restshape.outputs.si_numbers import si
 
 Row = dict[str, Any]
 Facts = list[tuple[str, str]]

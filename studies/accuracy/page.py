@@ -15,8 +15,8 @@ from restshape_studies.pictures.work_precision import draw_work_precision
 
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import PageFile
+from restshape.outputs.si_numbers import si
 from restshape.outputs.whole import write_whole
-from restshape.report.style import si
 
 Row = dict[str, Any]
 Lines = Sequence[Sequence[str]]

@@ -6,7 +6,8 @@ from typing import Protocol
 import numpy as np
 
 from restshape.outputs.drawn import save_picture
-from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure, scaled_unit
+from restshape.outputs.si_numbers import scaled_unit
+from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure
 
 
 class Response(Protocol):

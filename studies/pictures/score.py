@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from restshape.outputs.drawn import save_picture
-from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure, scaled_unit
+from restshape.outputs.si_numbers import scaled_unit
+from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure
 
 COLOURS = (LEVELS[1], LEVELS[2])
 PLAIN = ("every frame", "on demand")

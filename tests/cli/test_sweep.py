@@ -5,17 +5,23 @@ import json
 import math
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
 
 from restshape import bounds
+from restshape.calibration import Calibration
 from restshape.errors import UserError
+from restshape.replay.first_frame import first_frame
+from restshape.variation.runs import Sweep
+from restshape.variation.sweep_request import SweepRequest
 from restshape.variation.swept_key import combinations, swept_keys
 
 PULL, LENGTH = 100e6, 2.0
 BAR = HEAD + block(LENGTH, 0.5) + STEEL.replace("nu = 0.3", "nu = 0.0") + CLAMPED + PULLED + meshed(0.25) + QUANTITIES
 """A bar without lateral contraction: it stretches by the traction times its length over Young's modulus."""
+BELLS = Path(__file__).parents[1] / "scenes" / "bar_100.toml"
 LARGE = BAR + "[effects.large_deformation]\n"
 
 
@@ -142,12 +148,12 @@ def test_a_mesh_file_is_read_anew_where_settings_of_the_mesh_change(command, tmp
     assert values_of(runs, "stretch") == pytest.approx([1e-3, 2e-3], rel=1e-7)
 
 
-def test_nonlinear_runs_start_anew_unless_they_shall_continue(command, tmp_path):
+def test_nonlinear_runs_continue_unless_they_shall_start_from_rest(command, tmp_path):
     words = (write_scene(tmp_path, LARGE), "--set", "loads.pull.traction.0=1GPa,5GPa,1GPa")
-    anew = runs_of(command, tmp_path, *words)
+    anew = runs_of(command, tmp_path, *words, "--from-rest")
     assert [one["analysis"] for one in anew] == 3 * ["new"]
     assert values_of(anew, "stretch")[0] == values_of(anew, "stretch")[2]
-    on = runs_of(command, tmp_path, *words, "--continue")
+    on = runs_of(command, tmp_path, *words)
     assert [one["analysis"] for one in on] == ["new", "reused", "reused"]
     # The solution is unique here.
     assert values_of(on, "stretch") == pytest.approx(values_of(anew, "stretch"), rel=1e-5)
@@ -196,11 +202,12 @@ def test_where_no_run_has_a_result_the_message_says_why(command, tmp_path):
 
 def test_an_interrupted_sweep_keeps_its_runs(command, tmp_path, monkeypatch):
     @contextmanager
-    def stopping(quiet):
+    def stopping(quiet, total, what):
         frames = iter(range(3))
 
-        def count():
-            if next(frames, None) is None:
+        def count(steps):
+            # A run counts when it is done, its frames only show that there is life.
+            if steps and next(frames, None) is None:
                 raise KeyboardInterrupt
 
         yield count
@@ -263,3 +270,19 @@ def test_two_ranks_give_the_same_table(on_ranks, tmp_path):
     tables = [[line.split() for line in one.stdout.splitlines()[1:]] for one in ended]
     assert [row[:3] for row in tables[0]] == [row[:3] for row in tables[1]]
     assert float(tables[1][-1][2]) == pytest.approx(1e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize(("key", "value", "counts"), [("E", "50e9", 1), ("thickness", "0.008", 2)])
+def test_modes_go_on_where_values_change(key, value, counts, caplog):
+    """Frequencies are those of a replay of its own; modes of a scaled system are not counted again."""
+    fixed = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="8 mm"']
+    caplog.set_level("INFO", "restshape")
+    first = {"E": "70e9", "thickness": "0.004"}[key]
+    _, swept = swept_keys([f"material.aluminium.{key}={first},{value}"])
+    runs = list(Sweep(SweepRequest(BELLS, fixed, swept, None, None, None, Calibration.load())).runs())
+    assert [(one.analysis, one.level) for one in runs] == [("new", 3), ("reused", 0)]
+    assert sum("are counted by its inertia" in record.getMessage() for record in caplog.records) == counts
+    own = first_frame(BELLS, [*fixed, f"material.aluminium.{key}={value}"]).row
+    assert len(runs[1].quantities) >= 3
+    for name, extent in runs[1].quantities.items():
+        assert extent.last == pytest.approx(own[name], rel=1e-6), name

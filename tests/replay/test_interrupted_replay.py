@@ -145,7 +145,7 @@ def test_a_signal_to_one_rank_ends_all_after_the_same_frame(tmp_path, start_rest
     printed, reported = process.communicate(timeout=60)
     assert process.returncode == 128 + number, reported
     assert "restshape replay: interrupted" in reported and "Traceback" not in reported and "MPI_ABORT" not in reported
-    assert "policy auto" in printed and "2 rank(s)" in printed
+    assert "policy auto" in printed and "2 ranks" in printed
     assert opened(tmp_path / "a.vtkhdf").status == "interrupted"
 
 

@@ -14,6 +14,7 @@ from small_scenes import across, drag, write_scene, write_script
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import length_unit, si
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames
@@ -22,7 +23,6 @@ from restshape.report.happenings import chosen_frames, failure
 from restshape.report.levels import stage_shares
 from restshape.report.outlines import border
 from restshape.report.scenery import scenery
-from restshape.report.style import length_unit, si
 from restshape.report.tables import level_table, quantity_table
 from restshape.report.timeline import draw_timeline
 

@@ -18,10 +18,11 @@ from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.shape.planks import Piece, Plank
 
 from restshape.guidance.ranges import Ranges
+from restshape.outputs.si_numbers import length_unit
 from restshape.report.camera import Camera, Window
 from restshape.report.space_axes import draw_box
 from restshape.report.space_scene import GHOST, HALO, MARK, TOP, SpaceImage
-from restshape.report.style import BODY, COLOURS, INK, REFUSED, length_unit
+from restshape.report.style import BODY, COLOURS, INK, REFUSED
 
 AZIMUTH, ELEVATION, FAR = np.radians(-62.0), np.radians(18.0), 6.0
 """Where the camera is, and its distance in sizes of the piece."""

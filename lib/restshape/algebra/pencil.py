@@ -9,6 +9,9 @@ from petsc4py import PETSc
 from restshape.algebra.stages import Stages
 from restshape.errors import ReplayProblem
 
+SAME = 1e-12
+"""Relative difference of products that rounding leaves of matrices which are multiples of each other."""
+
 
 class Pencil:
     """K and M as they stand, and the last complete factor of K - s M, which may be of matrices of some frames ago.
@@ -69,6 +72,20 @@ class Pencil:
             self._counting.forget()
             self._kept.stale_pattern = True
             self._patterns = patterns
+
+    def multiplied(self, stiffness: PETSc.Mat, mass: PETSc.Mat) -> bool:
+        """Whether these matrices are multiples of those of the last solve, as their products with a random row show."""
+        x = stiffness.createVecRight()
+        x.setArray(np.random.default_rng(3).uniform(-1.0, 1.0, x.getLocalSize()))
+        for old, new in ((self.stiffness, stiffness), (self.mass, mass)):
+            before, now = old.createVecLeft(), new.createVecLeft()
+            old.mult(x, before)
+            new.mult(x, now)
+            a, b = before.getArray(), now.getArray()
+            factor = float(a @ b) / float(a @ a)
+            if factor <= 0.0 or float(np.linalg.norm(b - factor * a)) > SAME * float(np.linalg.norm(b)):
+                return False
+        return True
 
     def apply(self, matrix: PETSc.Mat, rows: np.ndarray, out: np.ndarray) -> None:
         """Write the products of a matrix with each row (k, n) to `out` (k, n)."""

@@ -178,16 +178,21 @@ class ModalAnalysis:
         return LinearReport(report.iterations, report.refreshed, report.age, report.method)
 
     def _solve(self, frame: Frame, rebind: bool) -> ModalState:
+        before = self.state
         if rebind:
-            state, previous = bound(self.state, self.solver, frame, self.context, self.make)
+            state, previous = bound(before, self.solver, frame, self.context, self.make)
         else:
             state, previous = self.state, followed(self.state, self.solver, frame, self.context.stages)
         with self.context.stages("values"):
             stiffness, mass = state.matrices.assemble()
             rigid = state.body.free_rigid_motions()
-        verify = frame.edit_ended or self.verified.due(frame.mesh)
+        # Other values on the same nodes: modes and factor of before serve. Which modes are lowest is counted anew,
+        # unless both matrices are multiples of what they were, so that all modes stay.
+        revalued = rebind and frame.mesh is before.space and not before.interrupted and len(previous) > 0
+        verify = revalued and not self.solver.pencil.multiplied(stiffness, mass)
+        verify = verify or frame.edit_ended or self.verified.due(frame.mesh)
         search = self._search(state)
-        found = search(stiffness, mass, rigid, state.count, rebind, verify)
+        found = search(stiffness, mass, rigid, state.count, rebind and not revalued, verify)
         with self.context.stages("observe"):
             # In a frame of a drag the mass changes little.
             sizes = self.solver.pencil.norms(previous) if rebind and len(previous) else np.ones(len(previous))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from restshape.cli.options import print_table
+from restshape.cli.quantity_cells import A4, MISSING, cells, tone
+from restshape.outputs.si_numbers import si
 
 SINGULAR = "singular"
 
@@ -14,20 +16,26 @@ def print_quantities(summary: dict[str, Any]) -> None:
     from restshape.replay.singular_notes import ESTIMATES_NOTE, singular_notes
 
     quantities, errors, sizes = summary["quantities"], summary["quantity_errors"], summary["scales"]
+    units, a4 = summary.get("units", {}), summary.get("a4", A4)
+    tones = {name: [tone(v[k], units.get(name, ""), a4) for k in (0, -1)] for name, v in quantities.items()}
+    with_tones = any(map(any, tones.values()))
     heads = ("quantity", "first", "last", "least", "largest") + (("largest estimated error",) if errors else ())
-    rows = [
-        (name, *_ends(v, sizes[name]), *([_largest(errors.get(name, []), sizes[name])] if errors else []))
-        for name, v in quantities.items()
-    ]
-    print_table("quantities (SI units)", heads, rows, right=heads[1:])
+    rows = []
+    for name, values in quantities.items():
+        unit, size = units.get(name, ""), sizes[name]
+        row = [name, *cells(_ends(values, size), unit)]
+        row += [_largest(errors.get(name, []), size, unit)] if errors else []
+        rows.append([*row, *(tones[name] if with_tones else [])])
+    heads += ("first note", "last note") if with_tones else ()
+    print_table("quantities", heads, rows, right=heads[1:])
     if any(isinstance(error, float) for known in errors.values() for error in known):
         print(ESTIMATES_NOTE)
-    _print_jumps(summary["jumps"], sizes)
+    _print_jumps(summary["jumps"], sizes, units)
     for note in singular_notes(summary["singular"]):
         print(note)
 
 
-def _print_jumps(jumps: dict[str, Any], sizes: dict[str, float]) -> None:
+def _print_jumps(jumps: dict[str, Any], sizes: dict[str, float], units: dict[str, str]) -> None:
     """Prints the table of jumps, without quantities that are zero."""
     from restshape.replay.rounding import cleared
 
@@ -35,28 +43,29 @@ def _print_jumps(jumps: dict[str, Any], sizes: dict[str, float]) -> None:
     for name, one in jumps.items():
         if one["share"] is not None:
             size = cleared(one["largest"], sizes[name])
-            rows.append((name, f"{size:.2g}", percent(one["share"] if size else 0.0), one["frame"] if size else "-"))
+            share = percent(one["share"] if size else 0.0)
+            rows.append((name, si(size, units.get(name, ""), 2), share, one["frame"] if size else "-"))
     if rows:
-        print_table("jumps where the mesh changed (SI units)", heads, rows, right=heads[1:])
+        print_table("jumps where the mesh changed", heads, rows, right=heads[1:])
 
 
-def _largest(errors: list[float | str | None], size: float) -> str:
+def _largest(errors: list[float | str | None], size: float, unit: str) -> str:
     """The largest error of a quantity; a dash where there is none."""
     from restshape.replay.rounding import cleared
 
     if any(error == SINGULAR for error in errors):
         return SINGULAR
     known = [error for error in errors if isinstance(error, float)]
-    return about(cleared(max(known), size)) if known else "-"
+    return about(cleared(max(known), size), unit) if known else MISSING
 
 
-def _ends(values: list[float | None], size: float) -> list[str]:
-    """First, last, least and largest of the values of a quantity; a dash where there is no number."""
+def _ends(values: list[float | None], size: float) -> list[float | None]:
+    """First, last, least and largest of the values of a quantity; None where there is no number."""
     from restshape.replay.rounding import cleared
 
     finite = [value for value in values if value is not None]
     found = (values[0], values[-1], min(finite, default=None), max(finite, default=None))
-    return ["-" if value is None else f"{cleared(value, size):.6g}" for value in found]
+    return [None if value is None else cleared(value, size) for value in found]
 
 
 def percent(share: float) -> str:
@@ -64,6 +73,6 @@ def percent(share: float) -> str:
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
-def about(error: float) -> str:
+def about(error: float, unit: str = "") -> str:
     """An estimated error in words: it is no bound."""
-    return f"about {error:.2g}" if error else "0"
+    return f"about {si(error, unit, 2)}" if error else "0"

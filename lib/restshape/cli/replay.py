@@ -18,12 +18,14 @@ from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_li
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
 from restshape.cli.parser import add_edits
+from restshape.cli.quantity_cells import tuning, unit_of
 from restshape.cli.quantity_tables import percent, print_quantities
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing, exit_code
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
+from restshape.outputs.si_numbers import counted
 from restshape.policy import GUESSES, POLICIES, policy
 from restshape.scene.renamed import notes
 from restshape.surroundings import start_petsc
@@ -39,7 +41,7 @@ LEVELS = {
     "3": "3 reconstruction",
     "still": "solved where nothing moved",
 }
-NOT_IN_JSON = ("rows", "reasons", "largest_residual", "scales")
+NOT_IN_JSON = ("rows", "reasons", "largest_residual", "scales", "units", "a4")
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
 
 
@@ -188,6 +190,8 @@ def _stop_other_ranks(error: BaseException) -> None:
 
 def _tell(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -> int:
     """Print the tables, write the JSON file, and give the exit code."""
+    summary["units"] = {name: unit_of(one.unit) for name, one in request.scene.quantities.items()}
+    summary["a4"] = tuning(request.scene.raw)
     # What is printed may find nobody who reads it.
     found = {key: value for key, value in summary.items() if key not in NOT_IN_JSON}
     write_json(args, {"origin": request.origin(), **found})
@@ -205,9 +209,9 @@ def _tell(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -
 def print_summary(summary: dict[str, Any], application: Application) -> None:
     """Print the tables of a summary of a replay of an application."""
     print(
-        f"{summary['frames']} frames, {summary['refused']} refused, {summary['unknowns']} unknowns, "
-        f"{summary['elements']} elements, policy {summary['policy']}, initial guess {summary['guess']}, "
-        f"{summary['ranks']} rank(s)"
+        f"{counted(summary['frames'], 'frame')}, {summary['refused']} refused, "
+        f"{counted(summary['unknowns'], 'unknown')}, {counted(summary['elements'], 'element')}, "
+        f"policy {summary['policy']}, initial guess {summary['guess']}, {counted(summary['ranks'], 'rank')}"
     )
     for column, reasons in summary["reasons"].items():
         _print_reasons(column, reasons)
@@ -221,12 +225,15 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     print_table("time a frame", heads, rows, right=heads[1:])
     print(
         f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "
-        f"{summary['iterations']} iterations, {summary['refreshes']} factorisations, "
+        f"{counted(summary['iterations'], 'iteration')}, {counted(summary['refreshes'], 'factorisation')}, "
         f"largest true residual {summary['largest_residual']:.1e}"
     )
     if summary["predicted"]:
         ms = summary["predicted_ms"]["p50"]
-        print(f"{summary['predicted']} frames predicted, {ms:.3f} ms each (p50), {1e3 / ms:,.0f} frames a second")
+        print(
+            f"{counted(summary['predicted'], 'frame')} predicted, {ms:.3f} ms each (p50), "
+            f"{1e3 / ms:,.0f} frames a second"
+        )
     if found := summary.get("rest"):
         print(convergence_line(found))
     for line in estimates(summary):
@@ -236,7 +243,10 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         violated = status["violated_constraints"]
         last = f"{status['last']} at the end{violated and ' for ' + violated}"
         doubtful = f", uncertain in {status['uncertain']}" if status["uncertain"] else ""
-        print(f"constraint status: {last}; holds in {status['holds']} frames, fails in {status['fails']}{doubtful}")
+        print(
+            f"constraint status: {last}; holds in {counted(status['holds'], 'frame')}, "
+            f"fails in {status['fails']}{doubtful}"
+        )
     if application.report:
         application.report.print_tables(summary["rows"])
     if "parity" in summary:
@@ -249,7 +259,8 @@ def convergence_line(found: dict[str, Any]) -> str:
     frames = found["converged"] + found["not_converged"]
     residual = "-" if found["residual"] is None else f"{found['residual']:.1e}"
     return (
-        f"converged: {found['converged']} of {frames} frames, {found['tangent_positive_definite']} of them stable; "
+        f"converged: {found['converged']} of {counted(frames, 'frame')}, "
+        f"{found['tangent_positive_definite']} of them stable; "
         f"largest residual {residual} of the weight (of the supports' forces without weight)"
     )
 

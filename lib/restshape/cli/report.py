@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application, applications
 from restshape.cli.options import add_json, print_table, write_json
+from restshape.cli.quantity_cells import cells, tone, tuning
 from restshape.cli.report_looks import add_looks, read_looks
 from restshape.cli.report_pictures import draw_report
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import AnimationFile, PictureFile
+from restshape.outputs.si_numbers import counted, si
 
 if TYPE_CHECKING:
     from restshape.replay.recording import Recording
@@ -128,7 +130,8 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
     if found:
         stable = found["tangent_positive_definite"]
         print(
-            f"converged: {found['converged']} frames, {stable} of them stable; not converged: {found['not_converged']}"
+            f"converged: {counted(found['converged'], 'frame')}, {stable} of them stable; "
+            f"not converged: {found['not_converged']}"
         )
     print()
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
@@ -144,13 +147,19 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
         print()
         extras = [key for key in EXTRAS if any(key in row for row in quantities)]
         heads = ("quantity", "first", "last", "min", "max", *(EXTRAS[key] for key in extras))
-        print_table("quantities", heads, (_quantity(row, extras) for row in quantities), right=heads[1:])
+        tones = _tones(recording, quantities)
+        heads += ("first note", "last note") if tones else ()
+        rows = [[*_quantity(row, extras), *tones.get(row["quantity"], ())] for row in quantities]
+        print_table("quantities", heads, rows, right=heads[1:])
         if any(isinstance(row.get("error"), float) for row in quantities):
             print(ESTIMATES_NOTE)
         for note in singular_notes(singular(recording)):
             print(note)
     if statuses:
-        print("constraint status: " + ", ".join(f"{word} in {count} frames" for word, count in statuses.items()))
+        print(
+            "constraint status: "
+            + ", ".join(f"{word} in {counted(count, 'frame')}" for word, count in statuses.items())
+        )
     if notes := note_table(recording):
         print()
         print_table("notes", ("line", "frames", "note"), notes, right=("line",))
@@ -179,18 +188,22 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
 
 def _quantity(row: dict[str, Any], extras: Sequence[str]) -> list[str]:
     """The cells of a quantity, all in one unit; extras: which of `EXTRAS` have a column."""
-    from restshape.report.style import si
     from restshape.scene.quantity import limit_digits
 
-    keys = ("first", "last", "min", "max")
-    largest = max((abs(row[key]) for key in keys if row[key] is not None), default=0.0)
-    cells = ["–" if row[key] is None else si(row[key], row["unit"], 5, largest) for key in keys]
+    shown = cells([row[key] for key in ("first", "last", "min", "max")], row["unit"])
     more = [row.get(key, "") for key in extras]
     texts = [si(one, row["unit"], limit_digits(one)) if isinstance(one, float) else one for one in more]
     if isinstance(row.get("error"), float):
         at = extras.index("error")
         texts[at] = f"about {si(row['error'], row['unit'], 2)}" if row["error"] else "0"
-    return [row["quantity"], *cells, *texts]
+    return [row["quantity"], *shown, *texts]
+
+
+def _tones(recording: Recording, rows: list[dict[str, Any]]) -> dict[str, list[str]]:
+    """The notes of the first and the last value of quantities that are tones, by name; empty where none is."""
+    a4 = tuning(recording.header.get("scene_values") or {})
+    found = {row["quantity"]: [tone(row[key], row["unit"], a4) for key in ("first", "last")] for row in rows}
+    return found if any(map(any, found.values())) else {}
 
 
 def _short(value: object) -> object:

@@ -6,20 +6,22 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from restshape.cli.limits import add_limits, lift_limits, limited
 from restshape.cli.options import add_scene, print_table, refuse_files_of_scene, write_json
 from restshape.cli.parser import add_edits
+from restshape.cli.quantity_cells import cells, unit_of
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import PICTURES, PictureFile, SweepFile
+from restshape.outputs.si_numbers import counted
 from restshape.policy import GUESSES, POLICIES
 from restshape.surroundings import start_petsc
 
@@ -41,10 +43,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--csv", type=SweepFile, metavar="FILE", help="a row a run")
     parser.add_argument("--out", type=PictureFile, metavar="FILE", help="picture of each quantity (.png, .svg)")
     parser.add_argument(
-        "--continue",
-        dest="continued",
+        "--from-rest",
         action="store_true",
-        help="nonlinear: start from the solution of the run before, and follow its branch",
+        help="nonlinear: find each solution from rest, not from that of the run before, whose branch it follows",
     )
     add_limits(parser)
     add_verbose(parser)
@@ -70,7 +71,8 @@ def _swept(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     from restshape.variation.sweep_request import SweepRequest
 
     calibration = Calibration.load(args.calibration)
-    request = SweepRequest(args.scene, fixed, swept, args.edits, args.policy, args.guess, calibration, args.continued)
+    chosen = (args.policy, args.guess, calibration, not args.from_rest)
+    request = SweepRequest(args.scene, fixed, swept, args.edits, *chosen)
     sweep, runs = Sweep(request), []
     interrupted = _run_all(args, sweep, swept, runs, begin_frame)
     lift_limits()
@@ -185,7 +187,10 @@ def _write(
         raise UserError(f"no run has a result; the first one, {_values(runs[0])}: {runs[0].why}")
     reused = sum(one.analysis == REUSED for one in runs)
     seconds = sum(one.cpu_s for one in runs)
-    print(f"{len(runs)} runs, {reused} of them with the analysis of the run before, {seconds:.2f} s of processor time")
+    print(
+        f"{counted(len(runs), 'run')}, {reused} of them with the analysis of the run before, "
+        f"{seconds:.2f} s of processor time"
+    )
     _print_runs(args, sweep, swept, runs)
     for note in singular_notes(sweep.singular):
         print(note)
@@ -213,7 +218,6 @@ def _values(run: SweptRun) -> str:
 
 def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], runs: list[SweptRun]) -> None:
     """Print a row a run: its values, its status, and each quantity at the end and its extremes."""
-    from restshape.replay.rounding import cleared
     from restshape.variation.swept_run import run_scales
 
     keys, columns = [one.key for one in swept], sweep.columns or []
@@ -224,9 +228,22 @@ def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], r
     rows, sizes = [], run_scales(sweep.scene, runs)
     for one in runs:
         row = one.table_row(bool(args.edits))
-        found = [(name, row.get(f"{name}{part.replace(' ', '_')}")) for name in columns for part in parts]
-        cells = [cleared(cell, sizes[name]) if isinstance(cell, float) else cell for name, cell in found]
+        shown = [_cells(row, name, parts, sweep, sizes[name]) for name in columns]
         status = f"{one.status}, {one.constraint_status}" if one.constraint_status else one.status
         counts = [one.frames, one.refused] if args.edits else []
-        rows.append([*(row[key] for key in keys), status, *counts, *("-" if c is None or c != c else c for c in cells)])
-    print_table("quantities (SI units)", heads, rows, right=heads[len(keys) + 1 :])
+        rows.append([*(row[key] for key in keys), status, *counts, *(cell for many in shown for cell in many)])
+    print_table("quantities", heads, rows, right=heads[len(keys) + 1 :])
+
+
+def _cells(row: dict[str, Any], name: str, parts: Sequence[str], sweep: Sweep, size: float) -> list[str]:
+    """The values of a quantity in the row of a run: at the end, and where there are several frames its extremes.
+
+    Args:
+        size: of the quantity in all runs; what is rounding beside it is shown as 0.
+    """
+    from restshape.replay.rounding import cleared
+
+    quantity = sweep.scene.quantities.get(name.removeprefix("q_")) if sweep.scene else None
+    found = [row.get(f"{name}{part.replace(' ', '_')}") for part in parts]
+    known = [None if value is None or value != value else cleared(value, size) for value in found]
+    return cells(known, unit_of(quantity.unit) if quantity else "", 6)

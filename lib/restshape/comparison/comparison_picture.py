@@ -15,6 +15,7 @@ from restshape.comparison.compared import Compared
 from restshape.comparison.result import Result
 from restshape.errors import UserError
 from restshape.outputs.drawn import save_picture
+from restshape.outputs.si_numbers import scaled_unit
 from restshape.replay.recording import Recording
 from restshape.replay.singular_notes import marked
 from restshape.report.drawing import Drawing
@@ -22,7 +23,7 @@ from restshape.report.field import own_pictures, shown_field
 from restshape.report.frames import add_colour_bar
 from restshape.report.quantity_panels import EACH, FRAMED, least_span
 from restshape.report.scenery import Scenery, scenery
-from restshape.report.style import INK, LEVELS, new_figure, scaled_unit
+from restshape.report.style import INK, LEVELS, new_figure
 
 MOST = 8
 """Quantities in the picture, those that differ most."""

@@ -5,10 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from restshape.outputs.si_numbers import si
 from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.report.field import limits_of, shown_field
-from restshape.report.style import LEVEL_NAMES, si
+from restshape.report.style import LEVEL_NAMES
 from restshape.report.tables import column, predicted, quantity_units, refused, with_values
 
 LONGEST = 90

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.outputs.si_numbers import si
 from restshape.replay.recording import Recording
 from restshape.report.field import ShownField, quantity_specs
-from restshape.report.style import si
 
 SYMBOLS = (("o", "○"), ("s", "□"), ("^", "△"), ("D", "◇"))
 """Markers, and letters that look like them."""

@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.tri import Triangulation
 
 from restshape.outputs.drawn import save_picture
-from restshape.report.style import INK, length_unit, new_figure
+from restshape.outputs.si_numbers import length_unit
+from restshape.report.style import INK, new_figure
 
 ACROSS = 3
 """Most pictures side by side."""

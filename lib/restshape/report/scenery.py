@@ -10,10 +10,11 @@ from matplotlib.colors import Colormap, Normalize
 from pydantic import ValidationError
 
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import length_unit, scaled_unit, si
 from restshape.replay.layout import bad
 from restshape.replay.recording import Recording
 from restshape.report.field import ShownField, physics_of, shown_field, true_scale
-from restshape.report.style import BODY, COLOURS, SIGNED, length_unit, scaled_unit, si
+from restshape.report.style import BODY, COLOURS, SIGNED
 from restshape.report.survey import Survey, colour_range, known_displacement, survey
 from restshape.scene.physics import Section
 from restshape.scene.plain_values import tables_in

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from math import floor, isfinite, log10
 
 import matplotlib
 
@@ -41,7 +40,6 @@ STAGES = {
     "observe": "#6699cc",
     "other": "#dddddd",
 }
-_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _SETTINGS = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -79,35 +77,3 @@ def new_figure(width: float, height: float) -> Figure:
     """
     plt.rcParams.update(_SETTINGS | dict.fromkeys(("figure.dpi", "savefig.dpi"), _RESOLUTION.get()))
     return Figure(figsize=(width, height), layout="constrained")
-
-
-def prefix(size: float) -> tuple[float, str]:
-    """The factor and SI prefix that bring a number of this size between 1 and 1000."""
-    if not isfinite(size) or size == 0:
-        return 1.0, ""
-    power = min(max(3 * floor(log10(abs(float(f"{size:.5g}"))) / 3 + 1e-12), -12), 12)
-    return 10.0**-power, _PREFIXES[power]
-
-
-def scaled_unit(size: float, unit: str) -> tuple[float, str]:
-    """The factor and unit in which such a number reads well, such as 1e-6 and "MPa"; m² and kg stay as they are."""
-    if not unit or unit in ("1", "m²", "kg"):
-        return 1.0, unit
-    factor, letter = prefix(size)
-    return factor, letter + unit
-
-
-def length_unit(size: float) -> tuple[float, str]:
-    """The factor and unit for axes of a part of this size [m]."""
-    return (1.0, "m") if size >= 1 else (1e3, "mm") if size >= 1e-3 else (1e6, "µm")
-
-
-def si(value: float, unit: str = "", digits: int = 3, like: float | None = None) -> str:
-    """A number with its unit, e.g. ``si(2.1e-4, "m") == "210 µm"``; the prefix is that of ``like``, if given."""
-    if not isfinite(value):
-        return "–"
-    factor, shown = scaled_unit(value if like is None else like, unit)
-    text = f"{value * factor:.{digits}g}"
-    if "e" in text and 1 <= abs(value * factor) < 1e5:
-        text = f"{value * factor:.0f}"
-    return f"{text} {shown}".rstrip()

@@ -11,11 +11,12 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 
 from restshape.outputs.drawn import save_picture
+from restshape.outputs.si_numbers import scaled_unit
 from restshape.replay.constraints import recorded_limits
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
 from restshape.report.quantity_panels import EACH, FRAMED, MOST, draw_limits, least_span
-from restshape.report.style import COLOURS, INK, REFUSED, new_figure, scaled_unit
+from restshape.report.style import COLOURS, INK, REFUSED, new_figure
 from restshape.report.tables import kind_units
 from restshape.scene.model import Scene
 from restshape.variation.swept_key import SweptKey, combinations

@@ -29,7 +29,7 @@ class SweepRequest:
     policy: str | None
     guess: str | None
     calibration: Calibration
-    continued: bool = False
+    continued: bool = True
 
     def combinations(self) -> Iterator[tuple[int, ...]]:
         """Of each run the place of its value of each key."""

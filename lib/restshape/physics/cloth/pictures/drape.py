@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.outputs.si_numbers import length_unit, scaled_unit
 from restshape.physics.cloth.body_columns import recorded_bodies
 from restshape.physics.cloth.pictures.body_surfaces import body_surface
 from restshape.replay.recording import Recording
 from restshape.report.camera import Camera
-from restshape.report.style import length_unit, scaled_unit
 from restshape.report.tables import column
 from restshape.scene.bodies import Body
 

@@ -1,0 +1,40 @@
+"""Cells of tables of quantities: numbers with unit and SI prefix as in pictures, and the notes of tones."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import Any
+
+from restshape.analysis.pitch import note
+from restshape.outputs.si_numbers import si
+
+MISSING = "–"
+A4 = 440.0
+HEARD = (16.0, 20e3)
+"""Frequencies [Hz] that are tones."""
+
+
+def cells(values: Sequence[float | None], unit: str, digits: int = 5) -> list[str]:
+    """The values of one quantity, all with the prefix of the largest; a dash where there is none."""
+    known = [abs(value) for value in values if value is not None and isfinite(value)]
+    largest = max(known, default=0.0)
+    return [MISSING if value is None else si(value, unit, digits, largest) for value in values]
+
+
+def unit_of(symbol: str) -> str:
+    """A unit as tables and pictures write it."""
+    return symbol.replace("^2", "²").replace("^3", "³")
+
+
+def tuning(scene: Mapping[str, Any]) -> float:
+    """The frequency [Hz] of the tone A4 that the values of a scene say."""
+    modal = (scene.get("effects") or {}).get("modal") or {}
+    found = modal.get("a4")
+    return float(found) if isinstance(found, int | float) else A4
+
+
+def tone(frequency: float | None, unit: str, a4: float = A4) -> str:
+    """The note nearest to a frequency and the cents above it, such as "A4 +3 cents"; empty of anything else."""
+    if unit != "Hz" or frequency is None or not HEARD[0] <= frequency <= HEARD[1]:
+        return ""
+    name, cents = note(frequency, a4)
+    return f"{name} {cents:+.0f} cents".replace("-", "\N{MINUS SIGN}")
