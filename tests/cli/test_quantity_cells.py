@@ -46,7 +46,7 @@ def test_the_table_of_a_replay_has_units_notes_and_errors(capsys):
         "466.16 Hz",
         "440 Hz",
         "466.16 Hz",
-        "about 0.5 Hz",
+        "about 500 mHz",
         "A4 +0 cents",
         "A#4 +0 cents",
     ]

@@ -203,7 +203,7 @@ def test_where_no_run_has_a_result_the_message_says_why(command, tmp_path):
 def test_an_interrupted_sweep_keeps_its_runs(command, tmp_path, monkeypatch):
     @contextmanager
     def stopping(quiet, total, what):
-        frames = iter(range(3))
+        frames = iter(range(2))
 
         def count(steps):
             # A run counts when it is done, its frames only show that there is life.
@@ -269,7 +269,7 @@ def test_two_ranks_give_the_same_table(on_ranks, tmp_path):
     assert [one.returncode for one in ended] == [0, 0]
     tables = [[line.split() for line in one.stdout.splitlines()[1:]] for one in ended]
     assert [row[:3] for row in tables[0]] == [row[:3] for row in tables[1]]
-    assert float(tables[1][-1][2]) == pytest.approx(1e-3, rel=1e-6)
+    assert float(tables[1][-1][2]) == pytest.approx(1.0, rel=1e-5) and tables[1][-1][3] == "mm"
 
 
 @pytest.mark.parametrize(("key", "value", "counts"), [("E", "50e9", 1), ("thickness", "0.008", 2)])
@@ -283,6 +283,6 @@ def test_modes_go_on_where_values_change(key, value, counts, caplog):
     assert [(one.analysis, one.level) for one in runs] == [("new", 3), ("reused", 0)]
     assert sum("are counted by its inertia" in record.getMessage() for record in caplog.records) == counts
     own = first_frame(BELLS, [*fixed, f"material.aluminium.{key}={value}"]).row
-    assert len(runs[1].quantities) >= 3
+    assert "q_pitch" in runs[1].quantities
     for name, extent in runs[1].quantities.items():
         assert extent.last == pytest.approx(own[name], rel=1e-6), name

@@ -37,4 +37,4 @@ def tone(frequency: float | None, unit: str, a4: float = A4) -> str:
     if unit != "Hz" or frequency is None or not HEARD[0] <= frequency <= HEARD[1]:
         return ""
     name, cents = note(frequency, a4)
-    return f"{name} {cents:+.0f} cents".replace("-", "\N{MINUS SIGN}")
+    return f"{name} {round(cents):+d} cents".replace("-", "\N{MINUS SIGN}")

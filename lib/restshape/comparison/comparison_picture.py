@@ -1,5 +1,7 @@
 """The picture of two results: their quantities over the frames, and their fields side by side."""
 
+# More than 15 modules: quantities are drawn as in reports, and fields as in frames.
+
 from __future__ import annotations
 
 from collections.abc import Sequence
