@@ -24,6 +24,7 @@ demo: setup
 	@mkdir -p demo
 	$(restshape) replay $(plate) $(plate_edits) --out demo/plate.vtkhdf
 	$(restshape) report demo/plate.vtkhdf
+	@echo "next, to have the command restshape in this shell: . .venv/bin/activate"
 
 test: setup
 	.venv/bin/python -m pytest -n 2 --dist worksteal $(PYTEST_ARGS)

@@ -13,6 +13,7 @@ from restshape.cli.main import main
 from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
 from restshape.outputs.kinds import CsvFile
+from restshape.replay.petsc_options import without_effect
 from restshape.replay.recording import Recording
 
 DATA = Path(__file__).parents[1] / "data"
@@ -65,6 +66,12 @@ def test_words_that_petsc_never_used_are_named(folder, replay):
     code, _, shown_text = replay("--", "-solid_ksp_tpye", "cg", "-foo", "3", "nonsense", "-solid_ksp_type", "cg")
     assert code == 0
     assert "no use of these words after --: -solid_ksp_tpye -foo nonsense\n" in shown_text
+
+
+def test_options_that_change_nothing_are_named():
+    found = without_effect(["-solid_ksp_max_it", "3", "-solid_ksp_view", "-solid_ksp_monitor"])
+    assert [one.split(" ")[0] for one in found] == ["-solid_ksp_max_it", "-solid_ksp_view"]
+    assert all("(" in one for one in found) and without_effect(["-solid_ksp_rtol", "1e-3"]) == []
 
 
 @pytest.mark.slow

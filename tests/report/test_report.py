@@ -216,11 +216,11 @@ def test_frames_that_change_values_are_not_idle(tmp_path):
     assert frames["values"] == 2 and frames["idle"] == 2
 
 
-def test_mp4_without_ffmpeg_says_so(plate, tmp_path, monkeypatch, capsys):
+def test_without_ffmpeg_the_animation_is_a_gif(plate, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(shutil, "which", lambda _: None)
-    assert report(plate[0], "--out", str(tmp_path), "--animation", "mp4") == 2
+    assert report(plate[0], "--out", str(tmp_path), "--animation", "mp4") == 0
     assert "needs ffmpeg" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+    assert (tmp_path / "animation.gif").stat().st_size > 1000 and (tmp_path / "frames.png").is_file()
 
 
 def test_shapes_in_space_are_not_drawn(tmp_path):

@@ -55,7 +55,7 @@ def test_the_report_shows_limits_errors_and_statuses(recorded, tmp_path, capsys)
     words = ("--out", str(tmp_path / "r"), "--animation", "none", "--json", str(tmp_path / "a.json"))
     assert main(["report", str(path), *words]) == 0
     shown = capsys.readouterr().out
-    assert "holds in 1 frames, uncertain in 1 frames, fails in 1 frames" in shown
+    assert "holds in 1 frame, uncertain in 1 frame, fails in 1 frame" in shown
     assert (
         "at most" in shown
         and "largest estimated error" in shown

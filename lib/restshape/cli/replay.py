@@ -163,11 +163,13 @@ def _run(
 
 
 def _note_unused(words: list[str]) -> None:
-    """Which words after -- PETSc has made no use of: misspelt ones, most often."""
-    from restshape.replay.petsc_options import unused
+    """Which words after -- PETSc has made no use of, misspelt ones most often, and which change nothing here."""
+    from restshape.replay.petsc_options import unused, without_effect
 
     if left := unused(words):
         print(f"note: PETSc made no use of these words after --: {' '.join(left)}", file=sys.stderr)
+    for one in without_effect(words):
+        print(f"note: this option has no effect here: {one}", file=sys.stderr)
 
 
 def _stop_other_ranks(error: BaseException) -> None:

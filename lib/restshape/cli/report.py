@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import shutil
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -54,10 +56,10 @@ def run(args: argparse.Namespace) -> int:
     if args.recording.is_dir():
         raise UserError("this is a folder", str(args.recording), "name a recording (.vtkhdf) in it")
     from restshape.replay.recording import Recording
-    from restshape.report.animation import require_ffmpeg
 
-    if args.animation == "mp4":
-        require_ffmpeg()
+    if args.animation == "mp4" and shutil.which("ffmpeg") is None:
+        print("note: MP4 needs ffmpeg, which is not installed: the animation is a GIF", file=sys.stderr)
+        args.animation = "gif"
     looks = read_looks(args)
     with Recording(args.recording) as recording:
         if not recording.n:

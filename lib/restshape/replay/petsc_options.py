@@ -11,6 +11,12 @@ from restshape.errors import UserError
 AT_THE_END = ("log_", "malloc", "memory_", "objects_", "options_", "citations", "mpidump", "get_total_flops")
 """Beginnings of options that PETSc looks at only when it ends."""
 
+WITHOUT_EFFECT = {
+    "ksp_view": "-v names each KSP and PC, -ksp_monitor shows its iterations",
+    "ksp_max_it": "each solve sets its own limit, after which the preconditioner is made anew",
+}
+"""Endings of options that PETSc knows and restshape's solvers make up for, and what serves instead."""
+
 
 def options_of(words: Sequence[str]) -> tuple[list[tuple[str, str]], list[str]]:
     """Pairs (option with its dash, value or ""), and the words that belong to no option."""
@@ -50,6 +56,13 @@ def unused(words: Sequence[str]) -> list[str]:
     """Those of the words that PETSc has not looked at so far, and will not look at when it ends."""
     options, loose = options_of(words)
     return [option for option, _ in options if not _is_used(option)] + loose
+
+
+def without_effect(words: Sequence[str]) -> list[str]:
+    """Those options among the words that PETSc takes and that change nothing here, each with what serves instead."""
+    names = [option.lstrip("-") for option, _ in options_of(words)[0]]
+    found = ((name, ending) for name in names for ending in WITHOUT_EFFECT if name.endswith(ending))
+    return [f"-{name} ({WITHOUT_EFFECT[ending]})" for name, ending in found]
 
 
 def _is_used(option: str) -> bool:
