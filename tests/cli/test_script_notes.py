@@ -38,4 +38,4 @@ def test_a_replay_without_its_script_says_where_one_is(tmp_path, capsys):
     script = tmp_path / "edits.jsonl"
     script.write_text(f'{{"format": "restshape-edits", "version": 1, "scene": "{scene.name}", "units": "m"}}\n')
     assert main(["replay", str(scene)]) == 0
-    assert f"--edits {script}" in capsys.readouterr().err
+    assert f"its edits: {script}" in capsys.readouterr().err

@@ -1,5 +1,7 @@
 """Pictures of furniture in space: joints by the use of their strength, forces of feet, weights, suggestions, ranges."""
 
+# More than 15 modules: what is drawn in space and what is written over it meet here.
+
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
