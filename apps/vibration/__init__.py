@@ -9,7 +9,7 @@ Quantities of interest: those of static solids, peaks over a frame's time steps,
 
 from pathlib import Path
 
-from restshape.application import Application, Declared
+from restshape.application import Application, Command, Declared
 
 application = Application(
     name="vibration",
@@ -17,4 +17,10 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:MOVING_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:transient_analysis",
+    commands=(
+        Command("participation", "modes on moving ground, and peaks by a spectrum", "restshape_apps.vibration.modes"),
+        Command("harmonic", "steady motion over the frequency of the ground", "restshape_apps.vibration.harmonic"),
+        Command("spectrum", "the response spectrum of a record of ground motion", "restshape_apps.vibration.spectrum"),
+        Command("ground-record", "write a record made by a formula", "restshape_apps.vibration.artificial_record"),
+    ),
 )

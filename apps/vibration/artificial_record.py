@@ -1,6 +1,6 @@
 """A record of ground acceleration made by a formula: filtered noise under an envelope, the same on each run.
 
-python -m restshape_apps.vibration.artificial_record --out FILE.csv
+restshape ground-record --out FILE.csv
 
     a(t) = P e(t) / max |e s| s(t),   s(t) = sum over k of sqrt(S(w_k)) cos(w_k t + 2 pi q k^2),   w_k = 2 pi k / T
 
@@ -13,14 +13,11 @@ Dynamics of Structures (1975), section 26-4; envelope: P. C. Jennings, G. W. Hou
 """
 
 import argparse
-import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
 from restshape.outputs.kinds import TABLE_MARK, TableFile
 from restshape.outputs.whole import write_whole
@@ -82,28 +79,17 @@ def record_text(ground: Ground, dt: float = 0.01) -> str:
     return "\n".join([f"{TABLE_MARK}artificial_record", "time [s],acceleration [m/s^2]", *lines, ""])
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Write the record; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.vibration.artificial_record", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     parser.add_argument("--out", type=TableFile, required=True, metavar="FILE", help="the record (.csv)")
     parser.add_argument("--peak", type=float, default=Ground.peak, help="largest acceleration [m/s^2] (%(default)s)")
     parser.add_argument("--frequency", type=float, default=Ground.frequency, help="of the ground [Hz] (%(default)s)")
-    args = parser.parse_args(words)
-    try:
-        refuse_overwriting(args)
-        if not (0.0 < args.peak < np.inf and 0.0 < args.frequency < np.inf):
-            raise UserError("peak and frequency are positive", "--peak, --frequency", "leave them out")
-        write_whole(Path(args.out), record_text(Ground(peak=args.peak, frequency=args.frequency)))
-    except OSError as error:
-        print(f"artificial_record: {args.out} cannot be written: {error.strerror}", file=sys.stderr)
-        return 2
-    except UserError as error:
-        print(f"artificial_record: {error}", file=sys.stderr)
-        return 2
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the record; 0."""
+    if not (0.0 < args.peak < np.inf and 0.0 < args.frequency < np.inf):
+        raise UserError("peak and frequency are positive", "--peak, --frequency", "leave them out")
+    write_whole(Path(args.out), record_text(Ground(peak=args.peak, frequency=args.frequency)))
     print(f"wrote {args.out}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """The steady motion of a shape on ground that moves at one frequency, over a range of frequencies.
 
-python -m restshape_apps.vibration.harmonic SCENE [--edits FILE --frame N] --range FROM TO [--csv FILE] [--picture FILE]
+restshape harmonic SCENE [EDITS] [--frame N] --range FROM TO [--csv FILE] [--picture FILE]
 
 Of each displacement along x or y among the scene's quantities: its amplitude relative to the ground under a ground
 acceleration of amplitude A, its phase against the acceleration, and the ratio of its amplitude in space to that of the
@@ -8,8 +8,6 @@ ground's displacement. Damping is the scene's. Each frequency is a direct solve 
 """
 
 import argparse
-import sys
-from collections.abc import Sequence
 
 import numpy as np
 from restshape_apps.vibration.harmonic_sweep import Sweep, sweep
@@ -31,40 +29,34 @@ def table(found: Sweep) -> str:
     return "\n".join([f"{TABLE_MARK}harmonic", ",".join(heads), *lines, ""])
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Print where each quantity is largest, and write the sweep; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.vibration.harmonic", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     add_structure(parser)
     parser.add_argument("--range", type=float, nargs=2, required=True, metavar=("FROM", "TO"), help="frequencies [Hz]")
     parser.add_argument("--points", type=int, default=200, metavar="N", help="frequencies (%(default)s)")
     parser.add_argument("--acceleration", type=float, default=1.0, metavar="A", help="of the ground [m/s^2] (1)")
     parser.add_argument("--csv", type=TableFile, metavar="FILE", help="write the sweep as a table")
     parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="draw it (.png, .svg)")
-    args = parser.parse_args(words)
-    try:
-        low, high = args.range
-        if not 0.0 < low < high < np.inf:
-            raise UserError("the frequencies are no range", "--range", "--range 0.5 10")
-        if not 2 <= args.points <= 10_000:
-            raise UserError("2 to 10,000 frequencies can be computed", "--points", "--points 200")
-        if not 0.0 < args.acceleration < np.inf:
-            raise UserError("the amplitude of the ground is positive", "--acceleration", "leave it out")
-        found = sweep(structure(args), np.linspace(low, high, args.points), args.acceleration)
-        _print(found)
-        if args.csv:
-            write_whole(args.csv, table(found))
-        if args.picture:
-            from restshape_apps.vibration.pictures import draw_sweep
 
-            draw_sweep(args.picture, found, args.scene.name)
-        write_json(args, _plain(found))
-    except OSError as error:
-        print(f"harmonic: {error.filename} cannot be written: {error.strerror}", file=sys.stderr)
-        return 2
-    except UserError as error:
-        print(f"harmonic: {error}", file=sys.stderr)
-        return 2
+
+def run(args: argparse.Namespace) -> int:
+    """Print where each quantity is largest, and write the sweep; 0."""
+    low, high = args.range
+    if not 0.0 < low < high < np.inf:
+        raise UserError("the frequencies are no range", "--range", "--range 0.5 10")
+    if not 2 <= args.points <= 10_000:
+        raise UserError("2 to 10,000 frequencies can be computed", "--points", "--points 200")
+    if not 0.0 < args.acceleration < np.inf:
+        raise UserError("the amplitude of the ground is positive", "--acceleration", "leave it out")
+    found = sweep(structure(args), np.linspace(low, high, args.points), args.acceleration)
+    _print(found)
+    if args.csv:
+        write_whole(args.csv, table(found))
+    if args.picture:
+        from restshape_apps.vibration.pictures import draw_sweep
+
+        draw_sweep(args.picture, found, args.scene.name)
+    write_json(args, _plain(found))
     return 0
 
 
@@ -90,7 +82,3 @@ def _plain(found: Sweep) -> dict[str, object]:
         for name, values in found.relative.items()
     }
     return {"frequency": found.frequencies.tolist(), "acceleration": found.acceleration, "quantities": quantities}
-
-
-if __name__ == "__main__":
-    sys.exit(main())

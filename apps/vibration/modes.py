@@ -1,6 +1,6 @@
 """The modes of a shape on moving ground, and the peaks of its motion by a response spectrum.
 
-python -m restshape_apps.vibration.modes SCENE [--edits FILE --frame N] [--modes K] [--record FILE]
+restshape participation SCENE [EDITS] [--frame N] [--modes K] [--record FILE]
 
 Each mode has its frequency, the scene's damping as a share of critical damping, its participation and the share of the
 mass that moves with it. With a record (the scene's, or --record) each displacement among the quantities has its peak by
@@ -8,8 +8,6 @@ the record's response spectrum, modes combined by SRSS and CQC, and by adding th
 """
 
 import argparse
-import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -66,30 +64,27 @@ def peaks(shape: Structure, modes: BaseModes, record: GroundRecord, scale: float
     return found
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Print modes and peaks; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.vibration.modes", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     add_structure(parser)
     parser.add_argument("--modes", type=int, default=6, metavar="K", help="how many (%(default)s)")
     parser.add_argument("--record", type=Path, metavar="FILE", help="record of the ground (.csv, .at2)")
-    args = parser.parse_args(words)
-    try:
-        if not 1 <= args.modes <= 40:
-            raise UserError("1 to 40 modes can be computed", "--modes", "--modes 6")
-        given = read_record(args.record) if args.record else None
-        shape = structure(args)
-        modes = present_modes(shape.analysis, args.modes)
-        ground = shape.analysis.state.plan.settings("ground")
-        scale = 1.0
-        if given is None and ground is not None and ground.file is not None:
-            given, scale = read_record(Path(ground.file)), ground.scale
-        found = peaks(shape, modes, given, scale) if given is not None else {}
-        _print(shape, modes, found)
-        write_json(args, _plain(shape, modes, found))
-    except UserError as error:
-        print(f"modes: {error}", file=sys.stderr)
-        return 2
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print modes and peaks; 0."""
+    if not 1 <= args.modes <= 40:
+        raise UserError("1 to 40 modes can be computed", "--modes", "--modes 6")
+    given = read_record(args.record) if args.record else None
+    shape = structure(args)
+    modes = present_modes(shape.analysis, args.modes)
+    ground = shape.analysis.state.plan.settings("ground")
+    scale = 1.0
+    if given is None and ground is not None and ground.file is not None:
+        given, scale = read_record(Path(ground.file)), ground.scale
+    found = peaks(shape, modes, given, scale) if given is not None else {}
+    _print(shape, modes, found)
+    write_json(args, _plain(shape, modes, found))
     return 0
 
 
@@ -120,7 +115,3 @@ def _plain(shape: Structure, modes: BaseModes, found: dict[str, Peaks]) -> dict[
         "mass": modes.mass,
         "peaks": {name: vars(one) for name, one in found.items()},
     }
-
-
-if __name__ == "__main__":
-    sys.exit(main())

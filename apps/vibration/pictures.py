@@ -10,8 +10,9 @@ from restshape_apps.vibration.harmonic_sweep import Sweep
 
 from restshape.analysis.response_spectrum import ResponseSpectrum
 from restshape.outputs.drawn import save_picture
+from restshape.outputs.si_numbers import scaled_unit
 from restshape.physics.elasticity.ground_record import GroundRecord
-from restshape.report.style import INK, LEVELS, new_figure, scaled_unit
+from restshape.report.style import INK, LEVELS, new_figure
 
 COLOURS = (LEVELS[1], LEVELS[2], LEVELS[3], LEVELS[-1], INK)
 

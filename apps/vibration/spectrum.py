@@ -1,20 +1,19 @@
 """The response spectrum of a record of ground acceleration.
 
-python -m restshape_apps.vibration.spectrum RECORD [--damping Z ...] [--csv FILE] [--picture FILE]
+restshape spectrum RECORD [--damping Z ...] [--csv FILE] [--picture FILE]
 
 For each damping: the largest displacement S_d of oscillators on this ground, the pseudo-velocity w S_d, and the
 pseudo-acceleration w^2 S_d. The record is linear between its samples, and the motion exact (Nigam and Jennings).
 """
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from restshape.analysis.response_spectrum import ResponseSpectrum, response_spectrum
-from restshape.cli.options import add_json, print_table, refuse_overwriting, write_json
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.kinds import TABLE_MARK, PictureFile, TableFile
 from restshape.outputs.whole import write_whole
@@ -24,10 +23,8 @@ SHOWN = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 """Periods [s] that are printed, where they are in the range."""
 
 
-def main(words: Sequence[str] | None = None) -> int:
-    """Print the spectrum at some periods, and write all of it; 0 on success, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m restshape_apps.vibration.spectrum", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
     parser.add_argument("record", type=Path, metavar="RECORD", help="record of accelerations (.csv, .at2)")
     parser.add_argument(
         "--damping", type=float, nargs="+", default=[0.05], metavar="Z", help="shares of critical damping"
@@ -37,25 +34,20 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--csv", type=TableFile, metavar="FILE", help="write the spectra as a table")
     parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="draw them (.png, .svg)")
     add_json(parser)
-    args = parser.parse_args(words)
-    try:
-        refuse_overwriting(args)
-        record = read_record(args.record)
-        found = _spectra(args, record)
-        _print(args, found)
-        if args.csv:
-            write_whole(args.csv, table(found))
-        if args.picture:
-            from restshape_apps.vibration.pictures import draw_spectra
 
-            draw_spectra(args.picture, record, found, args.record.name)
-        write_json(args, [_plain(one) for one in found])
-    except OSError as error:
-        print(f"spectrum: {error.filename} cannot be written: {error.strerror}", file=sys.stderr)
-        return 2
-    except UserError as error:
-        print(f"spectrum: {error}", file=sys.stderr)
-        return 2
+
+def run(args: argparse.Namespace) -> int:
+    """Print the spectrum at some periods, and write all of it; 0."""
+    record = read_record(args.record)
+    found = _spectra(args, record)
+    _print(args, found)
+    if args.csv:
+        write_whole(args.csv, table(found))
+    if args.picture:
+        from restshape_apps.vibration.pictures import draw_spectra
+
+        draw_spectra(args.picture, record, found, args.record.name)
+    write_json(args, [_plain(one) for one in found])
     return 0
 
 
@@ -110,7 +102,3 @@ def _plain(one: ResponseSpectrum) -> dict[str, object]:
         "pseudo_velocity": one.pseudo_velocity.tolist(),
         "pseudo_acceleration": one.pseudo_acceleration.tolist(),
     }
-
-
-if __name__ == "__main__":
-    sys.exit(main())

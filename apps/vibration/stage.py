@@ -3,7 +3,6 @@
 import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from petsc4py import PETSc
@@ -11,7 +10,8 @@ from petsc4py import PETSc
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
 from restshape.calibration import Calibration
-from restshape.cli.options import add_scene, permit, refuse_overwriting
+from restshape.cli.options import add_scene
+from restshape.cli.parser import add_edits
 from restshape.errors import UserError
 from restshape.policy import policy
 from restshape.replay.loop import Replay
@@ -60,7 +60,7 @@ class Structure:
 def add_structure(parser: argparse.ArgumentParser) -> None:
     """Declares the arguments that name a scene, a frame of its edits, and outputs."""
     add_scene(parser)
-    parser.add_argument("--edits", type=Path, metavar="FILE", help="edit script; the shape is that of its last frame")
+    add_edits(parser, "edit script (.jsonl); the shape is that of its last frame")
     parser.add_argument("--frame", type=int, metavar="N", help="the shape is that of this frame")
 
 
@@ -70,8 +70,6 @@ def structure(args: argparse.Namespace) -> Structure:
     Raises:
         UserError: the scene is no linear solid that vibrates, has no displacement to look at, or no such frame.
     """
-    permit(args)
-    refuse_overwriting(args)
     scene = load_scene(args.scene, args.set)
     if scene.app != "vibration":
         raise UserError(f"the scene is one of {scene.app!r}", str(args.scene), 'use a scene with app = "vibration"')

@@ -4,16 +4,17 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from restshape_apps.vibration.artificial_record import Ground, accelerations, main, record_text, spectrum
+from restshape_apps.vibration.artificial_record import Ground, accelerations, record_text, spectrum
 
 from restshape.application import application
+from restshape.cli.main import main
 from restshape.physics.elasticity.ground_record import read_record
 
 SHIPPED = application("vibration").folder / "scenes" / "ground.csv"
 
 
 def test_the_shipped_record_is_what_the_formula_gives(tmp_path):
-    assert main(["--out", str(tmp_path / "ground.csv")]) == 0
+    assert main(["ground-record", "--out", str(tmp_path / "ground.csv")]) == 0
     made, shipped = read_record(tmp_path / "ground.csv"), read_record(SHIPPED)
     np.testing.assert_array_equal(made.times, shipped.times)
     # The last digit that is written may be another one on another machine.
@@ -38,13 +39,13 @@ def test_its_spectrum_is_that_of_kanai_and_tajimi():
 def test_it_replaces_its_own_file_alone(tmp_path, capsys):
     other = tmp_path / "mine.csv"
     other.write_text("time [s],acceleration [g]\n0,0\n")
-    assert main(["--out", str(other)]) == 2
+    assert main(["ground-record", "--out", str(other)]) == 2
     assert "is not a table that restshape wrote" in capsys.readouterr().err
     other.write_text(record_text(Ground(), 0.1))
-    assert main(["--out", str(other), "--peak", "1"]) == 0
+    assert main(["ground-record", "--out", str(other), "--peak", "1"]) == 0
     assert read_record(other).peak == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("words", [["--peak", "-1"], ["--frequency", "nan"]])
 def test_numbers_that_make_no_sense_are_refused(tmp_path, words):
-    assert main(["--out", str(tmp_path / "a.csv"), *words]) == 2
+    assert main(["ground-record", "--out", str(tmp_path / "a.csv"), *words]) == 2

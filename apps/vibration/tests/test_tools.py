@@ -4,13 +4,14 @@ import json
 
 import numpy as np
 import pytest
-from restshape_apps.vibration import harmonic, modes, spectrum
+from restshape_apps.vibration import modes
 from restshape_apps.vibration.harmonic_sweep import sweep
 from restshape_apps.vibration.stage import structure_of
 from small_scenes import make_replay, rows_of, write_script
 
 from restshape.analysis.modes_beside import present_modes
 from restshape.application import application
+from restshape.cli.main import main
 from restshape.physics.elasticity.ground_record import read_record
 
 SCENES = application("vibration").folder / "scenes"
@@ -100,7 +101,7 @@ COMMON = ["--set", "mesh.size=2", "--json", "a.json"]
 
 def test_modes_are_printed_with_peaks(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert modes.main([str(FRAME), "--modes", "2", *COMMON]) == 0
+    assert main(["participation", str(FRAME), "--modes", "2", *COMMON]) == 0
     data = json.loads((tmp_path / "a.json").read_text())
     assert len(data["frequency"]) == 2 and data["peaks"]["drift"]["cqc"] > 0.01
     assert "SRSS" in capsys.readouterr().out
@@ -110,7 +111,7 @@ def test_a_sweep_is_written_as_it_is_printed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     files = [tmp_path / "a.csv", tmp_path / "a.png"]
     words = ["--csv", str(files[0]), "--picture", str(files[1])]
-    assert harmonic.main([str(FRAME), "--range", "1", "3", "--points", "5", *COMMON, *words]) == 0
+    assert main(["harmonic", str(FRAME), "--range", "1", "3", "--points", "5", *COMMON, *words]) == 0
     table = np.genfromtxt(files[0], delimiter=",", skip_header=2)
     data = json.loads((tmp_path / "a.json").read_text())
     np.testing.assert_allclose(table[:, 0], data["frequency"])
@@ -121,24 +122,24 @@ def test_a_spectrum_is_written_as_it_is_printed(tmp_path):
     files = [tmp_path / "a.csv", tmp_path / "a.png"]
     words = ["--csv", str(files[0]), "--picture", str(files[1])]
     words = ["--points", "4", "--damping", "0.02", "0.05", *words, "--json", str(tmp_path / "a.json")]
-    assert spectrum.main([str(RECORD), *words]) == 0
+    assert main(["spectrum", str(RECORD), *words]) == 0
     data = json.loads((tmp_path / "a.json").read_text())
     assert [one["damping"] for one in data] == [0.02, 0.05]
     assert len(np.genfromtxt(files[0], delimiter=",", skip_header=2)) == 8
 
 
 @pytest.mark.parametrize(
-    ("tool", "words", "says"),
+    ("command", "words", "says"),
     [
-        (harmonic, [FRAME, "--range", "3", "1"], "the frequencies are no range"),
-        (harmonic, [SCENES / "csm3.toml", "--range", "1", "3"], "linear solids"),
-        (modes, [FRAME, "--modes", "0"], "1 to 40 modes"),
-        (modes, [FRAME, "--record", "nowhere.csv"], "there is no such record"),
-        (spectrum, [RECORD, "--damping", "1"], "below 1"),
-        (spectrum, [RECORD, "--periods", "0", "1"], "the periods are no range"),
-        (spectrum, [FRAME], "a .csv or an .at2 file"),
+        ("harmonic", [FRAME, "--range", "3", "1"], "the frequencies are no range"),
+        ("harmonic", [SCENES / "csm3.toml", "--range", "1", "3"], "linear solids"),
+        ("participation", [FRAME, "--modes", "0"], "1 to 40 modes"),
+        ("participation", [FRAME, "--record", "nowhere.csv"], "there is no such record"),
+        ("spectrum", [RECORD, "--damping", "1"], "below 1"),
+        ("spectrum", [RECORD, "--periods", "0", "1"], "the periods are no range"),
+        ("spectrum", [FRAME], "a .csv or an .at2 file"),
     ],
 )
-def test_what_makes_no_sense_ends_with_2(capsys, tool, words, says):
-    assert tool.main([str(word) for word in words]) == 2
+def test_what_makes_no_sense_ends_with_2(capsys, command, words, says):
+    assert main([command, *map(str, words)]) == 2
     assert says in capsys.readouterr().err
