@@ -87,7 +87,7 @@ def test_the_summary_tells_how_many_frames_are_at_rest(cloth, tmp_path, capsys):
         0,
         1,
     ) and reported["residual"] > 1e-4
-    assert f"converged: 0 of 1 frames, 0 of them stable; largest residual {reported['residual']:.1e} of the weight" in (
+    assert f"converged: 0 of 1 frame, 0 of them stable; largest residual {reported['residual']:.1e} of the weight" in (
         capsys.readouterr().out
     )
 

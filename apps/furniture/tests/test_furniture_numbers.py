@@ -9,10 +9,11 @@ from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import cantilever, scales
 from restshape_apps.furniture.shape.design_modes import DesignModes
-from restshape_verification.furniture import sessions
 from restshape_verification.furniture.misses import FIRST_ONLY, SMALL, UNLIMITED, Grid
 from restshape_verification.furniture.thesis import rows
 from restshape_verification.furniture.times import COLUMNS, large, timed
+
+from restshape.cli.main import main
 
 
 def test_planks_and_joints_are_those_of_the_thesis() -> None:
@@ -73,7 +74,7 @@ def test_a_grid_of_triples_finds_what_suggestions_miss() -> None:
 
 def test_suggestions_need_the_fewest_edits(tmp_path, capsys) -> None:
     path = tmp_path / "sessions.json"
-    assert sessions.main(["--json", str(path)]) == 0
+    assert main(["design-sessions", "--json", str(path)]) == 0
     found = json.loads(path.read_text())
     assert "suggestions" in capsys.readouterr().out
     targets = {row["target"] for row in found}

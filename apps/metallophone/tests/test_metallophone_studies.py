@@ -7,6 +7,8 @@ from restshape_studies.bench.job import Outcome
 from restshape_studies.pictures.accuracy import draw_accuracy
 from restshape_verification.metallophone import accuracy, thesis
 
+from restshape.cli.main import main
+
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("jobs_here")
@@ -54,14 +56,14 @@ def test_command_writes_what_it_measured(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(accuracy, "FAMILIES", (accuracy.Family(plate.name, plate.overrides, (12.0, 8.0)),))
     monkeypatch.setattr(accuracy, "BARS", {200: accuracy.BARS[200]})
     out = tmp_path / "a.json"
-    assert accuracy.main(["--frames", "5", "--json", str(out)]) == 0
+    assert main(["bar-accuracy", "--frames", "5", "--json", str(out)]) == 0
     records = json.loads(out.read_text())
     assert [record["length"] for record in records] == [200] and len(records[0]["points"]) == 2
     assert "Kirchhoff's limit" in capsys.readouterr().out
 
 
 def test_what_cannot_be_measured(monkeypatch, capsys):
-    assert accuracy.main(["--frames", "1"]) == 2
+    assert main(["bar-accuracy", "--frames", "1"]) == 2
     monkeypatch.setattr(accuracy, "study", lambda *words: accuracy.replayed(100, (), 5, lambda job: Outcome([], "end")))
-    assert accuracy.main([]) == 2
+    assert main(["bar-accuracy"]) == 2
     assert "bar end" in capsys.readouterr().err

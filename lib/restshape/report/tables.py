@@ -169,8 +169,10 @@ def jumped(recording: Recording, least: float) -> np.ndarray:
 
 def note_table(recording: Recording) -> list[tuple[int, str, str]]:
     """All notes of a recording: the line of the script, the first frame to the last one, and what there is to note."""
-    found = []
-    for (line, note), same in groupby(rows_of(recording), key=lambda row: (int(row["line"]), row.get("note") or "")):
+    found: list[tuple[int, str, str]] = []
+    if not {"line", "index", "note"} <= recording.table.keys():
+        return found
+    for (line, note), same in groupby(rows_of(recording), key=lambda row: (int(row["line"]), row["note"] or "")):
         frames = [int(row["index"]) for row in same]
         if note:
             found.append((line, f"{frames[0]} to {frames[-1]}" if len(frames) > 1 else f"{frames[0]}", note))
