@@ -21,8 +21,9 @@ WITHIN = 0.03
 
 
 def told(text: str) -> list[tuple[str, list[float]]]:
-    """Quantities of a table with their first and last value."""
-    return [(name, [float(a), float(b)]) for name, a, b in re.findall(r"^(\w+) +([\d.e+-]+) +([\d.e+-]+)", text, re.M)]
+    """Quantities of a table with their first and last value, in the unit of the table."""
+    number = r"([\d.e+-]+)(?: [^\W\d]+²?)?"
+    return [(name, [float(a), float(b)]) for name, a, b in re.findall(rf"^(\w+) +{number} +{number}", text, re.M)]
 
 
 def test_no_more_commands_are_needed_than_promised():

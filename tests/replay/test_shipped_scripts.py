@@ -6,11 +6,26 @@ import pytest
 from shipped_scripts import COARSE, ROOT, TABLE, counted, expected, shipped_scripts, status
 
 
+def alike(counts: dict[str, int], pinned: dict[str, int]) -> bool:
+    """Whether as many frames end in each way; at limits 2 % may end otherwise, where rounding has made another mesh."""
+    most = {how: 0.02 * sum(pinned.values()) if how.startswith("solved,") else 0 for how in (*counts, *pinned)}
+    together = sum(counts.values()) == sum(pinned.values())
+    return together and all(abs(counts.get(how, 0) - pinned.get(how, 0)) <= n for how, n in most.items())
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("script", shipped_scripts(), ids=lambda path: f"{path.parts[-3]}-{path.stem}")
 def test_a_shipped_script_ends_as_committed(script, tmp_path, command):
     counts = counted(script, tmp_path, lambda *words: command(*words).returncode, COARSE.get(script.stem))
-    assert counts == expected(script), "if this is right: python tests/shipped_scripts.py --write"
+    assert alike(counts, expected(script)), f"{counts}; if this is right: python tests/shipped_scripts.py --write"
+
+
+def test_what_differs_from_what_is_pinned_is_seen():
+    pinned = {"solved, holds": 98, "solved, fails": 2}
+    assert alike({"solved, holds": 97, "solved, fails": 2, "solved, uncertain": 1}, pinned)
+    assert not alike({"solved, holds": 93, "solved, fails": 7}, pinned)
+    assert not alike({"solved, holds": 97, "solved, fails": 2, "refused": 1}, pinned)
+    assert not alike({"solved, holds": 97, "solved, fails": 2}, pinned)
 
 
 def test_no_demonstration_loses_frames():

@@ -122,6 +122,8 @@ def all_cases():
     # Of small strains damping is in the factors of the matrices that there are.
     damped = "[effects.damping]\nalpha = 1\nbeta = 1e-4\n"
     found["moving", "damping"] = case(moving + PLATE + LARGE + PULLED, damped, ["linear_elastic_tri3.tangent"])
+    beside = "[effects.modal]\nmodes = 2\n"
+    found["moving", "modal"] = case(moving + PLATE + PULLED, beside, [], ["EPSSolve"])
     modal = head("modes") + THICK + "[mesh]\nsize = 0.4\norder = 1\n[effects.modal]\nmodes = 3\n"
     found["modes", "in_plane_modes"] = Case(modal, modal + "in_plane = true\n")
     wooden = modal.replace("E = 200e9\nnu = 0.3", WOOD)

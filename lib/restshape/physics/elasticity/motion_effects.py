@@ -27,7 +27,7 @@ class DynamicsKeys(Strict):
     """
 
     model_config = ConfigDict(title="Dynamics")
-    time_step: Annotated[number_of("time"), Field(gt=0)] = 1e-3
+    time_step: Annotated[number_of("time"), Field(ge=1e-15)] = 1e-3
     steps: Annotated[int, Field(ge=1)] = 20
     beta: Annotated[float, Field(gt=0, le=0.5)] = 0.25
     gamma: Annotated[float, Field(ge=0.5, le=1)] = 0.5
