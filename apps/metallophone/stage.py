@@ -31,22 +31,6 @@ def analysed(args: argparse.Namespace) -> ModalAnalysis:
     scene = read_scene(args)
     if scene.app != "metallophone":
         raise UserError(f"the scene is one of {scene.app!r}", str(args.scene), 'use a scene with app = "metallophone"')
-    from petsc4py import PETSc
+    from restshape.replay.first_frame import replayed_to
 
-    from restshape.application import application
-    from restshape.calibration import Calibration
-    from restshape.policy import policy
-    from restshape.replay.loop import Replay
-    from restshape.scene.edit_script import Script, load_script
-
-    script = load_script(args.edits, scene) if args.edits else Script.empty(scene)
-    chosen = policy(scene.solve.policy)
-    replay = Replay(scene, script, application(scene.app), chosen, PETSc.COMM_WORLD, Calibration.load())
-    last = None
-    for row in replay.frames():
-        last = row["index"]
-        if last == args.frame:
-            break
-    if args.frame is not None and last != args.frame:
-        raise UserError(f"the edits have {last + 1} frames", "--frame", f"use 0 to {last}")
-    return replay.analysis
+    return replayed_to(scene, args.edits, args.frame).analysis

@@ -5,17 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from petsc4py import PETSc
 
 from restshape.analysis.transient import TransientAnalysis
-from restshape.application import application
-from restshape.calibration import Calibration
 from restshape.cli.options import add_scene
 from restshape.cli.parser import add_edits
 from restshape.errors import UserError
-from restshape.policy import policy
-from restshape.replay.loop import Replay
-from restshape.scene.edit_script import Script, load_script
+from restshape.replay.first_frame import replayed_to
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 
@@ -76,18 +71,7 @@ def structure(args: argparse.Namespace) -> Structure:
     if "large_deformation" in scene.effects:
         do = "leave out [effects.large_deformation]"
         raise UserError("modes and harmonic responses are those of linear solids", str(args.scene), do)
-    script = load_script(args.edits, scene) if args.edits else Script.empty(scene)
-    replay = Replay(
-        scene, script, application(scene.app), policy(scene.solve.policy), PETSc.COMM_WORLD, Calibration.load()
-    )
-    last = None
-    for row in replay.frames():
-        last = row["index"]
-        if last == args.frame:
-            break
-    if args.frame is not None and last != args.frame:
-        raise UserError(f"the edits have {last + 1} frames", "--frame", f"use 0 to {last}")
-    return structure_of(replay.analysis, scene)
+    return structure_of(replayed_to(scene, args.edits, args.frame).analysis, scene)
 
 
 def structure_of(analysis: TransientAnalysis, scene: Scene) -> Structure:

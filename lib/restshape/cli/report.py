@@ -110,12 +110,10 @@ def refuse_pictures(folder: Path, suffix: str = ".png") -> None:
 
 def _tables(recording: Recording, application: Application | None) -> dict[str, Any]:
     """Prints the tables and gives them back for programs."""
-    from restshape.replay.singular_notes import ESTIMATES_NOTE, singular_notes
     from restshape.report.tables import (
         convergence_counts,
         estimate_table,
         level_table,
-        note_table,
         quantity_table,
         refused,
         rows_of,
@@ -126,54 +124,21 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
     levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
     stopped, found, statuses = int(refused(recording).sum()), convergence_counts(recording), status_counts(recording)
     print(f"{recording.path}: {recording.summary}, {stopped} refused")
-    if recording.old_names:
-        names = ", ".join(f"{old} is {new}" for new, old in recording.old_names.items())
-        print(f"note: columns of an earlier version have other names now: {names}")
-    if found:
-        stable = found["tangent_positive_definite"]
-        print(
-            f"converged: {counted(found['converged'], 'frame')}, {stable} of them stable; "
-            f"not converged: {found['not_converged']}"
-        )
-    print()
-    heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
-    keys = ("level", "frames", "p50", "p95", "p99", "iterations")
-    rows = [[_short(row[key]) for key in keys] for row in levels if row["frames"] or row["level"] in "123"]
-    print_table("time a level (without the first frame)", heads, rows, right=heads[1:])
-    if errors:
-        print()
-        heads = ("relative error", "frames", "median", "largest")
-        cells = [[row["error"], row["frames"], f"{row['p50']:.2g}", f"{row['max']:.2g}"] for row in errors]
-        print_table("error beside the answers", heads, cells, right=heads[1:])
+    _print_old_names(recording)
+    _print_convergence(found)
+    _print_levels(levels)
+    _print_errors(errors)
     if quantities:
-        print()
-        extras = [key for key in EXTRAS if any(key in row for row in quantities)]
-        heads = ("quantity", "first", "last", "min", "max", *(EXTRAS[key] for key in extras))
-        tones = _tones(recording, quantities)
-        heads += ("first note", "last note") if tones else ()
-        rows = [[*_quantity(row, extras), *tones.get(row["quantity"], ())] for row in quantities]
-        print_table("quantities", heads, rows, right=heads[1:])
-        if any(isinstance(row.get("error"), float) for row in quantities):
-            print(ESTIMATES_NOTE)
-        for note in singular_notes(singular(recording)):
-            print(note)
-    if statuses:
-        print(
-            "constraint status: "
-            + ", ".join(f"{word} in {counted(count, 'frame')}" for word, count in statuses.items())
-        )
-    if notes := note_table(recording):
-        print()
-        print_table("notes", ("line", "frames", "note"), notes, right=("line",))
+        _print_quantities(recording, quantities)
+    _print_statuses(recording, statuses)
     of_application = {}
     if application and application.report:
         rows = rows_of(recording)
         print()
         application.report.print_tables(rows)
         of_application = application.report.summarised(rows)
-    origin = {key: recording.header[key] for key in ORIGIN if key in recording.header}
     return {
-        "origin": origin,
+        "origin": {key: recording.header[key] for key in ORIGIN if key in recording.header},
         "frames": recording.n,
         "refused": stopped,
         "status": recording.status,
@@ -186,6 +151,65 @@ def _tables(recording: Recording, application: Application | None) -> dict[str, 
         **of_application,
         "writer": recording.writer,
     }
+
+
+def _print_old_names(recording: Recording) -> None:
+    if recording.old_names:
+        names = ", ".join(f"{old} is {new}" for new, old in recording.old_names.items())
+        print(f"note: columns of an earlier version have other names now: {names}")
+
+
+def _print_convergence(found: dict[str, Any]) -> None:
+    if found:
+        stable = found["tangent_positive_definite"]
+        print(
+            f"converged: {counted(found['converged'], 'frame')}, {stable} of them stable; "
+            f"not converged: {found['not_converged']}"
+        )
+
+
+def _print_levels(levels: Sequence[dict[str, Any]]) -> None:
+    print()
+    heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
+    keys = ("level", "frames", "p50", "p95", "p99", "iterations")
+    rows = [[_short(row[key]) for key in keys] for row in levels if row["frames"] or row["level"] in "123"]
+    print_table("time a level (without the first frame)", heads, rows, right=heads[1:])
+
+
+def _print_errors(errors: Sequence[dict[str, Any]]) -> None:
+    if errors:
+        print()
+        heads = ("relative error", "frames", "median", "largest")
+        cells = [[row["error"], row["frames"], f"{row['p50']:.2g}", f"{row['max']:.2g}"] for row in errors]
+        print_table("error beside the answers", heads, cells, right=heads[1:])
+
+
+def _print_quantities(recording: Recording, quantities: Sequence[dict[str, Any]]) -> None:
+    from restshape.replay.singular_notes import ESTIMATES_NOTE, singular_notes
+    from restshape.report.tables import singular
+
+    print()
+    extras = [key for key in EXTRAS if any(key in row for row in quantities)]
+    heads = ("quantity", "first", "last", "min", "max", *(EXTRAS[key] for key in extras))
+    tones = _tones(recording, quantities)
+    heads += ("first note", "last note") if tones else ()
+    rows = [[*_quantity(row, extras), *tones.get(row["quantity"], ())] for row in quantities]
+    print_table("quantities", heads, rows, right=heads[1:])
+    if any(isinstance(row.get("error"), float) for row in quantities):
+        print(ESTIMATES_NOTE)
+    for note in singular_notes(singular(recording)):
+        print(note)
+
+
+def _print_statuses(recording: Recording, statuses: dict[str, int]) -> None:
+    from restshape.report.tables import note_table
+
+    if statuses:
+        shown = ", ".join(f"{word} in {counted(count, 'frame')}" for word, count in statuses.items())
+        print(f"constraint status: {shown}")
+    if notes := note_table(recording):
+        print()
+        print_table("notes", ("line", "frames", "note"), notes, right=("line",))
 
 
 def _quantity(row: dict[str, Any], extras: Sequence[str]) -> list[str]:

@@ -1,4 +1,4 @@
-"""The first frame of a scene, for validation and studies."""
+"""A scene brought to one of its frames, for validation, studies and commands that look at one shape."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,10 +7,12 @@ from petsc4py import PETSc
 
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.errors import UserError
 from restshape.policy import policy
 from restshape.replay.loop import Replay
-from restshape.scene.edit_script import Script
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
+from restshape.scene.model import Scene
 
 
 def first_frame(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PETSc.COMM_WORLD) -> Replay:
@@ -25,4 +27,28 @@ def first_frame(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PE
     chosen = policy(scene.solve.policy)
     replay = Replay(scene, Script.empty(scene), application(scene.app), chosen, comm, Calibration.load())
     list(replay.frames())
+    return replay
+
+
+def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
+    """A replay of a scene's edits that stands at one of their frames; `analysis` holds its result.
+
+    Args:
+        scene: where the edits start.
+        edits: script file; None: the first shape alone.
+        frame: its number; None: the last one.
+
+    Raises:
+        UserError: there is no such frame.
+    """
+    script = load_script(edits, scene) if edits else Script.empty(scene)
+    chosen = policy(scene.solve.policy)
+    replay = Replay(scene, script, application(scene.app), chosen, PETSc.COMM_WORLD, Calibration.load())
+    last = None
+    for row in replay.frames():
+        last = row["index"]
+        if last == frame:
+            break
+    if frame is not None and last != frame:
+        raise UserError(f"the edits have {last + 1} frames", "--frame", f"use 0 to {last}")
     return replay
