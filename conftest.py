@@ -39,8 +39,10 @@ os.environ.update(ENVIRONMENT)
 # Where the surroundings forbid compiled files, each worker and each process of a test would compile all anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
-# A shell that starts the tests in the background has them ignore Ctrl-C, and their children with them.
+# A shell that starts the tests in the background, or nohup, has them ignore signals, and their children with them.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGQUIT, signal.SIG_DFL)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
 PROCESSES = {"restshape", "start_restshape", "outside", "two_ranks"}

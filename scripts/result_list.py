@@ -105,7 +105,7 @@ LIST = (
     *reports("plate", PLATE, "apps/solid/edits/plate.jsonl"),
     *reports("cantilever", BEAM, "apps/cantilever/edits/cantilever.jsonl"),
     Result(
-        ("pipe-report/frames.png",),
+        ("pipe-report/frames.png", "pipe-report/quantities.png"),
         (recorded("pipe", "apps/thermal/scenes/pipe.toml"), "restshape report results/pipe.vtkhdf --animation none"),
         REPORT,
     ),

@@ -33,6 +33,8 @@ REFERENCE = re.compile(r"restshape\w*(\.\w+)+(?=:\w+$)")
 """The module in a text `module:attribute`, which is imported when asked for."""
 TEXTS = (b"tEXt", b"zTXt", b"iTXt", b"tIME")
 PNG, CHUNK = b"\x89PNG\r\n\x1a\n", b"tEXtStamp\0"
+SOUND_STAMP = re.compile(rb"LIST.{4}INFOICMT(.{4})", re.S)
+"""The head of the chunk of a WAV file that holds its stamp, with the length of the text."""
 
 
 @dataclass(frozen=True)
@@ -183,9 +185,11 @@ def split(path: Path) -> tuple[bytes, str]:
             rest = PNG + b"".join(whole for _, whole in chunks(data) if whole not in own)
             return rest, own[0][4 + len(CHUNK) : -4].decode("latin-1") if own else ""
         case ".wav":
-            head, mark, tail = data.partition(b"LIST")
-            rest = head[:4] + struct.pack("<I", len(head) - 8) + head[8:]
-            return (rest, tail[16:].rstrip(b"\0").decode("latin-1")) if mark else (data, "")
+            found = SOUND_STAMP.search(data)
+            if not found:
+                return data, ""
+            end = found.end() + struct.unpack("<I", found[1])[0]
+            return _sized(data[: found.start()] + data[end:]), data[found.end() : end].rstrip(b"\0").decode("latin-1")
         case ".md":
             found = re.search(r"\n<!-- stamp: (.*) -->\n\Z", data.decode())
             return (data[: len(data) - len(found[0].encode())], found[1]) if found else (data, "")
@@ -195,6 +199,11 @@ def split(path: Path) -> tuple[bytes, str]:
             found = found["rows"] if stamp and set(found) == {"rows"} else found
             return json.dumps(found, indent=1).encode() + b"\n", stamp
     raise ValueError(f"{path}: a result is .png, .wav, .md or .json")
+
+
+def _sized(sound: bytes) -> bytes:
+    """A WAV file whose head knows how long it is."""
+    return sound[:4] + struct.pack("<I", len(sound) - 8) + sound[8:]
 
 
 def content_hash(path: Path) -> str:
@@ -219,8 +228,9 @@ def write_stamp(path: Path, stamp: Stamp) -> None:
         case ".wav":
             text += b"\0" * (len(text) % 2)
             own = b"INFOICMT" + struct.pack("<I", len(text)) + text
-            rest += b"LIST" + struct.pack("<I", len(own)) + own
-            rest = rest[:4] + struct.pack("<I", len(rest) - 8) + rest[8:]
+            # Before the chunk at the end by which the program knows its own sounds.
+            sound, mark, program = rest.partition(b"LIST")
+            rest = _sized(sound + b"LIST" + struct.pack("<I", len(own)) + own + mark + program)
         case ".md":
             rest += f"\n<!-- stamp: {stamp} -->\n".encode()
         case ".json":

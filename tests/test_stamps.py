@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from restshape.outputs.drawn import SOURCE, fingerprint
+from restshape.outputs.kinds import SoundFile, mark_sound
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -105,6 +106,15 @@ def test_stamps_are_read_as_they_were_written_and_change_nothing_else(tmp_path):
     assert (tmp_path / "a.md").read_text() == f"# Title\n\ntext\n\n<!-- stamp: {STAMP} -->\n"
     assert json.loads((tmp_path / "table.json").read_text()) == {"stamp": str(STAMP), "b": 1, "a": [2, 3]}
     assert json.loads((tmp_path / "rows.json").read_text()) == {"stamp": str(STAMP), "rows": [{"a": 1}]}
+
+
+def test_a_stamped_sound_stays_one_of_the_program(tmp_path):
+    path = next(path for path in files(tmp_path) if path.suffix == ".wav")
+    with path.open("r+b") as raw:
+        mark_sound(raw)
+    for _ in range(2):
+        write_stamp(path, STAMP)
+        assert SoundFile(path).ours() and read_stamp(path) == STAMP
 
 
 def test_changed_contents_are_seen(tmp_path):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from small_scenes import drag, plate, write_scene, write_script
 
+from restshape.outputs.si_numbers import counted
 from restshape.replay.recording import Recording
 
 FRAMES = 15_000
@@ -118,7 +119,7 @@ def test_a_full_disk(tmp_path, start_restshape, words):
     assert process.returncode == 2
     assert "the disk is full" in reported and "Traceback" not in reported
     recording = opened(tmp_path / "a.vtkhdf")
-    assert recording.status == "disk full" and f"the first {recording.n} frames" in reported
+    assert recording.status == "disk full" and f"the first {counted(recording.n, 'frame')}" in reported
 
 
 @pytest.mark.slow

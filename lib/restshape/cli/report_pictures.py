@@ -69,7 +69,7 @@ def _draw(
         draw_timeline(recording, timeline, iterations=reuse is not None)
     if draw_history(recording, history):
         pictures.insert(0, history)
-    if recording.n > 1 and draw_quantities(recording, quantities):
+    if draw_quantities(recording, quantities):
         pictures.insert(0, quantities)
     # Without a mesh there is none to reuse; where bodies move, and the pattern stays, there are no levels.
     if recording.n > 1 and reuse and not (special and not recording.table["level"][1:].any()):

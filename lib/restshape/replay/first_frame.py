@@ -44,9 +44,8 @@ def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
     script = load_script(edits, scene) if edits else Script.empty(scene)
     chosen = policy(scene.solve.policy)
     replay = Replay(scene, script, application(scene.app), chosen, PETSc.COMM_WORLD, Calibration.load())
-    last = None
-    for row in replay.frames():
-        last = row["index"]
+    last = -1
+    for last, _ in enumerate(replay.frames()):
         if last == frame:
             break
     if frame is not None and last != frame:
