@@ -33,6 +33,8 @@ stretch = { displacement = "x", at = "right", reduce = "mean" }
 corner = { displacement = "magnitude", at = "c" }
 most = { displacement = "y", reduce = "absmax" }
 inside = { displacement = "y", at = "core" }
+place = { position = "x", at = "right" }
+furthest = { position = "y", reduce = "max" }
 wall = { reaction = "x", at = "left" }
 energy = { energy = "strain" }
 part = { energy = "strain", at = "core" }
@@ -41,7 +43,7 @@ side = { stress = "xx", at = "core", reduce = "mean" }
 space = { area = true }
 """
 BODY = HEAD + block(2.0, 1.0) + CORE + HOLE + STEEL + SOFT + CLAMPED + PRESSED
-NAMES = ("stretch", "corner", "most", "inside", "wall", "energy", "part", "window", "side")
+NAMES = ("stretch", "corner", "most", "inside", "place", "furthest", "wall", "energy", "part", "window", "side")
 LIMITED = plate().replace('stretch = { displacement = "x"', 'stretch = { MAX displacement = "x"')
 
 
@@ -92,7 +94,7 @@ def test_effectivity_against_a_fine_mesh(tmp_path, order, size):
     coarse, fine = solved(tmp_path, size, order), solved(tmp_path, 0.03, 2)
     values, true = coarse.observe(), fine.observe()
     found = coarse.quantity_errors(NAMES)
-    for name in ("stretch", "corner", "most", "inside", "energy", "part"):
+    for name in ("stretch", "corner", "most", "inside", "place", "energy", "part"):
         assert 0.5 <= found[name] / abs(true[name] - values[name]) <= 2.0, name
     assert found["wall"] <= 1e-6 * abs(values["wall"])
     # Stresses in a node: the right decade.

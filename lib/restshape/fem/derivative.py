@@ -10,7 +10,7 @@ from restshape.fem.edge_reactions import EdgeReactions
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Function
 from restshape.fem.problem import Problem
-from restshape.fem.space import PlaneSpace
+from restshape.fem.space import PlaneSpace, Space
 from restshape.scene.model import Quantity
 
 
@@ -23,12 +23,14 @@ class Derivative:
         lift: (n, f) weights of reactions, 0 at free unknowns; None: no reaction is in it.
         energy: cells of which J is the energy, so that it has a second derivative; None: it is linear.
         own: an estimate of the error that J has at the exact unknowns, where recovery evaluates it.
+        value_on: J of unknowns on another space over the same mesh, where places of nodes count beside their unknowns.
     """
 
     load: np.ndarray
     lift: np.ndarray | None = None
     energy: np.ndarray | slice | None = None
     own: float = 0.0
+    value_on: Callable[[Space, np.ndarray], float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -100,7 +100,7 @@ def dual_solution(problem: Problem, derivative: Derivative, solve: DualSolve) ->
 def _consistency(
     problem: Problem, x: np.ndarray, derivative: Derivative, dual: np.ndarray, curved: CurvedProblem
 ) -> float:
-    """What straight sides and sampled loads do to a quantity; of an energy also what they do to its integral."""
+    """What straight sides and sampled loads do to a quantity; of energies and positions also to their evaluation."""
     error = -float((curved.residual * lifted(curved.problem, dual)).sum())
     if derivative.lift is not None:
         error -= float((unconstrained_residual(problem, x) * derivative.lift).sum())
@@ -108,4 +108,7 @@ def _consistency(
         both = ((curved.problem, curved.unknowns), (problem, x))
         energies = [one.integrals(STIFFNESS)[0].energies(at)[derivative.energy].sum() for one, at in both]
         error += float(energies[0] - energies[1])
+    if derivative.value_on is not None:
+        at = curved.problem.space, lifted(curved.problem, x)
+        error += float(derivative.value_on(*at) - derivative.value_on(problem.space, x))
     return error

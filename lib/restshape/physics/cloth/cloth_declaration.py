@@ -30,6 +30,13 @@ CLOTH = Physics(
     support=ClothSupport,
     quantities={
         "displacement": QuantityKind(Literal["x", "y", "z", "magnitude"], "length", "mean"),
+        "position": QuantityKind(
+            Literal["x", "y", "z"],
+            "length",
+            "mean",
+            reductions=("mean", "max", "min"),
+            summary="a coordinate in space, whatever the pattern",
+        ),
         "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum", on=tuple(ENTITIES)),
         "energy": QuantityKind(
             Literal["strain", "membrane", "bending", "potential"],

@@ -63,17 +63,24 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
         return area_at(mesh, name, quantity)
     if quantity.energy:
         return _energy(problem, name, quantity)
-    if not (quantity.displacement or quantity.reaction):
+    if not (quantity.displacement or quantity.position or quantity.reaction):
         raise UserError(
             f"cloth has no quantity of the kind {quantity.kind!r}",
             f"quantities.{name}",
-            "use displacement, reaction, energy or area",
+            "use displacement, position, reaction, energy or area",
         )
     nodes = observed_nodes(mesh, name, quantity)
     if quantity.reaction:
         column = AXES.index(quantity.reaction)
         return lambda x: reactions(problem, x)[nodes, column].sum()
+    if quantity.position:
+        return _position(problem, quantity, nodes)
     return _displacement(problem, quantity, nodes)
+
+
+def _position(problem: ObservedCloth, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
+    reduce, column = reduction(problem.mesh, quantity, nodes), AXES.index(quantity.position)
+    return lambda x: reduce(problem.corners(x)[nodes, column])
 
 
 def _displacement(

@@ -37,6 +37,13 @@ QUANTITIES = {
     "displacement": QuantityKind(
         Literal["x", "y", "magnitude"], "length", "mean", summary="a component of the displacement"
     ),
+    "position": QuantityKind(
+        Literal["x", "y"],
+        "length",
+        "mean",
+        reductions=("mean", "max", "min"),
+        summary="a coordinate after deformation: rest position and displacement",
+    ),
     "reaction": QuantityKind(
         Literal["x", "y"], "force", "sum", summary="a component of the force of supports", on=tuple(ENTITIES)
     ),

@@ -12,6 +12,7 @@ from restshape.fem.assembled import Assembled
 from restshape.fem.derivative import Derivative, Differentiable, nodal_quantity, reaction_lift, reduction_weights
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, cells_at, reduction
+from restshape.fem.positions import position_quantity
 from restshape.fem.problem import STIFFNESS, Problem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
@@ -65,6 +66,8 @@ class PlaneQuantities:
         if (missing := elsewhere(quantity)) is not None:
             why, key, do = missing
             raise UserError(why, ".".join(("quantities", name, *key)), do)
+        if quantity.position:
+            return position_quantity(self.space, name, quantity, "xy".index(quantity.position))
         nodes = observed_nodes(self.space, name, quantity)
         if quantity.reaction:
             column = "xy".index(quantity.reaction)

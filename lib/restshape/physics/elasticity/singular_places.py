@@ -49,9 +49,9 @@ def singular_places(scene: Scene, outline: Outline) -> list[SingularPlace]:
 
 def singular_quantities(scene: Scene, outline: Outline) -> dict[str, SingularPlace]:
     """The worst singular place of each quantity that does not converge there: stress that is not averaged, and
-    displacements of a point that bears a point load.
+    displacements and positions of a point that bears a point load.
     """
-    if not any(one.displacement is not None or _unbounded(one) for one in scene.quantities.values()):
+    if not any(_moves(one) or _unbounded(one) for one in scene.quantities.values()):
         return {}
     places = sorted(singular_places(scene, outline), key=lambda place: place.exponent)
     found = {}
@@ -175,7 +175,12 @@ def _diverges(quantity: Quantity, place: SingularPlace) -> bool:
     """Whether a quantity that holds a place has no limit there."""
     if quantity.stress is not None:
         return _unbounded(quantity)
-    return quantity.displacement is not None and place.cause == POINT
+    return _moves(quantity) and place.cause == POINT
+
+
+def _moves(quantity: Quantity) -> bool:
+    """Whether a quantity follows the displacement of its place."""
+    return quantity.displacement is not None or quantity.position is not None
 
 
 def _unbounded(quantity: Quantity) -> bool:
@@ -184,7 +189,7 @@ def _unbounded(quantity: Quantity) -> bool:
 
 def _holds(outline: Outline, quantity: Quantity, place: SingularPlace) -> bool:
     """Whether a quantity is taken over a place."""
-    if quantity.displacement is not None:
+    if _moves(quantity):
         return quantity.at is not None and outline.entity(quantity.at).vertices == (place.vertex,)
     if quantity.at is None:
         return True
