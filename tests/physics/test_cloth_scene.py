@@ -10,11 +10,11 @@ from restshape.mesh.generate import generate
 from restshape.physics.cloth.cloth_material_keys import ClothMaterial
 from restshape.physics.cloth.cloth_materials import bending, membrane
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.initial_placement import rotation
 from restshape.physics.cloth.scene import cloth_arguments
 from restshape.scene.load import revise
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec
+from restshape.shape.placement import rotation
 
 COUTURE = application("cloth")
 TURNED = """

@@ -5,11 +5,11 @@ import json
 import math
 
 import pytest
-from cloths import CONTACT, cloth
+from cloths import BALL, CONTACT, PIN, cloth
 
 from restshape.errors import UserError
 from restshape.scene.edit_script import EVENTS, Script, load_script
-from restshape.scene.load import load_scene, revise
+from restshape.scene.load import load_scene
 
 HEADER = {"format": "restshape-edits", "version": 1, "scene": "plate.toml", "units": "mm"}
 
@@ -101,7 +101,7 @@ def test_every_event(read):
         ({"t": 0, "do": "press"}, "'on' is missing"),
         ({"t": 0, "do": "press", "on": "a", "att": [0, 0]}, "did you mean 'at'"),
         ({"t": 0, "do": "press", "on": "a", "line": 3}, "no key 'line'"),
-        ({"t": 0, "do": "press", "on": "a", "at": [0]}, "s.jsonl: line 2: at: two numbers"),
+        ({"t": 0, "do": "press", "on": "a", "at": [0]}, "s.jsonl: line 2: at: at least 2 entries"),
         ({"t": 0, "do": "press", "on": 7}, "text in quotes is wanted"),
         ({"t": 0, "do": "rotate", "on": "a", "by": "3 mm"}, "is a length, but an angle is wanted"),
         ({"t": 0, "do": "rotate", "on": "a", "by": 1, "frames": 0}, "at least 1"),
@@ -160,32 +160,29 @@ def test_headers(read, header, message):
         read(header=header)
 
 
-LIFTED = {
-    "ball": ("sphere = { center = [0, 0, 0], radius = 1 }", ["sphere.center.2"]),
-    "floor": ("plane = { point = [0, 0, 0], normal = [0, 0, 1] }", ["plane.point.2"]),
-    "table": ("box = { center = [0, 0, 0], half = [1, 1, 1] }", ["box.center.2"]),
-    "nose": ("capsule = { start = [0, 0, 0], end = [1, 0, 0], radius = 1 }", ["capsule.start.2", "capsule.end.2"]),
-}
+IN_SPACE = [
+    {"do": "press", "on": "NAME", "at": [0, 0, 0]},
+    {"do": "drag", "to": [250, 0, 20]},
+    {"do": "drag", "path": [[0, 0], [1, 0, 2]], "frames": 4},
+]
 
 
-@pytest.mark.parametrize("name", LIFTED)
-@pytest.mark.parametrize("event", [{"do": "drag", "to": [250, 0, 20]}, {"do": "drag", "path": [[0, 0], [1, 0, 2]]}])
-def test_a_body_is_lifted_by_set_and_not_by_a_hand(tmp_path, read, name, event):
-    scene = cloth(tmp_path, CONTACT, *(f"[bodies.{name}]\n{form}" for name, (form, _) in LIFTED.items()))
-    press = {"t": 0, "do": "press", "on": name}
-    with pytest.raises(UserError) as printed:
-        read(press, {"t": 1} | event, scene=scene)
-    keys = [f"bodies.{name}.{key}" for key in LIFTED[name][1]]
-    assert "at most 2 entries" in printed.value.what and " and of ".join(keys) in printed.value.do
-    with pytest.raises(UserError, match="leave out z"):
-        read(press | {"at": [0, 0, 0]}, scene=scene)
-    for key in keys:
-        scene = revise(scene, key, 0.75)
-    values = json.loads(scene.bodies[name].model_dump_json(exclude_none=True))
-    assert json.dumps(values).count("0.75") == len(keys)
-    with pytest.raises(UserError) as printed:
-        read(PRESS, {"t": 1, "do": "drag", "to": [250, 0, 20]}, scene=scene)
-    assert printed.value.do == "write 2, as in [250, 0]"
+@pytest.mark.parametrize("name", ["ball", "pin", "supports.pin"])
+@pytest.mark.parametrize("event", IN_SPACE)
+def test_bodies_and_pins_go_to_places_in_space_and_parts_of_the_pattern_do_not(tmp_path, read, name, event):
+    scene = cloth(tmp_path, CONTACT, BALL, PIN)
+    events = [event] if event["do"] == "press" else [{"do": "press", "on": "NAME"}, event]
+
+    def script(on):
+        return read(
+            *({"t": k} | one | ({"on": on} if "on" in one else {}) for k, one in enumerate(events)), scene=scene
+        )
+
+    assert len(script(name).events) == len(events)
+    with pytest.raises(UserError, match="a place in the plane has 2 numbers, and there are 3: a is no body") as printed:
+        script("a")
+    key = "at" if event["do"] == "press" else "to" if "to" in event else "path.1"
+    assert printed.value.where.endswith(f"line {1 + len(events)}: {key}") and printed.value.do == "leave out z"
 
 
 def test_a_torn_last_line_is_reported_and_the_others_stay(read):

@@ -101,6 +101,7 @@ def quantities(draw: st.DrawFn, shape: Table) -> Table:
     at = st.sampled_from(entities(shape))
     found: Table = {"area": {"area": True}}
     found["far"] = {"displacement": draw(st.sampled_from(["x", "y", "z", "magnitude"])), "at": draw(at), "take": "max"}
+    found["place"] = {"position": draw(st.sampled_from("xyz")), "at": draw(at), "reduce": "min"}
     found["energy"] = {"energy": draw(st.sampled_from(["strain", "membrane", "bending", "potential"]))}
     if draw(st.integers(0, 2)) == 0:
         found["force"] = {"reaction": draw(st.sampled_from("xyz")), "at": draw(at)}
@@ -181,9 +182,28 @@ def cloth_sets(scene: Table) -> st.SearchStrategy[list[Table]]:
     return st.tuples(st.sampled_from(pairs), st.sampled_from([None, None, 3])).map(_event)
 
 
+@st.composite
+def space_drags(draw: st.DrawFn, scene: Table) -> list[Table]:
+    """A body or a pin that a hand takes through space; not always one that is there, or that may go there."""
+    names = [*(f"supports.{name}" for name in scene.get("supports", {})), *scene.get("bodies", {}), "supports.s9"]
+    on, path = draw(st.sampled_from(names)), draw(st.lists(_scaled(-0.5, 0.5), min_size=1, max_size=2))
+    press: Table = {"do": "press", "on": on}
+    if draw(st.booleans()):
+        press["at"] = draw(_scaled(-0.5, 0.5))
+    drag: Table = {"do": "drag", "path": path}
+    if draw(st.booleans()):
+        drag["frames"] = draw(st.integers(1, 3))
+    return [press, drag, {"do": "release"}]
+
+
+def cloth_edits(scene: Table) -> st.SearchStrategy[list[Table]]:
+    """New values for keys, and what goes through space."""
+    return st.one_of(cloth_sets(scene), space_drags(scene))
+
+
 def _event(drawn: tuple[tuple[str, Any], int | None]) -> list[Table]:
     (key, value), frames = drawn
     return [{"do": "set", "key": key, "value": value} | ({"frames": frames} if frames else {})]
 
 
-SCENES = RandomScenes(cloth_scenes(), edits=lambda scene: edits_with(scene, cloth_sets(scene)), predictable=never)
+SCENES = RandomScenes(cloth_scenes(), edits=lambda scene: edits_with(scene, cloth_edits(scene)), predictable=never)

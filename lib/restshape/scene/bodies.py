@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self, TypeVar
 
 from pydantic import BaseModel, Field, model_validator
 
@@ -11,6 +11,9 @@ from restshape.scene.descriptions import listing
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.units import UnitError
 from restshape.scene.values import InSI, Length, Strict, only_one
+
+if TYPE_CHECKING:
+    from restshape.scene.model import Support
 
 Size = Annotated[Value, InSI("length", formula=True)]
 Ratio = Annotated[Value, InSI("number", formula=True)]
@@ -148,6 +151,16 @@ class Start(Strict):
 def bodies_of(scene: BaseModel) -> Mapping[str, Body]:
     """The bodies of a scene by name; none where no physics of it has them."""
     return getattr(scene, "bodies", {})
+
+
+def start_of(scene: BaseModel) -> Start | None:
+    """Where the cloth of a scene lies at first; None of a scene without cloth."""
+    return (getattr(scene, "start", None) or Start()) if hasattr(scene, "bodies") else None
+
+
+def pins_of(scene: BaseModel) -> Mapping[str, Support]:
+    """The supports of a scene that a hand may take hold of, by name: those of cloth, which is in space."""
+    return getattr(scene, "supports", {}) if start_of(scene) is not None else {}
 
 
 def number(value: Value, parameters: dict[str, float]) -> float:

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal, NoReturn, Self, get_args
@@ -12,8 +12,8 @@ from pydantic import Field, ValidationError, model_validator
 from restshape.application import Application, application
 from restshape.bounds import BULGE, NESTING, POLYLINE_POINTS, SCRIPT_BYTES
 from restshape.errors import UserError
-from restshape.scene.bodies import POINTS, Body, bodies_of
-from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, Idle, Position, Redo, Undo
+from restshape.scene.bodies import bodies_of, pins_of
+from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, HandPosition, Idle, Position, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.permits import outside
 from restshape.scene.plain_values import Table, excess, named_files
@@ -47,19 +47,19 @@ class Header(Strict):
 
 
 class Press(EventLine):
-    """A hand takes hold of an entity, at a point [m] (else the entity's own)."""
+    """A hand takes hold of an entity, a body or a support of cloth, at a point [m] (else its own)."""
 
     do: Literal["press"]
     on: str
-    at: Position | None = None
+    at: HandPosition | None = None
 
 
 class Drag(EventLine):
     """The cursor moves to a point, or along a path in as many frames as it has points [m]."""
 
     do: Literal["drag"]
-    to: Position | None = None
-    path: Annotated[list[Position], Field(min_length=1)] | None = None
+    to: HandPosition | None = None
+    path: Annotated[list[HandPosition], Field(min_length=1)] | None = None
     frames: Frames | None = None
 
     @model_validator(mode="after")
@@ -205,6 +205,8 @@ EVENTS: dict[str, type[EventLine]] = {
 }
 PLAIN_EVENTS: dict[str, type[EventLine]] = {"idle": Idle, "analyse": Analyse, "undo": Undo, "redo": Redo}
 """Events that every session has."""
+SUPPORTS = "supports."
+"""Before the name of a support that an event means, where an entity or a body has the same name."""
 GRABBING = ("press", "pull")
 WHILE_GRABBED = ("drag", "release", "idle", "set", "analyse")
 """What may happen while the hand holds something."""
@@ -265,8 +267,7 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
     if not lines:
         raise UserError("the edit script is empty", path.name, _first_line())
     known = EVENTS if scene is None else events_of(application(scene.app))
-    bodies = bodies_of(scene) if scene is not None else {}
-    reader = _Reader(path, text.endswith("\n"), lines[-1][0], known, bodies)
+    reader = _Reader(path, text.endswith("\n"), lines[-1][0], known, names_in_space(scene))
     header = reader.header(*lines[0])
     _check_analysis(header, scene, path, lines[0][0])
     try:
@@ -290,6 +291,14 @@ def events_of(application: Application) -> dict[str, type[EventLine]]:
 def shared_events(application: Application) -> dict[str, type[EventLine]]:
     """The events of its edit scripts that other applications have too."""
     return dict(application.editing.shared_events())
+
+
+def names_in_space(scene: Scene | None) -> Collection[str] | None:
+    """What a hand may hold in space: bodies, and supports of cloth; None where no scene tells."""
+    if scene is None:
+        return None
+    pins = pins_of(scene)
+    return {*bodies_of(scene), *pins, *(f"{SUPPORTS}{name}" for name in pins)}
 
 
 def _refuse_outside(event: EventLine, scene: Scene | None, path: Path) -> None:
@@ -344,7 +353,7 @@ class _Reader:
     whole: bool
     last: int
     known: dict[str, type[EventLine]]
-    bodies: Mapping[str, Body]
+    in_space: Collection[str] | None
     events: list[EventLine] = field(default_factory=list)
     torn: str | None = None
     error: UserError | None = None
@@ -410,10 +419,8 @@ class _Reader:
         try:
             event = self.known[do].model_validate(table | {"line": number}, context={"scale": self.scale})
         except ValidationError as error:
-            found = self.reported(error, number, self.known[do])
-            if lifted := self.lifts(table, error):
-                found = UserError(found.what, found.where, lifted)
-            raise found from error
+            raise self.reported(error, number, self.known[do]) from error
+        self.check_place(event, number)
         self.check_order(event, number)
         self.events.append(event)
         turn = table.get("by") if isinstance(event, Rotate) else None
@@ -427,14 +434,22 @@ class _Reader:
         """The error that names file, line and key."""
         return user_error(error, Source(Path(f"{self.path.name}: line {number}")), model)
 
-    def lifts(self, table: Table, error: ValidationError) -> str:
-        """What to do where an event would take a body to a place in space; empty where it is not that."""
-        name = str(table.get("on", self.grabbed))
-        body = self.bodies.get(name)
-        if body is None or not any(found["type"] == "too_long" for found in error.errors()):
-            return ""
-        keys = [f"bodies.{name}.{body.kind}.{key}.2" for key in POINTS[body.kind]]
-        return f'leave out z: hands move bodies in x and y; "do": "set" of {" and of ".join(keys)} lifts this one'
+    def check_place(self, event: EventLine, number: int) -> None:
+        """Refuses a place in space where the hand holds a part of a shape, which is in the plane."""
+        name = str(getattr(event, "on", self.grabbed))
+        if not isinstance(event, Press | Drag) or self._is_in_space(name):
+            return
+        given = [("at", event.at)] if isinstance(event, Press) else [("to", event.to)]
+        given += [(f"path.{k}", place) for k, place in enumerate(getattr(event, "path", None) or ())]
+        for key, place in given:
+            if place is not None and len(place) > 2:
+                what = f"a place in the plane has 2 numbers, and there are 3: {name} is no body and no support of cloth"
+                raise UserError(what, f"{self.path.name}: line {number}: {key}", "leave out z")
+
+    def _is_in_space(self, name: str) -> bool:
+        """Whether a name may be that of a body or a support of cloth, one that an edit adds too."""
+        known = self.in_space
+        return known is None or name in known or (len(known) > 0 and name.startswith(SUPPORTS))
 
     def check_order(self, event: EventLine, number: int) -> None:
         """Refuses time that runs backwards, and a hand that drags what it does not hold."""

@@ -24,6 +24,8 @@ Coordinate = Annotated[
     ),
 ]
 Position = tuple[Coordinate, Coordinate]
+HandPosition = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
+"""In the plane, or in space: there a z that is left out stays as it is."""
 Frames = Annotated[int, Field(ge=1, le=1_000_000, strict=True)]
 
 

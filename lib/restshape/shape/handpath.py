@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TypeVar, cast
 
@@ -27,15 +28,15 @@ def minimum_jerk(t: np.ndarray) -> np.ndarray:
 
 
 def cursor_path(
-    start: tuple[float, float],
-    step: tuple[float, float],
+    start: tuple[float, ...],
+    step: tuple[float, ...],
     frames: int,
     style: str = "straight",
     pause: int = 0,
     seed: int = 0,
     frame_rate: float = 60.0,
-) -> list[tuple[float, float]]:
-    """Cursor positions [m], one a frame, the last exactly at start + step.
+) -> list[tuple[float, ...]]:
+    """Cursor positions [m], in the plane or in space, one a frame, the last exactly at start + step.
 
     Args:
         start: where the cursor is before the first frame [m].
@@ -64,20 +65,20 @@ def cursor_path(
     way = np.array(step, dtype=float)
     offset = share[:, None] * way
     if style == "hand-like":
-        offset += _tremor(t, moving / frame_rate, float(np.hypot(*way)), random)
+        offset += _tremor(t, moving / frame_rate, math.hypot(*step), random, len(step))
     places = np.minimum(
         np.concatenate([np.arange(rest), np.full(pause, rest - 1), np.arange(rest, moving)]), moving - 1
     )
     # Before its first move the hand rests where it took hold.
     xy = np.where(places[:, None] < 0, 0.0, offset[places]) + np.array(start, dtype=float)
-    path = [(float(f"{x:.9g}"), float(f"{y:.9g}")) for x, y in xy.tolist()]
-    path[-1] = (start[0] + step[0], start[1] + step[1])
+    path = [tuple(float(f"{value:.9g}") for value in place) for place in xy.tolist()]
+    path[-1] = tuple(a + b for a, b in zip(start, step))
     return path
 
 
-def _tremor(t: np.ndarray, seconds: float, way: float, random: np.random.Generator) -> np.ndarray:
-    """Smooth displacements (n, 2) [m] that vanish at both ends."""
-    hertz, phase = random.uniform(*TREMOR_HERTZ, (3, 2)), random.uniform(0.0, 2.0 * np.pi, (3, 2))
+def _tremor(t: np.ndarray, seconds: float, way: float, random: np.random.Generator, d: int) -> np.ndarray:
+    """Smooth displacements (n, d) [m] that vanish at both ends."""
+    hertz, phase = random.uniform(*TREMOR_HERTZ, (3, d)), random.uniform(0.0, 2.0 * np.pi, (3, d))
     waves = np.sin(2.0 * np.pi * seconds * hertz * t[:, None, None] + phase).mean(axis=1)
     return TREMOR * way * (16.0 * t**2 * (1.0 - t) ** 2)[:, None] * waves
 

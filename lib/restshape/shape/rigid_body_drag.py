@@ -1,10 +1,10 @@
-"""Bodies under the hand: moved in the plane, turned about the vertical, made larger."""
+"""Bodies under the hand: moved in space, turned about the vertical, made larger."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,15 +13,14 @@ from restshape.scene.bodies import POINTS, bodies_of, evaluated
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import table_in, tables_in
+from restshape.shape.space_grab import Place, SpaceGrab, in_space
 
 if TYPE_CHECKING:
-    from restshape.shape.gesture import Gesture
     from restshape.shape.outline import Outline
 
 SIZES = {"sphere": ("radius",), "plane": (), "box": ("half", "radius"), "capsule": ("radius",)}
 """Keys that are sizes, by kind of body."""
 
-STILL = (0.0, 0.0)
 Form = dict[str, np.ndarray]
 Change = Callable[[str, Form, float, "tuple[float, float] | None"], Form]
 """Gives a form of a kind changed by an amount, about a point [m]."""
@@ -53,10 +52,10 @@ def _kept(written: object, before: np.ndarray, value: np.ndarray) -> object:
     return [_kept(part, old, new) for part, old, new in zip(parts, before, value)]
 
 
-def place_of(scene: Scene, name: str) -> tuple[float, float]:
-    """Where a body is in the plane [m]: the mean of its places."""
-    x, y, _ = _centre(*form_of(scene, name)).tolist()
-    return x, y
+def place_of(scene: Scene, name: str) -> Place:
+    """Where a body is [m]: the mean of its places."""
+    x, y, z = _centre(*form_of(scene, name)).tolist()
+    return x, y, z
 
 
 def turned(kind: str, form: Form, angle: float, about: tuple[float, float] | None) -> Form:
@@ -95,28 +94,18 @@ def _axis(kind: str, form: Form, about: tuple[float, float] | None) -> np.ndarra
 
 
 @dataclass(slots=True)
-class RigidBodyDrag:
-    """A body that the hand holds: where it took hold, and the state before.
+class RigidBodyDrag(SpaceGrab):
+    """A body that the hand holds.
 
     Args:
-        name: of the body.
+        name, origin, cursor, before, c: as of `SpaceGrab`.
         kind, form: of it at the press.
-        origin, cursor: where the hand took hold, and where it is [m].
-        before: shape and scene before the press.
-        c: way of the hand that the body has gone [m].
     """
 
-    gesture: ClassVar[Gesture | None] = None
+    kind: str = ""
+    form: Form = field(default_factory=dict)
 
-    name: str
-    kind: str
-    form: Form
-    origin: tuple[float, float]
-    cursor: tuple[float, float]
-    before: tuple[Outline, Scene]
-    c: tuple[float, float] = STILL
-
-    def moved(self, scene: Scene, c: tuple[float, float]) -> Scene:
+    def moved(self, scene: Scene, c: Place) -> Scene:
         """The scene with the body where it was at the press, plus a way c [m]; its sizes stay as they are now.
 
         Raises:
@@ -124,12 +113,12 @@ class RigidBodyDrag:
         """
         if self.name not in bodies_of(scene) or bodies_of(scene)[self.name].kind != self.kind:
             raise UserError(f"the body {self.name!r} is there no more")
-        points: Form = {key: self.form[key] + (*c, 0.0) for key in POINTS[self.kind]}
+        points: Form = {key: self.form[key] + c for key in POINTS[self.kind]}
         return with_form(scene, self.name, self.kind, form_of(scene, self.name)[1] | points)
 
 
-def begin_body_drag(outline: Outline, scene: Scene, name: str, at: tuple[float, float] | None) -> RigidBodyDrag:
+def begin_body_drag(outline: Outline, scene: Scene, name: str, at: tuple[float, ...] | None) -> RigidBodyDrag:
     """A hand that takes hold of a body at a point [m], else at its own place."""
     kind, form = form_of(scene, name)
-    origin = place_of(scene, name) if at is None else at
-    return RigidBodyDrag(name, kind, form, origin, origin, (outline, scene))
+    origin = in_space(at, place_of(scene, name))
+    return RigidBodyDrag(name, origin, origin, (outline, scene), kind=kind, form=form)

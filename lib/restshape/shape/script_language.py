@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from pydantic import ValidationError
 
 from restshape.errors import UserError
-from restshape.scene.bodies import bodies_of
 from restshape.scene.edit_script import EVENTS, FORMAT, VERSION, Script
 from restshape.scene.load import parse_override
 from restshape.scene.model import Scene
@@ -19,14 +18,15 @@ from restshape.scene.units import quantity
 from restshape.scene.validation_errors import plain, whole_lists
 from restshape.shape.handpath import cursor_path
 from restshape.shape.outline import Outline
+from restshape.shape.pin_drag import begin_space_grab
 from restshape.shape.pull import pull
-from restshape.shape.rigid_body_drag import place_of
 from restshape.shape.script_session import FRAME_TIME
 from restshape.shape.session import EditSession
 
 GRAMMAR = """\
-[KIND] ENTITY by DX DY in N frames[, straight | jerk | hand-like][, pause K]
-                                                       KIND: vertex, edge, hole, region, group, body
+[KIND] ENTITY by DX DY [DZ] in N frames[, straight | jerk | hand-like][, pause K]
+                                                       KIND: vertex, edge, hole, region, group, body, support;
+                                                       DZ: of bodies and of supports of cloth
 rotate ENTITY by ANGLE [about X Y] [in N frames]       scale ENTITY by FACTOR [about X Y] [in N frames]
 pull CURVE [at X Y] by DX DY [pins PIN PIN ...] in N frames[, straight | jerk | hand-like][, pause K]
                                                        PIN: a vertex, or (X Y)
@@ -45,7 +45,7 @@ ABOUT = rf"(?:\s+about\s+(?P<ax>{LENGTH})\s+(?P<ay>{LENGTH}))?"
 PIN = rf"\s+(?:\(\s*(?P<px>{LENGTH})\s+(?P<py>{LENGTH})\s*\)|(?P<vertex>(?!in\s)[^\s,=()]+))"
 PINS = rf"(?:\s+pins(?P<pins>(?:{re.sub(r'P<[a-z]+>', ':', PIN)})+))?"
 PLAIN = r"(?P<do>analyse|undo|redo)"
-KINDS = r"(?:vertex|point|edge|hole|region|group|body)\s+"
+KINDS = r"(?:vertex|point|edge|hole|region|group|body|support)\s+"
 
 
 @dataclass
@@ -127,16 +127,18 @@ class LineInterpreter:
         self.result.lines.append(json.dumps(stamped, allow_nan=False, default=str))
         return [step.refused for step in steps if step.refused is not None]
 
-    def _place(self, name: str) -> tuple[float, float]:
-        """Where an entity or a body is now [m]."""
+    def _place(self, name: str) -> tuple[float, ...]:
+        """Where an entity is now [m]; in space of a body or a support of cloth."""
         outline, scene = self._session.outline, self._session.scene
-        if name in bodies_of(scene):
-            return place_of(scene, name)
-        x, y = outline.centroid(outline.entity(name)).tolist()
-        return x, y
+        held = begin_space_grab(outline, scene, name, None)
+        return held.origin if held is not None else tuple(outline.centroid(outline.entity(name)).tolist())
 
     def _drag(self, match: re.Match) -> list[Table]:
-        start = self._place(match["on"])
+        count = 2 if match["dz"] is None else 3
+        start = self._place(match["on"])[:count]
+        if len(start) < count:
+            what = f"{match['on']} is a part of the shape, which has no z"
+            raise UserError(what, match.string, "leave the third length out")
         return self._moved({"do": "press", "on": match["on"], "at": list(start)}, start, match)
 
     def _pull(self, match: re.Match) -> list[Table]:
@@ -148,10 +150,10 @@ class LineInterpreter:
         hold = {"do": "pull", "on": match["on"], "at": list(start)}
         return self._moved(hold | ({} if pins is None else {"pins": pins}), start, match)
 
-    def _moved(self, hold: Table, start: tuple[float, float], match: re.Match) -> list[Table]:
+    def _moved(self, hold: Table, start: tuple[float, ...], match: re.Match) -> list[Table]:
         """Taking hold, a drag and letting go."""
         frames = _frames(match)
-        step = length(match["dx"]), length(match["dy"])
+        step = tuple(length(match[key]) for key in ("dx", "dy", "dz")[: len(start)])
         style, pause = _style(match["styles"] or "")
         if pause >= frames:
             raise UserError(
@@ -271,7 +273,8 @@ RULES: list[Rule] = [
         (r"idle\s+(?P<frames>\d+)(?:\s+frames?)?", LineInterpreter._idle),
         (PLAIN, LineInterpreter._plain),
         (
-            rf"(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<dx>{LENGTH})\s+(?P<dy>{LENGTH}){FRAMES}{STYLES}",
+            rf"(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<dx>{LENGTH})\s+(?P<dy>{LENGTH})(?:\s+(?P<dz>{LENGTH}))?"
+            rf"{FRAMES}{STYLES}",
             LineInterpreter._drag,
         ),
     )

@@ -28,6 +28,7 @@ from restshape.scene.edit_script import (
     Script,
     Set,
     Smooth,
+    names_in_space,
 )
 from restshape.scene.event_line import EventLine
 from restshape.scene.load import revise
@@ -41,10 +42,11 @@ from restshape.shape.gesture import Gesture
 from restshape.shape.gradual import sweep
 from restshape.shape.handpath import resampled
 from restshape.shape.outline import Entity, Outline
+from restshape.shape.pin_drag import begin_space_grab
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
-from restshape.shape.rigid_body_drag import RigidBodyDrag, begin_body_drag
 from restshape.shape.script_session import STILL, Held, ScriptFrame, ScriptSession, State, Step
+from restshape.shape.space_grab import SpaceGrab
 from restshape.shape.validity import MotionCheck, beyond_reach, problem
 
 OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")
@@ -105,12 +107,12 @@ class EditSession(ScriptSession[Outline]):
         self.outline = outline if outline is not None else outline_from_spec(scene.shape, scene.folder)
         refuse_lost_names(scene, self.outline)
         self._columns = self._application.own_columns(scene)
-        self._grab: Grab | RigidBodyDrag | None = None
+        self._grab: Grab | SpaceGrab | None = None
         self._mark()
 
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> EditFrame:
         edit_ended = step.change == "none" or (self._grab is None and last)
-        hand = None if self._grab is None else (self._grab.name, self._grab.cursor)
+        hand = None if self._grab is None else (self._grab.name, self._grab.cursor[:2])
         index, t, line, do = when
         return EditFrame(
             index,
@@ -158,18 +160,18 @@ class EditSession(ScriptSession[Outline]):
         return self.outline, self.scene
 
     def _do_press(self, event: Press) -> Iterator[Step]:
-        if event.on in bodies_of(self.scene):
-            self._grab = begin_body_drag(self.outline, self.scene, event.on, event.at)
-            yield Step("none")
-            return
         try:
-            entity = self.outline.entity(event.on, bodies_of(self.scene))
+            self._grab = begin_space_grab(self.outline, self.scene, event.on, event.at)
+            if self._grab is not None:
+                yield Step("none")
+                return
+            entity = self.outline.entity(event.on, names_in_space(self.scene) or ())
         except UserError as error:
             yield self._refusal(error)
             return
         gesture = gestures.drag(self.outline, entity)
-        origin = event.at if event.at is not None else tuple(self.outline.centroid(entity).tolist())
-        yield self._take(gesture, origin, event.on)
+        origin = event.at if event.at is not None else self.outline.centroid(entity).tolist()
+        yield self._take(gesture, (origin[0], origin[1]), event.on)
 
     def _do_pull(self, event: Pull) -> Iterator[Step]:
         try:
@@ -186,24 +188,34 @@ class EditSession(ScriptSession[Outline]):
         return Step("none", gesture=gesture)
 
     def _do_drag(self, event: Drag) -> Iterator[Step]:
-        path = event.path if event.path is not None else [event.to] if event.to is not None else []
-        if self._grab is None:
+        grab, path = self._grab, event.path if event.path is not None else [event.to] if event.to is not None else []
+        if grab is None:
             yield from self._refused(event.frame_count, "nothing is grabbed")
             return
+        if isinstance(grab, SpaceGrab):
+            path = grab.through(path)
+        elif any(len(point) > 2 for point in path):
+            why = UserError(f"{grab.name} is a part of the shape, which has no z", do="leave z out")
+            yield from self._refused(event.frame_count, why)
+            return
         if event.frames is not None and event.frames != len(path):
-            path = resampled(self._grab.cursor, path, event.frames)
-        for cursor in path:
-            yield self._move_to(self._grab, cursor)
+            path = resampled(tuple(grab.cursor), path, event.frames)
+        for point in path:
+            yield self._move_in_space(grab, point) if isinstance(grab, SpaceGrab) else self._move_to(grab, point)
 
-    def _move_to(self, grab: Grab | RigidBodyDrag, cursor: tuple[float, float]) -> Step:
-        grab.cursor = cursor
-        c = (cursor[0] - grab.origin[0], cursor[1] - grab.origin[1])
+    def _move_in_space(self, grab: SpaceGrab, point: tuple[float, ...]) -> Step:
+        c = grab.way_to(point)
+        if c == grab.c:
+            return Step("none")
+        step = self._revised(lambda: grab.moved(self.scene, c))
+        grab.c = grab.c if step.refused else c
+        return step
+
+    def _move_to(self, grab: Grab, point: tuple[float, ...]) -> Step:
+        grab.cursor = (point[0], point[1])
+        c = (point[0] - grab.origin[0], point[1] - grab.origin[1])
         if c == grab.c:
             return Step("none", **self._grabbed())
-        if isinstance(grab, RigidBodyDrag):
-            step = self._revised(lambda: grab.moved(self.scene, c))
-            grab.c = grab.c if step.refused else c
-            return step
         wrong = _too_far(self.outline, c) or grab.check.problem(c)
         if wrong is not None:
             return Step("none", wrong, gesture=grab.gesture, c=grab.c)
@@ -410,7 +422,7 @@ class EditSession(ScriptSession[Outline]):
 
     def _grabbed(self) -> Held:
         grab = self._grab
-        return {} if grab is None or grab.gesture is None else {"gesture": grab.gesture, "c": grab.c}
+        return {"gesture": grab.gesture, "c": grab.c} if isinstance(grab, Grab) else {}
 
 
 def _too_far(outline: Outline, way: tuple[float, float]) -> str | None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from restshape.physics.cloth.initial_placement import rotation
 from restshape.scene.bodies import Body
+from restshape.shape.placement import rotation
 
 Frame = tuple[np.ndarray, np.ndarray]
 

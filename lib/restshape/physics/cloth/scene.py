@@ -15,10 +15,11 @@ from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.cloth_supports import supports_of
 from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.initial_placement import InitialPlacement, rotation
+from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
+from restshape.shape.placement import rotation
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from restshape.physics.cloth.initial_placement import rotation
 from restshape.scene.bodies import Body, Box, Capsule, Plane, Sphere
+from restshape.shape.placement import rotation
 
 PIECES = 48
 """Pieces of a turn."""

@@ -1,0 +1,25 @@
+"""Rotations in space, and where the flat pattern lies before any load."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from restshape.scene.bodies import Angles, Start
+
+
+def rotation(angles: Angles) -> np.ndarray:
+    """The matrix (3, 3) that turns about x, then y, then z by angles of numbers alone [rad]."""
+    R = np.eye(3)
+    for axis, angle in enumerate(np.array(angles, dtype=float)):
+        c, s = np.cos(angle), np.sin(angle)
+        turn = np.eye(3)
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        turn[i, i], turn[i, j], turn[j, i], turn[j, j] = c, -s, s, c
+        R = turn @ R
+    return R
+
+
+def placed(start: Start, X: np.ndarray) -> np.ndarray:
+    """Places (n, 3) [m] of the flat pattern's points X (n, 2) [m] under a start of numbers alone."""
+    flat, about = np.column_stack([X, np.zeros(len(X))]), np.array(start.about)
+    return (flat - about) @ rotation(start.turn).T + about + start.move
