@@ -1,73 +1,66 @@
-"""Recordings of an earlier version open: their columns and fields are read by the names of today."""
+"""Recordings of an earlier version open: their columns, fields and limits are read by the names of today."""
 
-import h5py
+import json
+
 import numpy as np
 import pytest
+from cloths import BALL, CLOTH, CONTACT
+from old_recordings import SCENE, make_old
 
 from restshape.cli.main import main
 from restshape.replay.columns import ALIASES, renamed
 from restshape.replay.recording import Recording
+from restshape.report.recorded_quantities import limits_of
 
-SCENE = """
-format = "restshape-scene"
-version = 1
-app = "plane"
-[shape]
-outline = ["bottom", "right", "top", "left"]
-vertices = { a = [0, 0], b = [1, 0], c = [1, 1], d = [0, 1] }
-edges.bottom = { line = ["a", "b"] }
-edges.right = { line = ["b", "c"] }
-edges.top = { line = ["c", "d"] }
-edges.left = { line = ["d", "a"] }
-[material.m]
-E = 1e9
-nu = 0.3
-thickness = 1
-[supports.wall]
-on = "left"
-fix = ["x", "y"]
-[loads.pull]
-on = "right"
-force = [1e3, 0]
-[mesh]
-size = 0.3
-[quantities]
-far = { displacement = "x", at = "right", max = "1 m" }
-"""
+PLANE = SCENE + 'far = { displacement = "x", at = "right", reduce = "mean", max = "1 mm", min = -2e-3 }\n'
+DRAPE = CLOTH.replace("[effects.gravity]", "[effects.cloth]\n[effects.gravity]") + BALL + CONTACT
+SCENES = {
+    "plane": (PLANE, {"pc_age": "age", "constraint_status": "verdict"}),
+    "cloth": (DRAPE, {"converged": "at_rest", "tangent_positive_definite": "stable", "max_penetration": "deepest"}),
+}
 
 
-@pytest.fixture(scope="module")
-def recording(tmp_path_factory):
-    """A recording of one frame whose columns have the names of version 0.1, and the columns as they were written."""
+@pytest.fixture(scope="module", params=list(SCENES))
+def recording(request, tmp_path_factory):
+    """A recording with the names of version 0.1, some of them, and what it held and reported with those of today."""
     folder = tmp_path_factory.mktemp("old")
     scene, path = folder / "scene.toml", folder / "old.vtkhdf"
-    scene.write_text(SCENE)
+    text, old_names = SCENES[request.param]
+    scene.write_text(text)
     assert main(["replay", str(scene), "--out", str(path)]) == 0
-    with Recording(path) as today:
-        assert not today.old_names
-        table = today.table
-    with h5py.File(path, "r+") as file:
-        rows = file["restshape/table"][()]
-        rows.dtype.names = tuple(ALIASES.get(name, name) for name in rows.dtype.names)
-        attributes = dict(file["restshape/table"].attrs)
-        del file["restshape/table"]
-        file["restshape"].create_dataset("table", data=rows, maxshape=(None,), chunks=True).attrs.update(attributes)
-    return path, table
+    today = read(path)
+    assert not today[0]
+    make_old(path)
+    return path, old_names, today
 
 
-def test_columns_are_read_by_the_names_of_today(recording):
-    path, table = recording
-    with Recording(path) as old:
-        assert old.table.keys() == table.keys()
-        assert old.old_names["pc_age"] == "age" and old.old_names["constraint_status"] == "verdict"
-        assert old.table["constraint_status"][0] == "holds"
-        for name, values in table.items():
-            np.testing.assert_array_equal(old.table[name], values)
+def read(path):
+    """Old names, the table, the fields of the first frame, limits, and the report for programs."""
+    data = path.with_suffix(".json")
+    with Recording(path) as one:
+        fields = {name: one.field(0, name) for name in one.fields}
+        found = one.old_names, one.table, fields, limits_of(one)
+    assert main(["report", str(path), "--animation", "none", "--json", str(data)]) == 0
+    return *found, json.loads(data.read_text())
 
 
-def test_a_report_of_an_old_recording_notes_the_names(recording, capsys):
-    assert main(["report", str(recording[0]), "--animation", "none"]) == 0
+def test_all_is_read_by_the_names_of_today(recording, capsys):
+    path, expected, (_, table, fields, limits, report) = recording
+    old_names, *found = read(path)
+    assert expected.items() <= old_names.items()
+    for there, here in zip(found[:2], (table, fields), strict=True):
+        assert there.keys() == here.keys()
+        for name, values in here.items():
+            np.testing.assert_array_equal(there[name], values)
+    assert found[2:] == [limits, report]
     assert "note: columns of an earlier version" in capsys.readouterr().out
+
+
+def test_limits_are_those_of_the_recorded_scene(recording):
+    path, _, (_, _, _, limits, report) = recording
+    with Recording(path) as old:
+        assert "limits" not in old.header and limits_of(old) == limits
+    assert limits == ({"far": {"max": 1e-3, "min": -2e-3}} if report["quantities"] else {})
 
 
 def test_no_old_name_hides_a_new_one():

@@ -1,38 +1,17 @@
 """Keys of version 0.1 are read by alias, with a note."""
 
 import pytest
+from old_recordings import SCENE as PLANE
 
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.scene.load import load_scene, revise
 
-SCENE = """
-format = "restshape-scene"
-version = 1
-app = "plane"
-[shape]
-outline = ["bottom", "right", "top", "left"]
-vertices = { a = [0, 0], b = [1, 0], c = [1, 1], d = [0, 1] }
-edges.bottom = { line = ["a", "b"] }
-edges.right = { line = ["b", "c"] }
-edges.top = { line = ["c", "d"] }
-edges.left = { line = ["d", "a"] }
-[material.m]
-E = 1e9
-nu = 0.3
-thickness = 1
-[supports.wall]
-on = "left"
-fix = ["x", "y"]
-[loads.pull]
-on = "right"
-force = [1e3, 0]
-[mesh]
-size = 0.4
-[quantities]
+QUANTITIES = """\
 peak = { stress = "von_mises", take = "mean", limit = "3 kPa" }
 far = { displacement = "x", at = "right", at_least = "1 um", exact = "2 um" }
 """
+SCENE = PLANE + QUANTITIES
 
 
 @pytest.fixture

@@ -12,7 +12,8 @@ import numpy as np
 from restshape import bounds
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
-from restshape.report.tables import column, quantity_units, refused
+from restshape.report.recorded_quantities import quantity_units
+from restshape.report.tables import column, refused
 
 RESULT_BYTES = bounds.SCRIPT_BYTES
 """Text of a result that is read."""

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from restshape.application import applications
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
+from restshape.report.recorded_quantities import limits_of, quantity_specs
 from restshape.scene.physics import OwnPictures, Physics, PictureField
 
 IN_CELLS = "_in_cells"
@@ -43,7 +43,7 @@ class ShownField:
 
     def quantity_of(self, recording: Recording, name: str) -> bool:
         """Whether a quantity of the recorded scene is taken from this field."""
-        spec, of = quantity_specs(recording).get(name, {}), self.look.quantity
+        spec, of = quantity_specs(recording.header).get(name, {}), self.look.quantity
         return of is not None and spec.get(of[0]) == of[1]
 
 
@@ -79,27 +79,10 @@ def shown_field(recording: Recording, name: str | None = None) -> ShownField | N
 
 def quantities_from(recording: Recording, looks: Mapping[str, PictureField]) -> Iterator[tuple[str, str]]:
     """Quantities of the recorded scene that are taken from one of these fields, each with the field's name."""
-    for name, spec in quantity_specs(recording).items():
+    for name, spec in quantity_specs(recording.header).items():
         for field, look in looks.items():
             if look.quantity and spec.get(look.quantity[0]) == look.quantity[1]:
                 yield name, field
-
-
-def quantity_specs(recording: Recording) -> dict[str, dict[str, Any]]:
-    """The quantities of the recorded scene by name, as the scene wrote them."""
-    scene = recording.header.get("scene_values")
-    given = scene.get("quantities", {}) if isinstance(scene, dict) else {}
-    return {name: spec for name, spec in given.items() if isinstance(spec, dict)}
-
-
-def limits_of(recording: Recording) -> dict[str, dict[str, float]]:
-    """The limits `min` and `max` of quantities in SI units; of recordings that do not hold them none."""
-    given = recording.header.get("limits", {})
-    found: dict[str, dict[str, float]] = {}
-    for name, one in given.items():
-        if isinstance(one, dict):
-            found[name] = {k: float(v) for k, v in one.items() if k in ("min", "max") and isinstance(v, int | float)}
-    return found
 
 
 def physics_of(recording: Recording) -> tuple[Physics, ...]:

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure, SubFigure
 from restshape.outputs.drawn import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.drawing import Drawing
-from restshape.report.field import limits_of
 from restshape.report.happenings import failure, frame_words
 from restshape.report.marks import marks
 from restshape.report.overlay import USUAL, overlay
+from restshape.report.recorded_quantities import limits_of
 from restshape.report.scenery import Scenery
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 

@@ -8,9 +8,10 @@ import numpy as np
 from restshape.outputs.si_numbers import si
 from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
-from restshape.report.field import limits_of, shown_field
+from restshape.report.field import shown_field
+from restshape.report.recorded_quantities import limits_of, quantity_units
 from restshape.report.style import LEVEL_NAMES
-from restshape.report.tables import column, predicted, quantity_units, refused, with_values
+from restshape.report.tables import column, predicted, refused, with_values
 
 LONGEST = 90
 """Letters of a reason at most."""

@@ -6,7 +6,8 @@ import numpy as np
 
 from restshape.outputs.si_numbers import si
 from restshape.replay.recording import Recording
-from restshape.report.field import ShownField, quantity_specs
+from restshape.report.field import ShownField
+from restshape.report.recorded_quantities import quantity_specs
 
 SYMBOLS = (("o", "○"), ("s", "□"), ("^", "△"), ("D", "◇"))
 """Markers, and letters that look like them."""
@@ -56,7 +57,7 @@ def marks(recording: Recording, i: int, field: ShownField, cells: np.ndarray) ->
 
 def _of_quantities(recording: Recording, i: int, field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:
     found = []
-    for name, spec in quantity_specs(recording).items():
+    for name, spec in quantity_specs(recording.header).items():
         value = float(recording.table.get(f"q_{name}", np.full(recording.n, np.nan))[i])
         reduce = spec.get("reduce", spec.get("take", "max"))
         if not (np.isfinite(value) and field.quantity_of(recording, name)) or reduce not in EXTREMES:

@@ -12,10 +12,10 @@ from restshape.replay.columns import error_column, jump_column
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
-from restshape.report.field import limits_of
 from restshape.report.frames import scene_name
+from restshape.report.recorded_quantities import limits_of, quantity_units
 from restshape.report.style import GOAL, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure
-from restshape.report.tables import column, quantity_scales, quantity_units, refused, singular
+from restshape.report.tables import column, quantity_scales, refused, singular
 from restshape.scene.quantity import limit_digits
 
 JUMP = jump_column("")

@@ -1,19 +1,17 @@
 """What a recording says in numbers: time a level, quantities; and tables in Markdown."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
+from collections.abc import Iterable, Sequence
 from itertools import groupby
 from typing import Any
 
 import numpy as np
 
-from restshape.application import applications
 from restshape.replay.columns import error_column, jump_column
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import ROUNDING, cleared, largest, scales, without_rounding
 from restshape.replay.summary import percentiles
-from restshape.scene.quantity import CORE
+from restshape.report.recorded_quantities import limits_of, quantity_units
 
 
 def column(recording: Recording, name: str, default: float = np.nan) -> np.ndarray:
@@ -150,7 +148,7 @@ def quantity_extras(recording: Recording, name: str, scale: float) -> dict[str, 
         found["error"] = "singular"
     elif np.isfinite(errors).any():
         found["error"] = cleared(float(np.nanmax(errors)), scale)
-    given = (recording.header.get("limits") or {}).get(name, {})
+    given = limits_of(recording).get(name, {})
     return found | {word: given[key] for word, key in (("at_least", "min"), ("at_most", "max")) if key in given}
 
 
@@ -183,22 +181,6 @@ def status_counts(recording: Recording) -> dict[str, int]:
     """How many frames have each constraint status; nothing where none has one."""
     words = [str(word) for word in recording.table.get("constraint_status", ())]
     return {word: words.count(word) for word in (HOLDS, UNCERTAIN, FAILS) if word in words}
-
-
-def quantity_units(header: Mapping[str, Any]) -> dict[str, str]:
-    """Quantity -> unit, as far as the header's scene says."""
-    scene = header.get("scene_values")
-    given = scene.get("quantities", {}) if isinstance(scene, Mapping) else {}
-    units = kind_units()
-    specs = {name: spec for name, spec in given.items() if isinstance(spec, Mapping)}
-    return {name: next((units[key] for key in spec if key in units), "") for name, spec in specs.items()}
-
-
-@cache
-def kind_units() -> dict[str, str]:
-    """Units of the kinds of quantities that installed applications know."""
-    known = [CORE, *(one.quantities for app in applications().values() for one in app.physics)]
-    return {key: kind.unit.replace("^2", "²") for kinds in known for key, kind in kinds.items()}
 
 
 def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> str:

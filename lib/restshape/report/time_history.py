@@ -10,11 +10,11 @@ from restshape.outputs.drawn import save_picture
 from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.replay.columns import SIMULATED
 from restshape.replay.recording import Recording
-from restshape.report.field import limits_of
 from restshape.report.frames import scene_name
 from restshape.report.quantity_panels import draw_limits, least_span
+from restshape.report.recorded_quantities import limits_of, quantity_units
 from restshape.report.style import INK, LEVELS, new_figure
-from restshape.report.tables import column, quantity_units, refused
+from restshape.report.tables import column, refused
 
 EACH, AROUND = 1.5, 1.6
 """Height of a panel, and of what is around them [inch]."""

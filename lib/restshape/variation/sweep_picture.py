@@ -16,8 +16,8 @@ from restshape.replay.constraints import recorded_limits
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
 from restshape.report.quantity_panels import EACH, FRAMED, MOST, draw_limits, least_span
+from restshape.report.recorded_quantities import kind_units
 from restshape.report.style import COLOURS, INK, REFUSED, new_figure
-from restshape.report.tables import kind_units
 from restshape.scene.model import Scene
 from restshape.variation.swept_key import SweptKey, combinations
 from restshape.variation.swept_run import SweptRun, run_scales
