@@ -11,7 +11,7 @@ import numpy as np
 from restshape_studies.stability.scenery import make_replay
 
 from restshape.algebra.stages import Stages
-from restshape.analysis import quantity_errors
+from restshape.analysis import enriched_solution, quantity_errors
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.quantity_errors import SteadyQuantityErrors
@@ -36,7 +36,7 @@ def cold_seconds(replay: Replay) -> float:
 def measured(scene: Path, edits: Path, names: Sequence[str], given: Sequence[str]) -> dict[str, float]:
     """Medians over the frames of level 1: milliseconds of a `frame`, a `cold` solve, and of each quantity's error.
 
-    `NAME products` is how often the matrix was multiplied for its dual solution.
+    `NAME products` is how often a matrix was multiplied for its dual solution, or for that on the richer space.
     """
     replay = make_replay(scene, edits, overrides=given)
     replay.estimating = False
@@ -53,7 +53,8 @@ def measured(scene: Path, edits: Path, names: Sequence[str], given: Sequence[str
     # One for each, as nothing is shared when one alone is asked for.
     estimates: dict[str, SteadyQuantityErrors] = {}
     found: dict[str, list[float]] = {"frame": [], "cold": []}
-    quantity_errors.conjugate_steps = counted
+    for module in (quantity_errors, enriched_solution):
+        module.conjugate_steps = counted
     try:
         frames = replay.frames()
         while True:
@@ -74,7 +75,8 @@ def measured(scene: Path, edits: Path, names: Sequence[str], given: Sequence[str
             if len(found["frame"]) % EVERY == 0:
                 found["cold"].append(1e3 * cold_seconds(replay))
     finally:
-        quantity_errors.conjugate_steps = steps
+        for module in (quantity_errors, enriched_solution):
+            module.conjugate_steps = steps
     return {key: median(values) for key, values in found.items() if values}
 
 

@@ -1,71 +1,26 @@
-"""Estimated errors of the quantities of linear, steady scenes: one more solve a quantity."""
+"""Estimated errors of the quantities of linear, steady scenes: by duals, or on a richer space."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.analysis.correction import conjugate_steps, gathered, preconditioner
+from restshape.analysis.enriched_errors import EnrichedErrors
 from restshape.fem.derivative import Differentiable
 from restshape.fem.quantity_error import CurvedProblem, quantity_error
 from restshape.first_use import made
-from restshape.mesh.lagrange_space import LagrangeSpace
-from restshape.mesh.mesh import Mesh
 
 if TYPE_CHECKING:
-    from restshape.algebra.linear import LinearSolver
+    from restshape.analysis.linear_state import Estimated, LinearState
     from restshape.analysis.linear_system import LinearSystem
-    from restshape.fem.error_estimate import RecoveryEstimate
-    from restshape.fem.observer import Observer
-    from restshape.fem.problem import Problem
-    from restshape.scene.model import Scene
-    from restshape.scene.plan import Plan
 
 NONE_HERE = "errors of quantities are estimated in linear scenes at rest, of frequencies and of load factors"
 NO_ERRORS = f"no errors of quantities are estimated here: {NONE_HERE}"
 LEAVE_OUT = "leave error = true out"
-
-
-class LinearState(Protocol):
-    """A solution of a linear problem, and what it was found with."""
-
-    @property
-    def x(self) -> np.ndarray: ...
-    @property
-    def predicted(self) -> bool: ...
-    @property
-    def scene(self) -> Scene: ...
-    @property
-    def plan(self) -> Plan: ...
-    @property
-    def mesh(self) -> Mesh | LagrangeSpace | None: ...
-    @property
-    def problem(self) -> Problem: ...
-    @property
-    def system(self) -> LinearSystem: ...
-    @property
-    def observer(self) -> Observer: ...
-
-
-class Estimated(Protocol):
-    """What errors are estimated of: an analysis of a linear, symmetric problem.
-
-    Attributes:
-        solver: whose kept preconditioner is used.
-        make: makes the problem of a scene, a plan and a space.
-    """
-
-    solver: LinearSolver
-
-    @property
-    def state(self) -> LinearState: ...
-    @property
-    def make(self) -> Callable[[Scene, Plan, LagrangeSpace], Problem]: ...
-    @property
-    def error_estimate(self) -> RecoveryEstimate | None: ...
 
 
 class SteadyQuantityErrors:
@@ -79,7 +34,7 @@ class SteadyQuantityErrors:
         self.analysis = analysis
         self._known: tuple[LinearState | None, dict[str, float]] = (None, {})
         self._duals: dict[str, tuple[LinearSystem, np.ndarray]] = {}
-        self._second: tuple[tuple[Mesh, int, Scene] | None, Problem | None] = (None, None)
+        self.enriched = EnrichedErrors(analysis)
 
     def __call__(self, names: Iterable[str]) -> dict[str, float]:
         """The estimated size of the error of each quantity.
@@ -97,35 +52,16 @@ class SteadyQuantityErrors:
         state, estimate = self.analysis.state, self.analysis.error_estimate
         if not names or estimate is None or state.predicted or not state.problem.symmetric:
             return dict.fromkeys(names, np.nan)
-        primal, curved, found = estimate.sampled(state.x), self._curved(), {}
-        for name in names:
-            function = state.observer.functions.get(name)
-            if not isinstance(function, Differentiable):
-                found[name] = np.nan
-                continue
+        functions, found = state.observer.functions, dict.fromkeys(names, np.nan)
+        smooth = {name: one for name in names if isinstance(one := functions.get(name), Differentiable)}
+        others = [name for name in names if name in functions and name not in smooth]
+        richer = self.enriched.follow(bool(others))
+        if smooth:
+            primal, curved = estimate.sampled(state.x), CurvedProblem.of(richer, state.x) if richer else None
+        for name, function in smooth.items():
             derivative, solve = function.derivative(state.x), partial(self._dual, name)
             found[name] = quantity_error(state.problem, estimate, primal, state.x, derivative, solve, curved)
-        return found
-
-    def _curved(self) -> CurvedProblem | None:
-        """The problem with curved sides, and loads as second order samples them; None where it is of that order.
-
-        It is kept for as long as mesh topology and scene stay.
-        """
-        state = self.analysis.state
-        mesh = state.mesh
-        if not isinstance(mesh, Mesh) or state.problem.space is not mesh or mesh.hierarchy:
-            return None
-        key, (known, problem) = (mesh, mesh.topology, state.scene), self._second
-        if problem is None or known != key:
-            problem = self.analysis.make(state.scene, state.plan, LagrangeSpace(mesh))
-            self._second = (key, problem)
-        else:
-            space = cast(LagrangeSpace, problem.space)
-            space.bend(mesh.outline)
-            space.place()
-            problem.update()
-        return CurvedProblem.of(problem, state.x)
+        return found | (self.enriched(others) if others else {})
 
     def _dual(self, name: str, rhs: np.ndarray) -> np.ndarray:
         """The dual of a quantity to 1 % in the energy norm, from that of before on this mesh.

@@ -7,10 +7,11 @@ import numpy as np
 
 from restshape.fem.averages import node_weights
 from restshape.fem.edge_reactions import EdgeReactions
+from restshape.fem.extremes import EXTREMES, Extreme
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Function
 from restshape.fem.problem import Problem
-from restshape.fem.space import PlaneSpace, Space
+from restshape.fem.space import PlaneSpace
 from restshape.scene.model import Quantity
 
 
@@ -22,15 +23,11 @@ class Derivative:
         load: (n, f).
         lift: (n, f) weights of reactions, 0 at free unknowns; None: no reaction is in it.
         energy: cells of which J is the energy, so that it has a second derivative; None: it is linear.
-        own: an estimate of the error that J has at the exact unknowns, where recovery evaluates it.
-        value_on: J of unknowns on another space over the same mesh, where places of nodes count beside their unknowns.
     """
 
     load: np.ndarray
     lift: np.ndarray | None = None
     energy: np.ndarray | slice | None = None
-    own: float = 0.0
-    value_on: Callable[[Space, np.ndarray], float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,37 +47,12 @@ class Differentiable:
         return self.value(*state)
 
 
-def reduction_weights(
-    space: PlaneSpace, quantity: Quantity, nodes: np.ndarray | slice
-) -> Callable[[np.ndarray], np.ndarray]:
-    """The function from values (k,) at nodes (k,) to the derivatives (k,) of what `observer.reduction` makes of it."""
-    if quantity.reduce == "sum":
-        return np.ones_like
-    if quantity.reduce != "mean":
-        return lambda values: _extreme(str(quantity.reduce), values)
-    weights = node_weights(space, quantity.at, nodes)
-    if weights is None:
-        return lambda values: np.full_like(values, 1.0 / len(values))
-
-    def shares(values: np.ndarray) -> np.ndarray:
-        found = weights()
-        return found / found.sum()
-
-    return shares
-
-
-def _extreme(how: str, values: np.ndarray) -> np.ndarray:
-    """1 at the extreme value that counts, or its sign where sizes count; 0 elsewhere."""
-    found = np.zeros_like(values)
-    k = int({"max": np.argmax, "min": np.argmin}.get(how, lambda v: np.argmax(np.abs(v)))(values))
-    found[k] = 1.0 if how in ("max", "min") else np.sign(values[k])
-    return found
-
-
 def nodal_quantity(
     space: PlaneSpace, quantity: Quantity, nodes: np.ndarray | slice, columns: list[int], value: Function
-) -> Differentiable:
-    """A quantity of the unknowns at nodes, or of their length where several columns count, with its derivative.
+) -> Function:
+    """A quantity of the unknowns at nodes, or of their length where several columns count.
+
+    With its derivative, but for extremes and for the value at a single node: what a point load does is not resolved.
 
     Args:
         space: of the nodes.
@@ -89,16 +61,22 @@ def nodal_quantity(
         columns: of the unknowns.
         value: of the state.
     """
-    weights = reduction_weights(space, quantity, nodes)
+    if quantity.reduce in EXTREMES or (not isinstance(nodes, slice) and len(nodes) == 1):
+        return Extreme(value, space, quantity, nodes, columns)
+    weights = node_weights(space, quantity.at, nodes) if quantity.reduce == "mean" else None
 
     def derivative(x: np.ndarray) -> Derivative:
         own, load = x[nodes][:, columns], np.zeros_like(x)
         sizes = np.linalg.norm(own, axis=1)
         # The length of a single column would lose its sign.
         slopes = np.ones_like(own) if len(columns) == 1 else own / np.where(sizes > 0.0, sizes, 1.0)[:, None]
-        values = own[:, 0] if len(columns) == 1 else sizes
+        if weights is not None:
+            found = weights()
+            slopes *= (found / found.sum())[:, None]
+        elif quantity.reduce == "mean":
+            slopes /= len(own)
         for k, column in enumerate(columns):
-            load[nodes, column] = weights(values) * slopes[:, k]
+            load[nodes, column] = slopes[:, k]
         return Derivative(load)
 
     return Differentiable(value, derivative)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.fem.derivative import Derivative
+from restshape.fem.enrichment import Enrichment
 from restshape.fem.error_estimate import RecoveryEstimate, Sampled
 from restshape.fem.problem import STIFFNESS, Problem
 from restshape.fem.residuals import tangent_product, unconstrained_residual
-from restshape.mesh.lagrange_space import LagrangeSpace
 
 DualSolve = Callable[[np.ndarray], np.ndarray]
 """z (n, f) with K z = right side (n, f) at free unknowns, 0 at prescribed ones."""
@@ -17,35 +17,23 @@ DualSolve = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class CurvedProblem:
-    """The same problem on second-order nodes over a first-order mesh: with curved sides, and loads sampled better.
+    """A problem on the next richer space: with curved sides met closer, and loads sampled better.
 
     Args:
-        problem: on those nodes.
-        residual: (n, f) of unknowns that were interpolated to them.
-        unknowns: (n, f) these.
+        enrichment: of the problem.
+        residual: (m, f) of unknowns that were brought to its nodes.
+        unknowns: (m, f) these.
     """
 
-    problem: Problem
+    enrichment: Enrichment
     residual: np.ndarray
     unknowns: np.ndarray
 
     @classmethod
-    def of(cls, problem: Problem, x: np.ndarray) -> "CurvedProblem":
-        """With a problem on a `LagrangeSpace` over the mesh that unknowns x (n, f) live on."""
-        unknowns = lifted(problem, x)
-        unknowns = np.where(problem.boundary.mask, problem.boundary.values, unknowns)
-        return cls(problem, unconstrained_residual(problem, unknowns), unknowns)
-
-
-def lifted(problem: Problem, field: np.ndarray) -> np.ndarray:
-    """A first-order field (n, f) at the nodes (m, f) of a problem of second order over its mesh."""
-    space = problem.space
-    if not isinstance(space, LagrangeSpace):
-        raise TypeError("the problem is not of second order")
-    out = np.empty((len(space.X), field.shape[1]))
-    out[space.corner_number] = field
-    out[space.side_number] = field[space.mesh.edge_nodes].mean(axis=1)
-    return out
+    def of(cls, enrichment: Enrichment, x: np.ndarray) -> "CurvedProblem":
+        """With an enrichment of the mesh that unknowns x (n, f) live on."""
+        unknowns = enrichment.unknowns(x)
+        return cls(enrichment, unconstrained_residual(enrichment.problem, unknowns), unknowns)
 
 
 def quantity_error(
@@ -61,8 +49,8 @@ def quantity_error(
 
     With the dual z, a(v, z) = J'(v), the error is a(u - u_h, z - z_h) by Galerkin's orthogonality: the residual
     weighted by the dual. Both errors are those of the fluxes against recovered ones. Of an energy half of the error's
-    own energy is taken off, as z follows from u_h for u. What a first-order mesh does to sides and loads is the
-    residual at second order, weighted by z_h.
+    own energy is taken off, as z follows from u_h for u. What a mesh does to sides and loads is the
+    residual on the next richer space, weighted by z_h.
 
     Args:
         problem: that the unknowns solve.
@@ -71,7 +59,7 @@ def quantity_error(
         x: (n, f) unknowns.
         derivative: of the quantity.
         solve: gives the dual.
-        curved: of the unknowns; None where the space is of second order.
+        curved: of the unknowns; None where nothing varies on a space of second order.
 
     Source: docs/theory/error-estimates.md; Becker and Rannacher, Acta Numerica 10 (2001) 1; Oden and Prudhomme, Comput.
     Math. Appl. 41 (2001) 735.
@@ -82,7 +70,7 @@ def quantity_error(
         error -= 0.5 * estimate.error_energy(primal, derivative.energy)
     if curved is not None:
         error += _consistency(problem, x, derivative, dual, curved)
-    return abs(error) + abs(derivative.own)
+    return abs(error)
 
 
 def dual_solution(problem: Problem, derivative: Derivative, solve: DualSolve) -> np.ndarray:
@@ -100,15 +88,13 @@ def dual_solution(problem: Problem, derivative: Derivative, solve: DualSolve) ->
 def _consistency(
     problem: Problem, x: np.ndarray, derivative: Derivative, dual: np.ndarray, curved: CurvedProblem
 ) -> float:
-    """What straight sides and sampled loads do to a quantity; of energies and positions also to their evaluation."""
-    error = -float((curved.residual * lifted(curved.problem, dual)).sum())
+    """What straight sides and sampled loads do to a quantity; of an energy also what they do to its integral."""
+    error = -float((curved.residual * curved.enrichment.over.prolonged(dual)).sum())
     if derivative.lift is not None:
         error -= float((unconstrained_residual(problem, x) * derivative.lift).sum())
     if derivative.energy is not None:
-        both = ((curved.problem, curved.unknowns), (problem, x))
-        energies = [one.integrals(STIFFNESS)[0].energies(at)[derivative.energy].sum() for one, at in both]
+        richer, own = curved.enrichment, derivative.energy
+        both = ((richer.problem, curved.unknowns, richer.over.cells_in(own)), (problem, x, own))
+        energies = [one.integrals(STIFFNESS)[0].energies(at)[cells].sum() for one, at, cells in both]
         error += float(energies[0] - energies[1])
-    if derivative.value_on is not None:
-        at = curved.problem.space, lifted(curved.problem, x)
-        error += float(derivative.value_on(*at) - derivative.value_on(problem.space, x))
     return error

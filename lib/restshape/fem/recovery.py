@@ -4,7 +4,6 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.fem.space import Space
-from restshape.mesh.lagrange_space import quadratic_basis
 
 
 class NodalFlux:
@@ -27,7 +26,6 @@ class NodalFlux:
         second = space.cells.shape[1] == 6
         self.points = _kernels.recovery_points() if second else None
         self._recover = _kernels.recover_quadratic if second else _kernels.recover
-        self._transposed = _kernels.recover_quadratic_transposed if second else _kernels.recover_transposed
         regions = np.unique(space.cell_region)
         self._cells = [np.flatnonzero(space.cell_region == region) for region in regions] if len(regions) > 1 else []
         parts = [np.unique(space.cells[cells]) for cells in self._cells] or [np.arange(len(space.X))]
@@ -76,26 +74,3 @@ class NodalFlux:
             self._recover(X, cells[chosen], flux[chosen], out)
             found.append(out[nodes])
         return np.concatenate(found)
-
-    def transposed(self, weights: np.ndarray) -> np.ndarray:
-        """What weights (rows, 4) of recovered fluxes are as weights of those of the cells, shaped like these."""
-        X, cells = self.space.X, self.space.cells
-        out = np.zeros((len(cells), 4) if self.points is None else (len(cells), len(self.points), 4))
-        if not self._cells:
-            self._transposed(X, cells, np.ascontiguousarray(weights), out)
-            return out
-        first = 0
-        for chosen, nodes in zip(self._cells, self._parts):
-            own, part = np.zeros((len(X), 4)), np.empty_like(out[chosen])
-            own[nodes] = weights[first : first + len(nodes)]
-            self._transposed(X, cells[chosen], own, part)
-            out[chosen] = part
-            first += len(nodes)
-        return out
-
-    def at_samples(self, nodal: np.ndarray) -> np.ndarray:
-        """Recovered fluxes (rows, 4), interpolated to where cells give theirs, shaped like these."""
-        values = nodal[self.cell_rows()]
-        if self.points is None:
-            return values.mean(axis=1)
-        return np.ascontiguousarray(np.einsum("qi,eic->eqc", quadratic_basis(self.points)[0], values))

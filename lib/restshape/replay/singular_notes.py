@@ -7,8 +7,8 @@ from collections.abc import Mapping
 MARK = "singular place: value of the mesh"
 """Beside the name of such a quantity in a picture."""
 ESTIMATES_NOTE = (
-    "estimated errors are estimates, no bounds: in the benchmarks of the docs four of five are within half and twice "
-    "the true error, at stresses fewer; a finer mesh.size shows the true one"
+    "estimated errors are estimates, no bounds: in the benchmarks of the docs nearly all are within half and twice "
+    "the true error; a finer mesh.size shows the true one"
 )
 
 

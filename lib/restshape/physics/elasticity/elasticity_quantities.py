@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.assembled import Assembled
-from restshape.fem.derivative import Derivative, Differentiable, nodal_quantity, reaction_lift, reduction_weights
+from restshape.fem.derivative import Derivative, Differentiable, nodal_quantity, reaction_lift
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, cells_at, reduction
 from restshape.fem.positions import position_quantity
@@ -17,7 +17,7 @@ from restshape.fem.problem import STIFFNESS, Problem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
 from restshape.physics.elasticity.nodal_stress import NodalStress
-from restshape.physics.elasticity.stress import COMPONENTS, component_slopes
+from restshape.physics.elasticity.stress import COMPONENTS
 from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
 
@@ -109,18 +109,7 @@ class PlaneQuantities:
         cells = self.space.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
         rows = nodal.recovery.rows(nodes, cells)
         reduce = reduction(self.space, quantity, nodal.recovery.nodes[rows])
-        weights = reduction_weights(self.space, quantity, nodal.recovery.nodes[rows])
-
-        def derivative(x: np.ndarray) -> Derivative:
-            recovery, values = nodal.recovery, nodal(x)
-            slopes = np.zeros_like(values)
-            slopes[rows] = weights(component(values[rows]))[:, None] * component_slopes(component, values[rows])
-            load = nodal.stresses.transposed(recovery.transposed(slopes), recovery.points)
-            # What recovery does to the stress, it does to the recovered one, which is smooth.
-            again = recovery(recovery.at_samples(values))
-            return Derivative(load, own=float((slopes * (values - again)).sum()))
-
-        return Differentiable(lambda x, *_: reduce(component(nodal(x)[rows])), derivative)
+        return lambda x, *_: reduce(component(nodal(x)[rows]))
 
     def _distance(self, name: str, quantity: Quantity) -> Function:
         """The distance between a target curve and the deformed edges."""

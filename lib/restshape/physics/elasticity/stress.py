@@ -51,31 +51,6 @@ class PlaneStresses:
         space = self.space
         return plane_strains(space.X, x, space.cells, points, self.large, self._ratio if self.thins else None)
 
-    def transposed(self, weights: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
-        """What weights of Cauchy's stresses are as weights (n, 2) of displacements, of the linear law.
-
-        Args:
-            weights: (ne, m, 4), or (ne, 4) at centroids; cells where all are 0 cost nothing.
-            points: as in `cauchy`.
-        """
-        space, out = self.space, np.zeros_like(self.space.X)
-        cells = np.flatnonzero(weights.reshape(len(weights), -1).any(axis=1))
-        if len(cells) == 0:
-            return out
-        nodes, own = space.cells.shape[1], weights[cells] * (1.0, 1.0, 1.0, 0.0 if self.thins else 1.0)
-        # Cells apart, each with its own nodes: a unit displacement of one of them shows in its cell alone.
-        apart = np.arange(len(cells) * nodes, dtype=np.int32).reshape(-1, nodes)
-        X = np.ascontiguousarray(space.X[space.cells[cells]].reshape(-1, 2))
-        parameters = self.parameters if self.parameters.ndim == 1 else np.ascontiguousarray(self.parameters[cells])
-        for node in range(nodes):
-            for column in range(2):
-                unit, stress = np.zeros_like(X), np.empty(own.shape)
-                unit[node::nodes, column] = 1.0
-                self.element.stress(X, unit, apart, parameters, stress, points)
-                work = (stress * own).reshape(len(cells), -1).sum(axis=1)
-                out[:, column] += np.bincount(space.cells[cells, node], work, len(out))
-        return out
-
     def of_estimate(self, x: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
         """Stresses [Pa] as the energy norm takes them, zz meaning nothing; arguments as in `cauchy`.
 
@@ -155,18 +130,6 @@ COMPONENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "min_principal": lambda s: principal(s, -1.0),
     "principal_angle": principal_angle,
 }
-
-
-STEP = 1e-6
-"""Of the central differences of measures of stress, a share of the largest stress."""
-
-
-def component_slopes(component: Callable[[np.ndarray], np.ndarray], s: np.ndarray) -> np.ndarray:
-    """Derivatives (n, 4) of a measure of stress with respect to the stresses s (n, 4) [Pa], by central differences."""
-    step = STEP * float(np.abs(s).max(initial=0.0))
-    if step == 0.0:
-        return np.zeros_like(s)
-    return np.stack([(component(s + d) - component(s - d)) / (2.0 * step) for d in step * np.eye(4)], axis=1)
 
 
 def plane_compliance(lame: np.ndarray, shear: np.ndarray, thickness: np.ndarray) -> np.ndarray:
