@@ -1,9 +1,11 @@
 """`restshape stability`: hard cases, and random scenes and edits, that must not break."""
 
 import argparse
+import json
 import math
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +49,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="of the fuzz: examples of this kind alone (several times; default: all)",
     )
     parser.add_argument("--seed", type=int, default=0, help="of the fuzz: the same one gives the same examples")
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="of the fuzz: go on with the counts that --json FILE holds, up to N examples in all",
+    )
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep the files of what breaks in the fuzz there")
     parser.add_argument("--seconds", type=float, default=math.inf, metavar="LIMIT", help="begin nothing after so long")
     add_json(parser)
@@ -69,6 +76,8 @@ def _count(text: str) -> int:
 
 def run(args: argparse.Namespace) -> int:
     """Run the cases or the fuzz; 0 when all holds, 1 when something does not."""
+    if args.resume and not args.fuzz:
+        raise UserError("cases do not go on", "--resume", "add --fuzz N, or leave it out")
     if args.kind and not args.fuzz:
         raise UserError("cases have no kind", "--kind", "add --fuzz N, or leave it out")
     return _fuzz(args) if args.fuzz else _cases(args)
@@ -161,22 +170,58 @@ def _fuzz(args: argparse.Namespace) -> int:
     from restshape_studies.stability.fuzz import fuzz
     from restshape_studies.verification import verifications
 
+    apps = tuple(app for app, known in verifications().items() if known.random_scenes)
+    campaign = {"seed": args.seed, "kinds": args.kind or [*KINDS], "apps": [*apps]}
+
     def report(tried: Any) -> None:
         print(f"{tried.examples} examples, {len(tried.found)} faults, {tried.seconds:.0f} s", flush=True)
+        write_json(args, {**campaign, **tried.as_dict()})
 
-    apps = tuple(app for app, known in verifications().items() if known.random_scenes)
-    tried = fuzz(args.fuzz, args.seed, apps, args.keep, EACH, args.seconds, kinds=args.kind, report=report)
-    numbers = tried.as_dict()
-    shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "written")
+    before = _before(args, campaign)
+    tried = fuzz(
+        args.fuzz, args.seed, apps, args.keep, EACH, args.seconds, kinds=args.kind, report=report, before=before
+    )
+    _print_tried(args.seed, tried.as_dict(), tried.found.values())
+    write_json(args, {**campaign, **tried.as_dict()})
+    return 1 if tried.found else 0
+
+
+def _before(args: argparse.Namespace, campaign: dict[str, Any]) -> Any:
+    """What the run found that this one goes on with; nothing where it begins anew.
+
+    Raises:
+        UserError: `--resume` without a file, or with one that no run of the same campaign wrote.
+    """
+    if not args.resume:
+        return None
+    if args.json is None:
+        raise UserError("there is no file to go on with", "--resume", "name it by --json FILE")
+    from restshape_studies.stability.tried import Tried
+
+    if not args.json.exists():
+        return None
+    try:
+        table = json.loads(args.json.read_text(encoding="utf-8"))
+        other = [key for key, value in campaign.items() if table[key] != value]
+        before = Tried.of(table)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise UserError("this is no table of a fuzz", f"--json {args.json}", "name another file") from error
+    if other:
+        raise UserError(f"the file is of another {' and '.join(other)}", f"--json {args.json}", "name another file")
+    return before
+
+
+def _print_tried(seed: int, numbers: dict[str, Any], faults: Iterable[Any]) -> None:
+    """Print the tables of a fuzz, and its faults."""
+    shown = ("examples", "valid", "refused", "too_large", "broken", "damaged", "written", "repeated")
     shown += ("frames", "refused_frames", "largest")
-    print_table(f"fuzz of seed {args.seed}, {tried.seconds:.0f} s", shown, [[numbers[key] for key in shown]], shown)
+    times = f"{numbers['seconds']:.0f} s, {numbers['processor_seconds']:.0f} s of the processor"
+    print_table(f"fuzz of seed {seed}, {times}", shown, [[numbers[key] for key in shown]], shown)
     print_table("by what was done", ("done", "runs", "ended with"), _outcomes(numbers["mutated"]), ("runs",))
     messages = list(numbers["messages"].items())[:SHOWN_MESSAGES]
     print_table("most frequent refusals", ("times", "message"), [(n, text) for text, n in messages], ("times",))
     for what, times in numbers["warned"].items():
         print(f"warned {times} times: {what}")
-    for found in tried.found.values():
+    for found in faults:
         print(f"BROKEN  seed {found.seed}, {found.seen} times: {found.what}")
         print(f"  {found.folder or 'not kept (see --keep)'}: {found.command}")
-    write_json(args, {"seed": args.seed, "kinds": args.kind or [*KINDS], **numbers})
-    return 1 if tried.found else 0

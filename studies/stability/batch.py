@@ -19,6 +19,7 @@ class Batch:
         kind: one of `KINDS`.
         known: signatures of faults that are counted only, and neither end the batch nor are made smaller.
         shrink: look for a smaller example of a fault.
+        alone: play only the example whose files lie in the folder.
     """
 
     seed: int
@@ -27,3 +28,4 @@ class Batch:
     kind: str
     known: tuple[str, ...] = ()
     shrink: bool = True
+    alone: bool = False

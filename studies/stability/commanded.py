@@ -7,7 +7,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
-from restshape_studies.stability.example import EDITS, RECORDING, SCENE, SUMMARY, TABLE, Example
+from restshape_studies.stability.example import EDITS, ONTO, RECORDING, SCENE, SUMMARY, TABLE, Example
 
 from restshape.cli.main import main
 from restshape.replay.recording import Recording
@@ -36,6 +36,18 @@ def command_problem(folder: Path, example: Example, message: str, frames: int, r
     if "Traceback" in printed:
         return f"the command prints a traceback: {printed[-300:]}"
     return _written(folder, frames, refused) if frames else ""
+
+
+def overwriting_problem(folder: Path, example: Example) -> str:
+    """What is wrong where the command is asked to write over a file of the user's; empty where it refuses.
+
+    Whether files have changed is for the caller to see.
+    """
+    asked = [word if word.startswith("--") else str(folder / word) for word in ONTO[example.onto]]
+    code, printed = run_command(["replay", str(folder / SCENE), "--edits", str(folder / EDITS), *asked])
+    if code != 2 or not printed.rstrip().rpartition("restshape replay: ")[2]:
+        return f"onto {example.onto}: the command ends with {code}"
+    return ""
 
 
 def run_command(words: list[str]) -> tuple[int, str]:

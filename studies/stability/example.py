@@ -8,9 +8,24 @@ from pathlib import Path
 MOST_ELEMENTS = 200
 """Of a scene's first mesh."""
 SCENE, EDITS = "scene.toml", "edits.jsonl"
+DESCRIBED = "example.json"
+"""The whole example."""
 RECORDED = "damaged.vtkhdf"
 """A recording that was damaged."""
 RECORDING, TABLE, SUMMARY = "frames.vtkhdf", "frames.csv", "summary.json"
+BYSTANDER, LINK = "notes.txt", "linked.txt"
+"""A file that nothing names, and a link to it."""
+ONTO = {
+    "the scene": ("--csv", SCENE),
+    "the scene as a recording": ("--out", SCENE),
+    "the edits": ("--json", EDITS),
+    "another file": ("--json", BYSTANDER),
+    "another file as a recording": ("--out", BYSTANDER),
+    "a link": ("--csv", LINK),
+    "a link as a recording": ("--out", LINK),
+    "its own other output": ("--csv", "twice", "--json", "twice"),
+}
+"""Options that would write over a file of the user's, by what it is."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +39,7 @@ class Example:
         damaged: what was done to the files; empty where they are as they were made.
         written: the command replays them too, and writes all that it can.
         files: bytes as base64 of other files that the scene names, by their names.
+        onto: a file of the user's that the command is asked to write over, one of `ONTO`; none: it is not.
     """
 
     app: str
@@ -34,12 +50,13 @@ class Example:
     damaged: str = ""
     written: bool = False
     files: dict[str, str] = field(default_factory=dict)
+    onto: str = ""
 
     def write(self, folder: Path) -> None:
         """Write the two files and what else a replay wants to know into a folder."""
         for name, data in self.inputs().items():
             (folder / name).write_bytes(data)
-        (folder / "example.json").write_text(json.dumps(asdict(self)) + "\n")
+        (folder / DESCRIBED).write_text(json.dumps(asdict(self)) + "\n")
 
     def inputs(self) -> dict[str, bytes]:
         """What the files hold that are read, by their names."""

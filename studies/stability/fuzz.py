@@ -3,26 +3,31 @@
 import itertools
 import json
 import re
+import resource
 import shutil
+import subprocess
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from restshape_studies.stability.batch import DAMAGED, DRAWN, FAULT, FILES, RECORDINGS, Batch
-from restshape_studies.stability.example import MOST_ELEMENTS, RECORDED, Example
+from restshape_studies.stability.example import DESCRIBED, MOST_ELEMENTS, RECORDED, Example
+from restshape_studies.stability.tried import Found, Tried
 from restshape_studies.stability.watched import REPORTS, End, watch
 
+from restshape import __version__
 from restshape.errors import UserError
 
 PROCESS = "restshape_studies.stability.fuzz_process"
-BATCH = 25
-"""Examples a process: starting one takes a second."""
-CYCLE = (*(DRAWN, DAMAGED, DRAWN, DAMAGED, FILES) * 3, *(DRAWN, DAMAGED, DRAWN, DAMAGED, RECORDINGS))
+BATCH = {DRAWN: 100, DAMAGED: 100, FILES: 100, RECORDINGS: 25}
+"""Examples a process, by kind: starting one takes as long as some ten examples; recordings are damages of one."""
+PAIR = (DRAWN, DAMAGED)
+CYCLE = (*PAIR, RECORDINGS, *PAIR, FILES, *PAIR, RECORDINGS, *PAIR, FILES)
+CYCLE = (*CYCLE, *PAIR, RECORDINGS, *PAIR, FILES, *PAIR, RECORDINGS, *PAIR)
 """Kinds of the batches, in turn: of 10,000 examples 4,000 are drawn, 4,000 damaged, 1,500 name files, 500 record."""
 PLACE = re.compile(r'File "(.*?)", line (\d+) in ')
 """Where Python was when it crashed, the innermost place first."""
@@ -30,79 +35,6 @@ PLACE = re.compile(r'File "(.*?)", line (\d+) in ')
 OWN = ("stderr", REPORTS)
 """Files of the process that plays, which nobody needs."""
 MADE_FOLDER = re.compile(r"\S*restshape-fuzz-\w+/")
-
-
-@dataclass
-class Found:
-    """A fault, with the files that show it.
-
-    Args:
-        seed: of the batch.
-        kind: "crash", "hang", or "fault": a traceback, or a number that is none.
-        signature: what distinguishes it from others.
-        what: its message.
-        folder: scene, edits and `example.json`; empty where nobody asked to keep them.
-        command: which replays them in that folder.
-        seen: how often.
-    """
-
-    seed: int
-    kind: str
-    signature: str
-    what: str
-    folder: str = ""
-    command: str = ""
-    seen: int = 1
-
-
-# More than 15 attributes: each is a count of the table that a campaign gives.
-@dataclass
-class Tried:
-    """What was tried, and what came of it.
-
-    Args:
-        examples: played in all; shrinking: more that were played to make those at fault smaller.
-        valid: that gave frames to the end; refused: with a message, as a whole; too_large: with a first mesh of more
-            elements than wanted, which ended there; broken: at fault.
-        damaged: of all, those with damage to valid files; written: those that `restshape replay` replayed too.
-        mutated: by what was done to examples, how many ended how.
-        frames, refused_frames: over all examples.
-        seconds: wall-clock.
-        largest: elements of a first mesh.
-        warned: warnings that numpy gave, with how often; messages: first lines of the refusals, likewise.
-        found: faults.
-    """
-
-    examples: int = 0
-    shrinking: int = 0
-    valid: int = 0
-    refused: int = 0
-    too_large: int = 0
-    broken: int = 0
-    damaged: int = 0
-    written: int = 0
-    frames: int = 0
-    refused_frames: int = 0
-    seconds: float = 0.0
-    largest: int = 0
-    warned: Counter = field(default_factory=Counter)
-    messages: Counter = field(default_factory=Counter)
-    mutated: dict[str, Counter] = field(default_factory=dict)
-    found: dict[str, Found] = field(default_factory=dict)
-
-    def ended(self, mutator: str, outcome: str) -> None:
-        """Count an example that ended so; one without an outcome is a smaller one of a fault."""
-        if outcome:
-            self.mutated.setdefault(mutator, Counter())[outcome] += 1
-
-    def as_dict(self) -> dict[str, Any]:
-        """The numbers for `--json`."""
-        table = {
-            key: value for key, value in vars(self).items() if key not in ("found", "warned", "messages", "mutated")
-        }
-        report = {"warned": dict(self.warned), "messages": dict(self.messages.most_common())}
-        mutated = {name: dict(sorted(ends.items())) for name, ends in sorted(self.mutated.items())}
-        return {**table, "mutated": mutated, **report, "faults": [asdict(found) for found in self.found.values()]}
 
 
 def fuzz(
@@ -115,11 +47,12 @@ def fuzz(
     shrink: bool = True,
     kinds: Sequence[str] = (),
     report: Callable[[Tried], None] = lambda tried: None,
+    before: Tried | None = None,
 ) -> Tried:
     """What came of at least `count` random examples.
 
     Args:
-        count: number of examples that are asked for.
+        count: number of examples that are asked for, with those of `before`.
         seed: of the first batch; the next batch has the next one.
         apps: applications that the scenes are of.
         keep: folder for the files of faults, one folder each.
@@ -128,26 +61,56 @@ def fuzz(
         shrink: look for smaller examples of faults.
         kinds: of the batches, which come in turn; none: all, in the shares of `CYCLE`.
         report: called after each batch.
+        before: a run of the same seed, applications and kinds, with which this one goes on.
 
     Raises:
         UserError: hypothesis, which draws the examples, is not installed; no example could be played.
     """
     if find_spec("hypothesis") is None:
         raise UserError("hypothesis, which draws random scenes, is not installed", "--fuzz", "install restshape[test]")
-    tried, start, number = Tried(), time.monotonic(), 0
+    tried, start = before or Tried(), time.monotonic()
+    tried.begin_part(checked_out())
     cycle = tuple(dict.fromkeys(kinds)) or CYCLE
     while tried.examples < count and time.monotonic() - start < seconds:
-        before = tried.examples
-        wanted = min(BATCH, count - tried.examples)
-        kind = cycle[number % len(cycle)]
-        batch = Batch(seed + number, wanted, tuple(apps), kind, tuple(tried.found), shrink)
-        _play(batch, tried, keep, each)
-        number += 1
-        tried.seconds = time.monotonic() - start
+        kind = cycle[tried.batches % len(cycle)]
+        wanted = min(BATCH[kind], count - tried.examples)
+        batch = Batch(seed + tried.batches, wanted, tuple(apps), kind, tuple(tried.found), shrink)
+        played = _timed(batch, tried, keep, each)
         report(tried)
-        if tried.examples == before:
+        if not played:
             raise UserError("no example could be played", "--fuzz", "; ".join(f.what for f in tried.found.values()))
     return tried
+
+
+def _timed(batch: Batch, tried: Tried, keep: Path | None, each: float) -> int:
+    """Play a batch, and add its times; returns how many examples it played."""
+    before, start, used = tried.examples, time.monotonic(), _processor_time()
+    _play(batch, tried, keep, each)
+    took, played = time.monotonic() - start, tried.examples - before
+    tried.batches += 1
+    tried.seconds += took
+    tried.processor_seconds += _processor_time() - used
+    tried.parts[-1].examples += played
+    tried.parts[-1].seconds += took
+    return played
+
+
+def _processor_time() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def checked_out() -> str:
+    """The commit that the sources lie in, with "+" where some were changed since; the version without a checkout."""
+    words = ("git", "-C", str(Path(__file__).parents[2]))
+    try:
+        head, changed = (
+            subprocess.run([*words, *more], capture_output=True, text=True, check=True).stdout.strip()
+            for more in (("rev-parse", "--short=12", "HEAD"), ("status", "--porcelain", "-uno", "--", "*.py", "*pp"))
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return __version__
+    return head + "+" * bool(changed)
 
 
 def _play(batch: Batch, tried: Tried, keep: Path | None, each: float) -> None:
@@ -155,6 +118,11 @@ def _play(batch: Batch, tried: Tried, keep: Path | None, each: float) -> None:
     with tempfile.TemporaryDirectory(prefix="restshape-fuzz-") as name:
         folder, lines = Path(name), []
         end = watch(PROCESS, folder, asdict(batch), each, lambda *line: lines.append(line))
+        if end.hung and lines and lines[-1][0] == "begin":
+            # Other work may have held it up: it has hung if it does so again.
+            tried.repeated += 1
+            lines.pop()
+            end = watch(PROCESS, folder, asdict(replace(batch, alone=True)), each, lambda *line: lines.append(line))
         _count(batch, tried, lines, folder, end, keep)
 
 
@@ -212,7 +180,7 @@ def _add(tried: Tried, end: dict[str, Any]) -> None:
 
 def _keep(found: Found, folder: Path, keep: Path | None, number: int) -> None:
     """Keep the files of a fault for people."""
-    described = folder / "example.json"
+    described = folder / DESCRIBED
     if described.is_file():
         found.command = Example(**json.loads(described.read_text())).command
     elif (folder / RECORDED).is_file():

@@ -18,10 +18,10 @@ from typing import Any, Self
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from restshape_studies.stability import player
 from restshape_studies.stability.batch import DRAWN, FAULT, RECORDINGS, Batch
-from restshape_studies.stability.example import RECORDED, Example
+from restshape_studies.stability.example import DESCRIBED, RECORDED, Example
 from restshape_studies.stability.player import Played
 from restshape_studies.stability.strategies import examples
-from restshape_studies.stability.watched import REPORTS, Telling
+from restshape_studies.stability.watched import READY, REPORTS, Telling
 
 from restshape import _kernels
 from restshape.surroundings import start_petsc
@@ -84,9 +84,10 @@ def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
 
 def _run_recordings(batch: Batch, folder: Path, watched: Watched, tell: Callable[[str, Any], None]) -> None:
     """Report and salvage damaged recordings."""
-    from restshape_studies.stability.hostile_recordings import damages, outcome
+    from restshape_studies.stability.hostile_recordings import again, damages, outcome
 
-    for name, path in damages(batch, folder):
+    found = again(folder) if batch.alone else damages(batch, folder, lambda: tell(READY, None))
+    for name, path in found:
         tell("begin", {"mutator": name})
         limit_memory()
         with watched.of(lambda kept, path=path: shutil.copy(path, kept / RECORDED)):
@@ -95,6 +96,20 @@ def _run_recordings(batch: Batch, folder: Path, watched: Watched, tell: Callable
 
 def _run_examples(batch: Batch, folder: Path, watched: Watched, tell: Callable[[str, Any], None]) -> None:
     """Replay random examples."""
+
+    def play(example: Example) -> None:
+        clear(folder)
+        example.write(folder)
+        name = example.damaged or DRAWN
+        tell("begin", {"mutator": name})
+        limit_memory()
+        with watched.of(example.write):
+            played = player.play(folder, example)
+            tell("end", {"mutator": name, "outcome": played.outcome, **asdict(played)})
+
+    if batch.alone:
+        play(Example(**json.loads((folder / DESCRIBED).read_text())))
+        return
     phases = (Phase.generate, Phase.shrink) if batch.shrink else (Phase.generate,)
 
     @seed(batch.seed)
@@ -110,14 +125,7 @@ def _run_examples(batch: Batch, folder: Path, watched: Watched, tell: Callable[[
     def play_one(example: Example) -> None:
         if time.monotonic() - watched.first > SHRINKING:
             return
-        clear(folder)
-        example.write(folder)
-        name = example.damaged or DRAWN
-        tell("begin", {"mutator": name})
-        limit_memory()
-        with watched.of(example.write):
-            played = player.play(folder, example)
-            tell("end", {"mutator": name, "outcome": played.outcome, **asdict(played)})
+        play(example)
 
     play_one()
 

@@ -22,6 +22,8 @@ from restshape_studies.stability.strategies import examples
 
 SALVAGED = "salvaged.vtkhdf"
 REPORT = "report"
+DONE = "done.txt"
+"""The file that says what was done to the recording."""
 TRIES = 60
 """Examples that are drawn until one has a recording."""
 LARGE = 4_000_000
@@ -30,8 +32,12 @@ HOSTILE: list[Any] = [0, -1, 2**31 - 1, 2**62, -(2**62), 10_000_000]
 HEADERS: list[Any] = [None, -1, 1e308, "", "x" * 5000, "\x1b[2J", [], {}, [[]], {"file": "/etc/passwd"}, True]
 
 
-def recordings(batch: Batch, folder: Path) -> bytes:
-    """A recording of some frames of a random scene."""
+class EnoughError(Exception):
+    """A recording was found: no more examples are drawn."""
+
+
+def recordings(batch: Batch, folder: Path, alive: Callable[[], None] = lambda: None) -> bytes:
+    """A recording of some frames of a random scene; `alive` is called before each try."""
     found: list[bytes] = []
 
     @seed(batch.seed)
@@ -45,7 +51,8 @@ def recordings(batch: Batch, folder: Path) -> bytes:
     @given(examples(batch.apps, DRAWN))
     def record(example: Example) -> None:
         if found:
-            return
+            raise EnoughError
+        alive()
         example = replace(example, written=True)
         example.write(folder)
         played = play(folder, example)
@@ -53,24 +60,31 @@ def recordings(batch: Batch, folder: Path) -> bytes:
         if played.frames > 2 and path.is_file() and path.stat().st_size < LARGE:
             found.append(path.read_bytes())
 
-    record()
+    with suppress(EnoughError):
+        record()
     if not found:
         raise RuntimeError(f"no recording in {TRIES} examples of seed {batch.seed}")
     return found[0]
 
 
-def damages(batch: Batch, folder: Path) -> Iterator[tuple[str, Path]]:
-    """What was done to each recording, and its file."""
-    data = recordings(batch, folder)
+def damages(batch: Batch, folder: Path, alive: Callable[[], None] = lambda: None) -> Iterator[tuple[str, Path]]:
+    """What was done to each recording, and its file; `alive` is called meanwhile."""
+    data = recordings(batch, folder, alive)
     dice = random.Random(batch.seed)
     for _ in range(batch.count):
         name = dice.choice(list(DAMAGE))
         path = folder / RECORDED
+        (folder / DONE).write_text(name)
         path.write_bytes(data)
         # HDF5 refuses to write what it refuses to read.
         with suppress(OSError, ValueError, TypeError, RuntimeError, KeyError, OverflowError):
             DAMAGE[name](dice, path)
         yield f"recording: {name}", path
+
+
+def again(folder: Path) -> Iterator[tuple[str, Path]]:
+    """What was done to the recording that lies in the folder already, and its file."""
+    yield f"recording: {(folder / DONE).read_text()}", folder / RECORDED
 
 
 def outcome(folder: Path, path: Path) -> str:

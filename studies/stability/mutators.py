@@ -85,6 +85,11 @@ def _retyped(draw: st.DrawFn, value: Any) -> Any:
 
 
 def _near(draw: st.DrawFn, value: Any) -> Any:
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, str):
+        word = value or "x"
+        return draw(st.sampled_from([word.upper(), word[:-1], word[1:], word + "s", f" {word}", f"{word} m", word * 2]))
     number = float(value) if _is_number(value) else 1.0
     parts = [number * (1 + 1e-12), number + 1e-9, number * 0.5, number * 2, -number, 0.0, math.nextafter(number, 9e9)]
     return draw(st.sampled_from([*parts, number + 1e-3, int(number), number * 1e3, number * 1e-3]))
@@ -92,16 +97,20 @@ def _near(draw: st.DrawFn, value: Any) -> Any:
 
 def _nested(draw: st.DrawFn, value: Any) -> Any:
     # Deeper tables than Python writes are made of text.
-    return f"@nest{draw(st.sampled_from(DEPTHS))}"
+    return f"@nest{draw(st.sampled_from(DEPTHS))}{draw(st.sampled_from('[{'))}"
 
 
 def _nest(draw: st.DrawFn, scene: Table, lines: list[Table]) -> Texts:
     found = of_values(_nested)(draw, scene, lines)
+    return _deep(found[0], "{a = "), _deep(found[1], '{"a": ')
+
+
+def _deep(text: str, table: str) -> str:
+    """The text with lists and tables in the place of marks; `table` begins one."""
     for depth in DEPTHS:
-        for opening, closing in (("[", "]"),):
-            mark = f'"@nest{depth}"'
-            found = tuple(text.replace(mark, opening * depth + "1" + closing * depth) for text in found)
-    return found
+        for mark, opening, closing in (("[", "[", "]"), ("{", table, "}")):
+            text = text.replace(f'"@nest{depth}{mark}"', opening * depth + "1" + closing * depth)
+    return text
 
 
 def _rename(draw: st.DrawFn, scene: Table, lines: list[Table]) -> Texts:
@@ -188,7 +197,7 @@ MUTATORS: dict[str, Callable[[st.DrawFn, Table, list[Table]], Texts]] = {
     "nested": _nest,
     "truncated": _of_lines(_truncate),
     "binary": _of_lines(_binary),
-    "near": of_values(_near, numeric=True),
+    "near": of_values(_near),
     "replaced": _replace,
     "removed": _remove,
     "replaced in an event": _replace_in_event,

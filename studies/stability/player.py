@@ -10,8 +10,18 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.stability.commanded import command_problem
-from restshape_studies.stability.example import EDITS, MOST_ELEMENTS, RECORDING, SCENE, SUMMARY, TABLE, Example
+from restshape_studies.stability.commanded import command_problem, overwriting_problem
+from restshape_studies.stability.example import (
+    BYSTANDER,
+    EDITS,
+    LINK,
+    MOST_ELEMENTS,
+    RECORDING,
+    SCENE,
+    SUMMARY,
+    TABLE,
+    Example,
+)
 from restshape_studies.verification import FrameCheck, verification
 
 from restshape.application import application
@@ -66,8 +76,6 @@ class Played:
 
 
 OUTPUTS = {RECORDING, TABLE, SUMMARY, f"{RECORDING}.lock"}
-BYSTANDER = "notes.txt"
-"""A file that nothing names."""
 
 
 def play(folder: Path, example: Example) -> Played:
@@ -81,6 +89,8 @@ def play(folder: Path, example: Example) -> Played:
     played = Played()
     before = {**example.inputs(), BYSTANDER: b"mine"}
     (folder / BYSTANDER).write_bytes(before[BYSTANDER])
+    (folder / LINK).unlink(missing_ok=True)
+    (folder / LINK).symlink_to(BYSTANDER)
     others = {path.name for path in folder.iterdir()}
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -95,6 +105,10 @@ def play(folder: Path, example: Example) -> Played:
             played.written = True
             if wrong := command_problem(folder, example, played.message, played.frames, played.refused):
                 raise Fault(f"restshape replay: {wrong}")
+    if example.onto and (wrong := overwriting_problem(folder, example)):
+        raise Fault(f"restshape replay: {wrong}")
+    if not (folder / LINK).is_symlink():
+        raise Fault(f"written over: {LINK}")
     if changed := [name for name, data in before.items() if (folder / name).read_bytes() != data]:
         raise Fault(f"written over: {changed}")
     if new := sorted({path.name for path in folder.iterdir()} - others - OUTPUTS):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from hypothesis import strategies as st
 from restshape_studies.stability.batch import DAMAGED, FILES
-from restshape_studies.stability.example import Example
+from restshape_studies.stability.example import ONTO, Example
 from restshape_studies.stability.hostile_files import hostile_files
 from restshape_studies.stability.mutators import MUTATORS, texts
 from restshape_studies.stability.random_scenes import RandomScenes
@@ -13,8 +13,10 @@ from restshape_studies.verification import verification
 
 from restshape.policy import POLICIES
 
-WRITTEN_SHARE = 5
-"""Every fifth example, about, is replayed by the command too."""
+WRITTEN_SHARE = 8
+"""Every eighth example, about, is replayed by the command too."""
+ONTO_SHARE = 16
+"""In every sixteenth example the command is asked to write over a file of the user's."""
 rests = st.sampled_from([[{"do": "idle", "frames": 2}], [{"do": "analyse"}]])
 
 
@@ -53,4 +55,5 @@ def examples(draw: st.DrawFn, apps: Sequence[str], kind: str) -> Example:
     can = known.predictable(scene) and policy != "rebuild" and "analysis" not in lines[0]
     predict = draw(st.sampled_from(["none", "linear"])) if can or draw(st.integers(0, 19)) == 19 else "none"
     written = draw(st.integers(1, WRITTEN_SHARE)) == WRITTEN_SHARE
-    return Example(app, text, edits, policy, predict, harm, written, files)
+    onto = draw(st.sampled_from([*ONTO])) if draw(st.integers(1, ONTO_SHARE)) == ONTO_SHARE else ""
+    return Example(app, text, edits, policy, predict, harm, written, files, onto)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -22,10 +23,13 @@ READY = "ready"
 """What a process reports first that works on one thing for long before it has another line to report."""
 
 WAITING = 10.0
-"""How many times as long a process may be silent that does not compute: a busy machine lets it wait."""
+"""How many times as long a process may be silent that does not compute, where the system does not tell why."""
 
 START = 60.0
 """Seconds that a process may take besides to come to its first line: a busy machine imports slowly."""
+
+LAST_WORDS = 10.0
+"""Seconds that a process may take to say where it was."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +66,12 @@ def watch(
         module: is given `job` as JSON on stdin, and reports its lines to the folder's file.
         folder: for files of the process.
         job: what it shall do.
-        silence: seconds of the processor's time without a line after which it is ended, and ten times as long where it
-            only waits; `START` more before the first one.
+        silence: seconds without a line after which it is ended: of the processor's time, or of waiting for something
+            else than the processor; `START` more before the first one.
         heard: is given each line, as soon as it is there.
         words: further arguments.
     """
+    (folder / REPORTS).unlink(missing_ok=True)
     with (folder / "stderr").open("w") as stderr:
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", module, str(folder), *words],
@@ -81,9 +86,7 @@ def watch(
             process.stdin.close()
             hung = _listen(process, folder / REPORTS, silence, heard)
         finally:
-            if process.poll() is None:
-                process.kill()
-            process.wait()
+            _end(process)
     messages = (folder / "stderr").read_text(errors="replace")
     relay(messages)
     problem = f"reported nothing for {silence:g} s" if hung else ending(process.returncode, messages)
@@ -91,9 +94,20 @@ def watch(
     return End(problem, hung, " | ".join(lines[-8:]))
 
 
+def _end(process: subprocess.Popen) -> None:
+    """End a process if it still runs, so that it says where it is if it can."""
+    if process.poll() is None:
+        process.send_signal(signal.SIGABRT)
+        try:
+            process.wait(LAST_WORDS)
+        except subprocess.TimeoutExpired:
+            process.kill()
+    process.wait()
+
+
 def _listen(process: subprocess.Popen, path: Path, silence: float, heard: Callable[[str, Any], None]) -> bool:
     """Hand on all lines until the process ends; whether it was silent for too long."""
-    at, since, busy = 0, time.monotonic() + START, START
+    at, clock = 0, Silence(process.pid, silence, START)
     while True:
         over = process.poll() is not None
         whole = path.read_bytes()[at:] if path.is_file() else b""
@@ -103,12 +117,32 @@ def _listen(process: subprocess.Popen, path: Path, silence: float, heard: Callab
             if kind != READY:
                 heard(kind, content)
         at += len(whole)
-        used = processor_time(process.pid)
         if whole:
-            since, busy = time.monotonic(), used
-        if over or used - busy > silence or time.monotonic() - since > WAITING * silence:
+            clock = Silence(process.pid, silence)
+        if over or clock.over():
             return not over
         time.sleep(LOOK)
+
+
+class Silence:
+    """How long a process has been silent, by its own time: on a busy machine others have the processor for long.
+
+    Args:
+        process: its number.
+        limit: seconds of computing, or of waiting for anything but the processor, after which it is too long.
+        more: seconds besides.
+    """
+
+    def __init__(self, process: int, limit: float, more: float = 0.0) -> None:
+        self.process, self.limit, self.more = process, limit, more
+        self.since, self.computed, self.queued = time.monotonic(), processor_time(process), queue_time(process)
+
+    def over(self) -> bool:
+        """Whether it has been too long."""
+        computed, queued = processor_time(self.process) - self.computed, queue_time(self.process)
+        known = queued is not None and self.queued is not None
+        waited = time.monotonic() - self.since - computed - (queued - self.queued if known else 0.0)
+        return computed > self.limit + self.more or waited > self.limit * (1.0 if known else WAITING) + self.more
 
 
 def processor_time(process: int) -> float:
@@ -118,3 +152,14 @@ def processor_time(process: int) -> float:
     except OSError:
         return 0.0
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def queue_time(process: int) -> float | None:
+    """Seconds that the first thread of a process could have computed, but others had the processor.
+
+    None where the system does not tell.
+    """
+    try:
+        return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9
+    except (OSError, IndexError):
+        return None

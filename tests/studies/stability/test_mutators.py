@@ -16,7 +16,7 @@ from restshape_studies.stability.crafted_recordings import CRAFTED as CRAFTED_RE
 from restshape_studies.stability.crafted_recordings import datasets
 from restshape_studies.stability.example import EDITS, SCENE, Example
 from restshape_studies.stability.foreign_files import samples
-from restshape_studies.stability.fuzz import CYCLE, _new_folder, fuzz
+from restshape_studies.stability.fuzz import BATCH, CYCLE, _new_folder, fuzz
 from restshape_studies.stability.hostile_bytes import BYTES
 from restshape_studies.stability.hostile_files import naming
 from restshape_studies.stability.hostile_recordings import DAMAGE, damages, outcome
@@ -24,7 +24,9 @@ from restshape_studies.stability.mutators import MUTATORS, texts
 from restshape_studies.stability.player import Fault, play
 from restshape_studies.stability.scenery import plate
 from restshape_studies.stability.tables import toml
+from restshape_studies.stability.tried import Found
 
+from restshape.cli.main import main
 from restshape.mesh.importer import read_mesh
 from restshape.shape.dxf import read_dxf
 from restshape.shape.geo import read_geo
@@ -87,7 +89,8 @@ def test_damage_of_bytes(name):
 
 
 def test_batches_are_of_all_kinds_in_the_shares_that_are_documented():
-    assert len(CYCLE) == 20 and [CYCLE.count(kind) for kind in KINDS] == [8, 8, 3, 1]
+    shares = [CYCLE.count(kind) * BATCH[kind] for kind in KINDS]
+    assert [20 * share / sum(shares) for share in shares] == [8, 8, 3, 1]
     assert (DRAWN, DAMAGED, FILES, RECORDINGS) == KINDS
 
 
@@ -146,19 +149,72 @@ def test_crafted_structures_stand_in_the_place_of_an_array(tmp_path, what):
         assert "restshape/header" in file
 
 
-def test_kinds_of_batches_are_chosen(tmp_path, monkeypatch):
+def counted(batch, tried, keep, each):
+    """In place of playing a batch."""
+    tried.examples += batch.count
+
+
+def test_kinds_of_batches_are_chosen(monkeypatch):
     played = []
 
     def play(batch, tried, keep, each):
-        played.append(batch.kind)
-        tried.examples += batch.count
+        played.append(batch)
+        counted(batch, tried, keep, each)
 
     monkeypatch.setattr("restshape_studies.stability.fuzz._play", play)
-    fuzz(120, 3, ("plane",), kinds=[RECORDINGS, FILES])
-    assert played == [RECORDINGS, FILES, RECORDINGS, FILES, RECORDINGS]
+    fuzz(260, 3, ("plane",), kinds=[RECORDINGS, FILES])
+    assert [(one.kind, one.count) for one in played] == [(RECORDINGS, 25), (FILES, 100)] * 2 + [(RECORDINGS, 10)]
     played.clear()
-    fuzz(500, 3, ("plane",))
-    assert {kind: played.count(kind) for kind in KINDS} == {DRAWN: 8, DAMAGED: 8, FILES: 3, RECORDINGS: 1}
+    fuzz(2000, 3, ("plane",))
+    assert [one.seed for one in played] == list(range(3, 26))
+    assert {kind: sum(one.count for one in played if one.kind == kind) for kind in KINDS} == {
+        DRAWN: 800,
+        DAMAGED: 800,
+        FILES: 300,
+        RECORDINGS: 100,
+    }
+
+
+def test_a_fuzz_goes_on_with_the_counts_of_one_before(monkeypatch, tmp_path, capsys):
+    """In two parts as in one: the same batches, and counts of both; a table of another campaign is refused."""
+    seeds = []
+
+    def play(batch, tried, keep, each):
+        seeds.append((batch.seed, batch.kind))
+        counted(batch, tried, keep, each)
+        tried.ended(batch.kind, "0")
+        tried.messages["no"] += 1
+        tried.found.setdefault("odd", Found(batch.seed, "fault", "odd", "it broke")).seen += 1
+
+    monkeypatch.setattr("restshape_studies.stability.fuzz._play", play)
+    monkeypatch.setattr("restshape_studies.stability.fuzz.checked_out", lambda: "0123456789ab")
+    table, words = (
+        tmp_path / "fuzz.json",
+        ["stability", "--seed", "5", "--resume", "--json", str(tmp_path / "fuzz.json")],
+    )
+    assert main([*words, "--fuzz", "300"]) == 1
+    first = json.loads(table.read_text())
+    assert first["examples"] == 300 and first["parts"] == [
+        {"commit": "0123456789ab", "examples": 300, "seconds": first["seconds"]}
+    ]
+    monkeypatch.setattr("restshape_studies.stability.fuzz.checked_out", lambda: "ba9876543210")
+    main([*words, "--fuzz", "700"])
+    both, in_parts = json.loads(table.read_text()), list(seeds)
+    assert [part["examples"] for part in both["parts"]] == [300, 400] and both["faults"][0]["seen"] == 9
+    seeds.clear()
+    monkeypatch.setattr("restshape_studies.stability.fuzz.checked_out", lambda: "0123456789ab")
+    # The first part ended within a batch, whose rest is never played.
+    whole = fuzz(700, 5, both["apps"]).as_dict()
+    assert in_parts == seeds
+    times = ("seconds", "processor_seconds", "parts")
+    assert {key: whole[key] for key in whole if key not in times} == {
+        key: both[key] for key in whole if key not in times
+    }
+    capsys.readouterr()
+    assert main([*words, "--fuzz", "900", "--seed", "6"]) == 2 and "another seed" in capsys.readouterr().err
+    table.write_text('{"seed": 5}')
+    assert main([*words, "--fuzz", "900"]) == 2
+    assert main(["stability", "--resume"]) == 2 and main(["stability", "--resume", "--fuzz", "9"]) == 2
 
 
 def test_a_folder_of_faults_is_a_new_one(tmp_path):
