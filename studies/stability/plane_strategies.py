@@ -113,9 +113,9 @@ def quantities(draw: st.DrawFn, shape: Table, energies: Sequence[str] = ("strain
 
 @st.composite
 def meshes(draw: st.DrawFn, area: float, effects: Table) -> Table:
-    """The [mesh] of about 3 to 120 elements over an area [m^2]."""
+    """The [mesh] of about 3 to 60 elements over an area [m^2]."""
     model = effects.get("modal", {}).get("model", "")
-    most = 20 if model == "solid" else 120
+    most = 20 if model == "solid" else 60
     size = mesh_size(area, draw(st.integers(3, most)))
     mesh: Table = {"size": size}
     if draw(st.booleans()) and model != "plate":

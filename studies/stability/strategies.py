@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from hypothesis import strategies as st
-from restshape_studies.stability.batch import DAMAGED, FILES
+from restshape_studies.stability.batch import DAMAGED, FILES, RECORDINGS
 from restshape_studies.stability.example import ONTO, Example
 from restshape_studies.stability.hostile_files import hostile_files
 from restshape_studies.stability.mutators import MUTATORS, texts
@@ -13,17 +13,21 @@ from restshape_studies.verification import verification
 
 from restshape.policy import POLICIES
 
-WRITTEN_SHARE = 8
-"""Every eighth example, about, is replayed by the command too."""
+WRITTEN_SHARE = 12
+"""Every twelfth example, about, is replayed by the command too."""
 ONTO_SHARE = 16
 """In every sixteenth example the command is asked to write over a file of the user's."""
+MOST_PARTS = 5
+"""Gestures and edits of a script."""
+RECORDED_LINES, RECORDED_QUANTITIES = 4, 2
+"""Of scenes whose recordings are damaged: reports of few frames and quantities are drawn fast."""
 rests = st.sampled_from([[{"do": "idle", "frames": 2}], [{"do": "analyse"}]])
 
 
 def scripts(scene: Table, known: RandomScenes) -> st.SearchStrategy[list[Table]]:
-    """Events of at most some 60 frames for a scene, with the header first."""
+    """Events of at most some 40 frames for a scene, with the header first."""
     part = st.one_of(*known.edits(scene), rests)
-    return st.builds(timed, st.sampled_from(list(known.heads)), st.lists(part, min_size=1, max_size=8))
+    return st.builds(timed, st.sampled_from(list(known.heads)), st.lists(part, min_size=1, max_size=MOST_PARTS))
 
 
 def timed(head: Table, parts: list[list[Table]]) -> list[Table]:
@@ -45,6 +49,9 @@ def examples(draw: st.DrawFn, apps: Sequence[str], kind: str) -> Example:
     if kind == FILES:
         scene, harm, files = draw(hostile_files(scene))
         lines = timed({}, [[{"do": "scale", "on": "outline", "factor": 1.1, "frames": 2}], [{"do": "undo"}]])
+    if kind == RECORDINGS:
+        scene = {**scene, "quantities": dict([*scene.get("quantities", {}).items()][:RECORDED_QUANTITIES])}
+        lines = lines[:RECORDED_LINES]
     if kind == DAMAGED:
         harm = draw(st.sampled_from(list(MUTATORS)))
         text, edits = MUTATORS[harm](draw, scene, lines)

@@ -53,6 +53,18 @@ main()
 """
 
 
+@pytest.fixture
+def break_process(tmp_path, monkeypatch):
+    """Lets the process that plays do something where a scene holds a text."""
+
+    def change(then, when='app = \\"plane\\"'):
+        (tmp_path / "broken_process.py").write_text(BROKEN.format(when=when, then=then))
+        monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
+        monkeypatch.setattr("restshape_studies.stability.fuzz.PROCESS", "broken_process")
+
+    return change
+
+
 @pytest.mark.cli
 @pytest.mark.slow
 @pytest.mark.parametrize(
@@ -63,10 +75,8 @@ main()
         ("time.sleep(60)", "hang", "reported nothing for 4 s"),
     ],
 )
-def test_what_breaks_is_reported_and_kept(tmp_path, monkeypatch, then, kind, words):
-    (tmp_path / "broken_process.py").write_text(BROKEN.format(when='app = \\"plane\\"', then=then))
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
-    monkeypatch.setattr("restshape_studies.stability.fuzz.PROCESS", "broken_process")
+def test_what_breaks_is_reported_and_kept(tmp_path, break_process, then, kind, words):
+    break_process(then)
     tried = fuzz(2, 3, ("plane",), keep=tmp_path / "kept", each=4.0)
     found = next(iter(tried.found.values()))
     assert (
@@ -79,6 +89,18 @@ def test_what_breaks_is_reported_and_kept(tmp_path, monkeypatch, then, kind, wor
     if kind == "fault":
         # As small as may be: no more than what every scene has.
         assert len(example.edits.splitlines()) <= 4 and len(tried.found) == 1
+
+
+@pytest.mark.cli
+@pytest.mark.slow
+def test_what_was_held_up_once_is_played_again_and_is_no_hang(tmp_path, break_process):
+    mark = tmp_path / "held_up"
+    break_process(
+        f"import pathlib; there = pathlib.Path({str(mark)!r}); there.exists() or (there.touch(), time.sleep(99))"
+    )
+    tried = fuzz(1, 3, ("plane",), each=3.0)
+    assert mark.exists() and tried.repeated == 1 and not tried.found
+    assert tried.examples == tried.valid == 1 and tried.mutated == {"drawn": {"0": 1}}
 
 
 @pytest.mark.slow
