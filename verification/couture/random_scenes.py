@@ -104,6 +104,8 @@ def quantities(draw: st.DrawFn, shape: Table) -> Table:
     found["place"] = {"position": draw(st.sampled_from("xyz")), "at": draw(at), "reduce": "min"}
     found["energy"] = {"energy": draw(st.sampled_from(["strain", "membrane", "bending", "potential"]))}
     if draw(st.integers(0, 2)) == 0:
+        found["place"] = {"position": draw(st.sampled_from("xyz")), "at": draw(at), "take": "min"}
+    if draw(st.integers(0, 2)) == 0:
         found["force"] = {"reaction": draw(st.sampled_from("xyz")), "at": draw(at)}
     if draw(st.integers(0, 19)) == 19:
         found["stress"] = {"stress": "von_mises"}

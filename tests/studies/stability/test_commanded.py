@@ -8,6 +8,7 @@ from restshape_studies.stability.example import Example
 from restshape_studies.stability.player import Fault, play
 from small_scenes import across, drag, plate, write_script
 
+from restshape import _kernels
 from restshape.cli import replay
 from restshape.replay.recorder import Recorder
 
@@ -42,6 +43,14 @@ def test_refusals_as_a_whole_and_in_the_middle(tmp_path, example):
     none.write(tmp_path)
     played = play(tmp_path, none)
     assert played.message and (played.frames, played.written) == (0, True)
+
+
+def test_how_long_a_frame_takes_is_judged_by_whoever_watches(tmp_path, example, monkeypatch):
+    """The command's own limit would end the process that plays, on a busy machine within seconds of computing."""
+    limits = []
+    watch = _kernels.watch
+    monkeypatch.setattr(_kernels, "watch", lambda seconds, *rest: (limits.append(seconds), watch(seconds, *rest)))
+    assert command_problem(tmp_path, example, "", 7, 1) == "" and limits == [0.0]
 
 
 @pytest.mark.slow
