@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,7 @@ from pathlib import Path
 from stamps import ROOT
 
 RESULTS = ROOT / "results"
-OUTPUTS = (".png", ".wav", ".md", ".json")
+OUTPUTS = (".png", ".gif", ".wav", ".md", ".json")
 INPUTS = (".toml", ".jsonl")
 """Endings of results, and of scenes and scripts."""
 
@@ -46,27 +47,32 @@ class Result:
     @property
     def data(self) -> list[Path]:
         """The scenes and scripts that it reads."""
-        named = re.findall(r"apps/\S+\.(?:toml|jsonl)", " ".join(self.commands))
+        named = re.findall(r"(?:apps|docs)/\S+\.(?:toml|jsonl)", " ".join(self.commands))
         found = [path for pattern in self.scenes for path in (ROOT / "apps").glob(pattern) if path.suffix in INPUTS]
         return sorted({*(ROOT / name for name in named), *found})
 
     @property
     def entries(self) -> list[str]:
         """The modules whose imports are followed."""
-        return [*self.code, *(f"restshape_apps.{path.relative_to(ROOT).parts[1]}" for path in self.data)]
+        scenes = (tomllib.loads(path.read_text(encoding="utf-8")) for path in self.data if path.suffix == ".toml")
+        return [*self.code, *dict.fromkeys(f"restshape_apps.{scene['app']}" for scene in scenes if "app" in scene)]
 
 
-def reports(name: str, scene: str, edits: str) -> tuple[Result, Result]:
+def reports(
+    name: str, scene: str, edits: str, settings: Sequence[str] = (), looks: str = "--animation none"
+) -> tuple[Result, Result]:
     """The report of a replay: pictures of what was found, and of levels and the timeline, which hold times."""
-    commands = (recorded(name, scene, edits), f"restshape report results/{name}.vtkhdf --animation none")
-    found = (f"{name}-report/frames.png", f"{name}-report/quantities.png")
+    commands = (recorded(name, scene, edits, *settings), f"restshape report results/{name}.vtkhdf {looks}")
+    kept = ("frames.png", "quantities.png", *["animation.gif"] * ("none" not in looks))
+    found = tuple(f"{name}-report/{file}" for file in kept)
     times = (f"{name}-report/timeline.png", f"{name}-report/levels.png")
     return Result(found, commands, REPORT), Result(times, commands, REPORT, timed=True)
 
 
-def recorded(name: str, scene: str, edits: str = "") -> str:
-    """The command that records a replay."""
-    return f"restshape replay {scene}{f' {edits}' if edits else ''} --out results/{name}.vtkhdf"
+def recorded(name: str, scene: str, edits: str = "", *settings: str) -> str:
+    """The command that records a replay, with settings that differ from the scene's."""
+    asked = "".join(f" --set '{setting}'" for setting in settings)
+    return f"restshape replay {scene}{f' {edits}' if edits else ''} --out results/{name}.vtkhdf{asked}"
 
 
 def bench(kind: str, words: str, files: Sequence[str], *scenes: str) -> Result:
@@ -75,6 +81,10 @@ def bench(kind: str, words: str, files: Sequence[str], *scenes: str) -> Result:
     return Result(tuple(files), (f"restshape bench {words}",), code, scenes, timed=True)
 
 
+FINE = ('mesh.size="4 mm"', 'mesh.near.window="2 mm"', "quantities.stress_at_window.error=true")
+"""A finer mesh than the README's example has, and the error of its stress."""
+EXAMPLE = "docs/examples/bracket"
+"""The README's."""
 REPLAY = ("restshape.cli.replay",)
 REPORT = (*REPLAY, "restshape.cli.report")
 ALL = ("*/scenes/*.toml", "*/edits/*.jsonl")
@@ -102,6 +112,7 @@ ELSEWHERE = ("mutants.md",)
 """Files that commands of their own renew."""
 
 LIST = (
+    *reports("bracket", f"{EXAMPLE}.toml", f"{EXAMPLE}.jsonl", FINE, "--show supports,loads,hand"),
     *reports("plate", PLATE, "apps/solid/edits/plate.jsonl"),
     *reports("cantilever", BEAM, "apps/cantilever/edits/cantilever.jsonl"),
     Result(

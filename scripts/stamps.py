@@ -1,7 +1,7 @@
 """Stamps of committed results: of which code and commit each file is. docs/results.md explains them.
 
 A stamp is a line such as `commit 0123456789ab, code 0123456789abcdef, content 0123456789abcdef`, kept in the file
-itself: in the metadata of PNG and WAV, as the key "stamp" of JSON, as a comment that ends Markdown.
+itself: in the metadata of PNG and WAV, as the key "stamp" of JSON, as a comment that ends Markdown or GIF.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ TEXTS = (b"tEXt", b"zTXt", b"iTXt", b"tIME")
 PNG, CHUNK = b"\x89PNG\r\n\x1a\n", b"tEXtStamp\0"
 SOUND_STAMP = re.compile(rb"LIST.{4}INFOICMT(.{4})", re.S)
 """The head of the chunk of a WAV file that holds its stamp, with the length of the text."""
+GIF_COMMENT, GIF_END = b"\x21\xfe", b"\x00;"
+"""What a comment of a GIF begins with, and the end of its last one and of the file."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +192,10 @@ def split(path: Path) -> tuple[bytes, str]:
                 return data, ""
             end = found.end() + struct.unpack("<I", found[1])[0]
             return _sized(data[: found.start()] + data[end:]), data[found.end() : end].rstrip(b"\0").decode("latin-1")
+        case ".gif":
+            place = data.rfind(GIF_COMMENT)
+            text = _unblocked(data[place + 2 : -2]) if place >= 0 else ""
+            return (data[:place] + data[-1:], text) if Stamp.of(text) else (data, "")
         case ".md":
             found = re.search(r"\n<!-- stamp: (.*) -->\n\Z", data.decode())
             return (data[: len(data) - len(found[0].encode())], found[1]) if found else (data, "")
@@ -198,7 +204,20 @@ def split(path: Path) -> tuple[bytes, str]:
             stamp = found.pop("stamp", "") if isinstance(found, dict) else ""
             found = found["rows"] if stamp and set(found) == {"rows"} else found
             return json.dumps(found, indent=1).encode() + b"\n", stamp
-    raise ValueError(f"{path}: a result is .png, .wav, .md or .json")
+    raise ValueError(f"{path}: a result is .png, .gif, .wav, .md or .json")
+
+
+def _blocked(text: bytes) -> bytes:
+    """A text in the blocks of GIF: each at most 255 bytes behind its length."""
+    return b"".join(bytes([len(part)]) + part for part in (text[k : k + 255] for k in range(0, len(text), 255)))
+
+
+def _unblocked(data: bytes) -> str:
+    """The text of blocks of GIF."""
+    text = b""
+    while data:
+        text, data = text + data[1 : 1 + data[0]], data[1 + data[0] :]
+    return text.decode("latin-1")
 
 
 def _sized(sound: bytes) -> bytes:
@@ -231,6 +250,8 @@ def write_stamp(path: Path, stamp: Stamp) -> None:
             # Before the chunk at the end by which the program knows its own sounds.
             sound, mark, program = rest.partition(b"LIST")
             rest = _sized(sound + b"LIST" + struct.pack("<I", len(own)) + own + mark + program)
+        case ".gif":
+            rest = rest[:-1] + GIF_COMMENT + _blocked(text) + GIF_END
         case ".md":
             rest += f"\n<!-- stamp: {stamp} -->\n".encode()
         case ".json":

@@ -1,4 +1,4 @@
-"""Creeping flow by Taylor and Hood's elements, as a `Problem` on a `MixedSpace`, beside a closed form."""
+"""Creeping flow by Taylor and Hood's elements, as a problem on a `MixedSpace`, beside a closed form."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.fem.elements import STOKES
 from restshape.fem.integral import Integral
 from restshape.fem.mixed import MixedSpace
-from restshape.fem.problem import INTERNAL, STIFFNESS, Problem, Unknown
+from restshape.fem.problem import INTERNAL, STIFFNESS, SteadyProblem, Unknown
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.scene.expressions import Expression
 
@@ -16,7 +16,7 @@ FLOW = ("(sin(y) + y*cos(y))*exp(x)", "-y*sin(y)*exp(x)", "-0.2*exp(x)*sin(y)")
 """Velocity and pressure of the stream function y e^x sin y, which needs no body force at this viscosity."""
 
 
-class Stokes(Problem):
+class Stokes(SteadyProblem):
     """Creeping flow whose velocity is prescribed on the whole boundary, and whose pressure is at a corner."""
 
     name = "stokes"

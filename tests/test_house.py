@@ -138,3 +138,28 @@ def test_elements_are_symbols():
     """Elements are taken by their families' symbols, so that a wrong name is an ImportError."""
     found = [path for path in LIBRARY.rglob("*.py") if "_kernels.Element(" in path.read_text()]
     assert found == [], "take them from restshape.fem.elements"
+
+
+CLASSES = ("analysis", "mesh", "fem")
+CAPABILITIES = {"Differentiable", "Extreme"}
+"""What functions of a state can do besides: it is asked of them."""
+
+
+def test_nothing_is_dispatched_on_classes_of_analyses_meshes_and_spaces():
+    """What differs between them is a method of theirs, or a member of a protocol."""
+    kinds = {
+        node.name
+        for room in CLASSES
+        for path in (LIBRARY / room).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+    } - CAPABILITIES
+    asked = [
+        f"{path.relative_to(LIBRARY)}:{node.lineno}: {ast.unparse(node)}"
+        for path in LIBRARY.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call)
+        and ast.unparse(node.func) in ("isinstance", "issubclass")
+        and kinds & {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
+    ]
+    assert len(kinds) > 50 and asked == []

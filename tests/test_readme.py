@@ -21,6 +21,11 @@ def block(page: str, language: str) -> str:
     return found
 
 
+def test_the_example_is_the_one_whose_picture_is_shown():
+    for name, language in (("bracket.toml", "toml"), ("bracket.jsonl", "json")):
+        assert (ROOT / "docs" / "examples" / name).read_text(encoding="utf-8") == block(README, language)
+
+
 NO_ANIMATION = ["--animation", "none"]
 """Of a report: one page's animation is enough."""
 

@@ -81,6 +81,8 @@ def test_the_index_of_accuracy_lists_every_page():
 def files(folder):
     """A file of each format, with what it holds."""
     Image.fromarray(np.arange(48, dtype=np.uint8).reshape(4, 4, 3)).save(folder / "a.png")
+    shades = [Image.fromarray(np.full((4, 4), shade, dtype=np.uint8)) for shade in (10, 200)]
+    shades[0].save(folder / "a.gif", save_all=True, append_images=shades[1:], duration=50, loop=0)
     with wave.open(str(folder / "a.wav"), "wb") as sound:
         sound.setparams((1, 2, 8000, 0, "NONE", ""))
         sound.writeframes(b"\1\2\3\4")
@@ -91,7 +93,7 @@ def files(folder):
 
 
 def test_stamps_are_read_as_they_were_written_and_change_nothing_else(tmp_path):
-    accepted = Stamp("0123456789ab+", "5c1f0a9e64f2b7d8", "9b2e4c01d3a7f655", "one, two (three)")
+    accepted = Stamp("0123456789ab+", "5c1f0a9e64f2b7d8", "9b2e4c01d3a7f655", "one, two (three), " * 20 + "four")
     for path in files(tmp_path):
         content = content_hash(path)
         assert read_stamp(path) is None
@@ -101,6 +103,11 @@ def test_stamps_are_read_as_they_were_written_and_change_nothing_else(tmp_path):
     with Image.open(tmp_path / "a.png") as image:
         assert image.info["Stamp"] == str(STAMP)
         np.testing.assert_array_equal(np.asarray(image).ravel(), np.arange(48))
+    with Image.open(tmp_path / "a.gif") as image:
+        assert image.n_frames == 2
+        image.seek(1)
+        assert np.all(np.asarray(image.convert("L")) == 200)
+    assert str(STAMP).encode() in (tmp_path / "a.gif").read_bytes()
     with wave.open(str(tmp_path / "a.wav")) as sound:
         assert sound.readframes(9) == b"\1\2\3\4"
     assert (tmp_path / "a.md").read_text() == f"# Title\n\ntext\n\n<!-- stamp: {STAMP} -->\n"

@@ -31,7 +31,7 @@ from restshape.analysis.nonlinear_transient import NonlinearTransientAnalysis
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.analysis.transient import TransientAnalysis
 from restshape.fem.eigenproblem import Eigenproblem
-from restshape.fem.problem import PrestressedProblem, Problem, TransientProblem
+from restshape.fem.problem import PrestressedProblem, SteadyProblem, TransientProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.heat.conduction import HeatConduction
@@ -48,7 +48,7 @@ EACH_IS_AN_ANALYSIS = """
 of_heat: Analysis[HeatConduction] = heat
 of_modes: Analysis[Eigenproblem] = modes
 of_buckling: Analysis[PrestressedProblem] = buckling
-of_solids: Analysis[Problem] = steady
+of_solids: Analysis[SteadyProblem] = steady
 of_motion: Analysis[TransientProblem] = motion
 of_large_motion: Analysis[TransientProblem] = large_motion
 of_cloth: Analysis[ClothProblem] = cloth
@@ -59,8 +59,11 @@ WRONG = (
     ("from restshape.fem import elements; elements.STVKK", 'has no attribute "STVKK"'),
     ("of_cloth: Analysis[ClothProblem] = heat", "Incompatible types in assignment"),
     ("heat.state.interrupted = True", 'Property "interrupted" defined in "SteadyState" is read-only'),
-    ("state: State[Problem] = steady.state; state.interrupted = True", 'Property "interrupted" defined in "State"'),
-    ("answer: Analysis[int]", 'must be a subtype of "Problem | Eigenproblem"'),
+    (
+        "state: State[SteadyProblem] = steady.state; state.interrupted = True",
+        'Property "interrupted" defined in "State"',
+    ),
+    ("answer: Analysis[int]", 'must be a subtype of "Problem"'),
 )
 
 

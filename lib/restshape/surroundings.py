@@ -1,4 +1,4 @@
-"""Libraries that would obey files of the current folder, started so that they do not."""
+"""Libraries started so that they obey no file of the current folder, and use one thread a rank."""
 
 import contextlib
 import os
@@ -13,6 +13,12 @@ from types import ModuleType
 
 from restshape.errors import UserError
 
+ONE_THREAD = "OMP_NUM_THREADS"
+"""How many threads BLAS, LAPACK and MUMPS use: one a rank, unless the environment says otherwise.
+
+The matrices of a frame are too small for more, and threads that wait for each other on a busy machine make a frame of
+milliseconds last for minutes.
+"""
 FOLDERS = {"matplotlib": "mpl-data", "ezdxf": ""}
 """Libraries that look for settings where the process stands, and the folder of their own where they find no others."""
 PETSC = "petsc4py.PETSc"
@@ -118,6 +124,11 @@ class _Finder(MetaPathFinder):
         else:
             spec.loader = _Elsewhere(spec.loader, Path(spec.origin).parent / FOLDERS[name])
         return spec
+
+
+def use_one_thread() -> None:
+    """From now on libraries that are loaded use one thread a rank, unless `OMP_NUM_THREADS` is set."""
+    os.environ.setdefault(ONE_THREAD, "1")
 
 
 def ignore_files() -> None:

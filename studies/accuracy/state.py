@@ -23,8 +23,8 @@ class State:
         spectrum: what `values` are, "frequencies" or "load_factors"; empty where there are none.
         values: (k,) ascending.
         shapes: (modes, n, d) fields of the modes.
-        stiffness: (ne, 4) moduli of the energy, as of `Problem.energy_moduli`, and, of what moves, mass [kg/m^2] of
-            each cell; None without a displacement, and of cloth.
+        stiffness: (ne, 4) moduli of the energy, as of `SteadyProblem.energy_moduli`, and, of what moves, mass [kg/m^2]
+            of each cell; None without a displacement, and of cloth.
         large: strains are Green's, for the deformation is large.
         row: of the frame.
         curvature: (ne, 3, 3) second derivatives xx, yy and twice xy of each coordinate of cloth [1/m].

@@ -1,4 +1,4 @@
-"""Several fields with different nodes: Taylor and Hood's flow as a `Problem` on a `MixedSpace`, solved as any other."""
+"""Several fields with different nodes: Taylor and Hood's flow as a problem on a `MixedSpace`, solved as any other."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What the physics give to analyses: all that `Problem` or, for free vibrations, the narrower `Eigenproblem` names."""
+"""What the physics give to analyses: all that `SteadyProblem` or, of free vibrations, `Eigenproblem` names."""
 
 import dis
 import inspect
@@ -6,7 +6,7 @@ import inspect
 import pytest
 
 from restshape.fem.eigenproblem import Eigenproblem
-from restshape.fem.problem import Problem, TransientProblem
+from restshape.fem.problem import SteadyProblem, TransientProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.physics.elasticity.prestressed_solid import PrestressedSolid
@@ -58,7 +58,7 @@ def given(made: type) -> set[str]:
     [
         (PlaneSolid, TransientProblem),
         (PrestressedSolid, TransientProblem),
-        (ClothProblem, Problem),
+        (ClothProblem, SteadyProblem),
         (VibratingPlane, Eigenproblem),
         (VibratingSolid, Eigenproblem),
         (VibratingPlate, Eigenproblem),

@@ -24,7 +24,7 @@ from restshape_apps.furniture.scene.furniture import REDUNDANT_BYTES, SUGGESTION
 from restshape_apps.furniture.session.boards import Boards
 
 from restshape.algebra.linear_report import LinearReport
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, Timeless
 from restshape.analysis.frame import Frame
 from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem
@@ -35,7 +35,7 @@ from restshape.scene.plan import Plan
 NONE = (np.nan, np.nan)
 
 
-class FurnitureAnalysis:
+class FurnitureAnalysis(Timeless):
     """What holds and what breaks in a piece of furniture while it is edited.
 
     The model of a piece, its solver and what guidance finds are kept from frame to frame while the hand changes one

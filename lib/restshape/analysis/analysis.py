@@ -13,7 +13,6 @@ from restshape.analysis.frame import Frame
 from restshape.analysis.row_values import RowValues
 from restshape.analysis.solution import Solution
 from restshape.calibration import Calibration
-from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import Fields, Problem
 from restshape.fem.space import Space
 from restshape.policy import Policy
@@ -87,10 +86,7 @@ class QuantityErrors(Protocol):
         """The estimated size of the error of each, in its unit; not a number where there is no estimate."""
 
 
-Solvable = Problem | Eigenproblem
-"""What analyses are of."""
-
-P_co = TypeVar("P_co", bound=Solvable, covariant=True)
+P_co = TypeVar("P_co", bound=Problem, covariant=True)
 
 
 class State(Protocol[P_co]):
@@ -154,6 +150,23 @@ class Analysis(Protocol[P_co]):
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state."""
 
+    def observed_on(self, frame: Frame, before: object, solved: object, earlier: bool) -> dict[str, float]:
+        """The quantities of a frame on another mesh of its shape, by an analysis that has solved nothing yet.
+
+        Args:
+            frame: with the other mesh.
+            before: the state, before it solved the frame, of the analysis of this kind that has; None: it had none.
+            solved: its state since.
+            earlier: the mesh has the shape of the frame before: what goes on in time takes no steps on it.
+
+        Returns:
+            None of them where that mesh has no state to begin with.
+
+        Raises:
+            ReplayProblem: there is no solution on that mesh.
+            UserError: likewise.
+        """
+
     def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has."""
 
@@ -174,3 +187,14 @@ class Analysis(Protocol[P_co]):
 
     def compare_cold(self) -> Comparison:
         """The state beside a solve with new pattern, values and factor, and no guess."""
+
+
+class Timeless:
+    """An analysis whose frames stand each for itself: none goes on in time from the one before."""
+
+    def observed_on(
+        self: Analysis[Problem], frame: Frame, before: object, solved: object, earlier: bool
+    ) -> dict[str, float]:
+        """The quantities of a frame on another mesh of its shape; see `Analysis.observed_on`."""
+        self.solve(frame)
+        return self.observe()

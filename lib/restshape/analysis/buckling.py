@@ -11,7 +11,7 @@ import numpy as np
 
 from restshape.algebra.buckling_solver import BucklingSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues
+from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues, Timeless
 from restshape.analysis.buckling_binding import bound, flipped
 from restshape.analysis.buckling_comparison import compare_cold
 from restshape.analysis.buckling_output import fields, observer, residual_norm, row
@@ -40,7 +40,7 @@ TIGHTER = 0.1
 factors depend, hardly shows in a residual."""
 
 
-class BucklingAnalysis:
+class BucklingAnalysis(Timeless):
     """The equilibrium of a linear solid, and its lowest critical load factors: K phi = -mu G phi, mu > 0.
 
     G is the geometric stiffness of the prebuckling stress, which grows in proportion to the load. Factors at which the

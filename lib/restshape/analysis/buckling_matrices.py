@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from restshape.algebra.operator import Operator
 from restshape.analysis.steady import SteadyState
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import STIFFNESS, PrestressedProblem, Problem
+from restshape.fem.problem import STIFFNESS, PrestressedProblem, SteadyProblem
 
 
 class BucklingMatrices:
@@ -18,7 +18,7 @@ class BucklingMatrices:
         backend: of the operators.
     """
 
-    def __init__(self, problem: Problem, ranks: int, backend: str | None) -> None:
+    def __init__(self, problem: SteadyProblem, ranks: int, backend: str | None) -> None:
         offsets, mask = np.array([0, len(problem.space.X)], dtype=np.int32), problem.boundary.mask
         self.operators = [
             Operator(PETSc.COMM_SELF, mask.shape[1], offsets, backend, symmetric=False)

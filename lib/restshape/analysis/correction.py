@@ -7,7 +7,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 from restshape.fem.residuals import Operation, stiffness_product, unconstrained_residual
 
 ENOUGH, DELAY, MOST = 1e-4, 4, 200
@@ -17,7 +17,7 @@ REPEATED = 1e-12
 """Of vectors that span a space: a direction of less than this share of the largest is none."""
 
 
-def correction(problem: Problem, x: np.ndarray, solver: LinearSolver, rows: slice) -> np.ndarray:
+def correction(problem: SteadyProblem, x: np.ndarray, solver: LinearSolver, rows: slice) -> np.ndarray:
     """About what unknowns x (n, f) lack to be a solution (n, f).
 
     Where no tangent is symmetric it is one step with the kept factor. The solver's own state is left as it is.

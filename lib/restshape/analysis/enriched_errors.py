@@ -11,13 +11,13 @@ import numpy as np
 from restshape.analysis.enriched_solution import EnrichedSystem
 from restshape.fem.enrichment import Enrichment
 from restshape.fem.extremes import Extreme
-from restshape.mesh.lagrange_space import LagrangeSpace
-from restshape.mesh.mesh import Mesh
 
 if TYPE_CHECKING:
     from restshape.analysis.linear_state import Estimated
     from restshape.fem.observer import Function
     from restshape.fem.space import Space
+    from restshape.mesh.lagrange_space import LagrangeSpace
+    from restshape.mesh.mesh import Mesh
     from restshape.scene.model import Scene
 
 
@@ -39,10 +39,8 @@ class EnrichedErrors:
         None where there is none, and where it is not wanted: at second order, if no load and no support varies.
         """
         state = self.analysis.state
-        space = state.problem.space
-        first = isinstance(space, Mesh) and not space.hierarchy
-        second = isinstance(space, LagrangeSpace) and (wanted or state.problem.varies)
-        if space is not state.mesh or not (first or second):
+        space = state.mesh
+        if space is None or space is not state.problem.space or not self._useful(space, wanted):
             self._kept = (None, None)
             return None
         key, (known, kept) = (space, space.topology, state.scene), self._kept
@@ -52,6 +50,12 @@ class EnrichedErrors:
         else:
             kept.follow()
         return kept
+
+    def _useful(self, space: Mesh | LagrangeSpace, wanted: bool) -> bool:
+        """Whether there is a richer space that says more; a mesh is its own space, of first order."""
+        if space is space.mesh:
+            return not space.mesh.hierarchy
+        return wanted or self.analysis.state.problem.varies
 
     def __call__(self, names: Iterable[str]) -> dict[str, float]:
         """The estimated sizes of the errors at the last solution, which `follow` has met."""

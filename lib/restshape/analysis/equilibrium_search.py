@@ -11,7 +11,7 @@ from restshape.algebra.newton_convergence import INDEFINITE, Outcome
 from restshape.analysis.load_stepping import LoadPath, step_load
 from restshape.analysis.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 from restshape.fem.residuals import internal_norm
 
 SCALE_SLACK = 1.1
@@ -24,12 +24,12 @@ NEAR = 2
 """Newton's steps from a guess so near that the equilibrium is believed to be stable as the one before."""
 
 
-def rounding(problem: Problem) -> float:
+def rounding(problem: SteadyProblem) -> float:
     """Residual a unit of the unknowns below which one that steps do not lower any more is rounding."""
     return ROUND_OFF * problem.stiffest
 
 
-def least_scale(problem: Problem, x: np.ndarray, tolerance: float) -> float:
+def least_scale(problem: SteadyProblem, x: np.ndarray, tolerance: float) -> float:
     """What a residual at x (n, f) is measured against at least.
 
     0, but where supports move a body: it may bear no load, and what it bears may be rounding.

@@ -7,7 +7,7 @@ from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.operator import Operator
 from restshape.algebra.traits import Traits
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 
 
 class LinearSystem:
@@ -26,7 +26,7 @@ class LinearSystem:
         mat: as it was assembled last.
     """
 
-    def __init__(self, comm: PETSc.Comm, problem: Problem, backend: str | None, traits: Traits) -> None:
+    def __init__(self, comm: PETSc.Comm, problem: SteadyProblem, backend: str | None, traits: Traits) -> None:
         mask = problem.boundary.mask
         fields = mask.shape[1]
         self.comm = comm

@@ -11,7 +11,7 @@ import numpy as np
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis import modal_output
-from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues
+from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues, Timeless
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal_binding import bound, followed
 from restshape.analysis.modal_comparison import allowed, compare_cold
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from restshape.scene.plan import Plan
 
 
-class ModalAnalysis:
+class ModalAnalysis(Timeless):
     """The lowest eigenfrequencies and modes of a body, frame after frame.
 
     Each rank computes the whole eigenproblem by itself, with the same result.

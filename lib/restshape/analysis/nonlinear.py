@@ -20,7 +20,7 @@ from restshape.analysis.guess import CurvedGuess
 from restshape.analysis.residual_equations import ResidualEquations
 from restshape.analysis.steady import SteadyAnalysis, SteadyState
 from restshape.errors import ReplayProblem, UserError
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 from restshape.fem.residuals import energy
 from restshape.first_use import made
 from restshape.mesh.lagrange_space import LagrangeSpace
@@ -47,7 +47,7 @@ class NonlinearSystem:
     """
 
     def __init__(
-        self, comm: PETSc.Comm, problem: Problem, backend: str | None, solver: LinearSolver, prefix: str
+        self, comm: PETSc.Comm, problem: SteadyProblem, backend: str | None, solver: LinearSolver, prefix: str
     ) -> None:
         mask = problem.boundary.mask
         fields = mask.shape[1]
@@ -61,7 +61,7 @@ class NonlinearSystem:
 
 
 @dataclass(frozen=True, eq=False)
-class NonlinearState(SteadyState[Problem]):
+class NonlinearState(SteadyState[SteadyProblem]):
     """A solution of a nonlinear problem; further arguments:
 
     Args:
@@ -83,7 +83,7 @@ class NonlinearState(SteadyState[Problem]):
         return cast(NonlinearSystem, super().system)
 
 
-class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
+class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
     """The solution of a nonlinear problem, frame after frame, by `EquilibriumSearch`; arguments as `SteadyAnalysis`.
 
     Source: docs/theory/solids.md.
@@ -91,7 +91,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
 
     state: NonlinearState
 
-    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[Problem]) -> None:
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[SteadyProblem]) -> None:
         super().__init__(scene, plan, context, make)
         self.state = NonlinearState(plan, scene)
         self.guess = CurvedGuess(context.policy.extrapolate, context.policy.warm)
@@ -158,7 +158,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[Problem]):
     def _takes_guess(self) -> bool:
         return True
 
-    def _make_system(self, problem: Problem) -> NonlinearSystem:  # type: ignore[override]
+    def _make_system(self, problem: SteadyProblem) -> NonlinearSystem:  # type: ignore[override]
         context = self.context
         prefix = f"{self.make.name}_newton_"
         system = NonlinearSystem(context.comm, problem, context.policy.backend, self.solver, prefix)

@@ -9,7 +9,7 @@ from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.fem.assembled import Assembled
 from restshape.fem.entity_sets import cells_around
-from restshape.fem.problem import FOLLOWERS, INTERNAL, Problem
+from restshape.fem.problem import FOLLOWERS, INTERNAL, SteadyProblem
 from restshape.fem.residuals import dead_loads
 
 
@@ -27,7 +27,7 @@ class ResidualEquations:
     Source: docs/theory/solids.md.
     """
 
-    def __init__(self, problem: Problem, operator: Operator, stages: Stages) -> None:
+    def __init__(self, problem: SteadyProblem, operator: Operator, stages: Stages) -> None:
         self.problem, self.operator, self.stages = problem, operator, stages
         self.potential = problem.symmetric and problem.definite
         self.constrained = problem.boundary.constrained

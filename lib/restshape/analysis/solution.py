@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 
 
 def _none() -> np.ndarray:
@@ -23,7 +23,7 @@ class Solution:
         spectrum: what `values` are, "frequencies" or "load_factors"; empty where there are none.
         values: (k,) ascending; ids: (k,) numbers that their modes keep from frame to frame.
         shapes: (modes, n, d) fields of the modes.
-        moduli: (ne, 3) as of `Problem.energy_moduli`; None where the energy is not of that form.
+        moduli: (ne, 3) as of `SteadyProblem.energy_moduli`; None where the energy is not of that form.
         mass: (ne,) [kg/m^2] of the cells, of what has inertia; else None.
         large: strains are Green's.
         curvature: (ne, 3, 3) second derivatives xx, yy and twice xy of each coordinate of a sheet [1/m], else None.
@@ -44,8 +44,8 @@ class Solution:
     sheet: np.ndarray | None = None
 
 
-def moduli_of(problem: Problem) -> np.ndarray | None:
-    """`Problem.energy_moduli` as a row for each cell (ne, 3), copied."""
+def moduli_of(problem: SteadyProblem) -> np.ndarray | None:
+    """`SteadyProblem.energy_moduli` as a row for each cell (ne, 3), copied."""
     moduli = problem.energy_moduli()
     return None if moduli is None else np.array(np.broadcast_to(moduli, (len(problem.space.cells), 3)))
 

@@ -13,7 +13,7 @@ from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_ve
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
-from restshape.analysis.analysis import Comparison, Context, RowValues
+from restshape.analysis.analysis import Comparison, Context, RowValues, Timeless
 from restshape.analysis.comparison import compared
 from restshape.analysis.correction import correction
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
@@ -28,7 +28,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.observer import Observer
-from restshape.fem.problem import INTERNAL, Fields, Problem
+from restshape.fem.problem import INTERNAL, Fields, SteadyProblem
 from restshape.fem.residuals import dead_loads, energy, internal_norm, residual_norm
 from restshape.fem.space import Space
 from restshape.first_use import made
@@ -40,7 +40,7 @@ from restshape.scene.plan import plan as planned
 
 log = logging.getLogger("restshape.analysis")
 
-P = TypeVar("P", bound=Problem)
+P = TypeVar("P", bound=SteadyProblem)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ class SteadyState(Generic[P]):
         return None if self.bound is None else self.bound.mesh
 
 
-class SteadyAnalysis(Generic[P]):
+class SteadyAnalysis(Timeless, Generic[P]):
     """The solution of a linear problem, frame after frame; an `analysis.Analysis`.
 
     What is stale is read from the versions of mesh topology, node places and scene; nobody notifies the analysis.
@@ -352,7 +352,7 @@ class SteadyAnalysis(Generic[P]):
         """The quantities of the scene that the problem knows."""
         return quantities
 
-    def _make_system(self, problem: Problem) -> LinearSystem:
+    def _make_system(self, problem: SteadyProblem) -> LinearSystem:
         """What outlives frames on a new mesh."""
         return LinearSystem(self.context.comm, problem, self.context.policy.backend, self.solver.traits)
 

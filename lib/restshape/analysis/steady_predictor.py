@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from restshape.fem.error_estimate import RecoveryEstimate
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 from restshape.sensitivity.steady_derivative import design_derivative
 
 
@@ -24,7 +24,7 @@ class Steady(Protocol):
     @property
     def state(self) -> Predictable: ...
     @property
-    def problem(self) -> Problem: ...
+    def problem(self) -> SteadyProblem: ...
     @property
     def x(self) -> np.ndarray: ...
     @property

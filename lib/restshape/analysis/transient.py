@@ -3,7 +3,7 @@
 # More than 15 modules: here time steps, solver, projections and energies of a frame meet, a module each.
 import logging
 from dataclasses import replace
-from typing import Unpack
+from typing import Unpack, cast
 
 import numpy as np
 import scipy.sparse as sp
@@ -126,6 +126,43 @@ class TransientAnalysis:
     def set_integration(self, **changes: Unpack[IntegrationChanges]) -> None:
         """Let the next steps be others: changes of the `TimeIntegration`, until the scene's settings are read again."""
         self.state = replace(self.state, in_time=replace(self.state.integration, **changes))
+
+    def observed_on(self, frame: Frame, before: object, solved: object, earlier: bool) -> dict[str, float]:
+        """The quantities of a frame on another mesh of its shape; see `Analysis.observed_on`.
+
+        On the mesh before a change the frame's steps are taken once more, from the state before them; a state of the
+        shape before is brought to the new mesh.
+        """
+        self.solve(frame)
+        start = cast(TransientState, before)
+        if start is None or start.bound is None:
+            return {}
+        if earlier:
+            return self._observed_before(start)
+        if start.now.y.shape[0] != len(frame.mesh.X):
+            return {}
+        now, integration = start.now, cast(TransientState, solved).integration
+        self.begin(now.y + self.problem.boundary.values, now.v, now.time)
+        # As after a frame that failed all is read again, the edit's work is accounted for, and the matrix is made.
+        self.state = replace(self.state, in_time=integration, account=start.account, interrupted=True)
+        self.solve(replace(frame, changed_cells=np.empty(0, dtype=np.int32)))
+        return self.observe()
+
+    def _observed_before(self, before: TransientState) -> dict[str, float]:
+        """The quantities of a state brought to this mesh, of its shape; peaks over time steps have none."""
+        old, new, now = before.body, self.body, before.now
+        if old.problem.space.outline is not new.problem.space.outline:
+            return {}
+        x = transfer(old.problem.space, new.problem.space, old.unknowns(now.y))
+        v = project_velocity(old.mass, new.mass, now.v) if before.integration.scheme.order == 2 else np.zeros_like(x)
+        self.begin(x, v, now.time)
+        account = before.account
+        if account.known:
+            added = self.energy() - old.energy(now.y, now.v)
+            account = replace(account, remesh=account.remesh + added)
+        self.state = replace(self.state, account=account)
+        watched = self.state.observer.watched
+        return {name: value for name, value in self.observe().items() if name not in watched}
 
     # --- what is asked of a state -------------------------------------------------------------------------------------
 

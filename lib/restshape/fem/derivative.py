@@ -10,7 +10,7 @@ from restshape.fem.edge_reactions import EdgeReactions
 from restshape.fem.extremes import EXTREMES, Extreme
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Function
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 from restshape.fem.space import PlaneSpace
 from restshape.scene.model import Quantity
 
@@ -92,7 +92,7 @@ def reaction_lift(
 
 
 def flow_derivative(
-    problem: Problem, fixed: EdgeReactions, parts: Sequence[tuple[Integral, np.ndarray]]
+    problem: SteadyProblem, fixed: EdgeReactions, parts: Sequence[tuple[Integral, np.ndarray]]
 ) -> Callable[[np.ndarray], Derivative]:
     """The derivative of what flows out by edges: of the integrals there, less the reactions of a scalar.
 

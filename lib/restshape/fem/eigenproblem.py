@@ -7,10 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from restshape.algebra.operator import Block
-from restshape.fem.dirichlet import Dirichlet
-from restshape.fem.integral import Integral
-from restshape.fem.problem import Fields
+from restshape.fem.problem import Problem
 from restshape.fem.space import Space
 from restshape.scene.model import Material, Scene
 from restshape.scene.plan import Plan
@@ -27,32 +24,21 @@ class ModeEstimate(Protocol):
         """The estimated errors (k,) of eigenvalues of K phi = lambda M phi, of modes (k, n f) with phi M phi = 1."""
 
 
-class Eigenproblem(Protocol):
-    """K phi = lambda M phi of one scene on a space that follows a plane mesh.
+class Eigenproblem(Problem, Protocol):
+    """K phi = lambda M phi of one scene on a space that follows a plane mesh: `STIFFNESS` and `MASS` of `fem.problem`.
 
-    It has of a `Problem` what operators are assembled from: space, boundary, blocks, integrals. It is no `Problem`,
-    for it has no loads, no state to start from and no residual, and its nodes are those of a body over the mesh that is
-    edited, where those of a `Problem` are that mesh's own.
+    It has no loads, no state to start from and no residual, as an `SteadyProblem` has, and its nodes are those of
+    a body over the mesh that is edited, where those of an equilibrium are that mesh's own.
 
     Attributes:
-        space: nodes and cells of the unknowns; its X (n, d) follow the plane mesh.
         plane: the plane mesh.
         axes: names of the unknowns of a node, as supports fix them.
-        boundary: prescribed unknowns, which are 0.
         materials: of each region of the plane mesh.
     """
 
-    space: Space
     plane: Space
     axes: tuple[str, ...]
-    boundary: Dirichlet
     materials: Sequence[Material]
-
-    def blocks(self) -> Sequence[Block]:
-        """Entities (m, k) int32 that have a tangent, an array, or a pair with dofs, a block of the operator."""
-
-    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
-        """Those of `fem.problem.STIFFNESS` or of `fem.problem.MASS`."""
 
     def follow(self, changed: np.ndarray) -> np.ndarray:
         """Go where the plane mesh is; the cells (k,) of `space` over the plane cells (k,) that flips have changed."""
@@ -65,9 +51,6 @@ class Eigenproblem(Protocol):
 
     def free_rigid_motions(self) -> np.ndarray:
         """A basis (r, n f) of the rigid motions that the supports leave free, at the places of the nodes now."""
-
-    def fields(self, x: np.ndarray) -> Fields:
-        """What a recording shows of modes x (k, n f)."""
 
     def normal_participation(self, modes: np.ndarray, mass_products: np.ndarray) -> np.ndarray:
         """Shares (k,) of the kinetic energy that is normal to the plane, of modes (k, n f) with products M phi."""

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 from restshape.mesh.enriched_space import EnrichedSpace
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
@@ -18,7 +18,7 @@ class Enrichment:
         make: makes the problem on another space.
     """
 
-    def __init__(self, space: Mesh | LagrangeSpace, make: Callable[[LagrangeSpace], Problem]) -> None:
+    def __init__(self, space: Mesh | LagrangeSpace, make: Callable[[LagrangeSpace], SteadyProblem]) -> None:
         self.over = EnrichedSpace(space)
         self.problem = make(self.over.space)
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import CONSISTENT, LUMPED, MASS, Problem
+from restshape.fem.problem import CONSISTENT, LUMPED, MASS, SteadyProblem
 
 CONVERGED = 1e-15
 """Residual of a solve with the mass matrix, relative to the right side."""
@@ -20,7 +20,7 @@ class MassMatrix:
         UserError: the problem refuses its mass, as where a material has no density.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: SteadyProblem) -> None:
         self.problem, self.space = problem, problem.space
         self.integrals = problem.integrals(MASS)
         self._assembled = Assembled(self.integrals)

@@ -50,17 +50,43 @@ Fields = tuple[dict[str, np.ndarray], dict[str, np.ndarray]]
 
 
 class Problem(Protocol):
-    """One physics of one scene on one space, from which analyses derive all else: made of scene, plan and space.
+    """One physics of one scene on one space: what operators are assembled from, and what recordings show of it.
+
+    Attributes:
+        space: nodes and cells of the unknowns, by reference; its nodes may move.
+        boundary: prescribed unknowns.
+        symmetric: whether every tangent is symmetric.
+    """
+
+    space: Space
+    boundary: Dirichlet
+    symmetric: bool
+
+    def blocks(self) -> Sequence[Block]:
+        """Entities (m, k) int32 that have a tangent, an array, or a pair with dofs, a block of the operator."""
+
+    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
+        """The integrals of a kind at the present places of the nodes; none where the problem has none of it.
+
+        Args:
+            kind: one of those above.
+            part: of the load, in load steps: `FOLLOWERS` grow with it.
+        """
+
+    def fields(self, x: np.ndarray) -> Fields:
+        """What a recording shows of the unknowns x (n, f), or of modes x (k, n f)."""
+
+
+class SteadyProblem(Problem, Protocol):
+    """A problem whose unknowns balance loads, from which analyses derive all else: made of scene, plan and space.
 
     What has a body here a problem need not say: it inherits that there are no loads at nodes and no objections.
 
     Attributes:
         name: of the physics, before the options of its solvers in PETSc's database.
-        space: nodes and cells of the unknowns, by reference; its nodes may move.
         unknowns: fields of each node, in the order of the columns.
         cell_scalars: names of the fields of the cells, numbers, where `blank_fields` is inherited.
-        boundary: prescribed unknowns.
-        symmetric: whether every tangent is symmetric; definite: and positive definite where the problem is stable.
+        definite: whether tangents that are symmetric are positive definite where the problem is stable.
         rigid_motions: whether rigid motions are nearly in the null space of tangents; else constants are.
         linear: whether the integrals are linear in the unknowns.
         varies: whether `update` has anything to do when nodes move.
@@ -68,11 +94,8 @@ class Problem(Protocol):
     """
 
     name: str
-    space: Space
     unknowns: tuple[Unknown, ...]
     cell_scalars: tuple[str, ...] = ()
-    boundary: Dirichlet
-    symmetric: bool
     definite: bool = True
     rigid_motions: bool = False
     linear: bool
@@ -100,17 +123,6 @@ class Problem(Protocol):
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
 
-    def blocks(self) -> Sequence[Block]:
-        """Entities (m, k) int32 that have a tangent, an array, or a pair with dofs, a block of the operator."""
-
-    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral]:
-        """The integrals of a kind at the present places of the nodes; none where the problem has none of it.
-
-        Args:
-            kind: one of those above.
-            part: of the load, in load steps: `FOLLOWERS` grow with it.
-        """
-
     def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
         """Add `sign` times the loads that no integral gives, such as point loads, to `out` (n, f).
 
@@ -132,9 +144,6 @@ class Problem(Protocol):
         the energy has another form.
         """
         return None
-
-    def fields(self, x: np.ndarray) -> Fields:
-        """What a recording shows of the unknowns x (n, f)."""
 
     @classmethod
     def traits(cls, plan: Plan) -> Traits:
@@ -163,7 +172,7 @@ class Problem(Protocol):
         return None
 
 
-class PrestressedProblem(Problem, Protocol):
+class PrestressedProblem(SteadyProblem, Protocol):
     """A problem whose stress at a solution changes its stiffness."""
 
     def geometric_stiffness(self, u: np.ndarray, factor: float = 1.0) -> Integral:
@@ -180,7 +189,7 @@ class Inertia(Protocol):
         """Kinetic energies (ne,) of the cells at the rates v (n, f)."""
 
 
-class TransientProblem(Problem, Protocol):
+class TransientProblem(SteadyProblem, Protocol):
     """A problem that may be integrated in time: with integrals of the kinds `MASS`, `LUMPED`, `CONSISTENT`.
 
     Attributes:

@@ -8,7 +8,7 @@ import numpy as np
 from restshape.fem.derivative import Derivative
 from restshape.fem.enrichment import Enrichment
 from restshape.fem.error_estimate import RecoveryEstimate, Sampled
-from restshape.fem.problem import STIFFNESS, Problem
+from restshape.fem.problem import STIFFNESS, SteadyProblem
 from restshape.fem.residuals import tangent_product, unconstrained_residual
 
 DualSolve = Callable[[np.ndarray], np.ndarray]
@@ -37,7 +37,7 @@ class CurvedProblem:
 
 
 def quantity_error(
-    problem: Problem,
+    problem: SteadyProblem,
     estimate: RecoveryEstimate,
     primal: Sampled,
     x: np.ndarray,
@@ -73,7 +73,7 @@ def quantity_error(
     return abs(error)
 
 
-def dual_solution(problem: Problem, derivative: Derivative, solve: DualSolve) -> np.ndarray:
+def dual_solution(problem: SteadyProblem, derivative: Derivative, solve: DualSolve) -> np.ndarray:
     """The dual (n, f) of a quantity; of reactions it is less their weights at prescribed unknowns."""
     lift = derivative.lift
     if lift is None:
@@ -86,7 +86,7 @@ def dual_solution(problem: Problem, derivative: Derivative, solve: DualSolve) ->
 
 
 def _consistency(
-    problem: Problem, x: np.ndarray, derivative: Derivative, dual: np.ndarray, curved: CurvedProblem
+    problem: SteadyProblem, x: np.ndarray, derivative: Derivative, dual: np.ndarray, curved: CurvedProblem
 ) -> float:
     """What straight sides and sampled loads do to a quantity; of an energy also what they do to its integral."""
     error = -float((curved.residual * curved.enrichment.over.prolonged(dual)).sum())

@@ -5,12 +5,12 @@ from collections.abc import Callable
 import numpy as np
 
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import FOLLOWERS, INTERNAL, LOADS, STIFFNESS, Problem
+from restshape.fem.problem import FOLLOWERS, INTERNAL, LOADS, STIFFNESS, SteadyProblem
 
 Operation = Callable[[np.ndarray], np.ndarray]
 
 
-def dead_loads(problem: Problem, out: np.ndarray) -> None:
+def dead_loads(problem: SteadyProblem, out: np.ndarray) -> None:
     """Set `out` (n, f) to the loads on points and facets that do not follow; 0 at prescribed unknowns."""
     out[:] = 0.0
     Assembled(problem.integrals(LOADS)).residual(problem.boundary.values, out)
@@ -19,7 +19,7 @@ def dead_loads(problem: Problem, out: np.ndarray) -> None:
     problem.boundary.zero(out)
 
 
-def unconstrained_residual(problem: Problem, x: np.ndarray, cells: np.ndarray | None = None) -> np.ndarray:
+def unconstrained_residual(problem: SteadyProblem, x: np.ndarray, cells: np.ndarray | None = None) -> np.ndarray:
     """Internal less all applied forces or fluxes (n, f) at x (n, f), reactions not taken out.
 
     Args:
@@ -31,14 +31,14 @@ def unconstrained_residual(problem: Problem, x: np.ndarray, cells: np.ndarray | 
     return out
 
 
-def residual_norm(problem: Problem, x: np.ndarray) -> float:
+def residual_norm(problem: SteadyProblem, x: np.ndarray) -> float:
     """The norm of the residual at free unknowns at x (n, f)."""
     rest = unconstrained_residual(problem, x)
     problem.boundary.zero(rest)
     return float(np.linalg.norm(rest))
 
 
-def internal_norm(problem: Problem, x: np.ndarray) -> float:
+def internal_norm(problem: SteadyProblem, x: np.ndarray) -> float:
     """Half the norm of the internal forces or fluxes at all nodes, prescribed ones too, at x (n, f).
 
     Half, for loads and the reactions that balance them are both in it.
@@ -46,12 +46,12 @@ def internal_norm(problem: Problem, x: np.ndarray) -> float:
     return 0.5 * float(np.linalg.norm(Assembled(problem.integrals(STIFFNESS)).residual(x)))
 
 
-def energy(problem: Problem, x: np.ndarray) -> float:
+def energy(problem: SteadyProblem, x: np.ndarray) -> float:
     """The energy of the unknowns x (n, f) without that of loads; of linear problems half of x . K x."""
     return Assembled(problem.integrals(STIFFNESS)).energy(x)
 
 
-def stiffness_product(problem: Problem, x: np.ndarray) -> Operation:
+def stiffness_product(problem: SteadyProblem, x: np.ndarray) -> Operation:
     """The function from rates (n f,) of unknowns to those of internal forces at x (n, f), 0 where prescribed."""
     assembled = Assembled(problem.integrals(STIFFNESS))
 
@@ -64,13 +64,13 @@ def stiffness_product(problem: Problem, x: np.ndarray) -> Operation:
     return product
 
 
-def tangent_product(problem: Problem, x: np.ndarray, d: np.ndarray) -> np.ndarray:
+def tangent_product(problem: SteadyProblem, x: np.ndarray, d: np.ndarray) -> np.ndarray:
     """The rates (n, f) of the residual when the unknowns x (n, f) change with d (n, f), prescribed ones too."""
     integrals = [*problem.integrals(INTERNAL), *problem.integrals(FOLLOWERS)]
     return Assembled(integrals).tangent_product(x, d)
 
 
-def design_rates(problem: Problem, x: np.ndarray, dX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def design_rates(problem: SteadyProblem, x: np.ndarray, dX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rates (n, f) of the residual, and those (n, f) of the prescribed unknowns, when nodes move.
 
     The unknowns are constant where free and follow their supports where prescribed. Elements carry dual numbers; loads

@@ -28,13 +28,13 @@ class EnrichedSpace:
 
     def __init__(self, space: Mesh | LagrangeSpace) -> None:
         self._nested: NestedMesh | None = None
-        if isinstance(space, LagrangeSpace):
+        if space is not space.mesh:
             self._nested = NestedMesh(space.mesh, 2)
             self.space = LagrangeSpace(self._nested.finest)
             self.prolongation = _from_second_order(space, self.space)
         else:
-            self.space = LagrangeSpace(space)
-            self.prolongation = _from_first_order(space, self.space)
+            self.space = LagrangeSpace(space.mesh)
+            self.prolongation = _from_first_order(space.mesh, self.space)
 
     def follow(self) -> None:
         """Go where the nodes of the space are, which have moved."""
@@ -59,7 +59,7 @@ def _from_first_order(mesh: Mesh, space: LagrangeSpace) -> sp.csr_matrix:
     return sp.csr_matrix((values, (rows, np.concatenate([corners, sides.ravel()]))), (len(space.X), len(corners)))
 
 
-def _from_second_order(coarse: LagrangeSpace, fine: LagrangeSpace) -> sp.csr_matrix:
+def _from_second_order(coarse: Mesh | LagrangeSpace, fine: LagrangeSpace) -> sp.csr_matrix:
     cells = fine.cells.reshape(-1, 4, 6)
     points = np.concatenate([PARTS, 0.5 * (PARTS + PARTS[:, [1, 2, 0]])], axis=1)
     basis = np.stack([quadratic_basis(own)[0] for own in points])

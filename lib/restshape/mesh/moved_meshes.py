@@ -81,7 +81,7 @@ def _fields_on(mesh: Mesh, like: Mesh | LagrangeSpace | None) -> Mesh | Lagrange
     quality, invalid, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
     if invalid or quality < LEAST:
         return None
-    if not isinstance(like, LagrangeSpace):
+    if like is None or like is like.mesh:
         return mesh
     space = LagrangeSpace(mesh)
     if like.mesh.outline is mesh.outline:

@@ -15,8 +15,9 @@ from restshape.scene.plain_values import table_in
 from restshape.scene.quantity import ALL_ERRORS
 
 if TYPE_CHECKING:
-    from restshape.analysis.analysis import Analysis, RowValues, Solvable
+    from restshape.analysis.analysis import Analysis, RowValues
     from restshape.application import Application
+    from restshape.fem.problem import Problem
     from restshape.scene.model import Scene
     from restshape.shape.protocol import Session
     from restshape.shape.session import EditSession
@@ -52,7 +53,7 @@ class QuantityErrorColumns:
     """
 
     def __init__(
-        self, scene: Scene, application: Application, analysis: Analysis[Solvable], singular: Mapping[str, float]
+        self, scene: Scene, application: Application, analysis: Analysis[Problem], singular: Mapping[str, float]
     ) -> None:
         self.analysis = analysis
         self.note = ""

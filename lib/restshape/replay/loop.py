@@ -12,13 +12,14 @@ from petsc4py import PETSc
 from restshape.algebra.gathering import clean_up
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.stages import NAMES, Stages
-from restshape.analysis.analysis import Analysis, Context, RowValues, Solvable
+from restshape.analysis.analysis import Analysis, Context, RowValues
 from restshape.analysis.frame import Frame
 from restshape.analysis.row_values import findings_in, text, whole
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.observer import areas
+from restshape.fem.problem import Problem
 from restshape.fem.space import Space
 from restshape.findings import encode_findings
 from restshape.mesh.advance import MeshUpdate
@@ -94,7 +95,7 @@ class Replay:
         )
         context = Context(comm, policy, calibration, self.stages)
         found = application.make_analysis()(scene, plan(scene, application), context)
-        self.analysis = cast(Analysis[Solvable], found)
+        self.analysis = cast(Analysis[Problem], found)
         ahead = predict == "linear"
         if ahead and script.header.analysis != "every frame":
             raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")

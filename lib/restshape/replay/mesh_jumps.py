@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from restshape.algebra.stages import Stages
-from restshape.analysis.analysis import Analysis, Context, Solvable
+from restshape.analysis.analysis import Analysis, Context
 from restshape.analysis.frame import Frame
-from restshape.analysis.frame_on_other_mesh import observed_on
 from restshape.analysis.row_values import number
 from restshape.errors import ReplayProblem, UserError
+from restshape.fem.problem import Problem
 from restshape.replay.columns import jump_column, jumps_wanted
 from restshape.scene.plan import plan
 
@@ -39,14 +39,14 @@ class MeshJumps:
         context: of the replay.
 
     Raises:
-        UserError: the scene asks for jumps, and nothing tells what meshes do to its answers.
+        UserError: the scene asks for jumps, which cannot be estimated in it.
     """
 
-    def __init__(self, scene: Scene, application: Application, analysis: Analysis[Solvable], context: Context) -> None:
+    def __init__(self, scene: Scene, application: Application, analysis: Analysis[Problem], context: Context) -> None:
         self.application, self.context, self.analysis = application, context, analysis
         self.wanted = jumps_wanted(scene, application)
         if scene.solve.jumps and not self.wanted:
-            what = "nothing tells what the mesh alone does to answers of such scenes, which have several"
+            what = "what the mesh alone does cannot be estimated in such scenes, which have several answers"
             raise scene.located(UserError(what, "solve.jumps", "leave it out"))
         self._last: tuple[Scene | None, dict[str, float]] = (None, {})
         self._before: object = None
@@ -77,9 +77,9 @@ class MeshJumps:
         frame = Frame(other.mesh, cells, None, scene, (None, (0.0, 0.0)))
         try:
             analysis = cast(
-                Analysis[Solvable], self.application.make_analysis()(scene, plan(scene, self.application), context)
+                Analysis[Problem], self.application.make_analysis()(scene, plan(scene, self.application), context)
             )
-            found = observed_on(analysis, frame, self.analysis, self._before, other.before)
+            found = analysis.observed_on(frame, self._before, self.analysis.state, other.before)
         except (ReplayProblem, UserError):
             return {}
         sign = 1.0 if other.before else -1.0

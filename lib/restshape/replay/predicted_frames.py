@@ -4,8 +4,9 @@ import logging
 
 import numpy as np
 
-from restshape.analysis.analysis import Analysis, Predictor, Solvable
+from restshape.analysis.analysis import Analysis, Predictor
 from restshape.errors import ReplayProblem, UserError
+from restshape.fem.problem import Problem
 from restshape.first_use import made as known
 from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.moving import MovingMesh
@@ -45,7 +46,7 @@ class PredictedFrames:
     Source: docs/theory/design-derivative.md.
     """
 
-    def __init__(self, analysis: Analysis[Solvable], moving: MovingMesh, session: Session, policy: Policy) -> None:
+    def __init__(self, analysis: Analysis[Problem], moving: MovingMesh, session: Session, policy: Policy) -> None:
         if analysis.predictor is None:
             raise UserError(analysis.why_not, "--predict linear", "leave it out")
         if policy.regenerate:

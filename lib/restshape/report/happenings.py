@@ -136,7 +136,7 @@ def _farthest(chosen: Sequence[int], n: int) -> int:
 
 
 def frame_words(recording: Recording, i: int) -> Iterator[str]:
-    """What a frame is: its number, moment and level."""
+    """What a frame is: its number, moment and level, and the estimated relative error of its solution."""
     yield f"frame {i}"
     yield from recording.moments(i)
     if "level" in recording.table:
@@ -144,6 +144,9 @@ def frame_words(recording: Recording, i: int) -> Iterator[str]:
         yield LEVEL_NAMES[level] if level else "values changed" if with_values(recording)[i] else "idle"
     if predicted(recording)[i]:
         yield "predicted"
+    estimate = float(column(recording, "estimate")[i])
+    if np.isfinite(estimate):
+        yield f"error {100.0 * estimate:.2g} %"
     if uncertain(recording)[i]:
         yield "limit uncertain"
     worst = worst_frame(recording)

@@ -65,8 +65,14 @@ def _of_quantities(recording: Recording, i: int, field: ShownField, flat: np.nda
         far = np.abs((np.abs(flat) if reduce in EXTREMES[2:] else flat) - value)
         place = int(far.argmin())
         if far[place] <= SAME * abs(value):
-            found.append((place, f"{name} {si(value, field.look.unit, 4)}"))
+            error = float(recording.table.get(f"{name}_error", np.full(recording.n, np.nan))[i])
+            found.append((place, f"{name} {si(value, field.look.unit, 4)}{_beside(error, field.look.unit)}"))
     return found
+
+
+def _beside(error: float, unit: str) -> str:
+    """The estimated error behind a value; empty where there is none."""
+    return f" ± {si(abs(error), unit, 2)}" if np.isfinite(error) else ""
 
 
 def _of_field(field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:

@@ -5,7 +5,7 @@ from typing import Protocol
 import numpy as np
 
 from restshape.errors import ReplayProblem
-from restshape.fem.problem import Problem
+from restshape.fem.problem import SteadyProblem
 from restshape.fem.residuals import design_rates, tangent_product
 
 SLACK = 100.0
@@ -16,7 +16,7 @@ class SolvedSteady(Protocol):
     """What a derivative needs of an analysis that has just been solved."""
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> SteadyProblem:
         """On its space."""
 
     @property

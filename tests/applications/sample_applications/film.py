@@ -16,7 +16,7 @@ from restshape.fem.entity_sets import cells_on, observed_nodes
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Observer, reduction
-from restshape.fem.problem import Fields, Problem, Unknown
+from restshape.fem.problem import Fields, SteadyProblem, Unknown
 from restshape.fem.region_materials import table_by_region
 from restshape.fem.space import Space
 from restshape.fem.supports import dirichlet_of
@@ -36,8 +36,8 @@ class FilmMaterial(Material):
     tension: Annotated[number_of("stiffness"), Field(gt=0)]
 
 
-class Film(Problem):
-    """The height w (n, 1) [m] of a film over the plane; arguments as of any `fem.problem.Problem`."""
+class Film(SteadyProblem):
+    """The height w (n, 1) [m] of a film over the plane; arguments as of any `fem.problem.SteadyProblem`."""
 
     name = "film"
     unknowns = (Unknown("height", "m", ("w",)),)

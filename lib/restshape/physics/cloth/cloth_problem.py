@@ -12,7 +12,7 @@ from restshape.algebra.traits import Traits
 from restshape.fem.assembled import Assembled
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Observer
-from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, Problem, Unknown
+from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, SteadyProblem, Unknown
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.physics.cloth.bending import QUADRATIC, bending_of
@@ -29,7 +29,7 @@ from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
 
 
-class ClothProblem(Problem):
+class ClothProblem(SteadyProblem):
     """Cloth in space, with three unknowns a node.
 
     With one history of friction all of it is the gradient of a potential.

@@ -13,7 +13,7 @@ from restshape.fem.derivative import Derivative, Differentiable, nodal_quantity,
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, cells_at, reduction
 from restshape.fem.positions import position_quantity
-from restshape.fem.problem import STIFFNESS, Problem
+from restshape.fem.problem import STIFFNESS, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
 from restshape.physics.elasticity.nodal_stress import NodalStress
@@ -22,7 +22,7 @@ from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
 
 
-class ObservedSolid(Problem, Protocol):
+class ObservedSolid(SteadyProblem, Protocol):
     """What quantities need of a solid in the plane beside a problem.
 
     Attributes:

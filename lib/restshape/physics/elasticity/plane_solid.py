@@ -135,7 +135,7 @@ class PlaneSolid(TransientProblem):
         return [self.space.cells, *(part.facets for part in self.loads.followers)]
 
     def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
-        """The integrals of a kind at the present places of the nodes; see `fem.problem.Problem`.
+        """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`.
 
         Raises:
             UserError: inertia of a material without density.
@@ -175,7 +175,7 @@ class PlaneSolid(TransientProblem):
         return Integral(element, self.space.X, self.space.cells, by_cell((density * thickness)[:, None], region))
 
     def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
-        """Add `sign` times the loads that no integral gives to `out` (n, 2) [N]; see `fem.problem.Problem`."""
+        """Add `sign` times the loads that no integral gives to `out` (n, 2) [N]; see `fem.problem`."""
         self.loads.add_nodal(out, sign, cells)
 
     def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:

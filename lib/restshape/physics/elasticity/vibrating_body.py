@@ -27,7 +27,7 @@ CONSTRAINED = 1e-9
 class VibratingBody(ABC):
     """The problem K phi = lambda M phi of a body over a plane mesh under edit.
 
-    Of a `fem.problem.Problem` it is all that an eigenproblem asks for: nothing loads the body.
+    Of a `fem.problem.SteadyProblem` it is all that an eigenproblem asks for: nothing loads the body.
 
     Args:
         scene: materials and supports.

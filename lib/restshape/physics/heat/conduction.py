@@ -91,7 +91,7 @@ class HeatConduction(TransientProblem):
         return [self.space.cells, *(part.facets for part in self.surfaces if part.block)]
 
     def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
-        """The integrals of a kind at the present places of the nodes; see `fem.problem.Problem`."""
+        """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
         if kind == kinds.FOLLOWERS:
             return []
         if kind == kinds.LOADS:

@@ -9,7 +9,7 @@ from restshape.fem.derivative import Differentiable, flow_derivative, nodal_quan
 from restshape.fem.edge_reactions import EdgeReactions
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, reduction
-from restshape.fem.problem import STIFFNESS, Inertia, Problem
+from restshape.fem.problem import STIFFNESS, Inertia, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.fem.time_integration import Motion
 from restshape.physics.heat.surface import SurfaceHeat
@@ -17,7 +17,7 @@ from restshape.scene.model import Quantity
 
 
 def heat_quantity(
-    problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, name: str, quantity: Quantity
+    problem: SteadyProblem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, name: str, quantity: Quantity
 ) -> Function:
     """The function of the temperature x (n, 1) [K] that a quantity of this name is.
 
@@ -33,13 +33,13 @@ def heat_quantity(
     if quantity.kind == "area":
         return area_at(space, name, quantity)
     if quantity.kind == "heat_flow":
-        return _heat_flow(problem, surfaces, capacity, quantity.at)
+        return _outflow(problem, surfaces, capacity, quantity.at)
     nodes = observed_nodes(space, name, quantity)
     reduce = reduction(space, quantity, nodes)
     return nodal_quantity(space, quantity, nodes, [0], lambda x, *_: reduce(x[nodes, 0]))
 
 
-def _heat_flow(problem: Problem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, edge: str) -> Function:
+def _outflow(problem: SteadyProblem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, edge: str) -> Function:
     """Heat [W] that leaves by an edge: by its fluxes and convections, and where its temperature is fixed."""
     index = problem.space.facets_of(edge)
     supported = [on for one in problem.scene.supports.values() if "temperature" in one.fix for on in one.on]

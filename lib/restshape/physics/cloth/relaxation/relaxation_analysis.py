@@ -13,7 +13,7 @@ import numpy as np
 
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.weak_calls import weak_call
-from restshape.analysis.analysis import Comparison, Context
+from restshape.analysis.analysis import Comparison, Context, Timeless
 from restshape.analysis.frame import Frame
 from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem, UserError
@@ -35,7 +35,7 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
 
-class RelaxationAnalysis:
+class RelaxationAnalysis(Timeless):
     """The equilibrium of cloth on bodies and supports while they, or its pattern, are edited; an `analysis.Analysis`.
 
     The first frame, and every one that starts cold, lets the cloth fall from where the scene places it, from a soft
