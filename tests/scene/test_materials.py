@@ -7,23 +7,37 @@ import pytest
 from pydantic import ValidationError
 
 from restshape.errors import UserError
+from restshape.physics.cloth.cloth_declaration import CLOTH
+from restshape.physics.elasticity.elastic_materials import ELASTIC_MATERIALS
+from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS, PLANE_SOLIDS
 from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
-from restshape.scene.materials import MATERIALS
+from restshape.scene.model import Material
+from restshape.scene.scene_type import material_type
 
 
 def material(**keys) -> ElasticMaterial:
-    return ElasticMaterial.model_validate(keys)
+    return material_type(ElasticMaterial, ELASTIC_MATERIALS).model_validate(keys)
 
 
-@pytest.mark.parametrize("name", MATERIALS)
+@pytest.mark.parametrize("name", ELASTIC_MATERIALS)
 def test_a_name_is_enough(name):
     found = material(name=name)
     assert 500 < found.rho < 20000
     assert np.linalg.eigvalsh(stiffness_of(found)).min() > 0
-    assert len(MATERIALS[name]["source"]) > 20
+    assert len(ELASTIC_MATERIALS[name]["source"]) > 20
+
+
+def test_where_no_material_is_known_a_name_is_refused():
+    with pytest.raises(ValidationError, match="no material is known by a name"):
+        Material.model_validate({"name": "steel"})
+
+
+@pytest.mark.parametrize("physics", [PLANE_SOLIDS, FREE_VIBRATIONS, CLOTH], ids=lambda one: one.name)
+def test_solids_plates_and_cloth_know_the_same(physics):
+    assert physics.materials is ELASTIC_MATERIALS
 
 
 def test_steel_is_that_of_the_standard():

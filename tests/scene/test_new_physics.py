@@ -58,7 +58,7 @@ HEAT = Physics(
     summary="conduction",
     solver=solver,
     material=HeatMaterial,
-    materials={"steel": {"conductivity": "50 W/(m K)"}},
+    materials={"steel": {"conductivity": "50 W/(m K)"}, "brass": {}},
     boundary={"temperature": "temperature"},
     loads={
         "flux": LoadKind(value_of(HEAT_FLUX), CURVES, "heat that comes in"),

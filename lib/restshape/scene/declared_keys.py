@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 
-from restshape.scene.materials import MATERIALS
 from restshape.scene.model import Load, Material, Scene, Support
 from restshape.scene.physics import Physics
 from restshape.scene.quantity import CORE, Quantity
@@ -40,7 +39,7 @@ def core_keys() -> dict[str, frozenset[str]]:
         "direction": frozenset(),
         "load of the kind": frozenset(Load.model_fields),
         "quantity of the kind": frozenset([*Quantity.model_fields, *CORE]),
-        "value of the material": frozenset(f"{name}.{key}" for name, values in MATERIALS.items() for key in values),
+        "value of the material": frozenset(),
     }
 
 

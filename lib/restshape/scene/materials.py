@@ -1,11 +1,6 @@
-"""Materials that scenes may name, from `materials.toml` beside this module."""
+"""Materials that scenes may name: their values come from what the physics of a scene know."""
 
-import tomllib
 from collections.abc import Collection, Mapping
-from importlib.resources import files
-
-MATERIALS: dict[str, dict[str, object]] = tomllib.loads((files(__package__) / "materials.toml").read_text("utf-8"))
-"""Keys of a material by its name, as a scene would hold them, and the source of their values."""
 
 
 def named(raw: object, known: Mapping[str, Mapping[str, object]], keys: Collection[str]) -> object:

@@ -17,7 +17,7 @@ from restshape.bounds import POLYLINE_POINTS
 from restshape.errors import UserError
 from restshape.scene.expressions import Value
 from restshape.scene.load_kind import LoadKind
-from restshape.scene.materials import MATERIALS, named
+from restshape.scene.materials import named
 from restshape.scene.plain_values import Table
 from restshape.scene.quantity import Quantity
 from restshape.scene.shape_edges import EdgeSpec, tag_by_key
@@ -27,12 +27,9 @@ from restshape.scene.values import AnyNumber, Entities, Length, Name, PartName, 
 
 FORMAT = "restshape-scene"
 VERSION = 1
-# A type checker cannot read the names from the file.
 if TYPE_CHECKING:
-    KnownName = str
     Fix = dict[str, Value]
 else:
-    KnownName = Literal[tuple(MATERIALS)]
     # Which components there are, and of which dimension, is known of the supports of physics alone.
     Fix = dict[str, object]
 
@@ -153,14 +150,16 @@ class Material(Strict):
         region: the regions that it fills; left out, all that no other material fills.
     """
 
-    known: ClassVar[Mapping[str, Mapping[str, object]]] = MATERIALS
+    known: ClassVar[Mapping[str, Mapping[str, object]]] = {}
 
-    name: KnownName | None = None
+    name: str | None = None
     region: Entities | None = None
 
     @model_validator(mode="before")
     @classmethod
     def _take_the_named(cls, raw: object) -> object:
+        if not cls.known and isinstance(raw, dict) and raw.get("name") is not None:
+            raise UnitError("no material is known by a name here", "leave name out, and give its values")
         return named(raw, cls.known, cls.model_fields)
 
 

@@ -13,7 +13,6 @@ from pydantic.config import JsonDict
 
 from restshape.scene.annotations import Definition, annotated, extended, optional, table_of, union_of
 from restshape.scene.load_kind import LoadKind
-from restshape.scene.materials import MATERIALS
 from restshape.scene.model import Load, Material, Scene, Support, read_fix
 from restshape.scene.physics import Physics, Section
 from restshape.scene.quantity import ALL_ERRORS, QuantityKind, quantity_type, with_errors
@@ -49,20 +48,27 @@ def joined_sections(physics: Iterable[Physics]) -> dict[str, Section]:
 
 
 def known_materials(physics: Iterable[Physics]) -> dict[str, dict[str, object]]:
-    """What is known of materials by their names: what the library knows, and what physics add."""
-    known = {name: dict(values) for name, values in MATERIALS.items()}
+    """What physics know of materials by their names."""
+    known: dict[str, dict[str, object]] = {}
     for one in physics:
         for name, values in one.materials.items():
             known[name] = {**known.get(name, {}), **values}
     return known
 
 
+def material_type(material: type[Core], known: Mapping[str, Mapping[str, object]]) -> type[Core]:
+    """The model of a material that may be one of those that are known, by its name."""
+    if not known:
+        return material
+    made = extended(material, {"name": (optional(Literal[tuple(known)]), None)}, name="Material")
+    made.known = known
+    return made
+
+
 def _scene_of(
     physics: Sequence[Physics], material: type[Material], support: type[Support], sections: Mapping[str, Section]
 ) -> type[Scene]:
-    known = known_materials(physics)
-    made = extended(material, {"name": (optional(Literal[tuple(known)]), None)}, name="Material")
-    made.known = known
+    made = material_type(material, known_materials(physics))
     boundary = {component: dimension for one in physics for component, dimension in one.boundary.items()}
     fields: dict[str, Definition] = {key: section.field for key, section in sections.items()}
     fields["material"] = (Annotated[_by_name(made), Field(min_length=1)], {})

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from restshape.physics.elasticity.elastic_materials import ELASTIC_MATERIALS
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN, LARGE, SOLID
 from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
 from restshape.physics.elasticity.elasticity_scene_checks import check_motion, check_solids, check_vibrations
@@ -130,6 +131,7 @@ PLANE_SOLIDS = Physics(
     summary="elastic solids in the plane, in static equilibrium",
     solver=solid_plan,
     material=ElasticMaterial,
+    materials=ELASTIC_MATERIALS,
     boundary={"x": "length", "y": "length"},
     loads=LOADS,
     quantities=QUANTITIES,
@@ -169,6 +171,7 @@ FREE_VIBRATIONS = Physics(
     summary="the lowest modes of elastic bodies, which nothing needs to hold",
     solver=vibration_plan,
     material=ElasticMaterial,
+    materials=ELASTIC_MATERIALS,
     boundary={"x": "length", "y": "length", "z": "length", "rx": "angle", "ry": "angle"},
     loads=LOADS,
     quantities=QUANTITIES,

@@ -86,7 +86,7 @@ HEAT = Physics(
     summary="conduction of heat in the plane, steady and in time",
     solver=heat_plan,
     material=ThermalMaterial,
-    materials={"aluminium": {"conductivity": 167.0, "specific_heat": 896.0}},
+    materials={"aluminium": {"conductivity": 167.0, "specific_heat": 896.0, "rho": "2700 kg/m^3"}},
     boundary={"temperature": "temperature"},
     loads={
         "source": LoadKind(value_of(HEAT_SOURCE), AREAS, "heat [W/m^3] set free inside"),
