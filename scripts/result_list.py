@@ -230,7 +230,7 @@ LIST = (
     Result(
         ("fuzz.json", "fuzz-recordings.json", "fuzz-files.json"),
         (
-            "restshape stability --fuzz 10000 --json results/fuzz.json",
+            "restshape stability --fuzz 8500 --kind drawn --kind damaged --json results/fuzz.json",
             "restshape stability --fuzz 500 --kind recordings --json results/fuzz-recordings.json",
             "restshape stability --fuzz 1000 --kind files --json results/fuzz-files.json",
         ),
