@@ -179,3 +179,12 @@ def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
 def test_the_schema_takes_gravity_in_the_plane_and_in_space():
     gravity = scene_schema()["properties"]["effects"]["properties"]["gravity"]
     assert {model["properties"]["g"]["minItems"] for model in gravity["anyOf"]} == {2, 3}
+
+
+def test_a_title_is_printed_as_plain_text(tmp_path, capsys):
+    scene = tmp_path / "titled.toml"
+    text = (DATA / "plate.toml").read_text()
+    scene.write_text(text.replace('app = "plane"', 'app = "plane"\ntitle = "a\\u001b[2Jb\\u009b31mc\\u202e"'))
+    assert check(scene) == 0
+    printed = capsys.readouterr().out
+    assert "a[2Jb31mc" in printed and not {"\x1b", "\x9b", "\u202e"} & set(printed)

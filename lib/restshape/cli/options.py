@@ -160,7 +160,7 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]
     for row in rows:
         cells = [shown(cell) for cell in row]
         table.add_row(*(Text(cell if out.is_terminal else " ".join(cell.splitlines())) for cell in cells))
-    out.print(Text(title, style="bold"), soft_wrap=True)
+    out.print(Text(printable(title), style="bold"), soft_wrap=True)
     if out.is_terminal:
         out.print(table)
         return
