@@ -177,6 +177,22 @@ def test_points_that_are_no_numbers_are_damage(sound, damaged):
         assert 0 in recording.verify()
 
 
+@pytest.mark.parametrize("name", ["Types", "Offsets"])
+def test_a_flip_in_types_or_offsets_of_one_cell_is_damage_of_the_frames_that_have_it(command, sound, damaged, name):
+    with Recording(damaged) as recording:
+        last = [i for i in range(recording.n) if recording.topology(i) == recording.topology(recording.n - 1)]
+    assert 0 < len(last) < 12
+    with h5py.File(damaged, "r+") as file:
+        file["VTKHDF"][name][-2] ^= 1
+    with Recording(damaged) as recording:
+        assert recording.verify() == last
+    ended = command("report", damaged)
+    assert ended.returncode == 2 and f"{len(last)} of 12 frames are damaged" in ended.stderr
+    good = damaged.with_name("good.vtkhdf")
+    assert command("salvage", damaged, "--out", good).returncode == 0
+    same_frames(good, sound[1], list(range(min(last))))
+
+
 def test_frames_without_points_are_damage(sound, damaged):
     with h5py.File(damaged, "r+") as file:
         file["VTKHDF/NumberOfPoints"][:] = 0

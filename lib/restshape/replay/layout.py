@@ -13,8 +13,6 @@ MOST_HEADER = 64 << 20
 """Bytes of a header."""
 MOST_ATTRIBUTE = 4096
 """Bytes of an attribute."""
-WIDTHS = (2, 3, 4, 6, 8, 10)
-"""Nodes of a cell."""
 
 
 class _RecordedScene(BaseModel):

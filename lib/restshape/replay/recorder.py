@@ -23,6 +23,7 @@ from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import RecordingFile
 from restshape.replay import ring as rings
+from restshape.replay.cell_types import CELL_TYPES
 from restshape.replay.rows import RowPacker, row_dtype
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 RING_BYTES = 32 << 20
 _MPI_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PRTE_", "HYDRA_", "MPI_LOCAL")
-_CELL_TYPES = {2: 3, 3: 5, 6: 22, 4: 10, 8: 12, 10: 24}
 _CHECK_EVERY = 64
 
 
@@ -135,18 +135,15 @@ class Recorder:
         self.ready()
         self._send(rings.NOTE, json.dumps(dict(extra), allow_nan=False).encode())
 
-    def topology(self, cells: np.ndarray, cell_type: int | None = None) -> None:
+    def topology(self, cells: np.ndarray) -> None:
         """Cells that hold from the next frame on.
 
         Args:
-            cells: (ne, nodes an element) node indices.
-            cell_type: VTK's number; default by the node count (2 line, 3 and 6 triangle, 4 and 10 tetrahedron, 8
-                hexahedron).
+            cells: (ne, nodes an element) node indices; the node count is one of `CELL_TYPES`.
         """
         self.ready()
         cells = np.ascontiguousarray(cells, dtype=np.int32)
-        kind = _CELL_TYPES[cells.shape[1]] if cell_type is None else cell_type
-        self._send(rings.TOPOLOGY, cells.data, cells.shape[1], kind)
+        self._send(rings.TOPOLOGY, cells.data, cells.shape[1], CELL_TYPES[cells.shape[1]])
         if len(cells) != self._cells:
             self._cells = len(cells)
             self._shape = None

@@ -11,10 +11,10 @@ import h5py
 import numpy as np
 
 from restshape.errors import UserError, printable
+from restshape.replay.cell_types import CELL_TYPES
 from restshape.replay.columns import ALIASES, SIMULATED, renamed
 from restshape.replay.containment import refuse_other_files
 from restshape.replay.layout import (
-    WIDTHS,
     DamagedRecording,
     bad,
     refuse_bad_arrays,
@@ -144,7 +144,9 @@ class Recording:
             raise ValueError("its parts do not fit each other")
         refuse_bad_places(parts, np.ones_like(parts), lengths.pop(), "cells")
         points, cells, ids = (self._parts[name][parts] for name in PARTS)
-        if (cells * np.isin(ids // np.maximum(cells, 1), WIDTHS) != cells).any() or (ids % np.maximum(cells, 1)).any():
+        if (cells * np.isin(ids // np.maximum(cells, 1), list(CELL_TYPES)) != cells).any() or (
+            ids % np.maximum(cells, 1)
+        ).any():
             raise ValueError("cells have no known number of nodes")
         refuse_bad_places(self._steps["ConnectivityIdOffsets"], ids, len(self._root["Connectivity"]), "cells")
         refuse_bad_places(self._steps["CellOffsets"], cells, len(self._root["Types"]), "cells")
@@ -253,7 +255,7 @@ class Recording:
                 if part not in topologies:
                     topologies[part] = checksum(0, self.cells(i).tobytes(), [])
                 arrays = [self.points(i), *(self.field(i, k) for k, f in self.fields.items() if f.first_frame <= i)]
-                good = bool(np.isfinite(arrays[0]).all()) and self._cells_fit(i)
+                good = bool(np.isfinite(arrays[0]).all()) and self._cells_fit(i) and self._cells_are_typed(i)
                 code = checksum(topologies[part], self._rows[i].tobytes()[:-4], arrays)
             except (OSError, ValueError, IndexError, RuntimeError):
                 code, good = -1, False
@@ -265,6 +267,15 @@ class Recording:
         """Whether the cells of frame i refer to points that it has."""
         cells = self.cells(i)
         return not cells.size or (cells.min() >= 0 and int(cells.max()) < len(self.points(i)))
+
+    def _cells_are_typed(self, i: int) -> bool:
+        """Whether VTK's types and offsets of the cells of frame i are those of cells with so many nodes."""
+        part, start = self.topology(i), self._steps["CellOffsets"][i]
+        count, width = self.cells(i).shape
+        types = self._root["Types"][start : start + count]
+        # Each topology has one offset more than cells.
+        offsets = self._root["Offsets"][start + part : start + part + count + 1]
+        return bool((types == CELL_TYPES[width]).all()) and np.array_equal(offsets, np.arange(count + 1) * width)
 
     def _frame(self, i: int) -> int:
         if not -self.n <= i < self.n:
