@@ -33,6 +33,7 @@ LAYERS = (
     "outputs",
     "findings",
     "surroundings",
+    "early_interrupts",
     "policy",
     "calibration",
     "application",

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -112,6 +113,41 @@ def test_ctrl_c_during_imports(monkeypatch, capsys):
     monkeypatch.setattr("restshape.cli.main.named_command", interrupted)
     assert main(["list"]) == 130
     assert capsys.readouterr().err == "restshape list: interrupted\n"
+
+
+INTERRUPTER = """
+import os, signal, sys
+
+
+class Interrupter:
+    def find_spec(self, name, path=None, target=None):
+        if name == os.environ["AT"]:
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+sys.meta_path.insert(0, Interrupter())
+"""
+"""Has Python send Ctrl-C to itself where it is about to import a module."""
+
+
+@pytest.mark.parametrize("at", ["restshape.surroundings", "restshape.cli", "restshape.cli.parser"])
+@pytest.mark.parametrize("start", [["-m", "restshape.cli.main"], [str(Path(sys.executable).with_name("restshape"))]])
+def test_ctrl_c_during_the_first_imports(tmp_path, outside, start, at):
+    (tmp_path / "sitecustomize.py").write_text(INTERRUPTER)
+    paths = f"{tmp_path}:{outside.get('PYTHONPATH', '')}".rstrip(":")
+    done = subprocess.run(
+        [sys.executable, *start, "list"],
+        env=outside | {"PYTHONPATH": paths, "AT": at},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "restshape: interrupted\n")
+
+
+def test_a_program_that_imports_restshape_keeps_its_own_handling(outside):
+    code = "import restshape, signal; assert signal.getsignal(signal.SIGINT) is signal.default_int_handler"
+    assert subprocess.run([sys.executable, "-c", code], env=outside, timeout=60).returncode == 0
 
 
 def test_a_signal_that_was_swallowed_still_ends_a_command():
