@@ -11,6 +11,7 @@ from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import ROUNDING, cleared, largest, scales, without_rounding
 from restshape.replay.summary import percentiles
+from restshape.report.field import physics_of
 from restshape.report.recorded_quantities import limits_of, quantity_units
 
 
@@ -44,12 +45,12 @@ def predicted(recording: Recording) -> np.ndarray:
 def with_values(recording: Recording) -> np.ndarray:
     """Whether each frame (n,) changed values only, such as a load: the shape rests, and the system was solved.
 
-    The bodies that cloth lies on are values too, and it may go along with them without a solve.
+    The hand may drag values too, where physics declare it: such frames count whether a system was solved or not.
     """
-    cloth = "converged" in recording.table
-    known = ("set", "undo", "redo", *(("drag", "rotate", "scale") if cloth else ()))
+    dragged = {event for one in physics_of(recording) for event in one.value_drags}
+    known = {"set", "undo", "redo", *dragged}
     events = [event in known for event in recording.table.get("event", [""] * recording.n)]
-    solved = (column(recording, "iterations") > 0) | cloth
+    solved = (column(recording, "iterations") > 0) | bool(dragged)
     return np.array(events, dtype=bool) & (column(recording, "level") == 0) & solved
 
 

@@ -175,6 +175,7 @@ class Physics:
         invariants: what cannot change during an edit.
         requested: what recordings hold besides where ``recording.fields`` names it: for people, by name.
         pictured: fields of recordings that pictures show, by name, the most important first.
+        value_drags: events of the hand by which values change where it holds no part of a shape, such as a body.
         true_scale: names of effects under which pictures show deformations as they are, not exaggerated.
         pictures: of recordings that are not of a shape in the plane; None: there are none.
         orders: of elements; the default first.
@@ -208,6 +209,7 @@ class Physics:
     invariants: tuple[Invariant, ...] = ()
     requested: Mapping[str, str] = field(default_factory=dict)
     pictured: Mapping[str, PictureField] = field(default_factory=dict)
+    value_drags: tuple[str, ...] = ()
     true_scale: tuple[str, ...] = ()
     pictures: OwnPictures | None = None
     orders: tuple[int, ...] = (1,)

@@ -23,6 +23,7 @@ ERRORS: JsonDict = {
 }
 Kind = TypeVar("Kind", LoadKind, QuantityKind)
 Core = TypeVar("Core", Material, Support)
+OneMaterial = TypeVar("OneMaterial", bound=Material)
 
 
 @cache
@@ -56,7 +57,7 @@ def known_materials(physics: Iterable[Physics]) -> dict[str, dict[str, object]]:
     return known
 
 
-def material_type(material: type[Core], known: Mapping[str, Mapping[str, object]]) -> type[Core]:
+def material_type(material: type[OneMaterial], known: Mapping[str, Mapping[str, object]]) -> type[OneMaterial]:
     """The model of a material that may be one of those that are known, by its name."""
     if not known:
         return material

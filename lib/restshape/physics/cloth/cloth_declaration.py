@@ -53,6 +53,7 @@ CLOTH = Physics(
     },
     effects=EFFECTS,
     derived=DERIVED,
+    value_drags=("drag", "rotate", "scale"),
     requested=REQUESTED,
     pictures=OwnPictures(
         shows="restshape.physics.cloth.pictures.drape:shows_cloth",
