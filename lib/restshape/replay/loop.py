@@ -163,10 +163,11 @@ class Replay:
             predicted = self.prediction is not None and self.prediction.show(edit, mesh_update)
             if not edit.analysed:
                 report, self.known = self._no_report(), self.known and edit.change == "none"
-            elif predicted:
+            elif predicted or edit.refused:
                 report = self._no_report()
                 # The system of the last solve is as it was.
                 self.solved = solved
+                predicted = predicted or bool(self.prediction and self.prediction.active)
             else:
                 report = self._solve(edit, mesh_update, solved)
         except (ReplayProblem, UserError) as problem:
