@@ -56,6 +56,22 @@ def test_an_edit_that_takes_the_last_hold_away_is_refused(tmp_path, capsys):
     assert "nothing holds the temperature" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("film", ['"-1 W/(m^2 K)"', '"5 - S*3"', '"5*(y - 0.6)"'])
+def test_a_film_below_nothing_is_refused(tmp_path, capsys, film):
+    scene = write_scene(tmp_path, BODY + AIR.replace("film = 5", f"film = {film}") + "[parameters]\nS = 2\n")
+    assert main(["replay", str(scene)]) == 2
+    said = capsys.readouterr().err
+    assert "loads.air.convection.film" in said and "film coefficient of -" in said and "is below 0" in said
+
+
+def test_a_film_by_place_holds_the_temperature(tmp_path):
+    # In one dimension the flux is k (400 - T) = film (T - 300), with k = 2 W/(m K) over 1 m.
+    text = BODY + FIXED + AIR.replace("film = 5", 'film = "2*(1 + 0*y)"')
+    text += '[quantities]\nT = { temperature = true, at = "right" }\n'
+    (row,) = rows_of(make_replay(write_scene(tmp_path, text.replace("temperature = 300 }", "temperature = 400 }", 1))))
+    assert row["q_T"] == pytest.approx(350.0, rel=1e-9)
+
+
 def test_bodies_that_should_store_heat_and_cannot(tmp_path, capsys):
     said = refused_twice(tmp_path, capsys, COOLING.replace("specific_heat = 3\n", ""))[0]
     assert "material.m" in said and "without heat capacity" in said and "specific_heat" in said

@@ -28,9 +28,9 @@ MANUFACTURED = (
     + f'[supports.walls]\non = ["left", "bottom"]\nfix = {{ temperature = "{STEADY}" }}\n'
     + '[loads.inside]\non = "all"\nsource = "2*(2*pi^2*sin(pi*x)*sin(pi*y) - 2*y)"\n'
     + '[loads.right]\non = "right"\nflux = "2*(-pi*sin(pi*y) + 2*y)"\n'
-    # k dT/dn = film (ambient - T), with film 5.
+    # k dT/dn = film (ambient - T), with a film that varies.
     + '[loads.top]\non = "top"\n'
-    + 'convection = { film = 5, ambient = "1 + x*x + 2/5*(-pi*sin(pi*x) + x*x)" }\n'
+    + 'convection = { film = "5 + 9*x*x*y", ambient = "1 + x*x + 2/(5 + 9*x*x)*(-pi*sin(pi*x) + x*x)" }\n'
     + f'[supports.pipe]\non = "pipe"\nfix = {{ temperature = "{STEADY}" }}\n'
     + "[solve]\ntolerance = 1e-11\n[mesh]\nsize = 0.1\norder = 2\n"
 )

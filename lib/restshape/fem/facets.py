@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.fem.nodal_values import Nodal
+from restshape.fem.nodal_values import Nodal, Product
 
 SHAPES = {3: ("tri3", "edge2"), 6: ("tri6", "edge3")}
 """Shapes of cells and facets, by the nodes of a cell."""
@@ -50,11 +50,11 @@ class FacetSamples:
         """What values (nf, ...) at the two places are at the facets' ends (2, nf, ...), along a line."""
         return np.einsum("eq,q...->e...", self._to_ends, np.stack(values))
 
-    def ends_of(self, value: Nodal, X: np.ndarray) -> np.ndarray:
+    def ends_of(self, value: Nodal | Product, X: np.ndarray) -> np.ndarray:
         """A scalar value of the scene at the ends (2, nf) of the facets of nodes X (n, d) [m]."""
         return self.at_ends([value(at) for at in self.at_samples(X)])
 
-    def end_rates_of(self, value: Nodal, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
+    def end_rates_of(self, value: Nodal | Product, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
         """Its rates (2, nf) there when nodes move with dX (n, d)."""
         return self.at_ends([value.rate(*place) for place in zip(self.at_samples(X), self.at_samples(dX))])
 

@@ -58,6 +58,28 @@ class Nodal:
         return result
 
 
+NOTHING = Nodal(0.0, {}, "")
+
+
+class Product:
+    """The product of two scalar values of the scene as a function of places."""
+
+    def __init__(self, first: Nodal, second: Nodal) -> None:
+        self.first, self.second = first, second
+
+    def __call__(self, X: np.ndarray) -> np.ndarray:
+        """The values (n,) at places X (n, 2) [m].
+
+        Raises:
+            ReplayProblem: one is not finite, or below the least that there is of its dimension.
+        """
+        return self.first(X) * self.second(X)
+
+    def rate(self, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
+        """How fast (n,) the product changes at places X (n, 2) [m] that move with dX (n, 2)."""
+        return self.first.rate(X, dX) * self.second(X) + self.first(X) * self.second.rate(X, dX)
+
+
 def evaluate(values: Sequence[Value], X: np.ndarray, parameters: dict[str, float], where: str) -> np.ndarray:
     """A vector value of the scene at places X (n, 2) [m]: (n, 2)."""
     return np.column_stack([Nodal(value, parameters, where)(X) for value in values])

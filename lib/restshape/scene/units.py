@@ -144,13 +144,14 @@ class UnitError(ValueProblem):
     """A number with a unit that cannot be read, or of the wrong dimension."""
 
 
-def declare_dimension(name: str, unit_text: str, example: str) -> str:
+def declare_dimension(name: str, unit_text: str, example: str, least: float | None = None) -> str:
     """The name of a dimension, known from now on to all that reads numbers and formulas.
 
     Args:
         name: as messages say it, such as ``conductivity``.
         unit_text: its SI unit, such as ``W/(m K)``.
         example: a number that may stand in a scene, such as ``50 W/(m K)``.
+        least: the least value in SI units that there is of it; None where there is none.
 
     Raises:
         UserError: the name stands for another dimension already.
@@ -163,6 +164,8 @@ def declare_dimension(name: str, unit_text: str, example: str) -> str:
         raise UserError(what, do="give one of them another name")
     EXAMPLES.setdefault(name, f'"{example}"')
     SYMBOLS.setdefault(name, unit_text)
+    if least is not None:
+        LEAST.setdefault(name, (least, f"{least:g}"))
     return name
 
 

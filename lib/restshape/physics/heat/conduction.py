@@ -1,7 +1,6 @@
 """Conduction of heat as a problem: integrals, boundary conditions, fluxes and estimate of a scene on one space."""
 
 # More than 15 modules: materials, loads, supports and quantities make one problem here.
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -20,7 +20,7 @@ CONDUCTIVITY = declare_dimension("conductivity", "W/(m K)", "50 W/(m K)")
 SPECIFIC_HEAT = declare_dimension("specific heat", "J/(kg K)", "900 J/(kg K)")
 HEAT_FLUX = declare_dimension("heat flux", "W/m^2", "2 kW/m^2")
 HEAT_SOURCE = declare_dimension("heat source", "W/m^3", "1 MW/m^3")
-FILM = declare_dimension("film coefficient", "W/(m^2 K)", "25 W/(m^2 K)")
+FILM = declare_dimension("film coefficient", "W/(m^2 K)", "25 W/(m^2 K)", least=0.0)
 
 
 class ThermalMaterial(Material):
@@ -35,7 +35,7 @@ class ThermalMaterial(Material):
 class Convection(Strict):
     """``{ film = ..., ambient = ... }``: film (T - ambient) leaves by each unit of area."""
 
-    film: Annotated[number_of(FILM), Field(ge=0, description="film coefficient [W/(m^2 K)]")]
+    film: Annotated[value_of(FILM), Field(description="film coefficient [W/(m^2 K)]")]
     ambient: Annotated[value_of("temperature"), Field(description="temperature around the body [K]")]
 
 

@@ -6,7 +6,7 @@ from restshape.fem.elements import SURFACE_HEAT
 from restshape.fem.entity_sets import facets_on
 from restshape.fem.facets import SHAPES, FacetSamples
 from restshape.fem.integral import Integral
-from restshape.fem.nodal_values import Nodal, varies
+from restshape.fem.nodal_values import NOTHING, Nodal, Product, varies
 from restshape.fem.space import Space
 from restshape.scene.model import Scene
 
@@ -22,34 +22,34 @@ class SurfaceHeat:
         block: of the operator, for convection alone: a flux has no tangent.
 
     Attributes:
-        index: (nf,) of the space's facets; facets: (nf, 2) or (nf, 3) their nodes.
-        varies: whether values change when nodes move.
+        index: (nf,) of the space's facets; facets: (nf, 2) or (nf, 3) their nodes; varies: whether values move with them.
     """
 
     def __init__(self, name: str, scene: Scene, space: Space, thickness: np.ndarray, block: int) -> None:
         load = scene.loads[name]
-        value, where = (load.flux, "flux") if load.kind == "flux" else (load.convection.ambient, "convection.ambient")
-        self.space, self.block, self.varies = space, None if load.kind == "flux" else block, varies(value)
+        self.space, self.block = space, None if load.kind == "flux" else block
         self._element, self.index = SURFACE_HEAT[SHAPES[space.cells.shape[1]][1]], facets_on(space, load.on)
         self.facets = np.ascontiguousarray(space.facets[self.index])
-        self._value, self._samples = Nodal(value, scene.parameters, f"loads.{name}.{where}"), FacetSamples(self.facets)
-        self._thickness, self._film = thickness[self.index], 0.0 if self.block is None else load.convection.film
+        self._thickness, self._samples = thickness[self.index], FacetSamples(self.facets)
+        given = {"flux": load.flux} if self.block is None else {f"convection.{key}": v for key, v in load.convection}
+        values = [Nodal(value, scene.parameters, f"loads.{name}.{key}") for key, value in given.items()]
+        self._values = (values[0], NOTHING) if self.block is None else (Product(*values), values[0])
+        self.varies = varies(list(given.values()))
         self.update()
 
     def update(self) -> None:
-        """Evaluate the flux, or the ambient temperature, on the facets as they lie."""
-        self._params = self._rows(self._samples.ends_of(self._value, self.space.X), self._film)
+        """Evaluate the flux, or film and ambient temperature, on the facets as they lie."""
+        self._params = self._rows(*(self._samples.ends_of(value, self.space.X) for value in self._values))
 
     def integral(self, ambient: bool = True) -> Integral:
         """Heat that leaves by the facets; without the ambient where it shall be linear in the temperature."""
-        params = self._params if ambient else self._params * (0.0, 0.0, 1.0, 1.0, 1.0)
-        rate = self._rates if self.varies and ambient else None
-        return Integral(self._element, self.space.X, self.facets, params, block=self.block, rate=rate)
+        kept = np.array([ambient, ambient, 1.0, 1.0, 1.0])
+        rate = (lambda dX: self._rates(dX) * kept) if self.varies else None
+        return Integral(self._element, self.space.X, self.facets, self._params * kept, block=self.block, rate=rate)
 
     def _rates(self, dX: np.ndarray) -> np.ndarray:
-        return self._rows(self._samples.end_rates_of(self._value, self.space.X, dX), 0.0)
+        return self._rows(*(self._samples.end_rates_of(value, self.space.X, dX) for value in self._values))
 
-    def _rows(self, ends: np.ndarray, film: float) -> np.ndarray:
-        """Parameters (nf, 5) of the element, from fluxes or ambient temperatures (2, nf) at the facets' ends."""
-        flux = ends if self.block is None else self._film * ends
-        return np.ascontiguousarray(np.stack([*flux, *np.full_like(flux, film), self._thickness], axis=1))
+    def _rows(self, flux: np.ndarray, film: np.ndarray) -> np.ndarray:
+        """Parameters (nf, 5) of the element, from what enters and films (2, nf) at the facets' ends, or from rates."""
+        return np.ascontiguousarray(np.stack([*flux, *film, self._thickness], axis=1))
