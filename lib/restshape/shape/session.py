@@ -76,7 +76,7 @@ class EditFrame(ScriptFrame):
 
 @dataclass(slots=True)
 class Grab:
-    """What the hand holds: a gesture, where it took hold, the state before, and its name."""
+    """What the hand holds: a gesture, where it took hold, the state before, its name, and how far it may surely go [m]."""
 
     gesture: Gesture
     check: MotionCheck
@@ -85,6 +85,7 @@ class Grab:
     before: State[Outline]
     c: tuple[float, float] = STILL
     name: str = ""
+    reach: float = 0.0
 
 
 class EditSession(ScriptSession[Outline]):
@@ -184,7 +185,7 @@ class EditSession(ScriptSession[Outline]):
     def _take(self, gesture: Gesture, origin: tuple[float, float], name: str) -> Step:
         """The hand takes hold, the cursor being at the origin."""
         check, before = MotionCheck(self.outline, gesture), (self.outline, self.scene)
-        self._grab = Grab(gesture, check, origin, origin, before, name=name)
+        self._grab = Grab(gesture, check, origin, origin, before, name=name, reach=REACH * self.outline.size)
         return Step("none", gesture=gesture)
 
     def _do_drag(self, event: Drag) -> Iterator[Step]:
@@ -216,7 +217,8 @@ class EditSession(ScriptSession[Outline]):
         c = (point[0] - grab.origin[0], point[1] - grab.origin[1])
         if c == grab.c:
             return Step("none", **self._grabbed())
-        wrong = _too_far(self.outline, c) or grab.check.problem(c)
+        far = _too_far(self.outline, c) if max(map(abs, c)) > grab.reach else None
+        wrong = far or grab.check.problem(c)
         if wrong is not None:
             return Step("none", wrong, gesture=grab.gesture, c=grab.c)
         grab.c = c
