@@ -76,7 +76,7 @@ class EditFrame(ScriptFrame):
 
 @dataclass(slots=True)
 class Grab:
-    """What the hand holds: a gesture, where it took hold, the state before, its name, and how far it may surely go [m]."""
+    """What the hand holds: gesture, where it took hold, the state before, a name, and how far it may surely go [m]."""
 
     gesture: Gesture
     check: MotionCheck
