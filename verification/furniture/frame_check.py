@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.analysis.furnishing import FurnitureAnalysis
-from restshape_apps.furniture.guidance.design import DesignDirection, Suggestion
+from restshape_apps.furniture.guidance.design import DesignDirection
+from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.physics.furniture import LOST, UNBALANCED, UNSTABLE, Furniture
 
 SHOWN = ("utilisation", "stability_margin", "unbalanced_load", "deflection", "bending_utilisation")

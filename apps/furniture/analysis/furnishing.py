@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
-from restshape_apps.furniture.guidance.design import Design, DesignDirection, Suggestion, SuggestionList, findings_at
+from restshape_apps.furniture.guidance.design import Design, DesignDirection, findings_at
+from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionList
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, encode_ranges
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult

@@ -43,7 +43,7 @@ def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
     if not has_findings(rows):
         print("valid ranges and worst amounts want a newer recording: record it again")
     if any(one.kind == LIMIT for row in rows for one in findings_of(row)):
-        print("limits of quantities count in the constraint status; ranges and suggestions judge the piece alone")
+        print("limits of quantities count in the constraint status and in suggestions, not in valid ranges")
 
 
 def _print_statuses(rows: Sequence[Mapping[str, Any]]) -> None:

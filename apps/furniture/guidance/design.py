@@ -13,14 +13,18 @@ from time import perf_counter
 
 import numpy as np
 from restshape_apps.furniture.guidance import amounts
-from restshape_apps.furniture.guidance.connecting import Connection, connections
+from restshape_apps.furniture.guidance.clear_range import clear_ranges, complement
+from restshape_apps.furniture.guidance.connecting import connections
+from restshape_apps.furniture.guidance.doubts import depends, doubts
 from restshape_apps.furniture.guidance.force_space import durability_space
-from restshape_apps.furniture.guidance.preferences import kept_modes, preserved, way_of_material
+from restshape_apps.furniture.guidance.preferences import kept_modes, locked
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
+from restshape_apps.furniture.guidance.ranked import ranked
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
-from restshape_apps.furniture.guidance.remedies import Remedy, Setting, remedies
+from restshape_apps.furniture.guidance.remedies import remedies
+from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionList
 from restshape_apps.furniture.guidance.suggestions import Combinations, suggest
-from restshape_apps.furniture.guidance.support_planks import FLOOR, SupportPlank, support_planks
+from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.furniture import (
     ALL,
@@ -35,7 +39,7 @@ from restshape_apps.furniture.physics.furniture import (
 )
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.shape.design_modes import DesignModes
-from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, joints_near
+from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 
 from restshape.findings import Finding
 from restshape.guidance.combination_search import REPRESENTED, Combination
@@ -60,6 +64,9 @@ REST = 160
 DOUBTS, NARROW = 48, 1e-4
 """Places of a valid range where doubts are looked for, and the least part of the way that is shown as doubtful."""
 
+CLEAR = 0.02
+"""Least part of the range of a suggestion that must be beyond doubt for the suggestion to be cut to it."""
+
 FASTENING = "closer fasteners ([fastener] spacing), stronger ones or a lighter load"
 """What else helps a weak joint."""
 
@@ -81,97 +88,6 @@ class Guidance:
     freedoms: int = 3
     keep: tuple[str, ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Suggestion:
-    """A suggestion of any kind.
-
-    Args:
-        words: what it does where it is shown, with amounts.
-        direction: (n, 8) change of the design parameters by a unit of t; None: it is another piece.
-        t: where it is shown: how far its leading parameter, which `words` names first, is changed [m or rad].
-        span: valid range of t around it.
-        valid: the full test holds there; else `rest` shows what is still wrong.
-        piece: with one more plank; None where planks move.
-        unit: of t, "m" or "rad"; empty for a piece.
-        name: which parameters it changes.
-        beyond: the range may go on past what was looked at, at both ends.
-        rest: what is still wrong where it is shown; empty where it is valid.
-        doubt: what is doubtful where it is valid; empty where nothing is.
-        setting: key of the scene and its value, of what is no other drawing; None elsewhere.
-    """
-
-    words: str
-    direction: np.ndarray | None
-    t: float
-    span: tuple[float, float]
-    valid: bool
-    piece: Piece | None = None
-    unit: str = ""
-    name: str = ""
-    beyond: tuple[bool, bool] = (False, False)
-    rest: str = ""
-    doubt: str = ""
-    setting: Setting | None = None
-
-    @classmethod
-    def along(
-        cls, piece: Piece, direction: np.ndarray, t: float, span: tuple[float, float], open_: bool, valid: bool
-    ) -> Suggestion:
-        """The suggestion along a direction (n, 8), t and its range in any unit; `open_`: the range may go on."""
-        leading = amounts.parameters(piece, direction)[0]
-        scale = abs(float(direction[leading]))
-        words, name = amounts.in_words(piece, t * direction), amounts.named(piece, direction)
-        span = span[0] * scale, span[1] * scale
-        unit = amounts.unit_of(leading[1])
-        return cls(words, direction / scale, t * scale, span, valid, None, unit, name, (False, open_))
-
-    @classmethod
-    def of(cls, one: Connection) -> Suggestion:
-        """The suggestion that joins a part to the rest."""
-        return cls(one.words, None, 1.0, (0.0, 1.0), one.flaws == 0, one.piece, name="a part joined")
-
-    @classmethod
-    def by(cls, one: Remedy) -> Suggestion:
-        """The suggestion of other fasteners or thicker planks."""
-        return cls(one.words, None, 1.0, (0.0, 1.0), True, one.piece, name=one.name, setting=one.setting)
-
-    @property
-    def kind(self) -> str:
-        """What kind of change it leads with: a move, a turn, a length, or a plank."""
-        return self.name.partition(": ")[2].partition(" ")[0] if self.direction is not None else self.name
-
-    @property
-    def range_words(self) -> str:
-        """Its range, for people: how far its leading parameter may be changed; empty for a piece."""
-        if not self.unit:
-            return ""
-        low, high = (amounts.amount(end, self.unit) for end in self.span)
-        others = ", the others in proportion" if np.count_nonzero(self.direction) > 1 else ""
-        what = "valid" if self.valid else "nothing more is wrong"
-        return f"{what} from {low} to {high}{' or beyond' if self.beyond[1] else ''}{others}"
-
-    @property
-    def summary(self) -> str:
-        """What it does, and its range."""
-        doubt = f"holds, but {self.doubt}" if self.doubt else ""
-        parts = (self.words, self.range_words, f"still wrong: {self.rest}" if self.rest else "", doubt)
-        return "; ".join(filter(None, parts))
-
-
-@dataclass(frozen=True)
-class SuggestionList:
-    """What was found for an invalid piece: suggestions, combinations tried, full tests, and the time taken [s].
-
-    `why` shows why there are none.
-    """
-
-    found: tuple[Suggestion, ...] = ()
-    tried: int = 0
-    tested: int = 0
-    seconds: float = 0.0
-    why: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +123,7 @@ class DesignDirection:
 
     @cached_property
     def doubtful(self) -> tuple[tuple[float, float], ...]:
-        """The parts of its ranges where moments that do not count overload a joint."""
+        """The parts of its ranges where it holds in doubt only."""
         return self.design.doubtful_along(self)
 
 
@@ -281,14 +197,16 @@ class Design:
         return valid_ranges(self.furniture.kernel, way.direction, way.low, way.high, hints=self.hints(way), wanted=ALL)
 
     def doubtful_along(self, way: DesignDirection) -> tuple[tuple[float, float], ...]:
-        """The parts of a way's valid ranges where moments that do not count overload a joint."""
-        found: list[tuple[float, float]] = []
+        """The parts of a way's valid ranges where moments that do not count overload a joint, or compliances that
+        nobody knows decide."""
+        least, found = NARROW * (way.high - way.low), []
+
+        def clear(t: float) -> bool:
+            return not depends(self.furniture.moved(t * way.direction))
+
         for low, high in way.ranges.intervals.tolist():
-            ranges = self._sure(way.direction, low, high)
-            marks = [low, *ranges.intervals.ravel().tolist(), high]
-            found += [
-                pair for pair in zip(marks[::2], marks[1::2]) if pair[1] - pair[0] > NARROW * (way.high - way.low)
-            ]
+            sure = self._sure(way.direction, low, high).intervals.tolist()
+            found += complement(clear_ranges(clear, sure, least), low, high, least)
         return tuple(found)
 
     def _sure(self, direction: np.ndarray, low: float, high: float) -> Ranges:
@@ -337,13 +255,24 @@ class Design:
             why = self._why_none(searches[-1])
             why += f"; {FASTENING} may help" if flaws & WEAK else ""
             if flaws & WEAK and not flaws & UNSTABLE:
-                supports = [self._supported(one) for one in support_planks(self.furniture)][:most]
+                supports = [Suggestion.supported(self.piece, one) for one in support_planks(self.furniture)]
                 others = [Suggestion.by(one) for one in remedies(self.piece, self._obeys)]
-                found = [*found[: max(most - len(supports) - len(others), 0)], *supports, *others]
-        judged = [self._with_doubt(self._with_rest(one)) for one in _distinct(self.piece, found)]
-        found = self._ordered([self._with_limits(one) for one in judged])[:most]
+                added = [one for one in (*supports, *others) if self._unlocked(one)]
+                found = [*found[: max(most - len(added), 0)], *added]
+        unlocked = [one for one in _distinct(self.piece, found) if self._unlocked(one)]
+        why = f"what would mend it changes what is kept: {', '.join(self.guidance.keep)}" if found else why
+        judged = [self._with_doubt(self._with_rest(one)) for one in unlocked]
+        shown = ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
         self.furniture.test()
-        return SuggestionList(tuple(found), tried, tested, perf_counter() - start, "" if found else why)
+        return SuggestionList(tuple(shown), tried, tested, perf_counter() - start, "" if shown else why)
+
+    def after(self, one: Suggestion) -> Piece:
+        """The piece where a suggestion is shown."""
+        return one.piece or self.furniture.moved(one.t * one.direction)
+
+    def _unlocked(self, one: Suggestion) -> bool:
+        """Whether a suggestion keeps what is locked."""
+        return locked(self.piece, self.after(one), self.guidance.keep)
 
     def _combined(self, most: int) -> list[Combinations]:
         """Searches for combinations, first of those that keep the piece level and symmetric, until some are found."""
@@ -355,30 +284,6 @@ class Design:
             if count:
                 break
         return searches
-
-    def _ordered(self, found: list[Suggestion]) -> list[Suggestion]:
-        """Suggestions by what they leave wrong or doubtful, what they keep, and how far material goes; of each kind the
-        first comes before the others."""
-        keys = {id(one): self._rank(one) for one in found}
-        order = sorted(found, key=lambda one: keys[id(one)])
-        seen: Counter[tuple] = Counter()
-        places = []
-        for one in order:
-            kind = (*keys[id(one)][:3], one.kind)
-            places.append((*keys[id(one)][:3], seen[kind]))
-            seen[kind] += 1
-        return [one for _, one in sorted(zip(places, order), key=lambda pair: pair[0])]
-
-    def _rank(self, one: Suggestion) -> tuple[bool, bool, int, float]:
-        if one.setting is not None:
-            # The drawing stays, and the hand that drew it may want to change that first.
-            return False, bool(one.doubt), 0, self.piece.size
-        after = one.piece or self.furniture.moved(one.t * one.direction)
-        if len(after.planks) == len(self.piece.planks):
-            lost = preserved(self.piece, after).count(False)
-        else:
-            lost = 0 if preserved(self.piece, replace(after, planks=after.planks[: len(self.piece.planks)]))[0] else 1
-        return not one.valid, bool(one.doubt), lost, round(way_of_material(self.piece, after), 9)
 
     def _with_rest(self, one: Suggestion) -> Suggestion:
         """The suggestion with what is still wrong where it is shown."""
@@ -396,35 +301,33 @@ class Design:
         """The suggestion where it is beyond doubt if it is so anywhere in its range; else with what is doubtful."""
         if not one.valid:
             return one
-        if one.piece is not None:
-            return replace(one, doubt=self._doubt(Furniture(one.piece).test()))
-        result = self.furniture.test(one.t * one.direction)
-        if not result.doubts:
+        found = doubts(self.after(one), self.guidance.quantities)
+        if not found:
             return one
         low, high = one.span
-        intervals = self._sure(one.direction, low, high).intervals if high > low else np.zeros((0, 2))
-        if not len(intervals):
-            return replace(one, doubt=self._doubt(result))
-        left, right = intervals[int(np.argmin(np.abs(intervals - one.t).min(axis=1)))].tolist()
+        clear = self._clear(one) if one.direction is not None and high > low else []
+        clear = [(left, right) for left, right in clear if right - left >= CLEAR * (high - low)]
+        if not clear:
+            return replace(one, doubt=shorten("; ".join(phrases(found)), REST, placeholder=" ..."))
+        left, right = min(clear, key=lambda ends: min(abs(end - one.t) for end in ends))
         t = left + REPRESENTED * (right - left)
         words = amounts.in_words(self.piece, t * one.direction)
         return replace(one, t=t, span=(left, right), words=words, beyond=(False, one.beyond[1] and right >= high))
 
+    def _clear(self, one: Suggestion) -> list[tuple[float, float]]:
+        """The parts of the range of a suggestion that nothing makes doubtful."""
+        low, high = one.span
+        sure = self._sure(one.direction, low, high).intervals.tolist()
+        quantities = self.guidance.quantities
+
+        def clear(t: float) -> bool:
+            piece = self.furniture.moved(t * one.direction)
+            return not (violated_limits(piece, quantities) or depends(piece))
+
+        return clear_ranges(clear, sure, NARROW * (high - low))
+
     def _obeys(self, piece: Piece) -> bool:
         return not violated_limits(piece, self.guidance.quantities)
-
-    def _with_limits(self, one: Suggestion) -> Suggestion:
-        """The suggestion with the limits of quantities that it violates, which make it doubtful too."""
-        if not (one.valid and self.guidance.quantities):
-            return one
-        after = one.piece or self.furniture.moved(one.t * one.direction)
-        words = phrases(violated_limits(after, self.guidance.quantities))
-        doubt = "; ".join(filter(None, [one.doubt, *words]))
-        return replace(one, doubt=shorten(doubt, REST, placeholder=" ..."))
-
-    @staticmethod
-    def _doubt(result: TestResult) -> str:
-        return shorten("; ".join(phrases(result.doubts)), REST, placeholder=" ...")
 
     def _along(self, one: Combination | Reconnection, open_: bool, valid: bool) -> Suggestion:
         return Suggestion.along(self.piece, one.direction, one.t, one.span, open_, valid)
@@ -441,23 +344,6 @@ class Design:
             more = f"; effects.guidance.freedoms may be up to {MOST_FREEDOMS}" if few < MOST_FREEDOMS else ""
             return f"{what}, none leads to where it holds{more}"
         return f"{what}, {search.led} lead to where it should hold, but none of {search.tested} tested in full does"
-
-    def _supported(self, board: SupportPlank) -> Suggestion:
-        first, other = ("the floor" if k == FLOOR else self.piece.planks[k].name for k in board.between)
-        plank = board.piece.planks[-1]
-        long, wide = (amounts.amount(float(size), "m") for size in plank.size[:2])
-        place = ", ".join(f"{1e3 * x:.0f}" for x in plank.centre)
-        words = f"a plank of {long} by {wide} between {first} and {other}, its middle at ({place}) mm"
-        words += f", its length {amounts.along(plank.axes[:, 0])}, its width {amounts.along(plank.axes[:, 1])}"
-        if len({round(float(one.size[2]), 9) for one in self.piece.planks}) > 1:
-            words += f", {amounts.amount(float(plank.size[2]), 'm')} thick"
-        if len({one.wood for one in self.piece.planks}) > 1:
-            words += f", of {plank.wood}"
-        third = self.piece.planks[board.third]
-        if joints_near((third, plank), self.piece.reach):
-            # Drawn there by hand it would be.
-            words += f", not joined to {third.name} beside it"
-        return Suggestion(words, None, 1.0, (0.0, 1.0), board.result.valid, board.piece, name="a support plank")
 
 
 def findings_at(furniture: Furniture, result: TestResult, gamma: np.ndarray) -> tuple[Finding, ...]:

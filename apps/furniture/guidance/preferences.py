@@ -9,7 +9,7 @@ import numpy as np
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
-from restshape_apps.furniture.shape.symmetry import groups, keeps, mirrors
+from restshape_apps.furniture.shape.symmetry import SAME, groups, keeps, mirrors
 
 SYMMETRY, LEVEL, HEIGHT = "symmetry", "level", "height"
 """What may be kept of the whole piece; of a plank it is "PLANK level", and "PLANK place" where it must not change."""
@@ -49,7 +49,32 @@ def kept_modes(furniture: Furniture, keep: Sequence[str]) -> list[DesignModes]:
 def preserved(before: Piece, after: Piece) -> tuple[bool, bool]:
     """Whether a change keeps what is level or upright so, and whether it keeps the symmetry of a piece."""
     level = all(not _straight(old.axes) or _straight(new.axes) for old, new in zip(before.planks, after.planks))
-    return level, len(after.planks) == len(before.planks) and keeps(before, after)
+    return level, keeps(before, after)
+
+
+def locked(before: Piece, after: Piece, keep: Sequence[str]) -> bool:
+    """Whether a change obeys all locks: what is level or upright, mirror planes, places of corners, the highest one.
+
+    Args:
+        before, after: the piece, which has the same planks first, and then those that are added.
+        keep: as in `[effects.guidance]`.
+    """
+    return all(_obeyed(before, after, *lock.rpartition(" ")[::2]) for lock in keep)
+
+
+def _obeyed(before: Piece, after: Piece, name: str, what: str) -> bool:
+    if what == SYMMETRY:
+        return keeps(before, after)
+    pairs = [(old, new) for old, new in zip(before.planks, after.planks) if name in ("", old.name)]
+    if what == LEVEL:
+        return all(not _straight(old.axes) or _straight(new.axes) for old, new in pairs)
+    room = SAME * before.size
+    if what == PLACE:
+        return all(np.abs(new.corners() - old.corners()).max() <= room for old, new in pairs)
+    added = [] if name else [plank.corners() for plank in after.planks[len(before.planks) :]]
+    old, new = _whole([(old.corners(), new.corners()) for old, new in pairs])
+    highest = max(float(corners[:, 2].max()) for corners in [new, *added])
+    return not len(old) or abs(highest - float(old[:, 2].max())) <= room
 
 
 def way_of_material(before: Piece, after: Piece) -> float:

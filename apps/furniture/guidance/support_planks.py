@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, product
+from itertools import chain, count, islice, product
 
 import numpy as np
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture, TestResult
 from restshape_apps.furniture.shape.planks import Foot, Joint, Piece, Plank
+from restshape_apps.furniture.shape.symmetry import SAME, Mirror, mirrors, same_place
 
 from restshape.errors import UserError
 
@@ -47,14 +48,16 @@ FLOOR = -1
 
 @dataclass(frozen=True)
 class SupportPlank:
-    """A piece with one more plank.
+    """A piece with one more plank, or with that and its mirror images.
 
     Args:
-        piece: with the plank as its last.
+        piece: with the plank, and its mirror images, as its last ones.
         between: the two planks that it connects; the second may be `FLOOR`.
         third: the plank they share, through the weak joint.
         result: of the full test: valid, or weak in joints that were weak before.
         relieved: joints that are weak no more.
+        plank: the first of those that are added.
+        mirrored: axes across which it has mirror images, 0 or 1.
     """
 
     piece: Piece
@@ -62,6 +65,8 @@ class SupportPlank:
     third: int
     result: TestResult
     relieved: tuple[int, ...]
+    plank: Plank
+    mirrored: tuple[int, ...] = ()
 
 
 def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIALS) -> tuple[SupportPlank, ...]:
@@ -70,15 +75,30 @@ def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIAL
     Between two planks i and j that are nearly parallel and share a third plank k through joints, one of them weak,
     a board goes straight across, with its face along k or across it, at places along the joint and away from k: near
     it at first, and out to the far end of plank i where no near one makes the piece valid. The floor counts as such a
-    plank j where k stands on it. No other joint may become weak.
+    plank j where k stands on it. No other joint may become weak. A board of a piece with mirror planes comes with its
+    images: first those that are their own, then with these, then those alone that break the symmetry, the next ones
+    only where none makes the piece valid.
 
     Args:
         furniture: the model of the weak piece, just tested at no change of its design parameters.
         shown: how many to give.
-        trials: full tests at most of near places, and as many of far ones.
+        trials: full tests at most of near places, and as many of far ones; as many again of each of these three.
 
     Source: docs/theory/furniture.md; the thesis, section 6.5.5.
     """
+    planes = mirrors(furniture.piece)
+    found: list[SupportPlank] = []
+    for kept, alone in ((planes, True), (planes, False), ((), False)) if planes else (((), False),):
+        if not any(one.result.valid for one in found):
+            found += searched(furniture, shown, trials, kept, alone)
+    furniture.test()
+    return tuple(sorted(found, key=lambda one: (not one.result.valid, -len(one.relieved)))[:shown])
+
+
+def searched(
+    furniture: Furniture, shown: int, trials: int, planes: Sequence[Mirror], alone: bool
+) -> list[SupportPlank]:
+    """Support planks, each with its images in mirror planes; `alone`: those alone that are their own images."""
     use = _uses(furniture)
     geometry = furniture.geometry()
     found: list[SupportPlank] = []
@@ -90,22 +110,55 @@ def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIAL
             if left <= 0 or sum(one.result.valid for one in found) >= shown:
                 break
             places = _planks(furniture.piece, (i, j, k), geometry.p[joint], geometry.y[joint], spots)
-            for plank in islice(places, min(EACH, left)):
+            groups = (_images(furniture.piece, (plank, (i, j)), planes) for plank in places)
+            for boards in islice(groups, min(EACH, left)):
+                if alone and len(boards) > 1:
+                    continue
                 left -= 1
-                if one := _relief(furniture, plank, (i, j), k, use, joint):
-                    found.append(one)
+                plank = boards[0][0]
+                if any(_in_place(furniture.piece, plank, one.piece.planks) for one in found):
+                    # It is one of the images of what was found.
+                    break
+                if one := _relief(furniture, boards, k, use, joint):
+                    images = ((plane.axis, plane.image(plank)) for plane in planes)
+                    axes = tuple(axis for axis, image in images if not _in_place(furniture.piece, image, [plank]))
+                    found.append(replace(one, mirrored=axes))
                     # The next one shall be another suggestion.
                     break
-    furniture.test()
-    return tuple(sorted(found, key=lambda one: (not one.result.valid, -len(one.relieved)))[:shown])
+    return found
+
+
+Board = tuple[Plank, tuple[int, int]]
+"""A plank that is added, and what it is between."""
+
+
+def _images(piece: Piece, board: Board, planes: Sequence[Mirror]) -> list[Board]:
+    """A board with its images in mirror planes, each once."""
+    found = [board]
+    for plane in planes:
+        for plank, between in found[:]:
+            image = plane.image(plank)
+            if not _in_place(piece, image, [each for each, _ in found]):
+                i, j = (k if k == FLOOR else plane.images[k] for k in between)
+                found.append((image, (i, j)))
+    return found
+
+
+def _in_place(piece: Piece, plank: Plank, others: Sequence[Plank]) -> bool:
+    """Whether one of other planks lies in the place of a plank."""
+    room = SAME * piece.size
+    return any(same_place(plank.corners(), other.corners(), room) for other in others)
 
 
 def _relief(
-    furniture: Furniture, plank: Plank, between: tuple[int, int], third: int, use: np.ndarray, joint: int
+    furniture: Furniture, boards: Sequence[Board], third: int, use: np.ndarray, joint: int
 ) -> SupportPlank | None:
-    """The piece with that plank, if it takes enough load off the joint and overloads no other."""
+    """The piece with these boards, if they take enough load off the joint and overload no other."""
+    piece = furniture.piece
     try:
-        model = Furniture(_with(furniture.piece, plank, *between), furniture.compliance)
+        for plank, between in boards:
+            piece = _with(piece, plank, *between)
+        model = Furniture(piece, furniture.compliance)
     except UserError:
         # Its fasteners do not hold there.
         return None
@@ -117,7 +170,8 @@ def _relief(
     before = np.append(use > 1.0, np.zeros(len(now) - len(use), dtype=bool))
     if weak[joint] or np.any(weak & ~before):
         return None
-    return SupportPlank(model.moved(), between, third, result, tuple(map(int, np.flatnonzero(before & ~weak))))
+    moved, relieved = model.moved(), tuple(map(int, np.flatnonzero(before & ~weak)))
+    return SupportPlank(moved, boards[0][1], third, result, relieved, moved.planks[len(furniture.piece.planks)])
 
 
 def _uses(furniture: Furniture) -> np.ndarray:
@@ -216,6 +270,7 @@ def _landed(piece: Piece, place: np.ndarray, way: np.ndarray) -> np.ndarray:
 def _with(piece: Piece, plank: Plank, i: int, j: int) -> Piece:
     """The piece with a plank more, its ends against planks i and j, or on the floor; they are drawn to their middle."""
     new, fastener = len(piece.planks), piece.joints[0].fastener
+    plank = replace(plank, name=_free_name(piece, plank.name))
     joints = []
     for side, p in ((0, i), (1, j)):
         if p != FLOOR:
@@ -223,3 +278,9 @@ def _with(piece: Piece, plank: Plank, i: int, j: int) -> Piece:
             joints.append(Joint(new, side, p, 5 if above else 4, fastener))
     feet = (*piece.feet, Foot(new, 1, 0)) if j == FLOOR else piece.feet
     return replace(piece, planks=(*piece.planks, plank), joints=(*piece.joints, *joints), feet=feet)
+
+
+def _free_name(piece: Piece, name: str) -> str:
+    """A name that no plank has yet: this one, or it with a number."""
+    taken = {plank.name for plank in piece.planks}
+    return next(one for one in chain([name], (f"{name}-{k}" for k in count(2))) if one not in taken)

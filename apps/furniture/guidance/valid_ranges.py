@@ -21,7 +21,7 @@ class ValidRange(NamedTuple):
 class Grabbed(NamedTuple):
     """What is under the hand, its unit ("m" or "rad"), and its valid ranges; None where none were looked for.
 
-    `doubtful`: the parts of these ranges where moments that do not count overload a joint.
+    `doubtful`: the parts of these ranges where the piece holds in doubt only.
     """
 
     subject: str

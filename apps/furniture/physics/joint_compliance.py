@@ -37,7 +37,7 @@ class UseRange:
     @property
     def redundant(self) -> np.ndarray:
         """Numbers of the joints whose use depends on the ratios."""
-        return np.flatnonzero(self.high - self.low > SPREAD)
+        return np.flatnonzero(self.high > self.low + SPREAD)
 
     def findings(self, piece: Piece) -> tuple[Finding, ...]:
         """What decides whether the piece bears its loads: joints that are weak at some ratios alone, the worst first.

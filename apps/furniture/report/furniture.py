@@ -72,7 +72,7 @@ class DesignDirectionView:
         at: the piece as it is is that of this t.
         piece: the end state, where it is another piece, with more planks.
         unit: factor and unit of t in numbers; None: of the way that the plank goes, or of the angle that it turns by.
-        doubts: (k, 2) parts of the range where moments that do not count overload a joint.
+        doubts: (k, 2) parts of the range where the piece holds in doubt only.
     """
 
     direction: np.ndarray

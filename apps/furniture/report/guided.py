@@ -8,13 +8,19 @@ from itertools import groupby
 from typing import Any
 
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, decode_ranges
-from restshape_apps.furniture.physics.plank_findings import APART, DOUBTFUL, LOST, NEAREST, WEAK
+from restshape_apps.furniture.physics.plank_findings import APART, DEPENDS, DOUBTFUL, LOST, NEAREST, WEAK
 from restshape_apps.furniture.physics.plank_phrases import amount, phrases
 
 from restshape.findings import Finding, decode_findings
 from restshape.replay.constraints import FAILS, HOLDS, MIN, UNCERTAIN
 
 Row = Mapping[str, Any]
+
+CAUSES = {
+    DOUBTFUL: "moments that do not count overload a joint",
+    DEPENDS: "compliances of joints that nobody knows decide it",
+}
+"""What makes a piece that holds doubtful, by kinds of findings."""
 
 
 def has_findings(rows: Sequence[Row]) -> bool:
@@ -38,8 +44,15 @@ def only_limits(row: Row) -> bool:
 
 
 def doubtful(row: Row) -> bool:
-    """Whether the piece of a frame holds, but moments that do not count overload a joint."""
+    """Whether the piece of a frame holds, but something is doubtful: see `CAUSES`."""
     return row["constraint_status"] == UNCERTAIN
+
+
+def doubt_causes(rows: Iterable[Row]) -> str:
+    """Why pieces that hold in doubt do so, in these frames; empty where none does."""
+    uncertain = [row for row in rows if doubtful(row)]
+    kinds = {one.kind for row in uncertain for one in findings_of(row)}
+    return " or ".join(words for kind, words in CAUSES.items() if kind in kinds)
 
 
 def summary(rows: Sequence[Row]) -> dict[str, Any]:

@@ -13,8 +13,9 @@ from textwrap import shorten, wrap
 import numpy as np
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
+from restshape_apps.furniture.physics.plank_findings import DOUBTFUL
 from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
-from restshape_apps.furniture.report.guided import doubtful, grabbed, only_limits, runs
+from restshape_apps.furniture.report.guided import CAUSES, doubt_causes, doubtful, grabbed, only_limits, runs
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import status_colour
 from restshape_apps.furniture.session.plank_session import PlankFrame
@@ -44,7 +45,8 @@ RANGES = (
     "Thin dashed line: the way of what is under the hand, as far as it was looked at; thick line with ends: its valid "
     "range, without one nothing of it is valid. Black where the piece holds, red where not; circle: the piece as it is"
 )
-DOUBTS = "Amber: the piece holds, but moments that do not count overload a joint; its number is the use by these"
+DOUBTS = "Amber: the piece holds, but {}"
+MOMENTS = "The number of an amber joint is its use by moments that do not count"
 LIMITS = "Purple heading: the piece holds, but a quantity is beyond its limit; ranges are of the piece alone"
 
 
@@ -155,8 +157,10 @@ def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
         ranges: some of them have a range.
     """
     rows = [row_of(recording, i) for i in chosen]
-    limits, doubts = any(map(only_limits, rows)), any(map(doubtful, rows))
-    parts = [MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else []), *([DOUBTS] if doubts else [])]
+    limits, causes = any(map(only_limits, rows)), doubt_causes(rows)
+    parts = [MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else [])]
+    parts += [DOUBTS.format(causes)] if causes else []
+    parts += [MOMENTS] if CAUSES[DOUBTFUL] in causes else []
     return ". ".join(parts)
 
 

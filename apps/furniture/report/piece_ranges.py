@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 from pathlib import Path
-from textwrap import shorten
+from textwrap import fill, shorten
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from restshape_apps.furniture.guidance.amounts import UNITS
-from restshape_apps.furniture.report.guided import doubtful, found, grabbed, only_limits
+from restshape_apps.furniture.report.guided import doubt_causes, found, grabbed, only_limits
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT, status_colour
 
 from restshape.outputs.drawn import save_picture
@@ -22,6 +22,8 @@ from restshape.report.frames import scene_name
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 from restshape.report.tables import column, rows_of
 
+WIDE = 44
+"""Letters of a line of the legend."""
 BAND, DOUBTED, LIMIT = "#9ecae1", "#f2cf8d", "#666666"
 ROOM = 0.25
 """How far beyond its own way a parameter's range is shown, in parts of that way."""
@@ -156,12 +158,12 @@ def _mark_searches(panels: list[Axes], rows: list[dict[str, Any]]) -> None:
             )
 
 
-def _doubts(rows: list[dict[str, Any]]) -> tuple[bool, bool]:
-    """Whether a piece holds in doubt, and whether a part of a valid range is doubtful."""
-    return any(map(doubtful, rows)), any(bool(hand.doubtful) for row in rows if (hand := grabbed(row)))
+def _doubts(rows: list[dict[str, Any]]) -> tuple[str, bool]:
+    """Why pieces hold in doubt, if any does, and whether a part of a valid range is doubtful."""
+    return doubt_causes(rows), any(bool(hand.doubtful) for row in rows if (hand := grabbed(row)))
 
 
-def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool, doubts: tuple[bool, bool]) -> None:
+def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool, doubts: tuple[str, bool]) -> None:
     dot = {"linestyle": "none", "marker": "o", "markersize": 4}
     marks = [
         Line2D([], [], color=INK, label="the piece holds", **dot),
@@ -171,7 +173,7 @@ def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool, doubts:
         words = "it holds, but a quantity is beyond its limit"
         marks.append(Line2D([], [], color=BEYOND, label=words, **dot | {"marker": "D"}))
     if doubts[0]:
-        words = "it holds, but moments that do not count\noverload a joint"
+        words = fill(f"it holds, but {doubts[0]}", WIDE)
         marks.append(Line2D([], [], color=DOUBT, label=words, **dot))
     marks.append(Line2D([], [], color=LIMIT, linestyle="--", linewidth=1.0, label="limit: use below 1, margin above 0"))
     marks += (

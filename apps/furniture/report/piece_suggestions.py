@@ -7,7 +7,7 @@ from pathlib import Path
 from textwrap import shorten, wrap
 
 import numpy as np
-from restshape_apps.furniture.guidance.design import Suggestion
+from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.report import guided
 from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece

@@ -13,7 +13,7 @@ BEYOND = "#8e3b8a"
 
 
 DOUBT = "#b87900"
-"""Where the piece holds, but moments that do not count overload a joint."""
+"""Where the piece holds, but something is doubtful."""
 
 
 def status_colour(row: Mapping[str, Any]) -> str:

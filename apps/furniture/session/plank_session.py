@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.guidance.amounts import amount
-from restshape_apps.furniture.guidance.design import Design, DesignDirection, Guidance, Suggestion
+from restshape_apps.furniture.guidance.design import Design, DesignDirection, Guidance
+from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.physics.plank_findings import LENGTH
 from restshape_apps.furniture.scene.plank_events import far_turn
 from restshape_apps.furniture.session.boards import MovingBoards

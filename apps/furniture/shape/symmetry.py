@@ -21,11 +21,21 @@ class Mirror:
 
     Args:
         axis: 0 or 1, which the plane is normal to.
+        at: its coordinate on that axis [m].
         images: the number of the plank that each plank (n,) is mapped to.
     """
 
     axis: int
+    at: float
     images: tuple[int, ...]
+
+    def image(self, plank: Plank) -> Plank:
+        """The mirror image of a plank, whose ends along x, and along y, are those of that plank."""
+        sign, shift = np.ones(3), np.zeros(3)
+        sign[self.axis], shift[self.axis] = -1.0, 2.0 * self.at
+        start, end = (sign * plank.end(side) + shift for side in (0, 1))
+        width = sign * plank.axes[:, 1] * plank.size[1]
+        return Plank.between(plank.name, start, end, width, float(plank.size[2]), wood=plank.wood)
 
     def mate(self, piece: Piece, plank: int, number: int) -> Member | None:
         """The image of a design parameter; None where axes of the two planks do not agree."""
@@ -52,7 +62,7 @@ def mirrors(piece: Piece) -> tuple[Mirror, ...]:
         sign[axis], shift[axis] = -1.0, 2.0 * middle[axis]
         images = [_image(piece, plank, sign, shift, room) for plank in piece.planks]
         if all(image is not None for image in images):
-            found.append(Mirror(axis, tuple(images)))
+            found.append(Mirror(axis, float(middle[axis]), tuple(images)))
     return tuple(found)
 
 
@@ -106,7 +116,12 @@ def _image(piece: Piece, plank: Plank, sign: np.ndarray, shift: np.ndarray, room
     """The number of the plank that has a plank's mirrored corners, and its wood."""
     wanted = plank.corners() * sign + shift
     for k, other in enumerate(piece.planks):
-        apart = np.linalg.norm(wanted[:, None] - other.corners()[None], axis=2)
-        if other.wood == plank.wood and apart.min(axis=1).max() <= room and apart.min(axis=0).max() <= room:
+        if other.wood == plank.wood and same_place(wanted, other.corners(), room):
             return k
     return None
+
+
+def same_place(corners: np.ndarray, others: np.ndarray, room: float) -> bool:
+    """Whether two planks lie in each other's place, by their corners (8, 3) in any order, to `room` [m]."""
+    apart = np.linalg.norm(corners[:, None] - others[None], axis=2)
+    return bool(apart.min(axis=1).max() <= room and apart.min(axis=0).max() <= room)

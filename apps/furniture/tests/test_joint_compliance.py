@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from restshape_apps.furniture.guidance.design import Design, Guidance
+from restshape_apps.furniture.guidance.doubts import depends
 from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.physics.joint_compliance import UseRange, compliances, recorded_uses, use_range
 from restshape_apps.furniture.physics.plank_findings import joint_planks
@@ -130,3 +132,14 @@ def test_records_have_the_largest_first() -> None:
     found = recorded_uses(piece, known, 9)
     assert [one[2] for one in found] == sorted((one[2] for one in found), reverse=True)
     assert len(found) == len(known.redundant)
+
+
+def test_a_range_is_marked_where_compliances_decide() -> None:
+    # The table's first leg, moved along its width: it depends on joints nearly wherever it holds.
+    design = Design(drawn("table"), Guidance())
+    way = design.parameter(1, 1)
+    (first, second), doubtful = way.ranges.intervals.tolist(), way.doubtful
+    assert doubtful[0] == pytest.approx(first) and second[0] < doubtful[1][0] < doubtful[1][1] == second[1]
+    sure = 0.5 * (second[0] + doubtful[1][0])
+    for t, depend in ((0.5 * sum(first), True), (sure, False), (0.5 * sum(doubtful[1]), True)):
+        assert bool(depends(design.furniture.moved(t * way.direction))) == depend

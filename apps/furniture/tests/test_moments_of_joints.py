@@ -1,15 +1,18 @@
 """Moments along joints and about their normals: fasteners one by one, levers by hand; doubts, and what counts them."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, decode_ranges, encode_ranges
 from restshape_apps.furniture.physics.furniture import Forces, Furniture
+from restshape_apps.furniture.physics.joint_compliance import UseRange
 from restshape_apps.furniture.pieces import SCENES, drawn
+from restshape_apps.furniture.report.guided import CAUSES, doubt_causes
 from small_scenes import make_replay
 
-from restshape.findings import decode_findings
+from restshape.findings import Finding, decode_findings, encode_findings
 
 G = 9.80665
 POST = """format = "restshape-scene"
@@ -217,3 +220,25 @@ def test_doubtful_suggestions_come_last_and_say_so(tmp_path) -> None:
     for one in counted.design.suggestion_list.found:
         result = counted.design.furniture.test(one.t * one.direction)
         assert result.valid and max(f.moment_use.max() for f in forces_of(counted.design.furniture)) <= 1.0
+
+
+def test_the_legend_names_why_a_piece_is_doubtful() -> None:
+    def row(kind: str) -> dict:
+        return {
+            "constraint_status": "uncertain",
+            "findings": encode_findings((Finding(kind, "", ("a", "b"), 2.0, 1.0),), 500),
+        }
+
+    moments, compliances = CAUSES["doubtful"], CAUSES["depends"]
+    assert doubt_causes([row("doubtful"), {"constraint_status": "holds"}]) == moments
+    assert doubt_causes([row("depends")]) == compliances
+    assert doubt_causes([row("depends"), row("doubtful")]) == f"{moments} or {compliances}"
+    assert doubt_causes([{"constraint_status": "fails"}]) == ""
+
+
+def test_a_single_fastener_has_no_number_of_its_twist(tmp_path) -> None:
+    # Its use is infinite at every ratio of compliances, so that it does not depend on them.
+    known = UseRange(np.array([np.inf, 0.5, 1.0]), np.array([np.inf, np.inf, 1.1]), False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert known.redundant.tolist() == [1, 2]

@@ -1,15 +1,21 @@
 """What suggestions keep: symmetry, level, locks; their order; mirrored freedoms against mirrored pieces."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
-from restshape_apps.furniture.guidance.preferences import kept_modes, preserved, way_of_material
-from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.guidance.preferences import kept_modes, locked, preserved, way_of_material
+from restshape_apps.furniture.guidance.ranked import ranked
+from restshape_apps.furniture.guidance.suggested import Suggestion
+from restshape_apps.furniture.guidance.support_planks import searched
+from restshape_apps.furniture.physics.furniture import WEAK, Furniture
 from restshape_apps.furniture.pieces import drawn, scales, table
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 from restshape_apps.furniture.shape.symmetry import groups, keeps, mirrors
-from restshape_apps.furniture.tests.furniture_scenes import BENCH, write_bench
+from restshape_apps.furniture.small_pieces import stretched
+from restshape_apps.furniture.tests.furniture_scenes import BENCH, COFFEE_TABLE, write_bench
 from test_moments_of_joints import STOOL
 
 from restshape.errors import UserError
@@ -117,7 +123,62 @@ def test_a_lock_is_not_given_up() -> None:
     free = Furniture(piece)
     locks = tuple(f"{name} place" for name in names)
     assert [len(modes) for modes in kept_modes(free, locks)] == [0]
-    assert all(one.piece is not None for one in Design(piece, Guidance(keep=locks)).suggestion_list.found)
+    found = Design(piece, Guidance(keep=locks)).suggestion_list.found
+    # Planks may be added and fasteners changed; nothing that was drawn goes elsewhere or becomes thicker.
+    assert {one.kind for one in found} == {"a support plank", "closer fasteners"}
+    for one in found:
+        for old, new in zip(piece.planks, one.piece.planks):
+            assert new.corners() == pytest.approx(old.corners(), abs=1e-6)
+
+
+THICK = replace(stretched(0.35, 40.0), spacing=0.04)
+"""A bench that thicker planks mend."""
+
+
+@pytest.mark.parametrize(
+    ("lock", "thicker"), [("", True), ("level", True), ("height", False), ("seat place", False), ("symmetry", True)]
+)
+def test_thicker_planks_obey_locks(lock: str, thicker: bool) -> None:
+    design = Design.closed(THICK, Guidance(keep=(lock,) if lock else ()))
+    found = design.suggestion_list.found
+    assert any(one.kind == "thicker planks" for one in found) == thicker
+    tops = [max(plank.corners()[:, 2].max() for plank in after(design, one).planks) for one in found]
+    if lock == "height":
+        assert tops == pytest.approx([max(plank.corners()[:, 2].max() for plank in design.piece.planks)] * len(tops))
+
+
+def test_support_planks_come_with_their_mirror_images(tmp_path) -> None:
+    # A table whose joints all break under two planes of symmetry: one prop would stand under one corner.
+    design = Design(read(tmp_path, COFFEE_TABLE), Guidance())
+    found = design.suggestion_list.found
+    supports = [one for one in found if one.kind == "a support plank"]
+    assert supports and "; and its mirror images across x and y" in supports[0].words
+    for one in supports:
+        new = one.piece.planks[len(design.piece.planks) :]
+        assert len(new) == 4 and len({plank.name for plank in new}) == 4
+        # They lie at (+-x, +-y) about the middle.
+        assert np.abs([plank.centre for plank in new]) == pytest.approx(np.abs([new[0].centre] * 4), abs=1e-6)
+        assert preserved(design.piece, one.piece) == (True, True) and Furniture(one.piece).test().valid
+
+
+def test_a_lone_plank_comes_after_what_keeps_symmetry(tmp_path) -> None:
+    design = Design(read(tmp_path, COFFEE_TABLE), Guidance())
+    (prop,) = searched(weak(design.piece), 1, 36, (), False)
+    lone = Suggestion.supported(design.piece, prop)
+    assert preserved(design.piece, lone.piece) == (True, False)
+    thicker = next(one for one in design.suggestion_list.found if one.kind == "thicker planks")
+    order = ranked(design.piece, [(lone, lone.piece), (thicker, thicker.piece)])
+    assert order == [thicker, lone]
+    # Where symmetry is locked none breaks it.
+    assert not locked(design.piece, lone.piece, ["symmetry"]) and locked(design.piece, lone.piece, ["top place"])
+    for one in Design(design.piece, Guidance(keep=("symmetry",))).suggestion_list.found:
+        assert keeps(design.piece, after(design, one))
+
+
+def weak(piece: Piece) -> Furniture:
+    furniture = Furniture(piece)
+    assert furniture.test().flaws == WEAK
+    return furniture
 
 
 def test_material_goes_by_volume(tmp_path) -> None:

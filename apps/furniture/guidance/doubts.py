@@ -1,0 +1,29 @@
+"""What makes a piece doubtful that passes the full test."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from restshape_apps.furniture.guidance.quantity_limits import violated_limits
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.physics.joint_compliance import use_range
+from restshape_apps.furniture.shape.planks import Piece
+
+from restshape.findings import Finding
+from restshape.scene.model import Quantity
+
+
+def doubts(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[Finding, ...]:
+    """Joints that moments overload which do not count, what compliances decide, and limits of quantities.
+
+    Args:
+        piece: that is valid, with closed joints.
+        quantities: of its scene, by name.
+    """
+    return Furniture(piece).test().doubts + depends(piece) + violated_limits(piece, quantities)
+
+
+def depends(piece: Piece) -> tuple[Finding, ...]:
+    """Joints whose compliance, which nobody knows, decides whether a piece with closed joints holds."""
+    known = use_range(piece, Furniture(piece).compliance)
+    return known.findings(piece) if known else ()

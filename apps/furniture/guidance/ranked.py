@@ -1,0 +1,39 @@
+"""The order in which suggestions are shown."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from restshape_apps.furniture.guidance.preferences import preserved, way_of_material
+from restshape_apps.furniture.guidance.suggested import Suggestion
+from restshape_apps.furniture.shape.planks import Piece
+
+Rank = tuple[bool, bool, int, float]
+"""Whether something is still wrong, or doubtful, how much is not kept, and how far material goes [m]."""
+
+
+def ranked(piece: Piece, found: Sequence[tuple[Suggestion, Piece]]) -> list[Suggestion]:
+    """Suggestions by what they leave wrong or doubtful, what they keep, and how far material goes; of each kind the
+    first comes before the others.
+
+    Args:
+        piece: that they are for.
+        found: suggestions, each with the piece after it.
+    """
+    order = sorted(((_rank(piece, one, after), one) for one, after in found), key=lambda pair: pair[0])
+    seen: Counter[tuple] = Counter()
+    places = []
+    for rank, one in order:
+        kind = (*rank[:3], one.kind)
+        places.append(((*rank[:3], seen[kind]), one))
+        seen[kind] += 1
+    return [one for _, one in sorted(places, key=lambda pair: pair[0])]
+
+
+def _rank(piece: Piece, one: Suggestion, after: Piece) -> Rank:
+    if one.setting is not None:
+        # The drawing stays, and the hand that drew it may want to change that first.
+        return not one.valid, bool(one.doubt), 0, piece.size
+    lost = preserved(piece, after).count(False)
+    return not one.valid, bool(one.doubt), lost, round(way_of_material(piece, after), 9)
