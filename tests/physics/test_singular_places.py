@@ -8,7 +8,15 @@ import pytest
 from scipy.optimize import brentq
 from small_scenes import HEAD, make_replay, write_scene, write_script
 
-from restshape.physics.elasticity.corner_exponents import CLAMPED, FREE, exponent, kolosov, least_root
+from restshape.physics.elasticity.corner_exponents import (
+    CLAMPED,
+    FREE,
+    Sector,
+    bonded_exponent,
+    exponent,
+    kolosov,
+    least_root,
+)
 from restshape.physics.elasticity.singular_places import singular_places, singular_quantities
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
@@ -89,6 +97,67 @@ poked = { displacement = "x", at = "c" }
 beside = { displacement = "x", at = "b" }
 """
 )
+STRIP = (
+    HEAD
+    + """
+[shape]
+outline = ["b1", "b2", "right", "t2", "t1", "left"]
+vertices = { a = [0, 0], m = [1, 0], b = [2, 0], c = [2, 1], n = [1, 1], d = [0, 1] }
+[shape.edges]
+b1 = { line = ["a", "m"] }
+b2 = { line = ["m", "b"] }
+right = { line = ["b", "c"] }
+t2 = { line = ["c", "n"] }
+t1 = { line = ["n", "d"] }
+left = { line = ["d", "a"] }
+mid = { line = ["m", "n"] }
+[shape.regions.soft]
+loop = ["b2", "right", "t2", "mid"]
+[shape.regions.inlay]
+polygon = [[0.3, 0.3], [0.7, 0.3], [0.7, 0.7], [0.3, 0.7]]
+[material.stiff]
+E = 1e11
+nu = 0.3
+thickness = 0.1
+[material.soft]
+E = 1e9
+nu = 0.45
+thickness = 0.1
+region = "soft"
+[effects.solid]
+model = "plane_stress"
+[supports.roller]
+on = "left"
+fix = ["x"]
+[supports.pin]
+on = "a"
+fix = ["y"]
+[loads.pull]
+on = "right"
+traction = [1e3, 0]
+[mesh]
+size = 0.2
+near = { n = NEAR }
+[quantities]
+top = { stress = "von_mises", at = "n", max = "1 GPa" }
+inlay = { stress = "von_mises", at = "inlay" }
+"""
+)
+NUMBERS = [(0.3, 0.45, 100.0), (0.2, 0.3, 5.0), (0.1, 0.45, 1.5), (0.45, 0.0, 1000.0)]
+"""Poisson's ratios of two materials, and the ratio of their shear moduli."""
+
+
+def dundurs(nu1, nu2, ratio):
+    """Dundurs' parameters in plane stress."""
+    k1, k2 = kolosov(nu1, False), kolosov(nu2, False)
+    below = (k2 + 1) * ratio + k1 + 1
+    return ((k2 + 1) * ratio - k1 - 1) / below, ((k2 - 1) * ratio - k1 + 1) / below
+
+
+def bonded(degrees, nu1, nu2, ratio):
+    """The sectors of two materials with these angles."""
+    kinds = ((kolosov(nu1, False), ratio), (kolosov(nu2, False), 1.0))
+    return tuple(Sector(math.radians(a), *kind) for a, kind in zip(degrees, kinds, strict=True))
 
 
 def shape_of(scene):
@@ -186,3 +255,95 @@ def test_check_and_replay_mark_them(tmp_path, restshape):
     reported = restshape("replay", scene, "--json", "a.json")
     marked = json.loads((tmp_path / "a.json").read_text())["singular"]
     assert set(marked) == {"peak", "corner"} and "corner is taken at a singular place (r^-0." in reported.stdout
+
+
+@pytest.mark.parametrize("numbers", NUMBERS)
+def test_two_quarter_planes_of_two_materials(numbers):
+    # Bogy 1968, edge-bonded quarter planes with free edges, by Dundurs' parameters.
+    alpha, beta = dundurs(*numbers)
+
+    def bogy(p):
+        bent = np.sin(math.pi * p / 2) ** 2 - p**2
+        straight = 2 * p**2 * bent * alpha * beta + p**2 * (p**2 - 1) * alpha**2
+        return bent**2 * beta**2 + straight + np.sin(math.pi * p) ** 2 / 4
+
+    found = bonded_exponent(bonded((90, 90), *numbers), FREE, FREE)
+    grid = np.linspace(0.05, 0.998, 2000)
+    crossing = next((k for k in range(1999) if bogy(grid[k]) * bogy(grid[k + 1]) < 0), None)
+    if alpha * (alpha - 2 * beta) <= 0:
+        # The singularity vanishes there.
+        assert crossing is None and (found is None or found.real > 0.99)
+    else:
+        assert found.real == pytest.approx(brentq(bogy, grid[crossing], grid[crossing + 1]), abs=1e-7)
+        assert found.imag == 0.0
+
+
+@pytest.mark.parametrize("numbers", NUMBERS)
+def test_a_crack_between_two_materials_oscillates(numbers):
+    # Williams 1959: lambda = 1/2 + i log((1 - beta) / (1 + beta)) / (2 pi).
+    _, beta = dundurs(*numbers)
+    found = bonded_exponent(bonded((180, 180), *numbers), FREE, FREE)
+    assert found == pytest.approx(complex(0.5, abs(math.log((1 - beta) / (1 + beta))) / (2 * math.pi)), abs=1e-6)
+
+
+def test_a_corner_within_a_body_tends_to_a_free_one_and_to_none():
+    # A wedge of next to nothing in a body is a notch; one of the same stuff is not there.
+    soft = bonded_exponent(bonded((270, 90), 0.3, 0.3, 1e9), None, None)
+    assert soft.real == pytest.approx(0.544484, abs=1e-5)
+    assert bonded_exponent(bonded((270, 90), 0.3, 0.3, 1.0), None, None) is None
+
+
+def test_points_within_polylines_are_examined(tmp_path):
+    whole = 's3 = { polyline = ["c", "e"], through = [[1, 1]] }\n'
+    text = NOTCHED.replace('s3 = { line = ["c", "n"] }\ns4 = { line = ["n", "e"] }\n', whole)
+    text = text.replace(', "s4"', "").replace(" n = [1, 1],", "").replace('at = "s6" }', 'at = "s3" }')
+    for loop in ("s3", "backwards"):
+        if loop == "backwards":
+            text = text.replace('polyline = ["c", "e"]', 'polyline = ["e", "c"]')
+        scene = load_scene(write_scene(tmp_path, text))
+        outline = shape_of(scene)
+        found = {place.name: place for place in singular_places(scene, outline)}
+        assert set(found) == {"s3, point 1", "c"} and found["s3, point 1"].cause == "re-entrant corner"
+        assert found["s3, point 1"].exponent == pytest.approx(0.544484, abs=1e-6)
+        assert "far" in singular_quantities(scene, outline)
+
+
+@pytest.mark.parametrize(("points", "singular"), [(7, False), (4, True)])
+def test_polylines_of_smooth_curves_have_no_corners(tmp_path, points, singular):
+    # A round cut of a quarter circle: 90 degrees in so many turns and two half ones at its ends, which are vertices.
+    angles = -np.pi / 2 - np.linspace(0.0, np.pi / 2, points + 1)
+    through = [[float(2 + np.cos(a)), float(2 + np.sin(a))] for a in angles[1:-1]]
+    curve = f's3 = {{ polyline = ["c", "e"], through = {through} }}\n'
+    text = NOTCHED.replace('s3 = { line = ["c", "n"] }\ns4 = { line = ["n", "e"] }\n', curve)
+    text = text.replace(', "s4"', "").replace(" n = [1, 1],", "")
+    scene = load_scene(write_scene(tmp_path, text))
+    found = {place.name for place in singular_places(scene, shape_of(scene))} - {"c", "e"}
+    assert found == ({f"s3, point {k}" for k in range(1, points)} if singular else set())
+
+
+def test_materials_that_meet_at_a_free_edge_or_in_a_corner(tmp_path, command):
+    text = STRIP.replace("NEAR", "0.2")
+    scene = load_scene(write_scene(tmp_path, text))
+    found = {place.name: place for place in singular_places(scene, shape_of(scene))}
+    known = bonded_exponent(bonded((90, 90), 0.3, 0.45, 100 * 1.45 / 1.3), FREE, FREE)
+    assert set(found) == {"m", "n"} and {place.cause for place in found.values()} == {"meeting of materials"}
+    assert [place.exponent for place in found.values()] == pytest.approx([known.real] * 2, abs=1e-6)
+    # A region without a material of its own is none for stress; one of another thickness is, at its corners.
+    inlay = '[material.thin]\nE = 1e11\nnu = 0.3\nthickness = 0.02\nregion = "inlay"\n'
+    scene = load_scene(write_scene(tmp_path, text.replace("[material.soft]", inlay + "[material.soft]")))
+    assert len(singular_places(scene, shape_of(scene))) == 6
+    assert set(singular_quantities(scene, shape_of(scene))) == {"top", "inlay"}
+    reported = command("check", tmp_path / "scene.toml")
+    assert "at the meeting of materials n" in reported.stdout
+    assert command("replay", tmp_path / "scene.toml", "--csv", "a.csv").returncode == 0
+    assert "uncertain" in (tmp_path / "a.csv").read_text()
+
+
+def test_meshes_show_the_exponent_of_two_materials(tmp_path):
+    sizes, values = [0.01, 0.005, 0.0025, 0.00125], []
+    for size in sizes:
+        made = make_replay(write_scene(tmp_path, STRIP.replace("NEAR", str(size))), write_script(tmp_path, []))
+        values.append(next(made.frames())["q_top"])
+    scene = load_scene(tmp_path / "scene.toml")
+    place = singular_quantities(scene, shape_of(scene))["top"]
+    assert np.polyfit(np.log(sizes), np.log(values), 1)[0] == pytest.approx(place.exponent - 1.0, abs=0.05)

@@ -7,6 +7,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.fem.space import Space
 from restshape.scene.model import Material, Scene
+from restshape.shape.outline import Outline
 
 
 def names_by_region(scene: Scene, space: Space) -> list[str | None]:
@@ -22,10 +23,7 @@ def names_by_region(scene: Scene, space: Space) -> list[str | None]:
         UserError: a part of the shape has no material.
     """
     regions = [loop.name for loop in space.outline.loops if loop.kind == "region"]
-    rest = next((name for name, material in scene.material.items() if not material.region), None)
-    given = {region: name for name, material in scene.material.items() for region in material.region or ()}
-    for group, members in space.outline.groups.items():
-        given |= {member: given[group] for member in members if group in given}
+    rest, given = materials_of_regions(scene, space.outline)
     names = [rest, *(given.get(region, rest) for region in regions)]
     bare = np.flatnonzero(np.isin(space.cell_region, [row for row, name in enumerate(names) if name is None]))
     if len(bare):
@@ -36,6 +34,18 @@ def names_by_region(scene: Scene, space: Space) -> list[str | None]:
             "let one material have no region, or name the regions that are missing",
         )
     return names
+
+
+def materials_of_regions(scene: Scene, outline: Outline) -> tuple[str | None, dict[str, str]]:
+    """The name of the material of the rest of a shape, if there is one, and those of regions by theirs.
+
+    A material of a group of regions is that of its members.
+    """
+    rest = next((name for name, material in scene.material.items() if not material.region), None)
+    given = {region: name for name, material in scene.material.items() for region in material.region or ()}
+    for group, members in outline.groups.items():
+        given |= {member: given[group] for member in members if group in given}
+    return rest, given
 
 
 def table_by_region(scene: Scene, space: Space, row: Callable[[Material], Sequence[float]]) -> np.ndarray:

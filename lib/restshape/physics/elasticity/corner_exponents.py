@@ -1,6 +1,7 @@
 """How stress grows towards a corner of an elastic body: exponents of the fields r^lambda there."""
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -9,6 +10,21 @@ Condition = tuple[tuple[float, float], ...]
 """Directions (x, y), of length 1, in which a side of a corner is constrained: none is free, two are clamped."""
 FREE: Condition = ()
 CLAMPED: Condition = ((1.0, 0.0), (0.0, 1.0))
+
+
+class Sector(NamedTuple):
+    """A part of a wedge that is of one material.
+
+    Args:
+        angle: [rad].
+        kappa: Kolosov's constant.
+        stiffness: shear modulus times thickness [N/m].
+    """
+
+    angle: float
+    kappa: float
+    stiffness: float
+
 
 LEAST, MOST = 0.02, 0.999
 """Between which real parts roots are looked for: rigid displacements have 0, rotations and even stress 1."""
@@ -44,6 +60,19 @@ def exponent(angle: float, first: Condition, last: Condition, kappa: float) -> c
     return least_root(angle, first, last, kappa)
 
 
+@lru_cache(maxsize=256)
+def bonded_exponent(sectors: tuple[Sector, ...], first: Condition | None, last: Condition | None) -> complex | None:
+    """As `exponent`, of a wedge of several materials, bonded to each other.
+
+    Args:
+        sectors: counter-clockwise from the first side.
+        first, last: as of `exponent`; None where the sectors are all around the point, the last bonded to the first.
+
+    Source: D. B. Bogy, Journal of Applied Mechanics 38 (1971), 377-386, by the terms of each sector.
+    """
+    return _least_root(sectors, None if first is None or last is None else (first, last))
+
+
 def _free(angle: float) -> complex | None:
     """The exponent between free sides: that of the fields that are symmetric to the bisector of the angle."""
     if angle <= np.pi:
@@ -54,14 +83,19 @@ def _free(angle: float) -> complex | None:
 
 def least_root(angle: float, first: Condition, last: Condition, kappa: float) -> complex | None:
     """The root of the least real part of the determinant of the conditions at both sides; as `exponent`."""
+    return _least_root((Sector(angle, kappa, 1.0),), (first, last))
+
+
+def _least_root(sectors: tuple[Sector, ...], sides: tuple[Condition, Condition] | None) -> complex | None:
+    """The root of the least real part of the determinant of the conditions between sectors and at their sides."""
     real = np.linspace(LEAST, MOST, STARTS[0])
     imaginary = np.linspace(0.0, 1.0, STARTS[1])
     roots = (real[:, None] + 1j * imaginary).ravel()
     change = np.full(len(roots), np.inf)
     step = 1e-6
     for _ in range(STEPS):
-        here = _determinant(roots, angle, first, last, kappa)
-        rate = (_determinant(roots + step, angle, first, last, kappa) - here) / step
+        here = _determinant(roots, sectors, sides)
+        rate = (_determinant(roots + step, sectors, sides) - here) / step
         with np.errstate(all="ignore"):
             change = here / rate
         change = np.where(np.isfinite(change), change, 0.0)
@@ -76,10 +110,26 @@ def least_root(angle: float, first: Condition, last: Condition, kappa: float) ->
     return complex(least.real, abs(least.imag) if abs(least.imag) > 1e-7 else 0.0)
 
 
-def _determinant(lam: np.ndarray, angle: float, first: Condition, last: Condition, kappa: float) -> np.ndarray:
-    """What vanishes where fields r^lambda meet the conditions at both sides, of many lambda (n,)."""
-    rows = [*_conditions(lam, 0.0, first, kappa), *_conditions(lam, angle, last, kappa)]
-    return np.linalg.det(np.moveaxis(np.array(rows), -1, 0))
+def _determinant(lam: np.ndarray, sectors: tuple[Sector, ...], sides: tuple[Condition, Condition] | None) -> np.ndarray:
+    """What vanishes where fields r^lambda meet all conditions, of many lambda (n,); without sides all around."""
+    size = 4 * len(sectors)
+    matrix = np.zeros((len(lam), size, size), dtype=complex)
+    ends = np.cumsum([0.0, *(sector.angle for sector in sectors)])
+    if sides is not None:
+        matrix[:, :2, :4] = np.moveaxis(np.array(_conditions(lam, 0.0, sides[0], sectors[0].kappa)), -1, 0)
+        matrix[:, 2:4, -4:] = np.moveaxis(np.array(_conditions(lam, ends[-1], sides[1], sectors[-1].kappa)), -1, 0)
+    start = 0 if sides is None else 1
+    stiffest = max(sector.stiffness for sector in sectors)
+    for i in range(start, len(sectors)):
+        rows = slice(4 * i, 4 * i + 4)
+        # Around the whole point the first sector follows the last one.
+        for j, theta, sign in ((i, ends[i], 1.0), ((i - 1) % len(sectors), ends[i] if i else ends[-1], -1.0)):
+            displacement, stress = _fields(lam, theta, sectors[j].kappa)
+            # Displacements are alike; what stress bears over the thickness is, by the stiffness.
+            share = sectors[j].stiffness / stiffest
+            terms = np.array([*displacement, *(share * np.array(row) for row in stress)])
+            matrix[:, rows, 4 * j : 4 * j + 4] += sign * np.moveaxis(terms, -1, 0)
+    return np.linalg.det(matrix)
 
 
 def _conditions(lam: np.ndarray, theta: float, constrained: Condition, kappa: float) -> list[list[np.ndarray]]:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from restshape.mesh.regions import contains, loop_polygon
-from restshape.physics.elasticity.corner_exponents import Condition, exponent, kolosov
+from restshape.mesh.thickness import Thickness
+from restshape.physics.elasticity.corner_exponents import Condition, Sector, bonded_exponent, exponent, kolosov
+from restshape.physics.elasticity.wedges import SMALL, Wedge, wedges
 from restshape.scene.model import Quantity, Scene
 from restshape.shape.outline import Outline
 
 BOUNDED = 0.99
 """Exponents from here on count as those of bounded stress: it grows by less than 7 % from a size to a thousandth."""
-SMALL = 1e-6
-"""Share of the shape's size below which two places are one."""
+TURN = np.radians(15.0) + 1e-6
+"""Turn of the border at a point inside of a polyline [rad] up to which the polyline stands for a smooth curve."""
+STRAIGHT = np.radians(1.0)
+"""Turn of the border between two materials [rad] below which it is smooth at a vertex."""
+MATERIALS = "meeting of materials"
 POINT = "point load"
 SUPPORT = "point support"
 
@@ -25,12 +29,13 @@ class SingularPlace:
     """A place at which stress goes as r^(lambda - 1) with the distance r.
 
     Args:
-        vertex: index in the outline; name: of it.
-        cause: "re-entrant corner", "end of a support", "point load" or "point support", for people.
+        point: index of the control point in the outline; name: of the vertex, or such as "top, point 1".
+        cause: "re-entrant corner", "end of a support", "meeting of materials", "point load" or "point support", for
+            people.
         exponent: the real part of lambda; 0 at a point load or support.
     """
 
-    vertex: int
+    point: int
     name: str
     cause: str
     exponent: float
@@ -39,12 +44,13 @@ class SingularPlace:
 def singular_places(scene: Scene, outline: Outline) -> list[SingularPlace]:
     """The places of a plane solid at which stress has no bound, by angles, supports and loads of its outline.
 
-    Between materials corners count as those of one body, and the load between vertices as smooth.
+    Points inside of polylines that turn by no more than `TURN` count as those of a smooth curve, and the load between
+    vertices as smooth.
     """
     constrained, points = _supports(scene, outline), _points(scene, outline)
     found = [SingularPlace(v, outline.vertex_names[v], cause, 0.0) for v, cause in points.items()]
-    corners = (_place(scene, outline, constrained, corner) for corner in _corners(outline))
-    return found + [place for place in corners if place is not None and place.vertex not in points]
+    others = (_place(scene, constrained, outline, wedge) for wedge in wedges(scene, outline))
+    return found + [place for place in others if place is not None and place.point not in points]
 
 
 def singular_quantities(scene: Scene, outline: Outline) -> dict[str, SingularPlace]:
@@ -79,42 +85,6 @@ def warning(name: str, quantity: Quantity, place: SingularPlace) -> str:
 # --- where ------------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _Corner:
-    """Where a boundary edge ends and the next begins: the body is left of both.
-
-    Args:
-        vertex: index; before, after: indices of the edges; along: direction of the second edge away from the vertex;
-            angle: of the body [rad].
-    """
-
-    vertex: int
-    before: int
-    after: int
-    along: np.ndarray
-    angle: float
-
-
-def _corners(outline: Outline) -> Iterator[_Corner]:
-    for loop in outline.loops:
-        if loop.kind == "region":
-            continue
-        for (before, forward), (after, onward) in zip((loop.edges[-1], *loop.edges[:-1]), loop.edges, strict=True):
-            # Both directions point away from the vertex.
-            back = -_direction(outline, before, 1.0) if forward else _direction(outline, before, 0.0)
-            along = _direction(outline, after, 0.0) if onward else -_direction(outline, after, 1.0)
-            edge = outline.edges[after]
-            turn = np.arctan2(along[0] * back[1] - along[1] * back[0], along @ back)
-            angle = float(turn % (2.0 * np.pi)) or 2.0 * np.pi
-            yield _Corner(edge.start if onward else edge.end, before, after, along, angle)
-
-
-def _direction(outline: Outline, edge: int, s: float) -> np.ndarray:
-    """The direction (2,) in which an edge runs at its start (0) or its end (1)."""
-    t = outline.tangent(edge, s)[0]
-    return t / np.hypot(*t)
-
-
 def _supports(scene: Scene, outline: Outline) -> dict[int, set[str]]:
     """The axes in which each constrained edge is constrained."""
     constrained: dict[int, set[str]] = {}
@@ -141,31 +111,71 @@ def _points(scene: Scene, outline: Outline) -> dict[int, str]:
     return found
 
 
-def _place(scene: Scene, outline: Outline, constrained: dict[int, set[str]], corner: _Corner) -> SingularPlace | None:
-    """What a corner is; None where stress is bounded."""
-    axes = [constrained.get(corner.after, set()), constrained.get(corner.before, set())]
-    same = axes[0] == axes[1] and len(axes[0]) != 1
-    if same and corner.angle < np.pi * (1.0 + SMALL):
+def _place(scene: Scene, constrained: dict[int, set[str]], outline: Outline, wedge: Wedge) -> SingularPlace | None:
+    """What the place of a wedge is; None where stress is bounded."""
+    kinds = {name: _kind(scene, name, outline.points[wedge.point]) for name in {name for _, name in wedge.sectors}}
+    sectors = _merged([Sector(angle, *kinds[name]) for angle, name in wedge.sectors], not wedge.sides)
+    if wedge.within and abs((wedge if wedge.sides else sectors[0]).angle - np.pi) <= TURN:
         return None
-    x, y = corner.along
-    turned = {"x": (round(float(x), 9), round(float(-y), 9)), "y": (round(float(y), 9), round(float(x), 9))}
-    first, last = (_condition(one, turned) for one in axes)
-    nu, strain = _largest_ratio(scene), scene.effects.get("solid", {}).get("model") == "plane_strain"
-    found = exponent(round(corner.angle, 7), first, last, round(kolosov(nu, strain), 9))
+    if not wedge.sides:
+        found = bonded_exponent(sectors, None, None) if len(sectors) > 1 and not _straight(sectors) else None
+        cause = MATERIALS
+    else:
+        axes = [constrained.get(edge, set()) for edge in wedge.sides]
+        same = axes[0] == axes[1] and len(axes[0]) != 1
+        if same and len(sectors) == 1 and wedge.angle < np.pi * (1.0 + SMALL):
+            return None
+        x, y = wedge.along
+        turned = {"x": (round(float(x), 9), round(float(-y), 9)), "y": (round(float(y), 9), round(float(x), 9))}
+        first, last = (_condition(one, turned) for one in axes)
+        if len(sectors) == 1:
+            found = exponent(sectors[0].angle, first, last, sectors[0].kappa)
+        else:
+            found = bonded_exponent(sectors, first, last)
+        cause = "end of a support" if axes[0] != axes[1] else MATERIALS if len(sectors) > 1 else "re-entrant corner"
     if found is None or found.real >= BOUNDED:
         return None
-    cause = "end of a support" if axes[0] != axes[1] else "re-entrant corner"
-    return SingularPlace(corner.vertex, outline.vertex_names[corner.vertex], cause, found.real)
+    return SingularPlace(wedge.point, _name(outline, wedge.point), cause, found.real)
+
+
+def _kind(scene: Scene, name: str, place: np.ndarray) -> tuple[float, float]:
+    """Kolosov's constant of a material, and its shear modulus times its thickness [N/m] at a place (2,)."""
+    material = scene.material[name]
+    thickness = float(Thickness(material.thickness, scene.parameters).at(place[None])[0])
+    strain = scene.effects.get("solid", {}).get("model") == "plane_strain"
+    return round(kolosov(material.nu, strain), 9), 0.5 * material.E / (1.0 + material.nu) * thickness
+
+
+def _merged(sectors: list[Sector], ring: bool) -> tuple[Sector, ...]:
+    """Sectors of which no two neighbours are of the same stiffness, with rounded angles and shares of stiffness."""
+    stiffest = max(sector.stiffness for sector in sectors)
+    found: list[Sector] = []
+    for sector in sectors:
+        one = sector._replace(stiffness=round(sector.stiffness / stiffest, 9))
+        if found and found[-1][1:] == one[1:]:
+            one = one._replace(angle=found.pop().angle + one.angle)
+        found.append(one)
+    if ring and len(found) > 1 and found[0][1:] == found[-1][1:]:
+        found[0] = found[0]._replace(angle=found[0].angle + found.pop().angle)
+    return tuple(sector._replace(angle=round(sector.angle, 7)) for sector in found)
+
+
+def _straight(sectors: tuple[Sector, ...]) -> bool:
+    """Whether two materials meet along a straight line through the place."""
+    return len(sectors) == 2 and abs(sectors[0].angle - np.pi) < STRAIGHT
+
+
+def _name(outline: Outline, point: int) -> str:
+    """The name of a vertex, or of a point inside a polyline, counted from 1 from its start."""
+    if point < len(outline.vertex_names):
+        return outline.vertex_names[point]
+    edge = next(edge for edge in outline.edges if point in edge.inner)
+    return f"{edge.name}, point {edge.inner.index(point) + 1}"
 
 
 def _condition(axes: set[str], turned: dict[str, tuple[float, float]]) -> Condition:
     """The constrained directions of a side in axes of which x points along the corner's first side."""
     return ((1.0, 0.0), (0.0, 1.0)) if len(axes) == 2 else tuple(turned[axis] for axis in axes)
-
-
-def _largest_ratio(scene: Scene) -> float:
-    """The largest of Poisson's ratios: at the end of a support it gives the strongest stress."""
-    return max((material.nu for material in scene.material.values() if material.nu is not None), default=0.3)
 
 
 # --- which quantities -------------------------------------------------------------------------------------------------
@@ -190,21 +200,20 @@ def _unbounded(quantity: Quantity) -> bool:
 def _holds(outline: Outline, quantity: Quantity, place: SingularPlace) -> bool:
     """Whether a quantity is taken over a place."""
     if _moves(quantity):
-        return quantity.at is not None and outline.entity(quantity.at).vertices == (place.vertex,)
+        return quantity.at is not None and outline.entity(quantity.at).vertices == (place.point,)
     if quantity.at is None:
         return True
     entity = outline.entity(quantity.at)
-    ends = {v for edge in entity.edges for v in (outline.edges[edge].start, outline.edges[edge].end)}
-    if place.vertex in ends or place.vertex in entity.vertices:
+    if place.point in outline.control_points(entity):
         return True
-    return any(_inside(outline, loop, place.vertex) for loop in entity.loops)
+    return any(_inside(outline, loop, place.point) for loop in entity.loops)
 
 
-def _inside(outline: Outline, loop: int, vertex: int) -> bool:
-    """Whether a vertex lies in a region, or on its border."""
+def _inside(outline: Outline, loop: int, control: int) -> bool:
+    """Whether a control point lies in a region, or on its border."""
     if outline.loops[loop].kind != "region":
         return False
-    polygon, point = loop_polygon(outline, outline.loops[loop]), outline.points[vertex]
+    polygon, point = loop_polygon(outline, outline.loops[loop]), outline.points[control]
     sides = np.roll(polygon, -1, axis=0) - polygon
     lengths = np.maximum((sides**2).sum(axis=1), 1e-300)
     s = np.clip(((point - polygon) * sides).sum(axis=1) / lengths, 0.0, 1.0)
