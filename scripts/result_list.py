@@ -36,7 +36,7 @@ class Result:
 
     @property
     def name(self) -> str:
-        """What tells it apart: its first file, without its ending."""
+        """What distinguishes it: its first file, without its ending."""
         return re.sub(r"\.\*$|[-/]?\*|\.\w+$", "", self.files[0])
 
     @property

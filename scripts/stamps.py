@@ -134,7 +134,7 @@ def closure(entries: Iterable[str]) -> dict[str, Path | None]:
 
 
 def plain(path: Path) -> str:
-    """What a file of data or kernels says, without comments and layout where its format tells them apart."""
+    """What a file of data or kernels says, without comments and layout where its format separates them."""
     text = path.read_text(encoding="utf-8", errors="replace")
     match path.suffix:
         case ".toml":

@@ -18,6 +18,8 @@ application = Application(
         Command(
             "sound", "write the sound of a plate that is struck (.wav)", "restshape_apps.metallophone.sound_command"
         ),
-        Command("rates", "tell how tones follow numbers and outline", "restshape_apps.metallophone.rates_command"),
+        Command(
+            "rates", "print the rates of tones with numbers and outline", "restshape_apps.metallophone.rates_command"
+        ),
     ),
 )

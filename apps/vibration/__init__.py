@@ -1,4 +1,4 @@
-"""Elastic solids that vibrate in the plane, of small or large deformation, on ground that shakes during an edit.
+"""Elastic solids that vibrate in the plane, of small or large deformation, under base excitation during an edit.
 
 Every frame of an edit but the first, idle ones too, advances the motion by `steps` time steps of `time_step`; the first
 shows the body at rest at time 0. So simulated time follows from the number of frames; the edit times of a script say

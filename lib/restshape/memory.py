@@ -23,7 +23,7 @@ def machine_memory() -> int:
 def bounded_memory(most: int) -> Iterator[None]:
     """Has what is done within fail by a MemoryError before it takes more than so much memory besides [bytes].
 
-    Where the system does not tell how much a process has, nothing is bounded.
+    Where the system does not report how much a process has, nothing is bounded.
     """
     try:
         pages = int(Path("/proc/self/statm").read_text().split()[0])

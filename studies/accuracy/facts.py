@@ -18,7 +18,7 @@ Facts = list[tuple[str, str]]
 
 HEADS = ("error", "discretisation", "algebraic", "reuse", "ms a frame, p50", "total, s", "size", "unknowns")
 HEADS += ("order", "policy", "tolerance", "varied alone", "remarks")
-FRONT, BELOW = "front", "below what the reference can tell"
+FRONT, BELOW = "front", "below the error of the reference"
 
 
 def row(record: Row) -> list[str]:

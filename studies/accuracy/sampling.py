@@ -61,7 +61,7 @@ def sampled(scene: Scene, script: Script, frames: int | None, count: int, motion
         raise UserError(f"{what} changes the shape", str(script.path or scene.path), do)
     if script.header.analysis != "every frame":
         raise UserError(
-            "the script has its frames analysed on demand only, so that they have no time to tell",
+            "the script has its frames analysed on demand only, so that they have no time to report",
             str(script.path),
             "name a script that has every frame analysed: --edits FILE",
         )

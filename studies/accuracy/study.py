@@ -144,7 +144,7 @@ def study(
 
     Args:
         case: scene and script; asked: by the user.
-        on_run: told what comes next; on_point: given all points whenever there is one more.
+        on_run: called with what comes next; on_point: given all points whenever there is one more.
         play: runs jobs.
         out: folder in which a study that is stopped keeps what it has, and goes on; None: it keeps nothing.
 

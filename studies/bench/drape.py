@@ -86,12 +86,14 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
 
     Returns: converged, stable, residual (over the weight), energy [J], initial_energy (of the weight at the start [J]),
         seconds, busy (those that the processor worked for it), steps, factors (complete ones), applications (of
-        preconditioners and factors), why (it does not rest), unknowns, elements, and the trace: seconds, residuals,
-        energies.
+        preconditioners and factors), why (it is not in equilibrium), unknowns, elements, and the trace: seconds,
+        residuals, energies.
     """
     PETSc.Log.begin()
     if not plan(request.scene, request.application).on("drape"):
-        raise UserError("the scene has no cloth that comes to rest", str(request.scene.path), "name one of couture")
+        raise UserError(
+            "the scene has no cloth that reaches equilibrium", str(request.scene.path), "name one of couture"
+        )
     replay = Replay.of(request, PETSc.COMM_WORLD)
     analysis = cast(RelaxationAnalysis, replay.analysis)
     counts = EventCounts(tuple(COUNTED.values()))

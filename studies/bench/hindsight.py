@@ -121,7 +121,7 @@ def _replay(replay: Replay) -> list[Segment]:
             raise UserError(
                 "the cost in hindsight is measured where a frame has one solve",
                 str(replay.session.scene.path),
-                "take a scene at rest",
+                "take a steady scene",
             )
         matrix, right, guess, new = pending[0]
         pending.clear()

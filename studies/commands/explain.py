@@ -15,7 +15,7 @@ from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 
 PLACE = 1
-SUMMARY = "tell which effects a scene calls for and why, what each costs, and which solvers it gets"
+SUMMARY = "print which effects a scene calls for and why, what each costs, and which solvers it gets"
 FRAMES, SECONDS = 24, 9.0
 COUNTED = ("unknowns", "elements", "entries", "calls")
 

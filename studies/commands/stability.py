@@ -187,7 +187,7 @@ def _fuzz(args: argparse.Namespace) -> int:
 
 
 def _before(args: argparse.Namespace, campaign: dict[str, Any]) -> Any:
-    """What the run found that this one goes on with; nothing where it begins anew.
+    """What the run found that this one goes on with; nothing where it starts again.
 
     Raises:
         UserError: `--resume` without a file, or with one that no run of the same campaign wrote.

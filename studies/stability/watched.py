@@ -23,7 +23,7 @@ READY = "ready"
 """What a process reports first that works on one thing for long before it has another line to report."""
 
 WAITING = 10.0
-"""How many times as long a process may be silent that does not compute, where the system does not tell why."""
+"""How many times as long a process may be silent that does not compute, where the system does not report why."""
 
 START = 60.0
 """Seconds that a process may take besides to come to its first line: a busy machine imports slowly."""
@@ -146,7 +146,7 @@ class Silence:
 
 
 def processor_time(process: int) -> float:
-    """Seconds that a process has computed; 0 where the system does not tell."""
+    """Seconds that a process has computed; 0 where the system does not report."""
     try:
         fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     except OSError:
@@ -157,7 +157,7 @@ def processor_time(process: int) -> float:
 def queue_time(process: int) -> float | None:
     """Seconds that the first thread of a process could have computed, but others had the processor.
 
-    None where the system does not tell.
+    None where the system does not report.
     """
     try:
         return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9

@@ -215,7 +215,7 @@ def test_a_limit_at_a_singular_place_is_uncertain_where_it_holds(tmp_path):
 def test_where_there_is_no_estimate_it_is_refused_or_left_out(tmp_path, app, effect):
     text = LIMITED.replace('app = "plane"', f'app = "{app}"') + f"[effects.{effect}"
     asked = write_scene(tmp_path, text.replace("MAX", "error = true,"))
-    with pytest.raises(UserError, match="linear scenes at rest") as refusal:
+    with pytest.raises(UserError, match="steady linear scenes") as refusal:
         first_frame(asked)
     assert "quantities.stretch.error" in str(refusal.value)
     row = first_frame(write_scene(tmp_path, text.replace("MAX", "max = 1,"))).row

@@ -8,9 +8,8 @@ from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.physics.cloth.cloth_declaration import CLOTH
-from restshape.physics.elasticity.elastic_materials import ELASTIC_MATERIALS
 from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS, PLANE_SOLIDS
-from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
+from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS, ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene

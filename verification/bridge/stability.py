@@ -27,7 +27,7 @@ def nearly_cut(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(SCENE, [hole, *drag("h", (10, 2.3), path)], overrides=COARSE)
     yield carried(rows)
     yield below("sag when nearly cut over the first", rows[0]["q_sag"] / rows[-1]["q_sag"], 0.999)
-    yield true("the verdict fails at the end", rows[-1]["constraint_status"] == "fails", rows[-1]["constraint_status"])
+    yield true("the status fails at the end", rows[-1]["constraint_status"] == "fails", rows[-1]["constraint_status"])
     yield from sound(rows)
 
 

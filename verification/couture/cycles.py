@@ -54,9 +54,9 @@ class Course:
     """How a cloth fares, step by step.
 
     Args:
-        residuals: forces out of balance over the weight.
+        residuals: norm of the residual over the weight.
         speeds: of the fastest node [m/s]; None where it has not moved yet; empty where steps have no one length.
-        converged: it comes to rest, friction included.
+        converged: it is in equilibrium, friction included.
     """
 
     residuals: list[float] = field(default_factory=list)
@@ -145,7 +145,7 @@ def move(sheet: ClothProblem, x: np.ndarray, manner: Manner, most: int) -> Cours
         if norm > REST * sheet.lumped.load:
             break
         note(x, norm)
-        # Only now friction follows; where that puts forces out of balance, the cloth moves on.
+        # Only now friction follows; where that leaves a residual, the cloth moves on.
         dragged, forces = sheet.update_friction(x), np.empty_like(x)
         sheet.residual(x, forces)
         course.converged = dragged <= SLIPPING * SLIP and float(np.linalg.norm(forces)) <= REST * sheet.lumped.load

@@ -119,7 +119,7 @@ def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float =
     too."""
     yield from sound(rows, residual=bound)
     moving = [row for row in rows if not row["converged"]]
-    yield true(f"{len(rows)} frames at rest", not moving, moving[0]["note"] if moving else "yes")
+    yield true(f"{len(rows)} frames in equilibrium", not moving, moving[0]["note"] if moving else "yes")
     # Differences have an error of rounding and of the third derivative besides.
     yield below("residual by differences of the energy", differenced(made, way=way), 1.5 * bound)
 

@@ -118,7 +118,7 @@ def unequal_weights(trial: Trial) -> Iterator[Statement]:
     # Without gravity there is nothing against it.
     made, rows = played(trial, (text(0.0) + start(0.01)).replace(GRAVITY, ""))
     yield from sound(rows)
-    yield true("at rest without gravity", rows[0]["converged"] == 1, rows[0]["note"])
+    yield true("in equilibrium without gravity", rows[0]["converged"] == 1, rows[0]["note"])
 
 
 def cantilever(parameter: float, stiffness: float, kind: str) -> str:

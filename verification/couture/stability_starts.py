@@ -90,7 +90,7 @@ def endless_fall(trial: Trial) -> Iterator[Statement]:
     places = [[0.15, 0.15, -0.102], [2.0, 2.0, -0.102], [0.15, 0.15, -0.102]]
     made, rows = played(trial, missed, set_value("bodies.ball.sphere.center", *places))
     # Cloth goes along with the only body that it lies on.
-    yield true("at rest where a ball is put below it", [row["converged"] for row in rows] == [0, 1, 1, 1])
+    yield true("in equilibrium where a ball is put below it", [row["converged"] for row in rows] == [0, 1, 1, 1])
     yield near("as it was before the ball jumped", rows[3]["q_potential"], rows[1]["q_potential"], 1e-5)
     yield outside(made, 2e-3)
 
@@ -101,7 +101,9 @@ def without_weight(trial: Trial) -> Iterator[Statement]:
     made, rows = played(trial, free)
     yield from sound(rows)
     yield true(
-        "flat cloth rests at once", rows[0]["converged"] == 1 and rows[0]["relaxation_steps"] == 0, rows[0]["note"]
+        "flat cloth is in equilibrium at once",
+        rows[0]["converged"] == 1 and rows[0]["relaxation_steps"] == 0,
+        rows[0]["note"],
     )
     yield below("largest displacement [m]", float(np.abs(made.analysis.fields()[0]["displacement"]).max()), 1e-12)
     for kind in KINDS[:2]:

@@ -14,11 +14,11 @@ verification = Verification(
     commands=(
         Command("design-sessions", "try one target by three strategies", "restshape_verification.furniture.sessions"),
         Command(
-            "fasteners", "tell the strength of one fastener", "restshape_verification.furniture.fastener_strengths"
+            "fasteners", "print the strength of one fastener", "restshape_verification.furniture.fastener_strengths"
         ),
         Command(
             "pliant-joints",
-            "tell how uses follow the compliance of joints",
+            "print how utilisations follow the compliance of joints",
             "restshape_verification.furniture.pliant_joints",
         ),
         Command(

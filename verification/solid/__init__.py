@@ -11,7 +11,7 @@ verification = Verification(
     random_scenes="restshape_verification.solid.random_scenes:SCENES",
     commands=(
         Command(
-            "incompressible", "tell which elements lock at nu = 0.4999", "restshape_verification.solid.incompressible"
+            "incompressible", "print which elements lock at nu = 0.4999", "restshape_verification.solid.incompressible"
         ),
     ),
 )

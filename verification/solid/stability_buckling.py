@@ -36,7 +36,7 @@ def pulled(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(text, [*longer, *set_load(-1e3, 2e3)])
     endless = [row["q_first"] == np.inf and row["constraint_status"] == "holds" for row in rows]
     wanted = [True] * (len(rows) - 2) + [False, True]
-    yield true("infinite, and the verdict holds, but where it is pushed", endless == wanted)
+    yield true("infinite, and the status holds, but where it is pushed", endless == wanted)
     yield true("the note says so", all("nothing buckles" in row["note"] for row in rows if row["q_first"] == np.inf))
     yield near("Euler's load where it is pushed", rows[-2]["q_first"], euler(0.05, np.pi / 2, 1.1) / 1e3, 0.01)
     yield unrefused(rows)

@@ -40,8 +40,8 @@ def loaded_at_once(trial: Trial) -> Iterator[Statement]:
         if share > 1:
             limits.append(share * reached(rows[-1]["refused"]))
     # The shear of so thick a column lowers Euler's load by about a hundredth.
-    yield above("limit that the refusals tell over Euler's load", min(limits), 0.97)
-    yield below("limit that the refusals tell over Euler's load", max(limits), 1.0)
+    yield above("limit of the refusals over Euler's load", min(limits), 0.97)
+    yield below("limit of the refusals over Euler's load", max(limits), 1.0)
     yield from statements
 
 

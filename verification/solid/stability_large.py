@@ -237,7 +237,7 @@ SPRINGS = {
     "rebuild": "nothing is predicted where each frame has a new mesh",
     "thesis": "nothing is predicted where springs move the nodes, which is not linear",
 }
-UNVERIFIED = {"thesis": "an incomplete factor does not tell whether an equilibrium is stable"}
+UNVERIFIED = {"thesis": "an incomplete factor does not show whether an equilibrium is stable"}
 SLOW = {"thesis": "takes minutes: an incomplete factor hardly helps a thin strip that keeps its volume"}
 CASES: dict[str, Case] = {
     "gravity_raised": Case(gravity_raised, ("auto", "thesis")),

@@ -104,7 +104,7 @@ class FurnitureAnalysis(Timeless):
         return LinearReport(0, refreshed, self.age, "lu", steps)
 
     def _stand(self, design: Design, gamma: np.ndarray) -> tuple[int, bool]:
-        """Verdict and forces of a design at parameters (n, 8): Newton steps, and whether the solver is rebuilt."""
+        """Status and forces of a design at parameters (n, 8): Newton steps, and whether the solver is rebuilt."""
         fresh = design is not self.design or self.policy.regenerate
         if fresh:
             with self.stages("pattern"):
@@ -163,7 +163,7 @@ class FurnitureAnalysis(Timeless):
             self._bend(furniture)
 
     def _bend(self, furniture: Furniture) -> None:
-        """Deflection of each plank, and the largest use of bending strength, over all cases."""
+        """Deflection of each plank, and the largest utilisation of bending strength, over all cases."""
         if self.gamma.any():
             # Beams are those of a piece at no change of its design parameters.
             furniture = Furniture(furniture.moved(self.gamma), furniture.compliance)

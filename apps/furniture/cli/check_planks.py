@@ -107,7 +107,7 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     known = use_range(piece, design.furniture.compliance)
     depends = phrases(known.findings(piece)) if known else ()
     rows += [
-        ("redundant joint", f"{name}: use from {low:g} to {high:g} over the ratios of compliance")
+        ("redundant joint", f"{name}: utilisation from {low:g} to {high:g} over the ratios of compliance")
         for name, low, high in (recorded_uses(piece, known, SHOWN) if known else ())
     ]
     words = "; ".join([*result.words, *depends])

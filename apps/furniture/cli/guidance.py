@@ -59,13 +59,13 @@ def _print_statuses(rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _print_redundant(rows: Sequence[Mapping[str, Any]]) -> None:
-    """Prints the joints of the last frame whose use depends on the ratios of compliance, those of much use alone."""
+    """Prints highly utilised joints of the last frame whose utilisation depends on the ratios of compliance."""
     last = next((row for row in reversed(rows) if row.get("redundant")), None)
     if last is None:
         return
     joints = [(name, f"{low:.3g}", f"{high:.3g}") for name, low, high in json.loads(last["redundant"]) if high >= MUCH]
     if joints:
-        heads = ("joint", "least use", "largest use")
+        heads = ("joint", "least utilisation", "largest utilisation")
         title = f"redundant joints in frame {last['index']}, over the ratios of compliance"
         print_table(title, heads, joints[:NAMED], right=heads[1:])
 

@@ -338,7 +338,7 @@ class Design:
             return "no plank can move, turn or change its length without opening a joint"
         few, tried = self.guidance.freedoms, sum(search.tried)
         if not tried:
-            return "nothing tells how far it is from standing: its contacts lie on several planes"
+            return "its stability margin is not known: its contacts lie on several planes"
         what = f"{tried} combinations of at most {few} freedoms tried"
         if not search.led:
             more = f"; effects.guidance.freedoms may be up to {MOST_FREEDOMS}" if few < MOST_FREEDOMS else ""

@@ -165,7 +165,7 @@ class PieceView:
 
 
 def use_colours() -> tuple[Colormap, Normalize]:
-    """Colours of the use of strength from 0 to 1, and red beyond."""
+    """Colours of the utilisation of strength from 0 to 1, and red beyond."""
     return colormaps[COLOURS].with_extremes(over=REFUSED), Normalize(0.0, 1.0)
 
 
@@ -173,7 +173,7 @@ def add_use_bar(figure: Figure, axes: Axes | Sequence[Axes]) -> None:
     """Put the colour bar of joints beside axes."""
     cmap, norm = use_colours()
     bar = figure.colorbar(ScalarMappable(norm, cmap), ax=axes, extend="max", shrink=0.75, aspect=26, pad=0.01)
-    bar.set_label("use of a joint's strength,\npull or shear [1]; red: it breaks", fontsize=8)
+    bar.set_label("utilisation of a joint's strength,\npull or shear [1]; red: it breaks", fontsize=8)
     bar.ax.tick_params(labelsize=7)
 
 

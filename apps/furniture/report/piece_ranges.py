@@ -175,7 +175,16 @@ def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool, doubts:
     if doubts[0]:
         words = fill(f"it holds, but {doubts[0]}", WIDE)
         marks.append(Line2D([], [], color=DOUBT, label=words, **dot))
-    marks.append(Line2D([], [], color=LIMIT, linestyle="--", linewidth=1.0, label="limit: use below 1, margin above 0"))
+    marks.append(
+        Line2D(
+            [],
+            [],
+            color=LIMIT,
+            linestyle="--",
+            linewidth=1.0,
+            label="limit: utilisation below 1, stability margin above 0",
+        )
+    )
     marks += (
         [
             Patch(

@@ -27,7 +27,7 @@ Doubles narrow_widths(const Doubles& points, const Doubles& arc, const Indices& 
                       const Flags& straight, const Doubles& side, double reach, double fold) {
     const py::ssize_t edges = first.size() - 1;
     require(edges >= 0 && ends.size() == 2 * edges && straight.size() == edges && side.size() == edges,
-            "first, ends, straight and side must tell of the same edges");
+            "first, ends, straight and side must be of the same edges");
     require(first.data()[0] == 0 && points.size() == 2 * arc.size() && first.data()[edges] == arc.size(),
             "points and arc must have a row a sample");
     for (py::ssize_t e = 0; e < edges; ++e)

@@ -58,7 +58,7 @@ void end(const std::string& text, char why) {
     _exit(limits.code);
 }
 
-// Resident memory [bytes]; 0 where the system does not tell.
+// Resident memory [bytes]; 0 where the system does not report.
 long long resident() {
     char text[128];
     const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);

@@ -186,7 +186,7 @@ class ModalAnalysis(Timeless):
         with self.context.stages("values"):
             stiffness, mass = state.matrices.assemble()
             rigid = state.body.free_rigid_motions()
-        # Other values on the same nodes: modes and factor of before serve. Which modes are lowest is counted anew,
+        # Other values on the same nodes: modes and factor of before serve. Which modes are lowest is counted again,
         # unless both matrices are multiples of what they were, so that all modes stay.
         revalued = rebind and frame.mesh is before.space and not before.interrupted and len(previous) > 0
         verify = revalued and not self.solver.pencil.multiplied(stiffness, mass)

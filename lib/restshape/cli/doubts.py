@@ -72,7 +72,7 @@ def _low_limits(scene: Scene, size: float) -> Iterator[str]:
 
 
 def _limits_in_time(scene: Scene) -> Iterator[str]:
-    """Limits that are held against the end of each frame alone."""
+    """Limits that are compared with the end of each frame alone."""
     effects = application(scene.app).effects
     steps = [found.get("steps", 1) for name, found in scene.effects.items() if effects[name].transient]
     if not steps or max(steps) < 2:
@@ -81,7 +81,7 @@ def _limits_in_time(scene: Scene) -> Iterator[str]:
         may = not quantity.kinds[quantity.kind].reductions and quantity.kind not in CORE
         if may and quantity.max is not None and "reduce" not in table_in(table_in(scene.raw, "quantities"), name):
             yield (
-                f"quantities.{name}: its limit is held against the end of each frame alone, not the {max(steps)} time "
+                f"quantities.{name}: its limit is compared with the end of each frame alone, not the {max(steps)} time "
                 'steps in it: set reduce = "peak", the largest size over all of them'
             )
 

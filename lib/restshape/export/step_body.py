@@ -26,7 +26,7 @@ BEGINNING = "ISO-10303-21;\n"
 
 
 def write_step(outline: Outline, thickness: float | None, path: Path) -> None:
-    """Writes a shape in mm, its material alone: regions are not told apart.
+    """Writes a shape in mm, its material alone: regions are not distinguished.
 
     Args:
         outline: the shape, in z = 0.

@@ -208,7 +208,7 @@ SOUND_MARK = b"LIST\x16\0\0\0INFOISFT\x0a\0\0\0restshape\0"
 
 
 def signed(text: str) -> str:
-    """An edit script whose first line tells that nobody has changed the others."""
+    """An edit script whose first line says that nobody has changed the others."""
     first, _, rest = text.partition("\n")
     return f'{first.removesuffix("}")}, "note": "{SIGNED}{crc32(rest.encode()):08x}"}}\n{rest}'
 

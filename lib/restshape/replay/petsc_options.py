@@ -13,7 +13,7 @@ AT_THE_END = ("log_", "malloc", "memory_", "objects_", "options_", "citations", 
 
 WITHOUT_EFFECT = {
     "ksp_view": "-v names each KSP and PC, -ksp_monitor shows its iterations",
-    "ksp_max_it": "each solve sets its own limit, after which the preconditioner is made anew",
+    "ksp_max_it": "each solve sets its own limit, after which the preconditioner is rebuilt",
 }
 """Endings of options that PETSc knows and restshape's solvers make up for, and what serves instead."""
 

@@ -294,7 +294,7 @@ def shared_events(application: Application) -> dict[str, type[EventLine]]:
 
 
 def names_in_space(scene: Scene | None) -> Collection[str] | None:
-    """What a hand may hold in space: bodies, and supports of cloth; None where no scene tells."""
+    """What a hand may hold in space: bodies, and supports of cloth; None where no scene says."""
     if scene is None:
         return None
     pins = pins_of(scene)

@@ -177,7 +177,7 @@ class Support(Strict):
 
     Args:
         on: the entities that it holds.
-        fix: directions that are held, or the values of unknowns.
+        fix: directions that are constrained, or the values of unknowns.
     """
 
     boundary: ClassVar[Mapping[str, str]] = {}
@@ -306,7 +306,7 @@ class Scene(Strict):
         shape: the outline with its holes, and what has a name on it.
         material: materials by name.
         effects: the effects that are simulated, each with its keys.
-        supports: what is held, by name.
+        supports: what is constrained, by name.
         loads: what acts on the shape, by name.
         mesh: how fine the mesh is, and how it follows the shape.
         solve: how exactly is solved, and what is reused.

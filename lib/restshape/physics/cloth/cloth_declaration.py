@@ -9,7 +9,7 @@ from restshape.physics.cloth.cloth_solver_plan import cloth_plan
 from restshape.physics.cloth.effects import EFFECTS, cloth_columns
 from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.physics.cloth.weight import mass_and_weight
-from restshape.physics.elasticity.elastic_materials import ELASTIC_MATERIALS
+from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS
 from restshape.scene.bodies import Body, Start, body_words, start_words
 from restshape.scene.load_kind import ENTITIES
 from restshape.scene.physics import OwnPictures, Physics, Section

@@ -5,9 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from restshape.physics.elasticity.elastic_materials import ELASTIC_MATERIALS
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN, LARGE, SOLID
-from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
+from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS, ElasticMaterial
 from restshape.physics.elasticity.elasticity_scene_checks import check_motion, check_solids, check_vibrations
 from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibration_plan
 from restshape.physics.elasticity.goal import Goal, goal_words

@@ -1,5 +1,7 @@
-"""What elasticity wants to know of a material."""
+"""What elasticity wants to know of a material, and materials that it knows by name."""
 
+import tomllib
+from importlib.resources import files
 from typing import Annotated, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -8,6 +10,11 @@ from restshape.scene.expressions import Expression, Value
 from restshape.scene.model import Material
 from restshape.scene.units import UnitError
 from restshape.scene.values import Strict, number_of, value_of
+
+ELASTIC_MATERIALS: dict[str, dict[str, object]] = tomllib.loads(
+    (files(__package__) / "elastic_materials.toml").read_text("utf-8")
+)
+"""Keys of a material by its name, as a scene would hold them, and the source of their values."""
 
 
 def _refuse_flat(value: Value) -> Value:

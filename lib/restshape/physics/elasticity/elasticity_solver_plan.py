@@ -27,7 +27,9 @@ def solid_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
             "cholesky",
             "the load takes stiffness away, K + mu G: L D L^T, whose negative pivots count the load factors below mu",
         )
-        return SolverPlan("linear", (displaced, pencil), f"{small}; load factors are eigenvalues of the state at rest")
+        return SolverPlan(
+            "linear", (displaced, pencil), f"{small}; load factors are eigenvalues of the state of equilibrium"
+        )
     return SolverPlan("linear", (displaced,), f"{small}: one solve a frame")
 
 
@@ -41,7 +43,7 @@ def _displacement(scene: Scene, on: On, moving: bool) -> System:
     why_stable = "inertia and supports hold the body" if moving else "supports hold the body"
     why = f"all forces have a potential, and {why_stable}"
     if LARGE in on and not moving:
-        why += "; where stability is due the pivots of its factor tell"
+        why += "; where stability is due it follows from the pivots of its factor"
     return System(of, DEFINITE, "cg", "cholesky", why)
 
 

@@ -45,7 +45,7 @@ def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
 
 
 def inspect_motion(scene: Scene, outline: Outline) -> Inspection:
-    """What `inspect_solid` sees, and the record that shakes the ground."""
+    """What `inspect_solid` sees, and the record of the base excitation."""
     seen, ground = inspect_solid(scene, outline), scene.effects.get("ground", {})
     if ground.get("file") is None:
         return seen

@@ -158,7 +158,7 @@ IN_MOTION = {
         kernels=("mass_", "lumped_mass_"),
     ),
     "solid": ELASTICITY,
-    "ground": Effect(GroundKeys, "ground that shakes at one frequency, or as a record says", drives=True),
+    "ground": Effect(GroundKeys, "base excitation at one frequency, or by a record", drives=True),
     "damping": Effect(DampingKeys, "Rayleigh damping"),
     "modal": Effect(ModesBesideKeys, "eigenfrequencies beside the motion", fixed=True, quantities=("frequency",)),
     "gravity": replace(GRAVITY, summary="weight of the body, which acts at once"),
