@@ -22,7 +22,7 @@ class SurfaceHeat:
         block: of the operator, for convection alone: a flux has no tangent.
 
     Attributes:
-        index: (nf,) of the space's facets; facets: (nf, 2) or (nf, 3) their nodes; varies: whether values move with them.
+        index: (nf,) of the space's facets; facets: (nf, 2) or (nf, 3) their nodes; varies: whether values move too.
     """
 
     def __init__(self, name: str, scene: Scene, space: Space, thickness: np.ndarray, block: int) -> None:
