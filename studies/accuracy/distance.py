@@ -28,7 +28,7 @@ class Reference:
     """A solution far finer than all others, at the centroids of its cells.
 
     Args:
-        points: (m, 2) [m]; weights: (m,) areas [m^2].
+        points: (m, 2) [m]; weights: (m,) areas [m^2]; regions: (m,) of the shape that they lie in.
         stiffness: (m, 4) lambda, mu, thickness, mass; empty without a displacement, and of cloth.
         outline: (k, 2) control points of the shape [m].
         spectrum: as in `State`.
@@ -38,6 +38,7 @@ class Reference:
 
     points: np.ndarray
     weights: np.ndarray
+    regions: np.ndarray
     stiffness: np.ndarray
     outline: np.ndarray
     spectrum: str
@@ -51,11 +52,13 @@ class Reference:
         stiffness = np.empty((0, 4)) if state.stiffness is None else state.stiffness
         points = places.points(state.grid)
         solution = Sampled.of(state, places)
-        return cls(points, places.area, stiffness, state.outline, state.spectrum, solution, state.sheet)
+        return cls(
+            points, places.area, state.grid.regions, stiffness, state.outline, state.spectrum, solution, state.sheet
+        )
 
     def sampled(self, state: State) -> Sampled:
         """Another solution at the same points."""
-        return Sampled.of(state, state.grid.locate(self.points))
+        return Sampled.of(state, state.grid.locate(self.points, self.regions))
 
     def same_shape(self, state: State) -> bool:
         """Whether another solution is one of the same shape."""
@@ -130,6 +133,7 @@ class Reference:
             path,
             points=self.points,
             weights=self.weights,
+            regions=self.regions,
             stiffness=self.stiffness,
             outline=self.outline,
             spectrum=np.array(self.spectrum),
@@ -153,7 +157,7 @@ class Reference:
         u, strain, v, curvature, sheet = (entries[name] if entries[name].size else None for name in names)
         quantities = dict(zip(entries["names"].tolist(), entries["quantities"].tolist()))
         solution = Sampled(u, strain, v, entries["values"], entries["shapes"], quantities, curvature)
-        geometry = (entries[name] for name in ("points", "weights", "stiffness", "outline"))
+        geometry = (entries[name] for name in ("points", "weights", "regions", "stiffness", "outline"))
         return cls(*geometry, str(entries["spectrum"]), solution, sheet)
 
 

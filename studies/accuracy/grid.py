@@ -21,15 +21,17 @@ class Grid:
     Args:
         X: (n, 2) nodes [m].
         cells: (ne, 3) or, of second order, (ne, 6) int32.
+        regions: (ne,) of the shape's regions that the cells lie in, as of `Mesh.cell_region`.
     """
 
     X: np.ndarray
     cells: np.ndarray
+    regions: np.ndarray
 
     @classmethod
     def of(cls, mesh: Mesh | LagrangeSpace) -> "Grid":
         """A copy of a mesh, which stays where it is when the mesh moves on."""
-        return cls(mesh.X.copy(), mesh.cells.copy())
+        return cls(mesh.X.copy(), mesh.cells.copy(), mesh.cell_region.copy())
 
     def same(self, other: "Grid") -> bool:
         """Whether another grid has the same cells at the same places, down to rounding."""
@@ -37,22 +39,40 @@ class Grid:
             return False
         return bool(np.allclose(self.X, other.X, rtol=0.0, atol=1e-12 * np.ptp(self.X)))
 
-    def locate(self, points: np.ndarray) -> "Places":
-        """Places of the grid at points (m, 2) [m]; those outside are put on the nearest boundary point."""
-        points = np.ascontiguousarray(points)
-        if self.cells.shape[1] == 3:
-            found, barycentric = _kernels.locate(self.X, self.cells, points)
-        else:
-            corners = np.ascontiguousarray(self.cells[:, :3])
-            found, values = _kernels.locate_quadratic(self.X, corners, self.cells, points)
-            # Barycentric coordinates lie in the space that the basis spans: they are interpolated exactly.
-            sides = values[:, 3:]
-            barycentric = values[:, :3] + 0.5 * (sides + sides[:, BEFORE])
-        return Places(self, np.asarray(found), np.ascontiguousarray(barycentric[:, 1:]))
+    def locate(self, points: np.ndarray, regions: np.ndarray) -> "Places":
+        """Places of the grid at points (m, 2) [m], each in a cell of its own region; see `Mesh.cell_region`.
+
+        Where none holds it, a point is put on the nearest boundary point of the region's cells: between chord and arc
+        of an interface, cells of the other material say nothing of it.
+
+        Args:
+            points: (m, 2) [m].
+            regions: (m,) that the points lie in; where the grid has no cell of one, all its cells are looked at.
+        """
+        found, reference = np.empty(len(points), dtype=np.int64), np.empty((len(points), 2))
+        for region in np.unique(regions):
+            own, cells = np.flatnonzero(regions == region), np.flatnonzero(self.regions == region)
+            cells = cells if len(cells) else np.arange(len(self.cells))
+            part, reference[own] = _located(self.X, self.cells[cells], points[own])
+            found[own] = cells[part]
+        return Places(self, found, reference)
 
     def centroids(self) -> "Places":
         """The middle of every cell."""
         return Places(self, np.arange(len(self.cells)), np.full((len(self.cells), 2), 1.0 / 3.0))
+
+
+def _located(X: np.ndarray, cells: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The cell (m,) of each point (m, 2) [m], and its coordinates (m, 2) in it, as of `Places`."""
+    if cells.shape[1] == 3:
+        found, barycentric = _kernels.locate(X, cells, points)
+    else:
+        corners = np.ascontiguousarray(cells[:, :3])
+        found, values = _kernels.locate_quadratic(X, corners, cells, points)
+        # Barycentric coordinates lie in the space that the basis spans: they are interpolated exactly.
+        sides = values[:, 3:]
+        barycentric = values[:, :3] + 0.5 * (sides + sides[:, BEFORE])
+    return np.asarray(found), barycentric[:, 1:]
 
 
 class Places:

@@ -29,7 +29,7 @@ NONE = np.empty(0)
 def sheet(places, curvature):
     """Cloth on two triangles of a unit square, with its corners at `places` (4, 3), curved alike everywhere."""
     X = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    grid = Grid(X, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))
+    grid = Grid(X, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32), np.zeros(2))
     u = places - np.column_stack([X, np.zeros(4)])
     stiffness, bent = np.tile([C, D], (2, 1, 1, 1)), np.tile(curvature, (2, 1, 1))
     none = np.empty((0, 4, 3))

@@ -37,7 +37,7 @@ def state(grid: Grid, u: np.ndarray, v: np.ndarray | None = None, large: bool = 
 def test_polynomials_of_the_order_are_evaluated_exactly(order):
     grid = square(order)
     points = np.random.default_rng(order).uniform(0.02, 0.98, (40, 2))
-    places = grid.locate(points)
+    places = grid.locate(points, np.zeros(len(points)))
     x, y = points.T
     if order == 1:
         field, value, slope = (
@@ -105,7 +105,9 @@ def modes(values, angle: float) -> tuple[Reference, Sampled]:
     turned = np.stack([np.cos(angle) * first + np.sin(angle) * second, np.sin(angle) * first - np.cos(angle) * second])
     empty = np.empty((0, 4))
     whole = Sampled(None, None, None, np.array(values), shapes)
-    held = Reference(np.empty((400, 2)), np.full(400, 1 / 400), empty, np.zeros((1, 2)), "frequencies", whole)
+    held = Reference(
+        np.empty((400, 2)), np.full(400, 1 / 400), np.zeros(400), empty, np.zeros((1, 2)), "frequencies", whole
+    )
     return held, Sampled(None, None, None, np.array(values), -turned[:, :, None])
 
 
