@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from restshape_studies.bench.job import ending
-from restshape_studies.stability.batch import DAMAGED, Batch
+from restshape_studies.stability.batch import DAMAGED, KINDS, Batch
 from restshape_studies.stability.example import Example
 from restshape_studies.stability.fuzz import fuzz
 from restshape_studies.verification import verifications
@@ -19,14 +19,17 @@ APPS = tuple(app for app, known in verifications().items() if known.random_scene
 
 @pytest.fixture(scope="module")
 def tried():
-    return fuzz(40, 1, APPS)
+    """Of a batch that is drawn and of one that is damaged."""
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr("restshape_studies.stability.fuzz.BATCH", dict.fromkeys(KINDS, 20))
+        return fuzz(40, 1, APPS)
 
 
 @pytest.mark.slow
 def test_nothing_breaks(tried):
     assert not tried.found, [vars(found) for found in tried.found.values()]
     assert tried.examples >= 40 and tried.examples == tried.valid + tried.refused + tried.too_large
-    assert 1 <= tried.written < tried.examples / 2
+    assert tried.written < tried.examples / 2
     assert 0 < tried.damaged < tried.examples and tried.valid >= 10 and tried.frames > 50 and 3 < tried.largest <= 200
 
 
