@@ -6,6 +6,7 @@ from typing import Any
 from restshape_apps.metallophone.stage import add_frame, analysed
 
 from restshape.cli.options import add_json, print_table, write_json
+from restshape.errors import UserError
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,13 +24,22 @@ def run(args: argparse.Namespace) -> int:
 
     from restshape.sensitivity.parameter_derivative import number_at, parameter_derivatives
 
-    by = {key: (number_at(analysis, key), parameter_derivatives(analysis, key)) for key in args.by or keys_of(analysis)}
+    by, left_out = {}, {}
+    for key in args.by or keys_of(analysis):
+        try:
+            by[key] = number_at(analysis, key), parameter_derivatives(analysis, key)
+        except UserError as error:
+            if args.by:
+                raise
+            left_out[key] = error.what
     frequencies = analysis.frequencies
     heads = ("p", "value (SI)", *(f"mode {k}: {f:.1f} Hz" for k, f in enumerate(frequencies, 1)))
     rows = [
         (key, f"{p:.6g}", *(f"{p * d / f:+.5f}" for d, f in zip(found, frequencies))) for key, (p, found) in by.items()
     ]
     print_table("relative derivatives: p df/dp / f", heads, rows, right=heads[1:])
+    for key, why in left_out.items():
+        print(f"left out: {key}: {why}")
     derivatives_found: dict[str, Any] = {
         "frequencies": frequencies.tolist(),
         "by": {key: {"value": p, "derivatives": found.tolist()} for key, (p, found) in by.items()},

@@ -136,7 +136,7 @@ def test_a_sweep_is_undone_and_redone_at_once(tmp_path):
     ("key", "value", "what"),
     [
         ("material.cotton.E", "soft", "not a number"),
-        ("bodies.ball.sphere.center", [0, 0, 0], "no number that could change evenly"),
+        ("bodies.ball.sphere.center", [0, 0, 0], "given by the formula"),
         ("supports.pin.on", "b", "no number that could change evenly"),
         ("material.cotton.bending", "1e-5 N m", "no number that could change evenly"),
         ("bodies.ball.sphere.radius", "half", "no number that could change evenly"),

@@ -11,7 +11,7 @@ from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.source import suggestion
-from restshape.scene.values import Strict, number_of
+from restshape.scene.values import Strict, Whole, number_of
 
 OF_EACH_CASE = ("bending", "ranges", "suggestions")
 """What looks at every case of loads. Without any load a piece is tested all the same: none of them drives it alone."""
@@ -97,8 +97,8 @@ class Guide(Strict):
     """
 
     ranges: bool = True
-    suggestions: Annotated[int, Field(ge=0, le=8)] = 8
-    freedoms: Annotated[int, Field(ge=1, le=5)] = MANY
+    suggestions: Annotated[Whole, Field(ge=0, le=8)] = 8
+    freedoms: Annotated[Whole, Field(ge=1, le=5)] = MANY
     keep: list[str] = []
 
     def resolve(self, scene: Scene) -> ResolvedSettings:

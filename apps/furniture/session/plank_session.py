@@ -24,6 +24,7 @@ from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
 from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.edit_script import Script
+from restshape.scene.given_numbers import edited_number
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
@@ -290,30 +291,32 @@ class PlankSession(ScriptSession):
     # The scene, and what came before.
 
     def _do_set(self, event: Any) -> Iterator[Step]:
-        wrong = self._why_fixed(event.key) or ("nothing can be set while a plank is grabbed" if self._grab else "")
-        if wrong:
-            yield from self._refused(event.frames, wrong)
+        if self._grab:
+            yield from self._refused(event.frames, "nothing can be set while a plank is grabbed")
             return
         before = self._state()
         try:
-            self.scene = adopted(self.scene, self.design.piece, event.key)
-            part_of = None if event.frames == 1 else sweep(self.scene, event.key, event.value)
+            key = edited_number(self.scene, event.key, event.value)
+            self._refuse_fixed(key)
+            self.scene = adopted(self.scene, self.design.piece, key)
+            part_of = None if event.frames == 1 else sweep(self.scene, key, event.value)
         except UserError as error:
             self.scene = before[1]
             yield from self._refused(event.frames, error)
             return
         for i in range(1, event.frames + 1):
-            yield self._revised(event, part_of, i / event.frames)
+            yield self._revised(key, event.value, part_of, i / event.frames)
         if self.design is before[0]:
             self.scene = before[1]
         self._remember(before)
 
-    def _revised(self, event: Any, part_of: Any, part: float) -> Step:
+    def _revised(self, key: str, value: Any, part_of: Any, part: float) -> Step:
         """One frame of an edit of the scene."""
         before, design = self.scene, self.design
         try:
-            self.scene = revise(before, event.key, event.value) if part_of is None else part_of(before, part)
+            self.scene = revise(before, key, value) if part_of is None else part_of(before, part)
             refuse_switched(before, self.scene, self._application)
+            self._refuse_fixed_changes(before)
             self.design = Design.closed(restated(design.piece, before, self.scene), self._guidance())
         except UserError as error:
             self.scene, self.design = before, design

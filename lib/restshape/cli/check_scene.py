@@ -5,7 +5,7 @@
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from restshape.outputs.kinds import PICTURES
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.descriptions import keys_in_words, listing
 from restshape.scene.edit_script import Script, load_script
+from restshape.scene.given_numbers import GivenNumber, given_numbers
 from restshape.scene.model import Scene
 from restshape.scene.physics import Rows
 from restshape.scene.plain_values import table_in
@@ -48,7 +49,11 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     scene = read_scene(args)
     app = application(scene.app)
     data, rows, outline = app.editing.checked(scene, plan(scene, app))
+    given = given_numbers(scene)
+    data["formulas"] = {".".join(one.key): {"formula": one.formula.text, "value": one.value} for one in given}
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "content"), rows)
+    if given:
+        print_table("formulas", ("key", "formula", "value"), formula_rows(given))
     if args.picture:
         _draw(args.picture, scene, outline)
     return finish(args, scene, data, begin_frame, outline)
@@ -250,6 +255,11 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
     rows += [("note", note) for note in notes(scene.raw)]
     return rows + [("warning", warning) for warning in effects.warnings]
+
+
+def formula_rows(given: Sequence[GivenNumber]) -> list[tuple[str, str, str]]:
+    """A row for each number that a formula of the parameters gives: its key, the formula, and the value."""
+    return [(".".join(one.key), one.formula.text, f"{one.value:.6g} {one.symbol}".rstrip()) for one in given]
 
 
 def _parameter(scene: Scene, name: str) -> str:

@@ -8,6 +8,7 @@ import tomlkit
 from tomlkit.items import InlineTable, Item
 
 from restshape.export.edited_frame import EditedFrame, plain_scene
+from restshape.export.kept_formulas import with_formulas
 from restshape.export.shape_tables import shape_tables
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.outputs.whole import write_whole
@@ -18,11 +19,13 @@ from restshape.scene.plain_values import Table
 def write_toml(frame: EditedFrame, path: Path) -> None:
     """Writes the scene of a frame, its shape as it was edited, from which edits go on.
 
+    Numbers of the shape that formulas of parameters still give stay these formulas.
+
     Raises:
         UserError: a name of the shape, such as one that a mesh file gave, cannot stand in a scene.
         OSError: it cannot be written.
     """
-    tables = plain_scene(frame, shape_tables(frame.outline))
+    tables = plain_scene(frame, with_formulas(shape_tables(frame.outline), frame.scene, frame.outline))
     remade(frame.scene, tables)
     write_whole(path, f"# {EXPORT_MARK}\n{toml_text(tables)}")
 

@@ -145,10 +145,13 @@ class LagrangeSpace(OverMesh):
 
     def set_gesture(self, basis: np.ndarray | None) -> None:
         """Take up a gesture by its basis (2, k, d) of the outline's control points; None where it has no basis."""
+        self._basis = self._bent(basis)
+
+    def _bent(self, basis: np.ndarray | None) -> np.ndarray:
+        """By how much (2, nc, d) the nodes of curved sides go beyond the middle of their ends."""
         if basis is None:
-            self._basis = np.zeros((2, len(self.curved), self.dim))
-        else:
-            self._basis = np.stack([self._offsets(self.mesh.outline, points) for points in basis])
+            return np.zeros((2, len(self.curved), self.dim))
+        return np.stack([self._offsets(self.mesh.outline, points) for points in basis])
 
     def bend(self, outline: Outline) -> None:
         """Take the curves of an outline as the places at the coefficients (0, 0)."""
@@ -210,10 +213,15 @@ class LagrangeSpace(OverMesh):
         self._ends = self.mesh.edge_nodes.copy()
         self.place()
 
-    def motion(self, Psi: np.ndarray) -> np.ndarray:
-        """Displacements (2, n, d) of all nodes a unit of the gesture's coefficients, from those of the corners."""
+    def motion(self, Psi: np.ndarray, basis: np.ndarray | None = None) -> np.ndarray:
+        """Displacements (2, n, d) of all nodes a unit of the gesture's coefficients, from those of the corners.
+
+        Args:
+            Psi: (2, n2, d) those of the corners.
+            basis: of another gesture than the one that was taken up, as of `set_gesture`.
+        """
         result = np.empty((2, *self.X.shape))
-        for psi, bent, out in zip(Psi, self._basis, result):
+        for psi, bent, out in zip(Psi, self._basis if basis is None else self._bent(basis), result):
             out[self.corner_number] = psi
             out[self.side_number] = psi[self.mesh.edge_nodes].mean(axis=1)
             out[self.side_number[self.curved]] += bent

@@ -16,8 +16,10 @@ from restshape.replay.recording import Recording
 from restshape.report.field import ShownField, physics_of, shown_field, true_scale
 from restshape.report.style import BODY, COLOURS, SIGNED
 from restshape.report.survey import Survey, colour_range, known_displacement, survey
+from restshape.scene.parameters import read_parameters
 from restshape.scene.physics import Section
 from restshape.scene.plain_values import tables_in
+from restshape.scene.source import Source
 
 SHARE = 0.08
 MARGIN = 0.02
@@ -149,9 +151,12 @@ def scenery(
 
 
 def _curves(section: Section, key: str, recording: Recording) -> list[np.ndarray]:
-    given = tables_in(recording.header.get("scene_values"), key)
+    scene = recording.header.get("scene_values")
+    raw = scene if isinstance(scene, dict) else {}
+    known = {"parameters": read_parameters(raw, Source(recording.path, recorded=True))}
     try:
-        return [section.curve_of(section.model.model_validate(one)) for one in given.values()]
+        found = [section.model.model_validate(one, context=known) for one in tables_in(raw, key).values()]
+        return [section.curve_of(one) for one in found]
     except ValidationError as error:
         raise bad(recording.path, f"[{key}] of its scene: {error.errors(include_url=False)[0]['msg']}") from None
 

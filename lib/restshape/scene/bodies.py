@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field, model_validator
 from restshape.scene.descriptions import listing
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.units import UnitError
-from restshape.scene.values import InSI, Length, Strict, only_one
+from restshape.scene.values import InSI, Length, Strict, Whole, only_one
 
 if TYPE_CHECKING:
     from restshape.scene.model import Support
@@ -145,7 +145,7 @@ class Start(Strict):
     turn: Angles = ORIGIN
     about: Place = ORIGIN
     scatter: Annotated[Length, Field(ge=0)] = 0.0
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Annotated[Whole, Field(ge=0)] = 0
 
 
 def bodies_of(scene: BaseModel) -> Mapping[str, Body]:

@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from restshape.application import Application
 from restshape.bounds import FILE_NAME_BYTES
 from restshape.scene.bodies import bodies_of
-from restshape.scene.dimensions import formulas
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
+from restshape.scene.formula_checks import formulas
 from restshape.scene.load_kind import ENTITIES, any_of
 from restshape.scene.model import EdgeLoop, Load, Quantity, Scene
 from restshape.scene.permits import outside

@@ -1,20 +1,17 @@
-"""Dimensions of formulas: what parameters that have units make of them, as far as they can be derived."""
+"""Dimensions of formulas: what parameters and numbers that have units make of them, as far as they can be derived."""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Mapping
 from functools import lru_cache
 
-from pydantic import BaseModel
-
-from restshape.scene.expressions import Expression, parsed
-from restshape.scene.source import Source
+from restshape.scene.expressions import parsed
 from restshape.scene.temperature_scales import check_temperatures
 from restshape.scene.units import (
     BASE,
     DIMENSIONS,
-    EXAMPLES,
+    MARKED,
     NONE,
     NUMBER_UNIT,
     UNITS,
@@ -30,55 +27,40 @@ Known = Powers | None
 """Powers of a value; None where nothing gives them, and any will do."""
 
 
-def check_units(scene: BaseModel, written: Mapping[str, object], source: Source) -> None:
-    """Refuses formulas that give another dimension than is wanted of them, by the units of the parameters in them.
+def powers_of_formula(text: str, named: Mapping[str, Powers], on_scale: Collection[str] = ()) -> Known:
+    """The powers of a formula without that of radians; None where nothing gives them.
 
     A parameter without a unit, x, y and a decimal number may stand for anything; whole numbers and pi have no
     dimension where they multiply or divide. Radians do not count.
 
     Args:
-        scene: whose formulas are looked at.
-        written: the parameters as they stand in the file.
-        source: for messages.
+        text: the formula.
+        named: powers of parameters that have a unit, as `powers_of_number` gives them.
+        on_scale: parameters that are temperatures on a scale.
 
     Raises:
-        UserError: the first formula that adds what cannot be added, or gives what is not wanted.
+        UnitError: it adds what cannot be added; to be said behind the formula.
     """
-    named = {name: powers for name, value in written.items() if (powers := _powers(value)) is not None}
-    if not named:
-        return
-    on_scale = {name for name, value in written.items() if isinstance(value, str) and _scale(value)}
-    for key, formula in formulas(scene):
-        if not formula.names.intersection(named):
-            continue
-        example = EXAMPLES.get(formula.wanted or "", '"12 mm"')
-        try:
-            check_temperatures(_tree(formula.text), on_scale)
-        except UnitError as error:
-            raise source.error(key, f"{formula.text!r} {error.what}", error.do) from error
-        try:
-            found = _of(_tree(formula.text), named)
-        except UnitError as error:
-            raise source.error(key, f"{formula.text!r} {error.what}", "give the parameters units that fit") from error
-        if found is None or formula.wanted is None:
-            continue
-        if found != _plain(DIMENSIONS[formula.wanted]):
-            units = ", ".join(f"{name} = {written[name]!r}" for name in sorted(formula.names.intersection(named)))
-            what = f"{formula.text!r} is {article(spelled(found))} ({units}), but {article(formula.wanted)} is wanted"
-            raise source.error(key, what, f"give the parameter another unit, as in {example}")
+    check_temperatures(_tree(text), on_scale)
+    return _of(_tree(text, marked=True), named)
 
 
-def _powers(value: object) -> Known:
-    """The powers of a parameter that is written with a unit."""
+def plain_powers(dimension: str) -> Powers:
+    """The powers of a dimension without that of radians."""
+    return _plain(DIMENSIONS[dimension])
+
+
+def powers_of_number(value: object) -> Known:
+    """The powers of a number that is written with a unit; None without one."""
     match = NUMBER_UNIT.match(value) if isinstance(value, str) else None
     if not (match and match[2]):
         return None
     return _plain((UNITS["K"] if match[2].strip() in ZEROS else unit(match[2]))[1])
 
 
-def _scale(text: str) -> bool:
+def is_on_scale(value: object) -> bool:
     """Whether a number is written on a scale of temperatures."""
-    match = NUMBER_UNIT.match(text)
+    match = NUMBER_UNIT.match(value) if isinstance(value, str) else None
     return bool(match and match[2] and match[2].strip() in ZEROS)
 
 
@@ -87,26 +69,9 @@ def _plain(powers: Powers) -> Powers:
     return tuple(0 if base == "rad" else power for base, power in zip(BASE, powers))
 
 
-def formulas(value: object, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:
-    """All formulas of a model, each with its key."""
-    if isinstance(value, Expression):
-        yield key, value
-    elif isinstance(value, BaseModel):
-        for name, field in type(value).model_fields.items():
-            yield from formulas(getattr(value, name), (*key, field.alias or name))
-        for name, extra in (value.model_extra or {}).items():
-            yield from formulas(extra, (*key, name))
-    elif isinstance(value, Mapping):
-        for name, one in value.items():
-            yield from formulas(one, (*key, str(name)))
-    elif isinstance(value, list | tuple):
-        for one in value:
-            yield from formulas(one, key)
-
-
 @lru_cache(maxsize=4096)
-def _tree(text: str) -> ast.expr:
-    return parsed(text)
+def _tree(text: str, marked: bool = False) -> ast.expr:
+    return parsed(text, marked)
 
 
 def _of(node: ast.expr, named: Mapping[str, Powers]) -> Known:
@@ -120,6 +85,8 @@ def _of(node: ast.expr, named: Mapping[str, Powers]) -> Known:
             return NONE
         case ast.UnaryOp(operand=operand):
             return _of(operand, named)
+        case ast.BinOp(op=ast.MatMult(), right=ast.Name(id=mark)):
+            return _plain(MARKED.get(mark, DIMENSIONS["temperature"]))
         case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
             return _same(_of_term(left, named), _of_term(right, named))
         case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):

@@ -1,7 +1,7 @@
 """Formulas in a scene: read from text, evaluated on arrays, with nothing but arithmetic in them."""
 
 import ast
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import TypeVar
 
@@ -40,6 +40,10 @@ class ExpressionError(ValueProblem):
     """A formula that cannot be read, or that names something unknown."""
 
 
+class NoFormula(ExpressionError):
+    """A text that does not even read as a formula."""
+
+
 class Expression:
     """A formula of the material coordinates ``x`` and ``y``, of ``pi`` and of the scene's parameters.
 
@@ -49,13 +53,15 @@ class Expression:
         wanted: name of the dimension that its value must have; None: of any, or not known.
 
     Attributes:
+        has_units: a number in it has a unit.
         is_sum: what stands behind it belongs to its last term alone.
 
     Raises:
-        ExpressionError: not a formula of + - * / ** ^, numbers, names and the known functions.
+        ExpressionError: not a formula of + - * / ** ^, numbers, names and the known functions; `NoFormula` where it
+            does not read as one at all.
     """
 
-    __slots__ = ("_code", "_numbers", "is_sum", "names", "text", "wanted")
+    __slots__ = ("_code", "_numbers", "has_units", "is_sum", "names", "text", "wanted")
 
     def __init__(self, text: str, wanted: str | None = None) -> None:
         self.text, self.wanted = text, wanted
@@ -69,6 +75,7 @@ class Expression:
             check_temperatures(body)
         except UnitError as error:
             raise ExpressionError(f"{quoted(text)} {error.what}", error.do) from error
+        self.has_units = in_si(text) != text
         tree = ast.Expression(in_kelvins(body))
         numbers = _Numbers()
         tree = numbers.visit(tree)
@@ -86,18 +93,35 @@ class Expression:
     def __hash__(self) -> int:
         return hash(self.text)
 
-    def unknown(self, parameters: dict[str, float], coordinates: Sequence[str] = COORDINATES) -> ExpressionError | None:
-        """The error of what the formula names although it is neither a coordinate nor a parameter; or None."""
+    @property
+    def names_places(self) -> bool:
+        """Whether it depends on x or y."""
+        return not self.names.isdisjoint(COORDINATES)
+
+    @property
+    def parameters(self) -> list[str]:
+        """The parameters that it names, in alphabetical order."""
+        return sorted(self.names.difference(COORDINATES, CONSTANTS))
+
+    def missing(self, parameters: Iterable[str], coordinates: Sequence[str] = COORDINATES) -> tuple[str, str] | None:
+        """A name in the formula that is neither a coordinate nor a parameter, and what may have been meant; or None."""
         known = [*coordinates, *CONSTANTS, *parameters]
         for name in sorted(self.names.difference(known)):
             near = get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"known names: {', '.join(known)}"
-            return ExpressionError(
-                f"the formula {quoted(self.text)} names {name!r}, which is not in [parameters]", hint
-            )
+            return name, f"did you mean {near[0]!r}?" if near else ""
         return None
 
-    def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: dict[str, float]) -> NDArray[np.float64]:
+    def unknown(self, parameters: Iterable[str], coordinates: Sequence[str] = COORDINATES) -> ExpressionError | None:
+        """The error of what the formula names although it is neither a coordinate nor a parameter; or None."""
+        missing = self.missing(parameters, coordinates)
+        if missing is None:
+            return None
+        name, do = missing
+        known = ", ".join([*coordinates, *CONSTANTS, *parameters])
+        what = f"the formula {quoted(self.text)} names {name!r}, which is not in [parameters]"
+        return ExpressionError(what, do or f"known names: {known}")
+
+    def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: Mapping[str, float]) -> NDArray[np.float64]:
         """The formula at points, in the shape of x and y broadcast; not finite where the formula is not.
 
         Args:
@@ -113,7 +137,7 @@ class Expression:
         result = self._run(known, x, y, parameters)
         return np.array(np.broadcast_to(result, x.shape), dtype=np.float64)
 
-    def rate(self, x: Dual, y: Dual, parameters: dict[str, float]) -> NDArray[np.float64]:
+    def rate(self, x: Dual, y: Dual, parameters: Mapping[str, float]) -> NDArray[np.float64]:
         """The derivative of the formula along the direction in which the coordinates change.
 
         Args:
@@ -127,13 +151,13 @@ class Expression:
         return np.array(np.broadcast_to(result.rate, np.shape(x.value)), dtype=np.float64)
 
     def _run(
-        self, functions: Mapping[str, Callable[..., Number]], x: Number, y: Number, parameters: dict[str, float]
+        self, functions: Mapping[str, Callable[..., Number]], x: Number, y: Number, parameters: Mapping[str, float]
     ) -> Number | float:
         """The formula in whatever arithmetic the coordinates and functions bring."""
         unknown = self.unknown(parameters)
         if unknown:
             raise unknown
-        values = {name: np.float64(value) for name, value in (CONSTANTS | parameters).items()}
+        values = {name: np.float64(value) for name, value in {**CONSTANTS, **parameters}.items()}
         with np.errstate(all="ignore"):
             return eval(self._code, {"__builtins__": {}}, {**functions, **self._numbers, **values, "x": x, "y": y})
 
@@ -141,8 +165,12 @@ class Expression:
 Value = float | Expression
 
 
-def parsed(text: str) -> ast.expr:
+def parsed(text: str, marked: bool = False) -> ast.expr:
     """The tree of a formula, its numbers in SI units; `temperature_scales.in_kelvins` takes the marks out of it.
+
+    Args:
+        text: the formula.
+        marked: numbers that have units are marked by them, as of `units.in_si`.
 
     Raises:
         ExpressionError: it is none.
@@ -151,16 +179,16 @@ def parsed(text: str) -> ast.expr:
     # The sign by which `in_si` marks temperatures.
     if "@" in text:
         raise _no_formula(text)
-    plain = in_si(text)
+    plain = in_si(text, marked)
     try:
         return ast.parse(plain.strip().replace("^", "**"), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise ExpressionError(f"{quoted(text)} is not a formula") from error
+        raise NoFormula(f"{quoted(text)} is not a formula") from error
 
 
-def _no_formula(text: str) -> ExpressionError:
+def _no_formula(text: str) -> NoFormula:
     do = f"use + - * / ^, numbers, x, y, pi, parameters and {', '.join(FUNCTIONS)}"
-    return ExpressionError(f"{quoted(text)} holds something that formulas may not hold", do)
+    return NoFormula(f"{quoted(text)} holds something that formulas may not hold", do)
 
 
 def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:

@@ -11,10 +11,11 @@ from restshape import bounds
 from restshape.application import Application, application
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
-from restshape.scene.dimensions import check_units
 from restshape.scene.foreign import refuse_foreign
+from restshape.scene.formula_checks import check_units
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
-from restshape.scene.plain_values import Table, excess, table_in
+from restshape.scene.parameters import read_parameters
+from restshape.scene.plain_values import Table, excess
 from restshape.scene.plan import plan
 from restshape.scene.registered import checked_applications, installed_physics
 from restshape.scene.renamed import other_name
@@ -104,7 +105,7 @@ def _refuse_excess(raw: Table, source: Source) -> None:
 
 
 def revise(scene: Scene, key: str, value: object) -> Scene:
-    """The scene with one key changed, validated again; it shares all other tables with the one given.
+    """The scene with one key changed, validated again; it shares all tables with the one given that stay as they are.
 
     Args:
         scene: is left as it is.
@@ -118,7 +119,10 @@ def revise(scene: Scene, key: str, value: object) -> Scene:
     raw = _branched(scene.raw, parts)
     put(raw, parts, value, f"set {key}")
     revised = _scene(raw, scene._source.overriding(parts))
-    shared = {name: getattr(scene, name) for name in type(scene).model_fields if name != parts[0]}
+    # Formulas elsewhere may depend on a parameter.
+    every = parts[0] == "parameters"
+    others = [name for name in type(scene).model_fields if name != parts[0]]
+    shared = {n: getattr(scene, n) for n in others if not every or getattr(scene, n) == getattr(revised, n)}
     if revised.mesh.order != scene.mesh.order:
         # The change makes the plan decide on another order.
         shared.pop("mesh", None)
@@ -254,8 +258,10 @@ def _scene(raw: Table, source: Source) -> Scene:
     if app:
         refuse_foreign(raw, app, source)
     kind = scene_type(app.physics) if app else Scene
+    parameters = read_parameters(raw, source)
+    known = {"parameters": parameters}
     try:
-        scene = kind.model_validate(raw)
+        scene = kind.model_validate(raw, context=known)
     except ValidationError as error:
         raise user_error(error, source, kind) from error
     assert app, "a scene without an application is not valid"
@@ -267,12 +273,12 @@ def _scene(raw: Table, source: Source) -> Scene:
             )
         model = app.effects[name].model
         try:
-            effects[name] = model.model_validate(settings).model_dump()
+            effects[name] = model.model_validate(settings, context=known).model_dump()
         except ValidationError as error:
             raise user_error(error, source, model, ("effects", name)) from error
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source)
-    check_units(scene, table_in(raw, "parameters"), source)
+    check_units(scene, parameters, source)
     scene._source, scene._raw = source, raw
     return _decided(scene, app)
 

@@ -23,7 +23,18 @@ from restshape.scene.quantity import Quantity
 from restshape.scene.shape_edges import EdgeSpec, tag_by_key
 from restshape.scene.source import Source, split_key
 from restshape.scene.units import UnitError, quantity
-from restshape.scene.values import AnyNumber, Entities, Length, Name, PartName, Point, Strict, only_one
+from restshape.scene.values import (
+    AnyNumber,
+    Entities,
+    Length,
+    Name,
+    Number,
+    PartName,
+    Point,
+    Strict,
+    Whole,
+    only_one,
+)
 
 FORMAT = "restshape-scene"
 VERSION = 1
@@ -243,13 +254,13 @@ class MeshSpec(Strict):
 
     size: Annotated[Length, Field(gt=0)] | None = None
     near: dict[str, Annotated[Length, Field(gt=0)]] = {}
-    edges_per_circle: Annotated[int, Field(ge=8, le=720)] | None = None
-    levels: Annotated[int, Field(ge=1, le=5)] = 1
+    edges_per_circle: Annotated[Whole, Field(ge=8, le=720)] | None = None
+    levels: Annotated[Whole, Field(ge=1, le=5)] = 1
     order: Literal[1, 2] | None = None
-    layers: Annotated[int, Field(ge=1)] | None = None
+    layers: Annotated[Whole, Field(ge=1)] | None = None
     relocation: Literal["harmonic", "mvc", "laplacian"] = "harmonic"
     criterion: Literal["quality", "author"] = "quality"
-    min_quality: Annotated[float, Field(gt=0, lt=1)] = 0.3
+    min_quality: Annotated[Number, Field(gt=0, lt=1)] = 0.3
     mesher: Literal["auto", "cgal", "gmsh"] = "auto"
     file: str | None = None
     unit: Annotated[float, BeforeValidator(lambda raw: _read_scale(raw)), Field(gt=0), WithJsonSchema(UNIT_SCHEMA)] = (
@@ -275,9 +286,9 @@ class SolveSpec(Strict):
         jumps: whether jumps of quantities by the mesh alone are reported; left out, wherever that can be known.
     """
 
-    tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-6
+    tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-6
     policy: Literal["auto", "thesis", "refactor", "rebuild"] = "auto"
-    factor_memory: Annotated[float, Field(gt=0)] = 4e9
+    factor_memory: Annotated[Number, Field(gt=0)] = 4e9
     jumps: bool | None = None
 
 

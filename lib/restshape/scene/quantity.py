@@ -12,8 +12,8 @@ from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, mod
 from restshape.scene.annotations import Definition, extended, optional
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.renamed import OLD_NAMES, by_todays_names
-from restshape.scene.units import SYMBOLS, UnitError, article, quantity, reads_as_quantity
-from restshape.scene.values import Strict, only_one
+from restshape.scene.units import SYMBOLS, UnitError, article, reads_as_quantity
+from restshape.scene.values import Strict, only_one, read_number
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class Quantity(Strict):
     def _read_limit(cls, raw: float | str, info: ValidationInfo) -> float:
         """The largest or smallest value of a quantity that holds, in the unit of its kind."""
         kind = next((kind for kind in cls.kinds if info.data.get(kind) is not None), None)
-        return quantity(raw, cls.kinds[kind].dimension if kind else None)
+        return read_number(raw, cls.kinds[kind].dimension if kind else None, info)
 
     @field_validator("reference", mode="before")
     @classmethod

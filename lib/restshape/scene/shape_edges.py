@@ -7,7 +7,7 @@ from pydantic import BaseModel, Discriminator, Field, Tag, model_validator
 
 from restshape.bounds import BULGE, POLYLINE_POINTS, SPLINE_POINTS
 from restshape.scene.units import UnitError
-from restshape.scene.values import PartName, Point, Strict, only_one
+from restshape.scene.values import Number, PartName, Point, Strict, only_one
 
 
 def tag_by_key(keys: tuple[str, ...]) -> Discriminator:
@@ -66,7 +66,7 @@ class ArcSpec(EdgePart):
 
     arc: tuple[str, str]
     through: Point | None = None
-    bulge: Annotated[float, Field(ge=-BULGE, le=BULGE)] | None = None
+    bulge: Annotated[Number, Field(ge=-BULGE, le=BULGE)] | None = None
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
@@ -91,7 +91,7 @@ class SplineSpec(EdgePart):
 
     spline: tuple[str, str]
     through: Annotated[list[Point], Field(min_length=1, max_length=SPLINE_POINTS)]
-    knots: list[Annotated[float, Field(gt=0, lt=1)]] | None = None
+    knots: list[Annotated[Number, Field(gt=0, lt=1)]] | None = None
     ends: tuple[Literal["natural", "smooth"], Literal["natural", "smooth"]] = ("natural", "natural")
 
     @model_validator(mode="after")

@@ -82,6 +82,16 @@ def check_temperatures(tree: ast.expr, named: Collection[str] = ()) -> None:
     _check_sum(_term(tree, named))
 
 
+def counts_from_zero(tree: ast.expr, named: Collection[str]) -> bool:
+    """Whether a formula gives a temperature on a scale, as ``warm + 10 K`` does; arguments as of `check_temperatures`.
+
+    Raises:
+        UnitError: it multiplies one.
+    """
+    zeros = _term(tree, named).zeros
+    return zeros is not None and 0 not in zeros and 1 in zeros
+
+
 def _term(node: ast.expr, named: Collection[str]) -> _Term:
     """How many zeros a part of a formula may hold."""
     if _scaled(node):

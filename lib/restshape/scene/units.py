@@ -350,10 +350,19 @@ def on_scale(number: float, scale: str) -> float:
     return number + ZEROS[scale]
 
 
-def in_si(formula: str) -> str:
+MARKED = {f"unit_{k}": powers for k, (_, powers) in enumerate(UNITS.values())}
+"""Powers of units by the names that mark numbers with units in formulas."""
+MARKS = dict(zip(UNITS, MARKED))
+
+
+def in_si(formula: str, marked: bool = False) -> str:
     """The formula with numbers such as ``3 mm`` in it replaced by those in SI units.
 
     Temperatures on scales are marked, for a sign before them belongs to them: ``(20.0@scale_0)`` is ``20 degC``.
+
+    Args:
+        formula: as it is written.
+        marked: other numbers with units are marked as well, by the names in `MARKED`.
 
     Raises:
         UnitError: a power right behind a unit, which could mean the unit or the number.
@@ -367,7 +376,8 @@ def in_si(formula: str) -> str:
         if match[2] in ZEROS:
             mark = next(name for name, scale in SCALED.items() if scale == match[2])
             return f"({float(match[1])!r}@{mark})"
-        return f"({float(match[1]) * UNITS[match[2]][0]!r})"
+        mark = f"@{MARKS[match[2]]}" * marked
+        return f"({float(match[1]) * UNITS[match[2]][0]!r}{mark})"
 
     return MEASURE.sub(replaced, formula)
 

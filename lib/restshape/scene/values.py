@@ -11,6 +11,7 @@ from pydantic import (
     ConfigDict,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    ValidationInfo,
     WithJsonSchema,
     model_validator,
 )
@@ -19,7 +20,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from restshape.bounds import NAME_CHARACTERS
 from restshape.scene.annotations import annotated
-from restshape.scene.expressions import Expression, Value
+from restshape.scene.expressions import Expression, NoFormula, Value
 from restshape.scene.key_descriptions import Described
 from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
@@ -74,28 +75,57 @@ class Measured:
     dimension: str | None
 
 
-@dataclass(frozen=True)
-class InSI(Measured):
-    """The annotation of a number with a unit of a dimension, in SI after validation.
+def read_number(raw: object, dimension: str | None, info: ValidationInfo) -> float:
+    """The number in SI units that a user has written: as one, or as a formula of the scene's parameters.
 
     Args:
-        formula: it may also be a formula that gives the number in SI units. Numbers in it may have units of their own,
-            as in ``3 mm * (1 - x/2)``.
+        raw: as it is written.
+        dimension: as of `units.quantity`.
+        info: of the validation, whose context holds the `Parameters` of a scene; elsewhere formulas are refused.
+
+    Raises:
+        ValueProblem: it is no such number.
+    """
+    parameters = (info.context or {}).get("parameters")
+    if parameters is None or not isinstance(raw, str) or reads_as_quantity(raw):
+        return quantity(raw, dimension)
+    try:
+        formula = Expression(raw, dimension)
+    except NoFormula:
+        return quantity(raw, dimension)
+    found: float = parameters.number(formula)
+    return found
+
+
+@dataclass(frozen=True)
+class InSI(Measured):
+    """The annotation of a number with a unit of a dimension, in SI after validation; or of a formula that gives one.
+
+    Numbers in formulas may have units of their own, as in ``3 mm*n``. In scenes a formula of the parameters has its
+    value after validation.
+
+    Args:
+        formula: it may also name x and y, and stays a formula.
+        settled: of these only formulas of x or y stay; those of the parameters alone have their value, as elsewhere.
     """
 
     formula: bool = False
+    settled: bool = False
 
-    def read(self, raw: Value | str) -> Value:
+    def read(self, raw: Value | str, info: ValidationInfo) -> Value:
         """The value of what a user has written."""
         if self.formula and isinstance(raw, Expression):
             return raw
         if self.formula and isinstance(raw, str) and not reads_as_quantity(raw):
-            return Expression(raw, self.dimension)
-        return quantity(raw, self.dimension)
+            formula = Expression(raw, self.dimension)
+            parameters = (info.context or {}).get("parameters")
+            if not self.settled or parameters is None or formula.names_places:
+                return formula
+        return read_number(raw, self.dimension, info)
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         written = core_schema.plain_serializer_function_ser_schema(written_value) if self.formula else None
-        return core_schema.no_info_before_validator_function(self.read, handler(source), serialization=written)
+        return core_schema.with_info_before_validator_function(self.read, handler(source), serialization=written)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, object]:
         example = EXAMPLES[self.dimension].strip('"') if self.dimension else "12 mm"
@@ -103,6 +133,16 @@ class InSI(Measured):
         if self.formula:
             text += ", or a formula of x, y and the parameters"
         return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": text}
+
+
+def _read_whole(raw: object, info: ValidationInfo) -> object:
+    """A whole number that a formula of the parameters gives; all else as it is."""
+    if not isinstance(raw, str) or reads_as_quantity(raw):
+        return raw
+    found = read_number(raw, "number", info)
+    if found != round(found):
+        raise UnitError(f"{raw!r} is {found:.6g}, but a whole number is wanted")
+    return round(found)
 
 
 def written_value(value: Value) -> float | str:
@@ -134,9 +174,14 @@ def number_of(dimension: str | None) -> object:
     return Annotated[float, InSI(dimension)]
 
 
-def value_of(dimension: str) -> object:
-    """The type of a number with a unit of that dimension, or of a formula that gives one in SI units."""
-    return Annotated[float | Expression, InSI(dimension, formula=True)]
+def value_of(dimension: str, settled: bool = False) -> object:
+    """The type of a number with a unit of that dimension, or of a formula that gives one in SI units.
+
+    Args:
+        dimension: one of `units.DIMENSIONS`.
+        settled: as of `InSI`.
+    """
+    return Annotated[float | Expression, InSI(dimension, formula=True, settled=settled)]
 
 
 def _read_part(raw: object) -> str:
@@ -168,6 +213,12 @@ def _read_entities(raw: object) -> list[str]:
 
 
 Number = Annotated[float, InSI("number")]
+Whole = Annotated[
+    int,
+    BeforeValidator(_read_whole),
+    WithJsonSchema({"anyOf": [{"type": "integer"}, {"type": "string"}]}),
+]
+"""A whole number, in a scene also by a formula of the parameters."""
 Length = Annotated[float, InSI("length")]
 Angle = Annotated[float, InSI("angle")]
 Time = Annotated[float, InSI("time")]

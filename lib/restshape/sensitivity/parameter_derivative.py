@@ -1,4 +1,4 @@
-"""How frequencies follow the numbers of a scene that leave its outline alone: materials, thickness, parameters."""
+"""How frequencies follow the numbers of a scene: materials, thickness, and parameters, also those of its shape."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,8 @@ from restshape.fem.assembled import Assembled
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import MASS, STIFFNESS
 from restshape.scene.load import revise
-from restshape.sensitivity.frequency_derivative import SolvedModes, known_modes, rates
+from restshape.sensitivity.frequency_derivative import SolvedModes, design_products, known_modes, rates
+from restshape.sensitivity.outline_velocity import outline_velocity
 
 STEP = 1e-4
 """Of the differences of K and M at fixed modes, a share of the value, or for 0 this [SI]: the first that is tried."""
@@ -24,7 +25,7 @@ FACTORS = (1.0, 1e3, 1e-3, 1e6, 1e-6, 1e9, 1e12)
 """Steps that are tried one after the other: near 0 a value does not show the scale of its number."""
 
 KEYS = ("material", "parameters")
-"""Tables whose numbers change matrices and no mesh."""
+"""Tables whose numbers have derivatives."""
 
 
 def parameter_derivatives(analysis: SolvedModes, key: str) -> np.ndarray:
@@ -33,14 +34,15 @@ def parameter_derivatives(analysis: SolvedModes, key: str) -> np.ndarray:
     K and M are differenced at fixed modes, which no solve enters: phi (K' - lambda M') phi, and for eigenvalues that
     coincide the subspace rule. The step is the first, of `FACTORS`, that a longer one confirms within `AGREED` of the
     largest derivative; where none does, the one that the longer one comes nearest to, which for a number that hardly
-    does anything leaves rounding.
+    does anything leaves rounding. Where a parameter gives the shape, nodes follow the outline, and what K and M change
+    by their motion is added.
 
     Args:
         analysis: solved on the mesh as it lies.
         key: dotted, such as "material.brass.E", "material.wood.orthotropic.G.0" or "parameters.depth".
 
     Raises:
-        UserError: no such number, or one that moves the mesh.
+        UserError: no such number, or one that changes how edges of the shape bend.
         UserError, ReplayProblem: the scene makes no sense a step aside, however short.
 
     Source: docs/theory/free-vibrations.md.
@@ -74,13 +76,18 @@ def _differenced(analysis: SolvedModes, key: str, value: float, step: float) -> 
         UserError, ReplayProblem: the scene makes no sense there.
     """
     state, known, ends = analysis.state, known_modes(analysis), []
-    for changed in (value + step, value - step):
-        scene = revise(state.scene, *_revision(analysis, key, changed))
+    scenes = [revise(state.scene, *_revision(analysis, key, changed)) for changed in (value + step, value - step)]
+    for scene in scenes:
         body = analysis.make(scene, state.plan, state.space, analysis.context.policy.lumped_mass)
         ends.append([_products(body, state.modes.vectors[known], kind) for kind in (STIFFNESS, MASS)])
     stiff, mass_products = ((ahead - behind) / (2.0 * step) for ahead, behind in zip(*ends))
     if not (np.isfinite(stiff).all() and np.isfinite(mass_products).all()):
         raise UserError(f"{value:g} +- {step:g} makes no sense", key, "choose another value")
+    velocity = outline_velocity(state.space, state.scene, scenes, step)
+    if velocity is not None:
+        moved = np.stack([velocity, np.zeros_like(velocity)])
+        by_motion = design_products(analysis, state.modes.vectors[known], state.body.motion(moved)[0])
+        stiff, mass_products = stiff + by_motion[0], mass_products + by_motion[1]
     return rates(analysis, known, stiff, mass_products)
 
 
@@ -88,7 +95,7 @@ def number_at(analysis: SolvedModes, key: str) -> float:
     """The number [SI] that a key names.
 
     Raises:
-        UserError: it names none, or one that moves the mesh.
+        UserError: it names none, or one of another table.
     """
     parts = key.split(".")
     if parts[0] not in KEYS:

@@ -26,16 +26,16 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 
-def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
-    """The outline that a ``ShapeSpec`` describes, in one piece and valid.
+def unchecked_outline(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
+    """The outline that a ``ShapeSpec`` describes, whose loops may cross.
 
     Args:
         spec: a ``ShapeSpec``, the ``[shape]`` of a scene.
         scene_dir: folder that ``shape.file`` is relative to.
 
     Raises:
-        UserError: open, crossing or degenerate loops, unknown or repeated names, unreadable file; with the key below
-            ``shape`` that is wrong.
+        UserError: open or degenerate loops, unknown or repeated names, unreadable file; with the key below ``shape``
+            that is wrong.
     """
     spec = with_file(spec, Path(scene_dir))
     if spec.outline is None:
@@ -55,6 +55,16 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     draft.groups = {name: tuple(parts) for name, parts in spec.groups.items()}
     outline = _located("shape", draft.outline)
     _check_groups(outline)
+    return outline
+
+
+def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
+    """The outline that a ``ShapeSpec`` describes, in one piece and valid; arguments as of `unchecked_outline`.
+
+    Raises:
+        UserError: as `unchecked_outline`; or loops that cross, touch or leave the outline.
+    """
+    outline = unchecked_outline(spec, scene_dir)
     wrong = problem(outline)
     if wrong:
         raise UserError(wrong, _place(outline, wrong), "mend it: loops must neither cross, touch nor leave the outline")

@@ -92,10 +92,16 @@ def bend(outline: Outline) -> Gesture:
     return Gesture("arc", None, False, outline.points, np.zeros(len(outline.points), dtype=bool))
 
 
+def other_curves(outline: Outline, target: Outline) -> bool:
+    """Whether two outlines of the same layout have other bulges or knots: points on edges do not move linearly then."""
+    knots = any(one.knots != other.knots for one, other in zip(outline.edges, target.edges))
+    return knots or not np.array_equal(outline.bulges, target.bulges)
+
+
 def towards(kind: str, outline: Outline, target: Outline) -> Gesture:
-    """The gesture that takes an outline to another one of the same layout at c = (1, 0), for undo and redo."""
+    """The gesture that takes an outline to another one of the same layout at c = (1, 0), for edits without a hand."""
     none = np.zeros(len(outline.points), dtype=bool)
-    if not np.array_equal(outline.bulges, target.bulges):
+    if other_curves(outline, target):
         return Gesture(kind, None, False, outline.points, none)
     step = target.points - outline.points
     return Gesture(kind, np.stack([step, np.zeros_like(step)]), True, outline.points, none)

@@ -7,23 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.scene.given_numbers import value_at
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
-from restshape.scene.source import split_key
-
-
-def value_at(scene: Scene, key: str) -> object:
-    """What a scene holds at a dotted key, in SI units; None where it holds nothing there."""
-    here: object = scene
-    for part in split_key(key):
-        if isinstance(here, dict):
-            here = here.get(part)
-        elif isinstance(here, (list, tuple)):
-            here = here[int(part)] if part.isdigit() and int(part) < len(here) else None
-        else:
-            fields = {field.alias: name for name, field in getattr(type(here), "model_fields", {}).items()}
-            here = getattr(here, fields.get(part, part), None)
-    return here
 
 
 def sweep(scene: Scene, key: str, value: object) -> Callable[[Scene, float], Scene]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -86,6 +87,15 @@ class Layout:
         self.controls = tuple(np.array([e.start, *e.inner, e.end], dtype=np.int32) for e in edges)
         self.entities = self._entities()
         self._swept: dict[tuple[tuple[int, int], ...], SweptArea] = {}
+
+    def with_knots(self, knots: Sequence[tuple[float, ...]]) -> Layout:
+        """The layout of the same topology whose edges have these knots, each as many as it has now."""
+        if all(edge.knots == own for edge, own in zip(self.edges, knots)):
+            return self
+        found = copy(self)
+        found.edges = tuple(replace(edge, knots=own) for edge, own in zip(self.edges, knots))
+        found._swept = {}
+        return found
 
     def swept_area(self, signed: tuple[tuple[int, int], ...]) -> SweptArea:
         """What computes the area of loops, each times its sign, while control points move; made once."""

@@ -185,7 +185,22 @@ class ScriptSession(ABC, Generic[Edited]):
         for _ in range(frames):
             yield self._refusal(why)
 
-    def _why_fixed(self, key: str) -> str:
-        """Why a key of the scene cannot be set, empty where it can."""
-        fixed = next(iter(split_key(key)), "") in FIXED
-        return f"{key} cannot be set during an edit (change the scene, or use --set)" if fixed else ""
+    def _refuse_fixed(self, key: str) -> None:
+        """Refuses a key of the scene that cannot be set.
+
+        Raises:
+            UserError: it holds for the whole session.
+        """
+        if next(iter(split_key(key)), "") in FIXED:
+            raise UserError(f"{key} cannot be set during an edit", do="change the scene, or use --set")
+
+    def _refuse_fixed_changes(self, before: Scene) -> None:
+        """Refuses a parameter that changes, besides, what holds for the whole session.
+
+        Raises:
+            UserError: it has changed such a table since a scene before.
+        """
+        for key in FIXED:
+            if key != "shape" and getattr(before, key) != getattr(self.scene, key):
+                what = f"this changes {key} as well, which cannot be set during an edit"
+                raise UserError(what, do="change the scene, or use --set")

@@ -31,6 +31,7 @@ from restshape.scene.edit_script import (
     names_in_space,
 )
 from restshape.scene.event_line import EventLine
+from restshape.scene.given_numbers import edited_number
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
@@ -39,6 +40,7 @@ from restshape.shape import rigid_body_drag, topology_edits
 from restshape.shape.build import outline_from_spec
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
+from restshape.shape.given_shape import Follow, ShapeFollower
 from restshape.shape.gradual import sweep
 from restshape.shape.handpath import resampled
 from restshape.shape.outline import Entity, Outline
@@ -320,19 +322,17 @@ class EditSession(ScriptSession[Outline]):
         return edge, goal
 
     def _do_set(self, event: Set) -> Iterator[Step]:
-        fixed = self._why_fixed(event.key)
-        if fixed:
-            yield from self._refused(event.frames, fixed)
-            return
-        if event.frames == 1:
-            yield from self._revise_evenly(1, lambda _: revise(self.scene, event.key, event.value))
-            return
         try:
-            part_of = sweep(self.scene, event.key, event.value)
+            key = edited_number(self.scene, event.key, event.value)
+            self._refuse_fixed(key)
+            part_of = sweep(self.scene, key, event.value) if event.frames > 1 else None
         except UserError as error:
             yield from self._refused(event.frames, error)
             return
-        yield from self._revise_evenly(event.frames, lambda part: part_of(self.scene, part))
+        if part_of is None:
+            yield from self._revise_evenly(1, lambda _: revise(self.scene, key, event.value))
+        else:
+            yield from self._revise_evenly(event.frames, lambda part: part_of(self.scene, part))
 
     def _change_body(
         self, event: Rotate | Scale, change: rigid_body_drag.Change, amount: Callable[[float], float]
@@ -347,24 +347,40 @@ class EditSession(ScriptSession[Outline]):
 
     def _revise_evenly(self, frames: int, revised: Callable[[float], Scene]) -> Iterator[Step]:
         """Scenes of the part of an event that is done, a frame each; all of them are undone at once."""
-        before = self._state()
+        before, follower = self._state(), ShapeFollower(self.outline, self.scene)
         for i in range(1, frames + 1):
-            yield self._revised(partial(revised, i / frames))
+            yield self._revised(partial(revised, i / frames), partial(follower, part=i / frames, whole=revised))
         if self._grab is None:
             self._remember(before)
 
-    def _revised(self, revised: Callable[[], Scene]) -> Step:
-        """One frame of an edit that changes the scene, but not the shape."""
-        before = self.scene
+    def _revised(self, revised: Callable[[], Scene], follow: Follow | None = None) -> Step:
+        """One frame of an edit that changes the scene, and of the shape what parameters give of it."""
+        before = self._state()
         try:
             self.scene = revised()
             refuse_lost_names(self.scene, self.outline)
-            refuse_switched(before, self.scene, self._application)
+            refuse_switched(before[1], self.scene, self._application)
+            self._refuse_fixed_changes(before[1])
             self._refuse_new_columns()
+            way = follow(self.outline, self.scene) if follow else None
+            if way is not None:
+                self._refuse_while_held()
+                self.outline = way.outline
         except UserError as error:
-            self.scene = before
+            self.outline, self.scene = before
             return self._refusal(error)
-        return Step(self._scene_change(before, self.scene), **self._grabbed())
+        change = self._scene_change(before[1], self.scene)
+        if way is None:
+            return Step(change, **self._grabbed())
+        if self.outline.topology != before[0].topology:
+            return Step("shape")
+        return Step("move", gesture=way.gesture, c=way.c) if change == "values" else Step(change)
+
+    def _refuse_while_held(self) -> None:
+        """Refuses a change of the shape beneath the hand that holds it."""
+        if self._grab is not None and self._grab.gesture is not None:
+            what = f"this changes the shape, of which the hand holds {self._grab.name}"
+            raise UserError(what, do="release it first")
 
     def _refuse_new_columns(self) -> None:
         """Refuses what would show numbers, such as a further mode, that the replay's table has no column for."""
@@ -407,12 +423,10 @@ class EditSession(ScriptSession[Outline]):
     def _go_to(self, then: State[Outline], kind: str) -> Step:
         now = self._state()
         self.outline, self.scene = then
-        if now[1] is not then[1] and now[0] is not then[0]:
-            # Values were set while the hand held the shape: both come back at once.
-            return Step("shape")
-        if now[1] is not then[1]:
-            return Step(self._scene_change(now[1], then[1]))
-        if now[0].topology != then[0].topology:
+        change = self._scene_change(now[1], then[1])
+        if now[0] is then[0]:
+            return Step(change)
+        if now[0].topology != then[0].topology or change != "values":
             return Step("shape")
         gesture = gestures.towards(kind, *(state[0] for state in (now, then)))
         return Step("move", gesture=gesture, c=(1.0, 0.0))

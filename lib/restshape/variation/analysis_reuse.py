@@ -18,7 +18,7 @@ def can_follow(old: Scene, new: Scene, app: Application, continued: bool) -> boo
         return False
     if not continued and plan(new, app).solver.equations == "nonlinear":
         return False
-    if any(old.raw.get(key) != new.raw.get(key) for key in FIXED) or old.solve != new.solve:
+    if any(getattr(old, key) != getattr(new, key) for key in FIXED):
         return False
     if old.mesh.file != new.mesh.file:
         return False

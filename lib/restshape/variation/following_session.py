@@ -9,13 +9,11 @@ import numpy as np
 from restshape.application import Application
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.shape.gesture import towards
-from restshape.shape.outline import Layout, Outline
+from restshape.shape.gesture import other_curves, towards
+from restshape.shape.given_shape import same_layout, varied
+from restshape.shape.outline import Outline
 from restshape.shape.script_session import Step
 from restshape.shape.session import EditSession
-
-OF_SHAPES = ("shape", "parameters")
-"""Tables whose numbers the outline has taken up."""
 
 
 class Standing(NamedTuple):
@@ -54,9 +52,8 @@ class FollowingSession(EditSession):
         outline: Outline | None = None,
     ) -> None:
         super().__init__(scene, script, application, outline)
-        self._first, self.outline = _first_step(self.outline, scene, before, new_mesh)
-        if self._first.change == "values":
-            self._first.change = self._scene_change(before.scene, scene)
+        change = self._scene_change(before.scene, scene)
+        self._first, self.outline = _first_step(self.outline, before, change, new_mesh)
         self._mark()
 
     @property
@@ -68,26 +65,21 @@ class FollowingSession(EditSession):
         return self._first
 
 
-def _first_step(outline: Outline, scene: Scene, before: Standing, new_mesh: bool) -> tuple[Step, Outline]:
-    """The step from where a session stands to a shape, and the shape as a variation of the one there, where it is."""
+def _first_step(outline: Outline, before: Standing, change: str, new_mesh: bool) -> tuple[Step, Outline]:
+    """The step from where a session stands to a shape, and the shape as a variation of the one there, where it is.
+
+    Args:
+        outline: the shape.
+        before: where the session stands.
+        change: of the scene, as for a shape that stays.
+        new_mesh: as of `FollowingSession`.
+    """
     old = before.outline
-    if (new_mesh and before.moved) or not _same_layout(outline.layout, old.layout):
+    if (new_mesh and before.moved) or not same_layout(outline.layout, old.layout):
         return Step("shape"), outline
-    if np.array_equal(outline.points, old.points) and np.array_equal(outline.bulges, old.bulges):
-        return Step("values"), old
-    if new_mesh or not _same_but_shape(scene, before.scene):
+    wanted = varied(old, outline)
+    if np.array_equal(wanted.points, old.points) and not other_curves(old, wanted):
+        return Step(change), old
+    if new_mesh or change != "values":
         return Step("shape"), outline
-    wanted = old.moved(outline.points, outline.bulges)
     return Step("move", gesture=towards("sweep", old, wanted), c=(1.0, 0.0)), wanted
-
-
-def _same_layout(one: Layout, other: Layout) -> bool:
-    """Whether two layouts have the same names, edges and loops."""
-    keys = ("vertex_names", "edges", "loops", "embedded", "groups")
-    return all(getattr(one, key) == getattr(other, key) for key in keys)
-
-
-def _same_but_shape(one: Scene, other: Scene) -> bool:
-    """Whether two scenes differ in their shapes at most."""
-    keys = [key for key in type(one).model_fields if key not in OF_SHAPES]
-    return type(one) is type(other) and all(getattr(one, key) == getattr(other, key) for key in keys)

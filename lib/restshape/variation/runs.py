@@ -14,7 +14,7 @@ from restshape.policy import Policy, policy
 from restshape.replay.loop import Replay
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
-from restshape.scene.model import Scene
+from restshape.scene.model import Scene, ShapeSpec
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditSession
 from restshape.variation.analysis_reuse import can_follow
@@ -38,7 +38,7 @@ class Sweep:
         self.singular: dict[str, float] = {}
         self._replay: Replay | None = None
         self._moved = False
-        self._start: Outline | None = None
+        self._start: tuple[ShapeSpec, Outline] | None = None
 
     def runs(self, on_frame: Callable[[], None] = lambda: None) -> Iterator[SweptRun]:
         """Each run, as soon as its last frame is done; those that have no result say why.
@@ -117,7 +117,7 @@ class Sweep:
         replay = Replay(scene, script, app, chosen, PETSc.COMM_WORLD, self.request.calibration)
         self._moved, self._start = False, None
         if isinstance(replay.session, EditSession):
-            self._start = replay.session.outline
+            self._start = scene.shape, replay.session.outline
         return replay
 
     def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
@@ -129,7 +129,7 @@ class Sweep:
         # A mesh file is read by a replay of its own alone.
         if imported and (self._moved or scene.mesh != last.scene.mesh):
             return False
-        known = self._start if imported or scene.shape == last.scene.shape else None
+        known = self._start[1] if self._start and (imported or scene.shape == self._start[0]) else None
         before = Standing(last.outline, last.scene, self._moved)
         try:
             session = FollowingSession(scene, script, app, before, self.request.edits is not None, known)
@@ -139,7 +139,7 @@ class Sweep:
         except UserError:
             # A replay of its own says what is wrong.
             return False
-        self._start = session.outline
+        self._start = scene.shape, session.outline
         self._moved &= session.first_change != "shape"
         return True
 

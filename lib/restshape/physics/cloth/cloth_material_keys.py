@@ -2,19 +2,19 @@
 
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema, model_validator
 
 from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
-from restshape.scene.units import UnitError, quantity
-from restshape.scene.values import Measured
+from restshape.scene.units import UnitError
+from restshape.scene.values import Measured, read_number
 
 
-def _read_bending(raw: Any) -> float | tuple[float, float]:
+def _read_bending(raw: Any, info: ValidationInfo) -> float | tuple[float, float]:
     """One bending stiffness, or two, along and across the grain."""
     given = raw if isinstance(raw, (list, tuple)) else [raw, raw]
     if len(given) != 2:
         raise UnitError(f"two bending stiffnesses are wanted, along and across the grain, or one, not {len(given)}")
-    along, across = (quantity(value, "moment") for value in given)
+    along, across = (read_number(value, "moment", info) for value in given)
     if min(along, across) < 0.0:
         raise UnitError(f"{min(along, across):g} is too small", "write a bending stiffness of at least 0")
     return along if given is not raw else (along, across)

@@ -10,7 +10,7 @@ from restshape.physics.cloth.body_columns import body_columns
 from restshape.physics.cloth.thin_bodies import borne, may_come_through
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
-from restshape.scene.values import Strict, number_of
+from restshape.scene.values import Strict, Whole, number_of
 
 REST = 1e-4
 """Tolerance of a scene that names none."""
@@ -145,8 +145,8 @@ class DrapeKeys(Strict):
 
     tolerance: Annotated[number_of("number"), Field(gt=0, lt=1)] | None = None
     strategy: Literal["auto", "kinetic", "rayleigh", "newton", "stabilised", "cg"] = "auto"
-    steps: Annotated[int, Field(ge=1)] = 3_000
-    levels: Annotated[int, Field(ge=1)] | None = None
+    steps: Annotated[Whole, Field(ge=1)] = 3_000
+    levels: Annotated[Whole, Field(ge=1)] | None = None
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys with the tolerance and the number of nested meshes filled in.

@@ -18,9 +18,9 @@ from restshape.scene.load_kind import AREAS, CURVES, ENTITIES, POINTS, LoadKind
 from restshape.scene.model import Scene
 from restshape.scene.physics import Invariant, Physics, PictureField, Section
 from restshape.scene.quantity import QuantityKind
-from restshape.scene.values import value_of
+from restshape.scene.values import Whole, value_of
 
-Number = Annotated[int, Field(ge=1)]
+Number = Annotated[Whole, Field(ge=1)]
 
 LOADS = {
     "force": LoadKind(

@@ -74,7 +74,7 @@ class ElasticMaterial(Material):
     orthotropic: Orthotropic | None = None
     grain: number_of("angle") = 0.0
     rho: Annotated[number_of("density"), Field(ge=0)] = 0.0
-    thickness: Annotated[value_of("length"), AfterValidator(lambda value: _refuse_flat(value))] = 1.0
+    thickness: Annotated[value_of("length", settled=True), AfterValidator(lambda value: _refuse_flat(value))] = 1.0
 
     @model_validator(mode="after")
     def _is_stiff_in_one_way(self) -> Self:

@@ -9,7 +9,7 @@ from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table, table_in, tables_in
-from restshape.scene.values import Strict, number_of
+from restshape.scene.values import Strict, Whole, number_of
 
 
 class ModalKeys(Strict):
@@ -25,7 +25,7 @@ class ModalKeys(Strict):
 
     model_config = ConfigDict(title="Modal")
     model: Literal["solid", "plate", "plane_stress", "plane_strain"] = "solid"
-    modes: Annotated[int, Field(ge=1, le=40)] = 5
+    modes: Annotated[Whole, Field(ge=1, le=40)] = 5
     in_plane: bool = False
     a4: Annotated[number_of("frequency"), Field(gt=0)] = 440.0
 

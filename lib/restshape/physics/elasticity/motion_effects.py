@@ -11,7 +11,7 @@ from restshape.physics.elasticity.solid_effects import ELASTICITY, GRAVITY, LARG
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.units import UnitError
-from restshape.scene.values import Length, Strict, number_of, only_one
+from restshape.scene.values import Length, Number, Strict, Whole, number_of, only_one
 
 Frequency = Annotated[number_of("frequency"), Field(gt=0)]
 
@@ -28,9 +28,9 @@ class DynamicsKeys(Strict):
 
     model_config = ConfigDict(title="Dynamics")
     time_step: Annotated[number_of("time"), Field(ge=1e-15)] = 1e-3
-    steps: Annotated[int, Field(ge=1)] = 20
-    beta: Annotated[float, Field(gt=0, le=0.5)] = 0.25
-    gamma: Annotated[float, Field(ge=0.5, le=1)] = 0.5
+    steps: Annotated[Whole, Field(ge=1)] = 20
+    beta: Annotated[Number, Field(gt=0, le=0.5)] = 0.25
+    gamma: Annotated[Number, Field(ge=0.5, le=1)] = 0.5
     mass: Literal["consistent", "lumped"] = "consistent"
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
@@ -62,7 +62,7 @@ class GroundKeys(Strict):
     """
 
     model_config = ConfigDict(title="Ground")
-    direction: tuple[float, float] = (1.0, 0.0)
+    direction: tuple[Number, Number] = (1.0, 0.0)
     displacement: Length | None = None
     acceleration: number_of("acceleration") | None = None
     frequency: Frequency | None = None
@@ -124,7 +124,7 @@ class ModesBesideKeys(Strict):
     """
 
     model_config = ConfigDict(title="ModesBeside")
-    modes: Annotated[int, Field(ge=1, le=20)] = 3
+    modes: Annotated[Whole, Field(ge=1, le=20)] = 3
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
         """The keys as they are.

@@ -9,7 +9,7 @@ from restshape.errors import UserError
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.key_descriptions import Described
 from restshape.scene.model import Scene
-from restshape.scene.values import Strict
+from restshape.scene.values import Strict, Whole, number_of
 
 NEARLY_INCOMPRESSIBLE = 0.49
 """Poisson's ratio above which displacement elements lock."""
@@ -75,7 +75,7 @@ class PlaneGravityKeys(Described):
     """
 
     model_config = ConfigDict(extra="forbid", title="Gravity")
-    g: Annotated[list[float], Field(min_length=2, max_length=2)] = [0.0, -9.81]
+    g: Annotated[list[number_of("acceleration")], Field(min_length=2, max_length=2)] = [0.0, -9.81]
 
 
 class LargeDeformationKeys(Described):
@@ -86,7 +86,7 @@ class LargeDeformationKeys(Described):
     """
 
     model_config = ConfigDict(extra="forbid", title="LargeDeformation")
-    load_steps: Annotated[int, Field(ge=1)] = 60
+    load_steps: Annotated[Whole, Field(ge=1)] = 60
 
 
 class BucklingKeys(Strict):
@@ -98,7 +98,7 @@ class BucklingKeys(Strict):
     """
 
     model_config = ConfigDict(title="Buckling")
-    modes: Annotated[int, Field(ge=1, le=20)] = 3
+    modes: Annotated[Whole, Field(ge=1, le=20)] = 3
     load: Literal["given", "reversed"] = "given"
 
     def resolve(self, scene: Scene) -> ResolvedSettings:

@@ -126,7 +126,7 @@ def _outline(scene: Scene) -> Outline:
     """The first outline of a scene."""
     file = scene.mesh.file or scene.shape.file
     written = (scene.folder / file).stat().st_mtime_ns if file and (scene.folder / file).is_file() else 0
-    shape = json.dumps(scene.raw.get("shape", {}))
+    shape = json.dumps(scene.shape.model_dump(exclude_unset=True))
     return _read(str(scene.folder), shape, scene.mesh.file or "", scene.mesh.unit, written)
 
 

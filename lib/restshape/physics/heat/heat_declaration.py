@@ -14,7 +14,7 @@ from restshape.scene.quantity import QuantityKind
 from restshape.scene.solver import DEFINITE, SolverPlan, System
 from restshape.scene.source import Source
 from restshape.scene.units import declare_dimension
-from restshape.scene.values import Strict, number_of, value_of
+from restshape.scene.values import Number, Strict, Whole, number_of, value_of
 
 CONDUCTIVITY = declare_dimension("conductivity", "W/(m K)", "50 W/(m K)")
 SPECIFIC_HEAT = declare_dimension("specific heat", "J/(kg K)", "900 J/(kg K)")
@@ -46,8 +46,8 @@ class Storage(Strict):
     """
 
     time_step: Annotated[number_of("time"), Field(gt=0, description="of one step [s]")]
-    steps: Annotated[int, Field(ge=1, description="time steps a frame")] = 1
-    theta: Annotated[float, Field(ge=0.5, le=1, description="1: backward Euler, 1/2: Crank and Nicolson")] = 1.0
+    steps: Annotated[Whole, Field(ge=1, description="time steps a frame")] = 1
+    theta: Annotated[Number, Field(ge=0.5, le=1, description="1: backward Euler, 1/2: Crank and Nicolson")] = 1.0
     initial: Annotated[number_of("temperature"), StartOnly(), Field(description="temperature at time 0 [K]")]
     capacity: Annotated[Literal["consistent", "lumped"], Field(description="matrix of storage")] = "consistent"
 

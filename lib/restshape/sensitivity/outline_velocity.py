@@ -1,0 +1,43 @@
+"""How the nodes of a mesh follow a number of the scene that gives the shape."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.mesh.lagrange_space import LagrangeSpace
+from restshape.mesh.mesh import Mesh
+from restshape.mesh.relocate import BoundaryNodes, motion
+from restshape.scene.model import Scene
+from restshape.shape.build import unchecked_outline
+from restshape.shape.gesture import other_curves
+from restshape.shape.given_shape import followed
+
+
+def outline_velocity(
+    space: Mesh | LagrangeSpace, scene: Scene, ends: Sequence[Scene], step: float
+) -> np.ndarray | None:
+    """Velocities (n, 2) of the nodes of a plane mesh a unit of a number; None where that moves no part of the outline.
+
+    Control points are differenced, and nodes follow them harmonically, as under an edit.
+
+    Args:
+        space: the mesh as it lies, also after edits by hand.
+        scene: of the number as it is; ends: with the number a step larger, and a step smaller.
+        step: of the number.
+
+    Raises:
+        UserError: the number changes how arcs or splines bend, which nodes do not follow linearly.
+    """
+    if all(end.shape == scene.shape for end in ends):
+        return None
+    mesh = space.mesh
+    outline, before = mesh.outline, unchecked_outline(scene.shape, scene.folder)
+    moved = [followed(outline, before, unchecked_outline(end.shape, end.folder)) for end in ends]
+    if any(end.topology != outline.topology or other_curves(outline, end) for end in moved):
+        what = "this number changes how edges of the shape bend, and derivatives are by what moves their points alone"
+        raise UserError(what, do="give arcs by their bulge, and splines by their knots")
+    along = (moved[0].points - moved[1].points) / (2.0 * step)
+    basis = np.stack([along, np.zeros_like(along)])
+    corners = motion(mesh, BoundaryNodes(mesh).basis(outline, basis), "harmonic")
+    return space.motion(corners, basis)[0] if isinstance(space, LagrangeSpace) else corners[0]

@@ -1,0 +1,172 @@
+"""How an outline follows the shape that a scene gives, when parameters change it after edits by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.scene.model import Scene
+from restshape.shape.build import unchecked_outline
+from restshape.shape.gesture import Gesture, other_curves, towards
+from restshape.shape.outline import Edge, Layout, Outline
+from restshape.shape.script_session import STILL
+from restshape.shape.validity import problem
+
+LINEAR = 1e-12
+"""Share of the size of the shape within which control points go along a gesture."""
+
+
+class Way(NamedTuple):
+    """Where an edit without a hand has brought the shape: the outline, the gesture, and its coefficients."""
+
+    outline: Outline
+    gesture: Gesture
+    c: tuple[float, float]
+
+
+Follow = Callable[[Outline, Scene], Way | None]
+"""Where a scene brings a shape; None where that stays."""
+
+
+class ShapeFollower:
+    """Follows the shape that a scene gives through the frames of an event.
+
+    Args:
+        outline: as edits have left it before the event.
+        scene: before the event.
+    """
+
+    def __init__(self, outline: Outline, scene: Scene) -> None:
+        self._start, self._scene = outline, scene
+        self._gesture: Gesture | None = None
+
+    def __call__(self, now: Outline, scene: Scene, part: float, whole: Callable[[float], Scene]) -> Way | None:
+        """Where a scene of a part of the event brings the shape; None where it stays.
+
+        Args:
+            now: the shape.
+            scene: of the part.
+            part: of the event, 0 to 1.
+            whole: gives the scene of any part.
+
+        Raises:
+            UserError: there is no such shape.
+        """
+        if scene.shape == self._scene.shape and now is self._start:
+            return None
+        wanted = self._outline(scene)
+        wrong = problem(wanted)
+        if wrong is not None:
+            raise UserError(wrong)
+        if wanted.topology != now.topology:
+            return Way(wanted, towards("set", now, now), STILL)
+        if np.array_equal(wanted.points, now.points) and not other_curves(now, wanted):
+            return None
+        if self._gesture is None:
+            self._gesture = towards("set", self._start, wanted if part == 1.0 else self._outline(whole(1.0)))
+        if self._goes_along(wanted, part):
+            return Way(wanted, self._gesture, (part, 0.0))
+        self._gesture = towards("set", now, wanted)
+        return Way(wanted, self._gesture, (1.0, 0.0))
+
+    def _goes_along(self, wanted: Outline, part: float) -> bool:
+        """Whether the gesture to the end of the event leads to the shape of a part of it."""
+        gesture = self._gesture
+        if gesture is None or gesture.reference is not self._start.points:
+            return False
+        if not gesture.linear:
+            return True
+        away = float(np.abs(gesture.points((part, 0.0)) - wanted.points).max())
+        return away <= LINEAR * wanted.size and not other_curves(self._start, wanted)
+
+    def _outline(self, scene: Scene) -> Outline:
+        before, after = (unchecked_outline(one.shape, one.folder) for one in (self._scene, scene))
+        return followed(self._start, before, after)
+
+
+def same_layout(one: Layout, other: Layout) -> bool:
+    """Whether two layouts have the same names, edges and loops; knots of edges may differ."""
+    keys = ("vertex_names", "loops", "embedded", "groups")
+    if any(getattr(one, key) != getattr(other, key) for key in keys) or len(one.edges) != len(other.edges):
+        return False
+    return all(_alike(a, b) for a, b in zip(one.edges, other.edges))
+
+
+def varied(outline: Outline, target: Outline) -> Outline:
+    """An outline of the topology of one, with the control points, bulges and knots of another of the same layout.
+
+    Polylines keep their knots, which do not change them.
+    """
+    knots = [b.knots if b.kind == "spline" else a.knots for a, b in zip(outline.edges, target.edges)]
+    return Outline(outline.layout.with_knots(knots), target.points, target.bulges)
+
+
+def followed(outline: Outline, before: Outline, after: Outline) -> Outline:
+    """The outline that edits have left, after the shape that the scene gives has changed.
+
+    What edits have moved keeps its distance from where the scene has it. Vertices that edits have inserted, and holes
+    that they have cut, stay where they are.
+
+    Args:
+        outline: as edits have left it.
+        before: the shape that the scene gave until now; after: the one that it gives from now on.
+
+    Raises:
+        UserError: an edge whose points change was cut by an edit, or edits were made on another layout.
+    """
+    if not same_layout(before.layout, after.layout):
+        if same_layout(outline.layout, before.layout) and np.array_equal(outline.points, before.points):
+            return after
+        what = "the scene gives the shape other edges now, and edits by hand have changed those before"
+        raise UserError(what, do="set it before the shape is edited")
+    points, bulges = outline.points.copy(), outline.bulges.copy()
+    knots = [edge.knots for edge in outline.edges]
+    for place, old in _vertices(outline, before):
+        points[place] = _shifted(points[place], before.points[old], after.points[old])
+    for place, old in _edges(outline, before, after):
+        own, was = list(outline.edges[place].inner), list(before.edges[old].inner)
+        points[own] = _shifted(points[own], before.points[was], after.points[was])
+        bulges[place] = _shifted(bulges[place], before.bulges[old], after.bulges[old])
+        if outline.edges[place].kind == "spline" and knots[place] == before.edges[old].knots:
+            knots[place] = after.edges[old].knots
+    return Outline(outline.layout.with_knots(knots), points, bulges)
+
+
+def _alike(one: Edge, other: Edge) -> bool:
+    return len(one.knots) == len(other.knots) and replace(one, knots=()) == replace(other, knots=())
+
+
+def _shifted(now: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Numbers moved as others are; exactly those others where they were the same."""
+    return np.where(now == before, after, now + (after - before))
+
+
+def _vertices(outline: Outline, before: Outline) -> Iterator[tuple[int, int]]:
+    """Vertices that both have: their places in each."""
+    there = {name: i for i, name in enumerate(outline.vertex_names)}
+    return ((there[name], i) for i, name in enumerate(before.vertex_names) if name in there)
+
+
+def _edges(outline: Outline, before: Outline, after: Outline) -> Iterator[tuple[int, int]]:
+    """Edges that both have, of one kind and as many points: their places in each."""
+    there = {edge.name: i for i, edge in enumerate(outline.edges)}
+    for i, edge in enumerate(before.edges):
+        place = there.get(edge.name)
+        own = None if place is None else outline.edges[place]
+        if own is not None and (own.kind, len(own.inner)) == (edge.kind, len(edge.inner)):
+            yield there[edge.name], i
+        elif _curve_changes(before, after, i) and any(piece.parent == edge.name for piece in outline.edges):
+            what = f"an edit has cut or bent the edge {edge.name!r}, so that the scene does not give its form any more"
+            raise UserError(what, do="undo that edit, or set the parameter before it")
+
+
+def _curve_changes(before: Outline, after: Outline, edge: int) -> bool:
+    """Whether an edge that is not straight changes from one outline to the other."""
+    controls = before.layout.controls[edge]
+    moves = not np.array_equal(before.points[controls], after.points[controls])
+    bends = before.bulges[edge] != after.bulges[edge]
+    return bool(bends or (moves and before.edges[edge].kind != "line"))
