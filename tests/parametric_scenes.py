@@ -7,7 +7,7 @@ from restshape.scene.model import Scene
 
 HEAD = """format = "restshape-scene"
 version = 1
-app = "solid"
+app = "plane"
 """
 REST = """
 [material.steel]

@@ -8,6 +8,8 @@ import pytest
 from parametric_scenes import BRACKET, PLATE, write_scene
 
 from restshape.export.toml_scene import toml_text
+from restshape.replay.recording import Recording
+from restshape.report.goal_curves import goals_of
 from restshape.scene.given_numbers import given_numbers
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
@@ -165,3 +167,12 @@ def test_a_scene_without_formulas_has_no_table_of_them(command, tmp_path):
     path = write_scene(tmp_path)
     assert "formulas" in command("check", path).stdout.splitlines()
     assert "formulas" not in command("check", written_by_hand(tmp_path, path)).stdout.splitlines()
+
+
+def test_a_recorded_goal_of_formulas_is_drawn(command, tmp_path):
+    body = PLATE + '[goal.line]\npolyline = [["width", 0], ["width", "height/2"]]\n'
+    done = command("replay", write_scene(tmp_path, body), "--out", tmp_path / "out.vtkhdf")
+    assert done.returncode == 0, done.stderr
+    with Recording(tmp_path / "out.vtkhdf") as recording:
+        (curve,) = goals_of(recording)
+    assert curve[0].tolist() == [0.3, 0.0] and curve[-1] == pytest.approx([0.3, 0.05])

@@ -7,19 +7,14 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
-from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import length_unit, scaled_unit, si
-from restshape.replay.layout import bad
 from restshape.replay.recording import Recording
-from restshape.report.field import ShownField, physics_of, shown_field, true_scale
+from restshape.report.field import ShownField, shown_field, true_scale
+from restshape.report.goal_curves import goals_of
 from restshape.report.style import BODY, COLOURS, SIGNED
 from restshape.report.survey import Survey, colour_range, known_displacement, survey
-from restshape.scene.parameters import read_parameters
-from restshape.scene.physics import Section
-from restshape.scene.plain_values import tables_in
-from restshape.scene.source import Source
 
 SHARE = 0.08
 MARGIN = 0.02
@@ -148,20 +143,3 @@ def scenery(
     deforms = "displacement" in recording.fields
     extent = (float(xmin), float(xmax), float(ymin), float(ymax))
     return Scenery(scale, exact, extent, known, bottom, top, seen, goals, deforms)
-
-
-def _curves(section: Section, key: str, recording: Recording) -> list[np.ndarray]:
-    scene = recording.header.get("scene_values")
-    raw = scene if isinstance(scene, dict) else {}
-    known = {"parameters": read_parameters(raw, Source(recording.path, recorded=True))}
-    try:
-        found = [section.model.model_validate(one, context=known) for one in tables_in(raw, key).values()]
-        return [section.curve_of(one) for one in found]
-    except ValidationError as error:
-        raise bad(recording.path, f"[{key}] of its scene: {error.errors(include_url=False)[0]['msg']}") from None
-
-
-def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
-    """The goals (m, 2) [m] of the recorded scene; those that an edit has set later are not known."""
-    sections = [item for one in physics_of(recording) for item in one.sections.items()]
-    return tuple(curve for key, section in sections if section.curve for curve in _curves(section, key, recording))

@@ -6,16 +6,17 @@ from restshape.application import Application
 from restshape.bounds import FILE_NAME_BYTES
 from restshape.scene.bodies import bodies_of
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
-from restshape.scene.formula_checks import formulas
+from restshape.scene.formula_checks import check_units, formulas
 from restshape.scene.load_kind import ENTITIES, any_of
 from restshape.scene.model import EdgeLoop, Load, Quantity, Scene
 from restshape.scene.permits import outside
+from restshape.scene.scene_parameters import Parameters
 from restshape.scene.source import Source, suggestion
 from restshape.scene.units import LEAST, UnitError, article, refuse_impossible
 
 
-def check_scene(scene: Scene, application: Application, source: Source) -> None:
-    """Checks all that needs neither geometry nor a mesh.
+def check_scene(scene: Scene, application: Application, source: Source, parameters: Parameters) -> None:
+    """Checks all that needs neither geometry nor a mesh, with the parameters of the scene.
 
     Raises:
         UserError: the first thing that makes no sense.
@@ -25,6 +26,7 @@ def check_scene(scene: Scene, application: Application, source: Source) -> None:
     for physics in application.physics:
         if physics.check:
             physics.check(scene, source)
+    check_units(scene, parameters, source)
 
 
 def _check_recording(scene: Scene, application: Application, source: Source) -> None:

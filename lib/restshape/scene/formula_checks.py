@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pydantic import BaseModel
 
 from restshape.scene.expressions import Expression
-from restshape.scene.parameters import Parameters
+from restshape.scene.scene_parameters import Parameters
 from restshape.scene.source import Source
 from restshape.scene.units import UnitError
 

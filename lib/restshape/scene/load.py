@@ -12,13 +12,12 @@ from restshape.application import Application, application
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
 from restshape.scene.foreign import refuse_foreign
-from restshape.scene.formula_checks import check_units
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
-from restshape.scene.parameters import read_parameters
 from restshape.scene.plain_values import Table, excess
 from restshape.scene.plan import plan
 from restshape.scene.registered import checked_applications, installed_physics
 from restshape.scene.renamed import other_name
+from restshape.scene.scene_parameters import read_parameters
 from restshape.scene.scene_type import joined_sections, scene_type
 from restshape.scene.source import Source, read_text, split_key, suggestion
 from restshape.scene.validation_errors import user_error
@@ -277,8 +276,7 @@ def _scene(raw: Table, source: Source) -> Scene:
         except ValidationError as error:
             raise user_error(error, source, model, ("effects", name)) from error
     scene = scene.model_copy(update={"effects": effects})
-    check_scene(scene, app, source)
-    check_units(scene, parameters, source)
+    check_scene(scene, app, source, parameters)
     scene._source, scene._raw = source, raw
     return _decided(scene, app)
 

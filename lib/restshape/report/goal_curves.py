@@ -1,0 +1,29 @@
+"""Goals of recorded scenes, as curves that pictures show."""
+
+import numpy as np
+from pydantic import ValidationError
+
+from restshape.replay.layout import bad
+from restshape.replay.recording import Recording
+from restshape.report.field import physics_of
+from restshape.scene.physics import Section
+from restshape.scene.plain_values import tables_in
+from restshape.scene.scene_parameters import read_parameters
+from restshape.scene.source import Source
+
+
+def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:
+    """The goals (m, 2) [m] of the recorded scene; those that an edit has set later are not known."""
+    sections = [item for one in physics_of(recording) for item in one.sections.items()]
+    return tuple(curve for key, section in sections if section.curve for curve in _curves(section, key, recording))
+
+
+def _curves(section: Section, key: str, recording: Recording) -> list[np.ndarray]:
+    scene = recording.header.get("scene_values")
+    raw = scene if isinstance(scene, dict) else {}
+    known = {"parameters": read_parameters(raw, Source(recording.path, recorded=True))}
+    try:
+        found = [section.model.model_validate(one, context=known) for one in tables_in(raw, key).values()]
+        return [section.curve_of(one) for one in found]
+    except ValidationError as error:
+        raise bad(recording.path, f"[{key}] of its scene: {error.errors(include_url=False)[0]['msg']}") from None
