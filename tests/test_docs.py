@@ -15,7 +15,9 @@ from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.model import ShapeSpec
 from restshape.scene.registered import installed_physics
+from restshape.scene.scene_parameters import Parameters, read_parameters
 from restshape.scene.scene_type import any_scene_type, scene_type
+from restshape.scene.source import Source
 from restshape.scene.values import annotation_of
 from restshape.shape.build import outline_from_spec
 
@@ -84,20 +86,26 @@ def validate_part(tables: dict[str, Any]) -> None:
     installed = applications()
     apps = [installed[tables["app"]]] if "app" in tables else list(installed.values())
     kind = scene_type(apps[0].physics) if "app" in tables else any_scene_type(installed_physics(apps))
+    known = parameters_of(tables)
     for key, table in tables.items():
         if key != "shape" or table:
-            TypeAdapter(annotation_of(kind.model_fields[key])).validate_python(table)
+            TypeAdapter(annotation_of(kind.model_fields[key])).validate_python(table, context=known)
     for name, settings in tables.get("effects", {}).items():
         models = [app.effects[name].model for app in apps if name in app.effects]
-        errors = [error for model in models if (error := refusal(model, settings))]
+        errors = [error for model in models if (error := refusal(model, settings, known))]
         if len(errors) == len(models):
             raise errors[0] if errors else KeyError(name)
 
 
-def refusal(model: Any, settings: object) -> ValidationError | None:
+def parameters_of(tables: dict[str, Any]) -> dict[str, Parameters]:
+    """What formulas of tables are made of, for their validation."""
+    return {"parameters": read_parameters(tables, Source(Path("part.toml")))}
+
+
+def refusal(model: Any, settings: object, known: dict[str, Parameters]) -> ValidationError | None:
     """What a model finds wrong with settings; None where nothing is."""
     try:
-        model.model_validate(settings)
+        model.model_validate(settings, context=known)
     except ValidationError as error:
         return error
     return None
@@ -116,7 +124,7 @@ def test_scenes_and_parts_of_them_are_valid(place, text, tmp_path):
     else:
         validate_part(tables)
     if tables.get("shape", {}).get("outline"):
-        outline_from_spec(ShapeSpec.model_validate(tables["shape"]), tmp_path)
+        outline_from_spec(ShapeSpec.model_validate(tables["shape"], context=parameters_of(tables)), tmp_path)
 
 
 @pytest.mark.skipif(not set(applications()) >= SHIPPED, reason="pages show scenes of applications that are absent")
