@@ -128,6 +128,10 @@ class Mesh(NodesAndCells):
         """The mesh itself, as of any space over one."""
         return self
 
+    def motion(self, Psi: np.ndarray, _: np.ndarray | None = None) -> np.ndarray:
+        """Displacements (2, n, d) of all nodes from those of the corners: the same, for there are no other nodes."""
+        return Psi
+
     def on_corners(self, gradient: np.ndarray) -> np.ndarray:
         """A gradient (n, d) by the places of the corners: the same, for there are no other nodes."""
         return gradient

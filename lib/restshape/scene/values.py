@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Union, get_args, get_origin
 from pydantic import (
     BeforeValidator,
     ConfigDict,
+    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     ValidationInfo,
@@ -219,6 +220,8 @@ Whole = Annotated[
     WithJsonSchema({"anyOf": [{"type": "integer"}, {"type": "string"}]}),
 ]
 """A whole number, in a scene also by a formula of the parameters."""
+Ordinal = Annotated[Whole, Field(ge=1)]
+"""1, 2, ..."""
 Length = Annotated[float, InSI("length")]
 Angle = Annotated[float, InSI("angle")]
 Time = Annotated[float, InSI("time")]

@@ -40,4 +40,4 @@ def outline_velocity(
     along = (moved[0].points - moved[1].points) / (2.0 * step)
     basis = np.stack([along, np.zeros_like(along)])
     corners = motion(mesh, BoundaryNodes(mesh).basis(outline, basis), "harmonic")
-    return space.motion(corners, basis)[0] if isinstance(space, LagrangeSpace) else corners[0]
+    return space.motion(corners, basis)[0]

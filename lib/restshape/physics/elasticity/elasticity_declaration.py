@@ -1,7 +1,7 @@
 """What scenes of elastic solids may say."""
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -18,9 +18,7 @@ from restshape.scene.load_kind import AREAS, CURVES, ENTITIES, POINTS, LoadKind
 from restshape.scene.model import Scene
 from restshape.scene.physics import Invariant, Physics, PictureField, Section
 from restshape.scene.quantity import QuantityKind
-from restshape.scene.values import Whole, value_of
-
-Number = Annotated[Whole, Field(ge=1)]
+from restshape.scene.values import Ordinal, value_of
 
 LOADS = {
     "force": LoadKind(
@@ -68,16 +66,16 @@ QUANTITIES = {
         summary='the distance between a goal and the deformed edges, counted from both: "mean" is half the mean along '
         "the edges of their distance from the goal plus half the mean along the goal of its distance from them",
     ),
-    "frequency": QuantityKind(Number, "frequency", "sum", True, "2: the second lowest frequency"),
+    "frequency": QuantityKind(Ordinal, "frequency", "sum", True, "2: the second lowest frequency"),
     "mode": QuantityKind(
-        Number,
+        Ordinal,
         "frequency",
         "sum",
         True,
         "2: the frequency of the mode that was the second one at the start, wherever it has gone since",
     ),
     "load_factor": QuantityKind(
-        Number,
+        Ordinal,
         "number",
         "sum",
         True,
