@@ -3,8 +3,6 @@
 from dataclasses import replace
 from typing import Literal
 
-from pydantic import Field
-
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN, LARGE, SOLID
 from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS, ElasticMaterial
 from restshape.physics.elasticity.elasticity_scene_checks import check_motion, check_solids, check_vibrations
