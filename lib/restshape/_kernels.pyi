@@ -77,6 +77,13 @@ class Body:
         radius: typing.SupportsFloat | typing.SupportsIndex,
     ) -> Body: ...
     @staticmethod
+    def cylinder(
+        start: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        end: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        radius: typing.SupportsFloat | typing.SupportsIndex,
+        rounded: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> Body: ...
+    @staticmethod
     def plane(
         point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

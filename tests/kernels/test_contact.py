@@ -18,6 +18,8 @@ BODIES = {
     "box": k.Body.box(CENTRE, HALF, TURN),
     "rounded box": k.Body.box(CENTRE, HALF, TURN, 0.1),
     "capsule": k.Body.capsule(*ENDS, 0.2),
+    "cylinder": k.Body.cylinder(*ENDS, 0.4),
+    "rounded cylinder": k.Body.cylinder(*ENDS, 0.4, 0.1),
 }
 
 
@@ -34,12 +36,25 @@ def line_distance(x: np.ndarray) -> np.ndarray:
     return np.array([np.sqrt(((line - p) ** 2).sum(axis=1).min()) for p in x]) - 0.2
 
 
+def cylinder_distance(x: np.ndarray, rounded: float) -> np.ndarray:
+    """From a cylinder without its rounding, by clipping along its axis and across; outside of that core only."""
+    y, axis = x - ENDS.mean(axis=0), (ENDS[1] - ENDS[0]) / np.linalg.norm(ENDS[1] - ENDS[0])
+    half = 0.5 * np.linalg.norm(ENDS[1] - ENDS[0]) - rounded
+    along = y @ axis
+    across = y - np.outer(along, axis)
+    length = np.linalg.norm(across, axis=1)[:, None]
+    nearest = across * np.minimum(1.0, (0.4 - rounded) / length) + np.outer(np.clip(along, -half, half), axis)
+    return np.linalg.norm(y - nearest, axis=1) - rounded
+
+
 EXACT = {
     "sphere": lambda x: np.linalg.norm(x - CENTRE, axis=1) - 0.4,
     "plane": lambda x: (x - CENTRE) @ NORMAL,
     "box": lambda x: box_distance(x, 0.0),
     "rounded box": lambda x: box_distance(x, 0.1),
     "capsule": line_distance,
+    "cylinder": lambda x: cylinder_distance(x, 0.0),
+    "rounded cylinder": lambda x: cylinder_distance(x, 0.1),
 }
 
 
@@ -54,12 +69,19 @@ def places(name: str, count: int = 400) -> np.ndarray:
         axis = rng.integers(0, 3, half)
         local[np.arange(half), axis] = core[axis] * rng.choice([-1, 1], half) * (1 + rng.uniform(-0.02, 0.02, half))
         x[:half] = local @ TURN + CENTRE
-    elif name == "capsule":
+    elif name == "capsule" or "cylinder" in name:
         along = ENDS[1] - ENDS[0]
         offset = rng.uniform(-1, 1, (half, 3))
         offset -= np.outer(offset @ along, along) / (along @ along)
         x[:half] = ENDS[rng.integers(0, 2, half)] + offset + np.outer(rng.uniform(-0.02, 0.02, half), along)
-    outside = EXACT[name](x) > (1e-3 if name == "box" else -0.09)
+    if "cylinder" in name:
+        # A quarter near the border of the curved side and the rim.
+        axis, core = along / np.linalg.norm(along), 0.1 if "rounded" in name else 0.0
+        y = x[: half // 2] - ENDS.mean(axis=0)
+        across = y - np.outer(y @ axis, axis)
+        across *= ((0.4 - core) * (1 + rng.uniform(-0.02, 0.02, len(y))) / np.linalg.norm(across, axis=1))[:, None]
+        x[: half // 2] = ENDS.mean(axis=0) + across + np.outer(rng.uniform(-0.8, 0.8, len(y)), axis)
+    outside = EXACT[name](x) > (1e-3 if name in ("box", "cylinder") else -0.09)
     return x[outside]
 
 
@@ -94,15 +116,19 @@ class TestDistance:
 
     def test_inside_is_negative_and_leads_out(self, name):
         x = CENTRE - 0.03 * NORMAL + np.random.default_rng(2).uniform(-0.02, 0.02, (20, 3))
-        if name == "capsule":
+        if name == "capsule" or "cylinder" in name:
             x += ENDS.mean(axis=0) - CENTRE
         distance, gradient, _ = BODIES[name].distance(x)
         assert (distance < 0).all()
         np.testing.assert_allclose(BODIES[name].distance(x - distance[:, None] * gradient)[0], 0.0, atol=1e-12)
 
 
+DRUMS = [(k.Body.cylinder(*ENDS, radius), ENDS.mean(axis=0)) for radius in (0.1, 0.9)]
+"""A long one and a flat one."""
+
+
 def test_middles_of_bodies_have_a_way_out():
-    for body, middle in ((BODIES["sphere"], CENTRE), (BODIES["capsule"], ENDS.mean(axis=0))):
+    for body, middle in ((BODIES["sphere"], CENTRE), (BODIES["capsule"], ENDS.mean(axis=0)), *DRUMS):
         distance, gradient, hessian = body.distance(middle[None])
         assert distance[0] < 0 and np.isclose(np.linalg.norm(gradient), 1.0) and np.isfinite(hessian).all()
 
@@ -113,6 +139,27 @@ def test_a_capsule_without_length_is_a_sphere():
         np.testing.assert_allclose(found, expected, atol=1e-15)
 
 
+def test_a_cylinder_rounded_all_over_is_a_capsule():
+    """Of radius 0.2 and length 2 + 2 * 0.2, whose flat ends have shrunk to points."""
+    axis = np.array([0.6, 0.0, 0.8])
+    drum = k.Body.cylinder(CENTRE - 1.2 * axis, CENTRE + 1.2 * axis, 0.2, 0.2)
+    x = CENTRE + np.random.default_rng(4).uniform(-2, 2, (200, 3))
+    for found, expected in zip(drum.distance(x), k.Body.capsule(CENTRE - axis, CENTRE + axis, 0.2).distance(x)):
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_the_curvatures_of_a_rim():
+    """Of a torus at an angle t from the plane of its circle R: 1/d along the meridian, cos t/(R + d cos t) around."""
+    R, d, t = 0.3, 0.25, 0.7
+    drum = k.Body.cylinder([0, 0, -1], [0, 0, 1], R + 0.1, 0.1)
+    x = np.array([[R + d * np.cos(t), 0.0, 0.9 + d * np.sin(t)]])
+    value, gradient, hessian = drum.distance(x)
+    assert value[0] == pytest.approx(d - 0.1, rel=1e-14)
+    np.testing.assert_allclose(gradient[0], [np.cos(t), 0, np.sin(t)], atol=1e-15)
+    found = sorted(np.linalg.eigvalsh(hessian[0]))
+    np.testing.assert_allclose(found, [0.0, np.cos(t) / (R + d * np.cos(t)), 1 / d], atol=1e-13)
+
+
 @pytest.mark.parametrize(
     "make",
     [
@@ -121,6 +168,11 @@ def test_a_capsule_without_length_is_a_sphere():
         lambda: k.Body.box(CENTRE, HALF, 2 * TURN),
         lambda: k.Body.box(CENTRE, HALF, TURN, 0.25),
         lambda: k.Body.capsule(*ENDS, -1.0),
+        lambda: k.Body.cylinder(*ENDS, 0.0),
+        lambda: k.Body.cylinder(ENDS[0], ENDS[0], 0.4),
+        lambda: k.Body.cylinder(*ENDS, 0.4, 0.41),
+        lambda: k.Body.cylinder(*ENDS, 0.9, 0.6),
+        lambda: k.Body.cylinder(*ENDS, 0.4, -0.1),
     ],
 )
 def test_impossible_bodies_are_refused(make):
@@ -138,7 +190,7 @@ def contact_of(body, x, curved=True, stiffness=STIFFNESS):
     return energy, table[:, 3:6], table[:, 6:][:, [[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
 
 
-@pytest.mark.parametrize("name", ["sphere", "rounded box", "capsule"])
+@pytest.mark.parametrize("name", ["sphere", "rounded box", "capsule", "rounded cylinder"])
 class TestPenalty:
     def near(self, name):
         x = places(name, 4000)

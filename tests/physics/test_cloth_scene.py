@@ -220,16 +220,21 @@ plane = { point = [0, 0, -1], normal = [0, 0, 3] }
 friction = "half"
 [bodies.bar]
 capsule = { start = [0, 0, 3], end = [1, 0, 3], radius = 0.5 }
+[bodies.drum]
+cylinder = { start = [0, 0, 6], end = [0, 0, "6 + 2*half"], radius = 0.5, rounded = "10 cm" }
 """
 
 
 def test_bodies_are_where_the_scene_says(tmp_path):
     found, _ = arguments(tmp_path, BALL, BODIES, CONTACT)
-    ball, box, floor, bar = (body for body, _ in found.bodies)
-    assert [friction for _, friction in found.bodies] == [0.3, 0.0, 0.5, 0.0]
+    ball, box, floor, bar, drum = (body for body, _ in found.bodies)
+    assert [friction for _, friction in found.bodies] == [0.3, 0.0, 0.5, 0.0, 0.0]
     assert ball.distance(np.array([[0.5, 0.5, 0.0]]))[0][0] == pytest.approx(0.05, abs=1e-15)
     assert floor.distance(np.array([[5.0, 7.0, 0.5]]))[0][0] == pytest.approx(1.5, abs=1e-15)
     assert bar.distance(np.array([[2.0, 0.0, 3.0]]))[0][0] == pytest.approx(0.5, abs=1e-15)
+    # Above its end, beside it, and diagonally off the circle of radius 0.4 in its rim.
+    places = np.array([[0.1, 0.2, 7.5], [0.0, 2.0, 6.5], [0.4 + 0.3, 0.0, 6.9 + 0.4]])
+    np.testing.assert_allclose(drum.distance(places)[0], [0.5, 1.5, 0.4], atol=1e-14)
     # The long axis of the box points to 30 degrees from x towards y.
     along = np.array([np.sqrt(0.75), 0.5, 0.0])
     value, gradient, _ = box.distance(np.array([[2.0, 0.0, 0.0] + 0.8 * along]))

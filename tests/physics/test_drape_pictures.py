@@ -149,6 +149,15 @@ BODIES = {
         {"capsule": {"start": [-0.3, 0, 0.1], "end": [0.3, 0.8, 0.1], "radius": 0.25}},
         np.pi * 0.0625 * 1.0 + 4 / 3 * np.pi * 0.25**3,
     ),
+    "cylinder": (
+        {"cylinder": {"start": [-0.3, 0, 0.1], "end": [0.3, 0.8, 0.1], "radius": 0.25}},
+        np.pi * 0.0625 * 1.0,
+    ),
+    "round cylinder": (
+        {"cylinder": {"start": [-0.3, 0, 0.1], "end": [0.3, 0.8, 0.1], "radius": 0.5, "rounded": 0.1}},
+        # Its middle, and both ends: the integral of pi (0.4 + sqrt(0.01 - s^2))^2 over s from 0 to 0.1.
+        np.pi * 0.25 * 0.8 + 2 * np.pi * (0.16 * 0.1 + 0.8 * np.pi * 0.01 / 4 + 2e-3 / 3),
+    ),
     "box": ({"box": {"center": [0, 0.1, 0], "half": [0.5, 0.3, 0.2], "rotate": [0.3, 0.5, 1.1]}}, 8 * 0.03),
     "round box": (
         {"box": {"center": [0, 0.1, 0], "half": [0.5, 0.3, 0.2], "rotate": [0.3, 0.5, 1.1], "radius": 0.1}},

@@ -116,6 +116,7 @@ def test_vtk_warps_the_pattern_to_where_the_cloth_lies(cloth):
 BODIES = {
     "table": {"box": {"center": [0, 1, 2], "half": [3, 4, 5], "rotate": [0.1, 0.2, 0.3], "radius": 0.5}},
     "bar": {"capsule": {"start": [0, -1, 0], "end": [0, 1, 0.5], "radius": 0.05}, "friction": 0.4},
+    "drum": {"cylinder": {"start": [0, 0, -2], "end": [0, 0, -1], "radius": 0.5, "rounded": 0.01}},
     "floor-2": {"plane": {"point": [0, 0, -1], "normal": [0, 0.6, 0.8]}},
 }
 
@@ -123,7 +124,7 @@ BODIES = {
 def test_all_kinds_of_bodies_come_back_from_their_columns():
     bodies = {name: Body.model_validate(given) for name, given in BODIES.items()}
     row = body_row(bodies, body_columns(bodies))
-    assert row["bodies.bar.capsule.end.2"] == 0.5 and len(row) == 11 + 8 + 7
+    assert row["bodies.bar.capsule.end.2"] == 0.5 and len(row) == 11 + 8 + 9 + 7
     table = {name: np.array([value]) for name, value in row.items()}
     assert recorded_bodies(table, 0) == bodies
 
@@ -133,4 +134,4 @@ def test_a_body_that_becomes_of_another_kind_is_not_recorded():
     names = body_columns(bodies)
     row = body_row(bodies | {"bar": Body.model_validate({"sphere": {"center": [0, 0, 0], "radius": 1}})}, names)
     table = {name: np.array([row.get(name, np.nan)]) for name in names}
-    assert set(recorded_bodies(table, 0)) == {"table", "floor-2"}
+    assert set(recorded_bodies(table, 0)) == {"table", "drum", "floor-2"}

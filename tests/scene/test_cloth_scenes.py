@@ -36,6 +36,8 @@ def test_each_kind_of_body():
     assert evaluated(plane={"point": [0, 0, "1 cm"], "normal": [0, 0, 2]}).form.point[2] == 0.01
     assert evaluated(box={"center": [0, 0, 0], "half": [1, 1, 1]}).form.rotate == (0.0, 0.0, 0.0)
     assert evaluated(capsule={"start": [0, 0, 0], "end": [0, 1, 0], "radius": 1}, friction="k").friction == 2.0
+    drum = evaluated(cylinder={"start": [0, 0, 0], "end": [0, "k", 0], "radius": 1, "rounded": "k/4"}).form
+    assert (drum.end[1], drum.rounded) == (2.0, 0.5)
 
 
 @pytest.mark.parametrize(
@@ -46,6 +48,10 @@ def test_each_kind_of_body():
         ({"box": {"center": [0, 0, 0], "half": [1, 0, 1]}}, "greater than 0"),
         ({"box": {"center": [0, 0, 0], "half": [1, 1, 1], "radius": "1.1 m"}}, "at most the smallest half size, 1 m"),
         ({"capsule": {"start": [0, 0, 0], "end": [0, 0, 1], "radius": "1/(k - 2)"}}, "gives inf"),
+        ({"cylinder": {"start": [0, 0, "k"], "end": [0, 0, 2], "radius": 1}}, "ends of the cylinder are one place"),
+        ({"cylinder": {"start": [0, 0, 0], "end": [0, 0, 1], "radius": 1, "rounded": "k/3"}}, "half length, 0.5 m"),
+        ({"cylinder": {"start": [0, 0, 0], "end": [0, 0, 9], "radius": 1, "rounded": "1.1 m"}}, "half length, 1 m"),
+        ({"cylinder": {"start": [0, 0, 0], "end": [0, 0, 9], "radius": 0}}, "greater than 0"),
         ({"sphere": {"center": [0, 0, 0], "radius": 1}, "friction": -0.1}, "at least 0"),
     ],
 )

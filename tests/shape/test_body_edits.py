@@ -19,6 +19,10 @@ BAR = """
 [bodies.bar]
 capsule = { start = [-1, 0, 0], end = [1, 0, 2], radius = 0.1 }
 """
+DRUM = """
+[bodies.drum]
+cylinder = { start = [0, 0, -3], end = [2, 0, -3], radius = 0.2, rounded = 0.02 }
+"""
 LIFT = """
 [supports.lift]
 on = "c"
@@ -27,7 +31,7 @@ fix = { x = 0, z = "1 cm" }
 
 
 def frames_of(folder, *events):
-    text = CLOTH + PIN + BALL + CONTACT + BOX + FLOOR + BAR + LIFT
+    text = CLOTH + PIN + BALL + CONTACT + BOX + FLOOR + BAR + DRUM + LIFT
     session = EditSession(*scene_and_script(folder, list(events), text))
     return list(session.frames())
 
@@ -130,6 +134,17 @@ def test_a_sweep_is_undone_and_redone_at_once(tmp_path):
     assert [f.change for f in frames[-4:]] == ["values"] * 4
     scenes = [f.scene for f in (frames[5], frames[0], frames[5], frames[8])]
     assert all(f.scene is scene for f, scene in zip(frames[-4:], scenes))
+
+
+def test_a_cylinder_is_moved_turned_and_scaled(tmp_path):
+    turn = {"do": "rotate", "on": "drum", "by": "90 deg"}
+    hold = [{"do": "press", "on": "drum"}, {"do": "drag", "to": [1, 1, -2]}, {"do": "release"}]
+    frames = frames_of(tmp_path, turn, {"do": "scale", "on": "drum", "factor": 2}, *hold)
+    turned, grown, moved = (form(frame, "drum") for frame in (frames[1], frames[2], frames[-1]))
+    np.testing.assert_allclose([turned.start, turned.end], [[1, -1, -3], [1, 1, -3]], atol=1e-15)
+    np.testing.assert_allclose([grown.start, grown.end], [[1, -2, -3], [1, 2, -3]], atol=1e-15)
+    assert (grown.radius, grown.rounded) == (0.4, 0.04)
+    np.testing.assert_allclose([moved.start, moved.end], [[1, -1, -2], [1, 3, -2]], atol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -32,13 +32,14 @@ def _scaled(least: float, most: float) -> st.SearchStrategy[list[float]]:
 def bodies(draw: st.DrawFn) -> Table:
     """A body somewhere below the cloth, or in it."""
     middle = [draw(numbers(-0.6, 0.6)), draw(numbers(-0.6, 0.6)), draw(numbers(-0.9, 0.1))]
-    kind = draw(st.sampled_from(["sphere", "plane", "box", "capsule"]))
-    size = draw(numbers(0.02, 0.5))
+    kind = draw(st.sampled_from(["sphere", "plane", "box", "capsule", "cylinder"]))
+    size, rounding = draw(numbers(0.02, 0.5)), st.sampled_from([0.0, 0.01, 0.02])
     form: Table = {
         "sphere": {"center": middle, "radius": size},
         "plane": {"point": middle, "normal": [draw(numbers(-0.5, 0.5)), "k", draw(st.sampled_from([1, 1, 1, -1, 0]))]},
-        "box": {"center": middle, "half": draw(_scaled(0.02, 0.5)), "radius": draw(st.sampled_from([0.0, 0.01, 0.02]))},
+        "box": {"center": middle, "half": draw(_scaled(0.02, 0.5)), "radius": draw(rounding)},
         "capsule": {"start": middle, "end": draw(_scaled(-0.8, 0.2)), "radius": size},
+        "cylinder": {"start": middle, "end": draw(_scaled(-0.8, 0.2)), "radius": size, "rounded": draw(rounding)},
     }[kind]
     if kind == "box" and draw(st.booleans()):
         form["rotate"] = [draw(angles), "k", draw(angles)]

@@ -125,12 +125,25 @@ def crumpled_among_bodies(trial: Trial) -> Iterator[Statement]:
         yield outside(made, THICKNESS)
 
 
+def sharp_rim(trial: Trial) -> Iterator[Statement]:
+    """Cloth falls over the sharp rim of a drum that stands, of one that lies across its middle, and of a pole."""
+    upright = "cylinder = { start = [0.15, 0.15, -0.2], end = [0.15, 0.15, -0.002], radius = 0.08 }"
+    lying = "cylinder = { start = [0.15, 0.15, -0.082], end = [0.15, 0.6, -0.082], radius = 0.08 }"
+    pole = "cylinder = { start = [0.15, 0.15, -0.5], end = [0.15, 0.15, -0.002], radius = 0.03 }"
+    for form, height in ((upright, -0.2), (lying, -0.4), (pole, -0.5)):
+        drum = f"\n[bodies.drum]\n{form}\nfriction = 0.3\n"
+        made, rows = played(trial, square(0.02, drum, CONTACT, floor(height)))
+        yield from resting(made, rows)
+        yield outside(made, THICKNESS)
+
+
 CASES = {
     "deep": Case(deep),
     "swollen": Case(swollen, long=True),
     "gone": Case(gone),
     "thin_bar": Case(thin_bar, long=True),
     "too_thin": Case(too_thin),
+    "sharp_rim": Case(sharp_rim),
     "slippery": Case(slippery, long=True),
     "dragged_far": Case(dragged_far, share=0.5),
     "crumpled_among_bodies": Case(crumpled_among_bodies, share=0.5),

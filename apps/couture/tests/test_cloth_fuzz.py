@@ -37,5 +37,18 @@ def test_scenes_are_of_all_kinds(tmp_path):
     # What makes no sense is refused, and is not most of it.
     assert 0 < seen["refused"] < 75
     drawn = {name for name, count in seen.items() if count}
-    kinds = {"sphere", "plane", "box", "capsule", "morley", "hinge", "nonlinear", "none", "start", "nested", "bare"}
+    kinds = {
+        "sphere",
+        "plane",
+        "box",
+        "capsule",
+        "cylinder",
+        "morley",
+        "hinge",
+        "nonlinear",
+        "none",
+        "start",
+        "nested",
+        "bare",
+    }
     assert kinds | set(known.effects) | {"auto", "newton"} <= drawn

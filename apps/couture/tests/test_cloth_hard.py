@@ -110,6 +110,14 @@ def test_what_a_small_body_bears(tmp_path):
     assert borne(scene)[0] == pytest.approx(1.5 / 0.1**2)
     boxed = cloth(tmp_path, "[bodies.box]\nbox = { center = [0, 0, -1], half = [0.02, 3, 4] }", CONTACT)
     assert borne(boxed)[0] == pytest.approx(1.5 / 0.04)
+    drum = cloth(
+        tmp_path, '[bodies.drum]\ncylinder = { start = [0, 0, -1], end = [0, 0, 3], radius = "5 cm" }', CONTACT
+    )
+    assert borne(drum)[0] == pytest.approx(1.5 / 0.1**2)
+    coin = cloth(
+        tmp_path, '[bodies.coin]\ncylinder = { start = [0, 0, -1], end = [0, 0, "-98 cm"], radius = 2 }', CONTACT
+    )
+    assert borne(coin)[0] == pytest.approx(1.5 / 0.02)
     plane = cloth(tmp_path, "[bodies.floor]\nplane = { point = [0, 0, -1], normal = [0, 0, 1] }", CONTACT)
     assert borne(plane) == (BORNE, "")
     settings = plan(boxed, COUTURE).settings("contact")

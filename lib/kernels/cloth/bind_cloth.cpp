@@ -139,6 +139,13 @@ void bind_contact(py::module_& m) {
                 return Body::capsule(vector(from, "start").data(), vector(to, "end").data(), radius);
             },
             "start"_a, "end"_a, "radius"_a, "All within the radius of a line.")
+        .def_static(
+            "cylinder",
+            [](const Doubles& from, const Doubles& to, double radius, double rounded) {
+                return Body::cylinder(vector(from, "start").data(), vector(to, "end").data(), radius, rounded);
+            },
+            "start"_a, "end"_a, "radius"_a, "rounded"_a = 0.0,
+            "All within the radius of a line and between its ends, the edges there rounded within both.")
         .def("distance", &distance, "x"_a,
              "Signed distances (n,) [m] of points x (n, 3), negative inside, with gradients (n, 3) and Hessians (n, 3, "
              "3).")

@@ -18,10 +18,10 @@ struct Distance {
     double hessian[6];
 };
 
-// A body of one of four kinds. Rotations are rows: local = R (x - centre).
+// A body of one of five kinds. Rotations are rows: local = R (x - centre).
 class Body {
  public:
-    enum class Kind { sphere, plane, box, capsule };
+    enum class Kind { sphere, plane, box, capsule, cylinder };
 
     static Body sphere(const double* centre, double radius) {
         Body b(Kind::sphere, centre);
@@ -64,6 +64,24 @@ class Body {
         return b;
     }
 
+    // With flat ends; radius and length include the rounding of its edges.
+    static Body cylinder(const double* from, const double* to, double radius, double rounded) {
+        double middle[3], along[3];
+        for (int a = 0; a < 3; ++a) {
+            middle[a] = 0.5 * (from[a] + to[a]);
+            along[a] = to[a] - from[a];
+        }
+        Body b(Kind::cylinder, middle);
+        b.radius_ = positive(radius, "radius");
+        b.length_ = 0.5 * positive(norm(along), "length");
+        if (rounded < 0) throw std::invalid_argument("the radius of a cylinder's edges must not be negative");
+        if (rounded > std::min(b.radius_, b.length_))
+            throw std::invalid_argument("the radius of a cylinder's edges is larger than its radius or half length");
+        b.rounded_ = rounded;
+        for (int a = 0; a < 3; ++a) b.axis_[a] = along[a] / (2 * b.length_);
+        return b;
+    }
+
     Distance distance(const double* x) const {
         double y[3];
         for (int a = 0; a < 3; ++a) y[a] = x[a] - centre_[a];
@@ -74,6 +92,8 @@ class Body {
                 return flat(dot(y, axis_), axis_);
             case Kind::box:
                 return box(y);
+            case Kind::cylinder:
+                return cylinder(y);
             default:
                 return capsule(y);
         }
@@ -153,11 +173,39 @@ class Body {
         return round(from, direction);
     }
 
+    // The nearest place of it is on the curved side, on an end, or on the rim between both.
+    Distance cylinder(const double* y) const {
+        const double along = dot(y, axis_), sign = along < 0 ? -1.0 : 1.0;
+        const double from[3] = {y[0] - along * axis_[0], y[1] - along * axis_[1], y[2] - along * axis_[2]};
+        const double across = norm(from), end = std::abs(along) - length_;
+        // Beyond the core: across the axis and along it.
+        const double q = across - radius_ + rounded_, p = end + rounded_;
+        if (q > 0 && p > 0) return rim(from, across, sign, q, p);
+        if (across - radius_ > end) return round(from, axis_);
+        const double normal[3] = {sign * axis_[0], sign * axis_[1], sign * axis_[2]};
+        return flat(end, normal);
+    }
+
+    // Distance from the circle around the core's end, less the rounding: y = from + along the axis, |from| = across.
+    Distance rim(const double* from, double across, double sign, double q, double p) const {
+        const double length = std::hypot(q, p), c = q / length, s = p / length;
+        Distance d{length - rounded_, {}, {}};
+        for (int a = 0; a < 3; ++a) d.gradient[a] = c * from[a] / across + s * sign * axis_[a];
+        for (int a = 0; a < 3; ++a)
+            for (int b = a; b < 3; ++b) {
+                const double na = from[a] / across, nb = from[b] / across, ta = axis_[a], tb = axis_[b];
+                // Along the meridian, and around the axis.
+                const double meridian = (s * na - c * sign * ta) * (s * nb - c * sign * tb);
+                d.hessian[voigt[a][b]] = meridian / length + c / across * ((a == b) - na * nb - ta * tb);
+            }
+        return d;
+    }
+
     static constexpr double up[3] = {0, 0, 1};
 
     Kind kind_;
     double centre_[3];
-    double radius_ = 0, length_ = 0;
+    double radius_ = 0, length_ = 0, rounded_ = 0;  // of a cylinder length_ is half of it
     double axis_[3] = {0, 0, 0}, half_[3] = {0, 0, 0};
     double rotation_[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 };

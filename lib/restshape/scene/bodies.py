@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import dist
 from typing import TYPE_CHECKING, Annotated, ClassVar, Self, TypeVar
 
 from pydantic import BaseModel, Field, model_validator
@@ -23,7 +24,13 @@ Place = tuple[Size, Size, Size]
 Direction = tuple[Ratio, Ratio, Ratio]
 Angles = tuple[Turn, Turn, Turn]
 ORIGIN = (0.0, 0.0, 0.0)
-POINTS = {"sphere": ("center",), "plane": ("point",), "box": ("center",), "capsule": ("start", "end")}
+POINTS = {
+    "sphere": ("center",),
+    "plane": ("point",),
+    "box": ("center",),
+    "capsule": ("start", "end"),
+    "cylinder": ("start", "end"),
+}
 """Keys that are places, by kind of body."""
 
 
@@ -80,31 +87,47 @@ class Capsule(Strict):
     radius: Size
 
 
+class Cylinder(Strict):
+    """All within a radius [m] of an axis, between flat ends; edges are rounded within both.
+
+    Args:
+        start, end: the middles of its ends.
+        radius: its radius.
+        rounded: the radius of its rounded edges.
+    """
+
+    start: Place
+    end: Place
+    radius: Size
+    rounded: Size = 0.0
+
+
 class Body(Strict):
-    """``[bodies.NAME]``: a sphere, plane, box or capsule, which cloth does not enter; ``friction`` is Coulomb's.
+    """``[bodies.NAME]``: what cloth does not enter; ``friction`` is Coulomb's.
 
     All numbers may be formulas of the parameters.
 
     Args:
-        sphere, plane, box, capsule: its form; one of them.
+        sphere, plane, box, capsule, cylinder: its form; one of them.
         friction: Coulomb's coefficient.
     """
 
-    kinds: ClassVar[tuple[str, ...]] = ("sphere", "plane", "box", "capsule")
+    kinds: ClassVar[tuple[str, ...]] = ("sphere", "plane", "box", "capsule", "cylinder")
 
     sphere: Sphere | None = None
     plane: Plane | None = None
     box: Box | None = None
     capsule: Capsule | None = None
+    cylinder: Cylinder | None = None
     friction: Ratio = 0.0
 
     @property
     def kind(self) -> str:
-        """Which of sphere, plane, box and capsule this body is."""
+        """Which of these kinds this body is."""
         return only_one(self, self.kinds)
 
     @property
-    def form(self) -> Sphere | Plane | Box | Capsule:
+    def form(self) -> Sphere | Plane | Box | Capsule | Cylinder:
         """The keys of its kind."""
         return getattr(self, self.kind)
 
@@ -194,7 +217,7 @@ def _number_of(value: Value | tuple[Value, ...], parameters: dict[str, float]) -
     return number(value, parameters)
 
 
-def _refuse_flat(kind: str, form: Sphere | Plane | Box | Capsule) -> None:
+def _refuse_flat(kind: str, form: Sphere | Plane | Box | Capsule | Cylinder) -> None:
     """Refuses a body of numbers without a size or a direction."""
     if isinstance(form, Plane):
         if not any(form.normal):
@@ -203,10 +226,20 @@ def _refuse_flat(kind: str, form: Sphere | Plane | Box | Capsule) -> None:
     sizes = [number(size, {}) for size in (form.half if isinstance(form, Box) else (form.radius,))]
     if min(sizes) <= 0.0:
         raise UnitError(f"a size of the {kind} is {min(sizes):g} m", "write one greater than 0")
-    radius = number(form.radius, {})
-    if isinstance(form, Box) and not 0.0 <= radius <= min(sizes):
-        most = f"at least 0 and at most the smallest half size, {min(sizes):g} m"
-        raise UnitError(f"the radius of the box's edges is {radius:g} m", f"write {most}")
+    if isinstance(form, Cylinder):
+        length = dist(*([number(value, {}) for value in end] for end in (form.start, form.end)))
+        if length == 0.0:
+            raise UnitError("the ends of the cylinder are one place", "let start and end differ")
+        _refuse_sharp(kind, number(form.rounded, {}), min(sizes[0], 0.5 * length), "of radius and half length")
+    elif isinstance(form, Box):
+        _refuse_sharp(kind, number(form.radius, {}), min(sizes), "half size")
+
+
+def _refuse_sharp(kind: str, radius: float, most: float, of: str) -> None:
+    """Refuses a radius [m] of edges that a body has no room for."""
+    if not 0.0 <= radius <= most:
+        do = f"write at least 0 and at most the smallest {of}, {most:g} m"
+        raise UnitError(f"the radius of the {kind}'s edges is {radius:g} m", do)
 
 
 def body_words(body: Body) -> str:

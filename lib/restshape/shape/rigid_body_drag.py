@@ -18,7 +18,13 @@ from restshape.shape.space_grab import Place, SpaceGrab, in_space
 if TYPE_CHECKING:
     from restshape.shape.outline import Outline
 
-SIZES = {"sphere": ("radius",), "plane": (), "box": ("half", "radius"), "capsule": ("radius",)}
+SIZES = {
+    "sphere": ("radius",),
+    "plane": (),
+    "box": ("half", "radius"),
+    "capsule": ("radius",),
+    "cylinder": ("radius", "rounded"),
+}
 """Keys that are sizes, by kind of body."""
 
 Form = dict[str, np.ndarray]

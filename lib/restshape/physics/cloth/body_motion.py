@@ -18,7 +18,7 @@ def body_axes(body: Body) -> Frame:
             return np.array(form.center), form.radius * np.eye(3)
         case "box":
             return np.array(form.center), rotation(form.rotate) @ np.diag(form.half)
-        case "capsule":
+        case "capsule" | "cylinder":
             start, end = np.array(form.start), np.array(form.end)
             length = float(np.linalg.norm(end - start)) or form.radius
             return 0.5 * (start + end), _axes(end - start) * (length, form.radius, form.radius)
@@ -35,7 +35,7 @@ def moved_with(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
     if before.kind != after.kind or before.form == after.form:
         return points
     (from_, A), (to, B) = body_axes(before), body_axes(after)
-    if before.kind in ("capsule", "plane"):
+    if before.kind in ("capsule", "cylinder", "plane"):
         B = _turn(A[:, 0], B[:, 0]) @ _axes(A[:, 0]) * np.linalg.norm(B, axis=0)
     return (points - from_) @ np.linalg.inv(A).T @ B.T + to
 

@@ -104,6 +104,8 @@ def kernel_body(body: Body) -> _kernels.Body:
             return _kernels.Body.plane(form.point, form.normal)
         case "capsule":
             return _kernels.Body.capsule(form.start, form.end, form.radius)
+        case "cylinder":
+            return _kernels.Body.cylinder(form.start, form.end, form.radius, form.rounded)
         case _:
             # Its axes are the rows.
             return _kernels.Body.box(form.center, form.half, rotation(form.rotate).T, form.radius)

@@ -59,6 +59,9 @@ def _diameters(body: Body) -> tuple[float, float]:
             return 2.0 * form.radius, 2.0 * form.radius
         case "capsule":
             return 2.0 * form.radius, 2.0 * form.radius + math.dist(form.start, form.end)
+        case "cylinder":
+            first, second, _ = sorted((2.0 * form.radius, 2.0 * form.radius, math.dist(form.start, form.end)))
+            return first, second
         case "box":
             first, second, _ = sorted(form.half)
             return 2.0 * first, 2.0 * second

@@ -1,5 +1,6 @@
 """Cloth in bodies: nodes below a surface, and bodies that come through between nodes, which alone touch them."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -19,6 +20,8 @@ def size_of(body: Body) -> float:
     match body.kind:
         case "sphere" | "capsule":
             return form.radius
+        case "cylinder":
+            return min(form.radius, 0.5 * math.dist(form.start, form.end))
         case "box":
             return min(form.half)
         case _:

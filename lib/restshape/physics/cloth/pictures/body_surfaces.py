@@ -7,7 +7,8 @@ from itertools import product
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from restshape.scene.bodies import Body, Box, Capsule, Plane, Sphere
+from restshape.physics.cloth.body_motion import body_axes
+from restshape.scene.bodies import Body, Box, Capsule, Cylinder, Plane, Sphere
 from restshape.shape.placement import rotation
 
 PIECES = 48
@@ -30,12 +31,26 @@ def body_surface(body: Body, low: np.ndarray, high: np.ndarray) -> Surface:
             return _rounded(np.array([form.center]), form.radius)
         case Capsule():
             return _rounded(np.array([form.start, form.end]), form.radius)
+        case Cylinder():
+            return _rounded(_rims(form), form.rounded)
         case Box():
             turn, half = rotation(form.rotate), np.array(form.half) - form.radius
             places, triangles = _rounded(np.array(list(product((-1.0, 1.0), repeat=3))) * half, form.radius)
             return places @ turn.T + form.center, triangles
         case _:
             return _square(form, low, high)
+
+
+def _rims(form: Cylinder) -> np.ndarray:
+    """Points (k, 3) of the circles around both ends of a cylinder without its rounding."""
+    start, end = np.array(form.start), np.array(form.end)
+    axes = body_axes(Body(cylinder=form))[1] / (np.linalg.norm(end - start), form.radius, form.radius)
+    around = np.linspace(0.0, 2.0 * np.pi, PIECES, endpoint=False)
+    circle = (form.radius - form.rounded) * (
+        np.outer(np.cos(around), axes[:, 1]) + np.outer(np.sin(around), axes[:, 2])
+    )
+    inwards = form.rounded * axes[:, 0]
+    return np.vstack([start + inwards + circle, end - inwards + circle])
 
 
 def _rounded(
