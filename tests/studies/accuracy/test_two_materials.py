@@ -15,7 +15,7 @@ LAME = np.array([[1.2e10, 0.8e10], [1.2e6, 0.8e6]])
 RINGS = """
 format = "restshape-scene"
 version = 1
-app = "solid"
+app = "plane"
 [shape]
 outline = ["upper", "lower"]
 vertices = { a = [0.3, 0], b = [-0.3, 0] }
@@ -90,6 +90,7 @@ def energy_error(state: State) -> float:
     return float(np.sqrt(energy(found - truth) / energy(truth)))
 
 
+@pytest.mark.slow
 def test_errors_beside_a_round_interface_are_those_of_the_closed_form(tmp_path):
     held = Reference.of(solved(tmp_path, "mesh.order=2", "mesh.near.stiff=0.0035"))
     state = solved(tmp_path)
