@@ -7,9 +7,10 @@
 #include <memory>
 
 #include "derivative.hpp"
+#include "furniture.hpp"
+#include "joint_use.hpp"
 #include "mixed.hpp"
 #include "overlap.hpp"
-#include "rows.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;
@@ -181,7 +182,7 @@ py::tuple bisect(Furniture& f, const Doubles& direction, double good, double bad
 
 py::dict derivative(Furniture& f, const Doubles& directions, int c) {
     require(directions.ndim() == 2 && directions.shape(1) == 8 * f.piece().count(), "directions must be (m, 8 planks)");
-    DesignDerivative design(f, directions.data(), static_cast<int>(directions.shape(0)));
+    DesignDerivative design(f.state(), directions.data(), static_cast<int>(directions.shape(0)));
     const Derivatives d = design.solve(c);
     py::dict out;
     out["x"] = array(d.x), out["bending"] = array(d.bending), out["tension"] = array(d.tension);
@@ -192,7 +193,7 @@ py::dict derivative(Furniture& f, const Doubles& directions, int c) {
 
 py::tuple stability_rows(Furniture& f, const Doubles& directions, int c) {
     require(directions.ndim() == 2 && directions.shape(1) == 8 * f.piece().count(), "directions must be (m, 8 planks)");
-    DesignDerivative design(f, directions.data(), static_cast<int>(directions.shape(0)));
+    DesignDerivative design(f.state(), directions.data(), static_cast<int>(directions.shape(0)));
     std::vector<double> values;
     const Rows rows = design.stability(c, values);
     return py::make_tuple(array(values), array(rows));
@@ -200,7 +201,7 @@ py::tuple stability_rows(Furniture& f, const Doubles& directions, int c) {
 
 void bind_mixed(py::class_<Furniture>& c) {
     py::class_<Mixed>(c, "Mixed")
-        .def(py::init<Furniture&>(), py::keep_alive<1, 2>())
+        .def(py::init([](Furniture& f) { return std::make_unique<Mixed>(f.state()); }), py::keep_alive<1, 2>())
         .def_property_readonly("size", &Mixed::size)
         .def("pattern",
              [](const Mixed& m) {
@@ -253,7 +254,7 @@ PYBIND11_MODULE(_kernels, m) {
         .def("stability_rows", &stability_rows, "directions"_a, "case"_a,
              "How far each tipping edge and friction are from giving way, and their derivatives (m, rows).")
         .def(
-            "freedoms", [](Furniture& f, double step) { return valid_freedoms(f, step); }, "step"_a = 1e-2,
+            "freedoms", [](Furniture& f, double step) { return valid_freedoms(f.piece(), step); }, "step"_a = 1e-2,
             "Plank and number (0 to 7) of each design parameter that is valid.")
         .def("nails",
              [](const Furniture& f) {

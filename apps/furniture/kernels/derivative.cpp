@@ -1,17 +1,20 @@
 // Design derivatives by dual numbers, eight directions at a time.
 #include "derivative.hpp"
 
-#include "rows.hpp"
+#include "gradient.hpp"
+#include "joint_use.hpp"
+#include "shaper.hpp"
+#include "stability_rows.hpp"
 
 namespace restshape::planks {
 
 Derivatives DesignDerivative::solve(int load_case) {
-    const Piece& P = F.piece();
-    const CaseState& state = F.states()[load_case];
+    const Piece& P = S.piece;
+    const CaseState& state = S.cases[load_case];
     const int size = 6 * P.count();
-    Equilibrium& equilibrium = F.equilibrium();
+    Equilibrium& equilibrium = S.equilibrium;
     equilibrium.set_case(load_case);
-    equilibrium.stiffness(F.shape(), state.law, state.x.data(), true);
+    equilibrium.stiffness(S.shape, state.law, state.x.data(), true);
     equilibrium.blocks().factor();
     Rows rhs(size, m_);
     std::vector<Design> x(size), r(size), d(6 * P.joints.size());
@@ -24,7 +27,7 @@ Derivatives DesignDerivative::solve(int load_case) {
     }
     equilibrium.blocks().solve(rhs);
     Derivatives out;
-    const int joints = static_cast<int>(P.joints.size()), contacts = static_cast<int>(F.shape().contacts.size());
+    const int joints = static_cast<int>(P.joints.size()), contacts = static_cast<int>(S.shape.contacts.size());
     out.x = rhs.transpose();
     for (Rows* rows : {&out.bending, &out.tension, &out.shear_x, &out.shear_y, &out.length}) rows->resize(m_, joints);
     out.normal.resize(m_, contacts);
@@ -59,13 +62,13 @@ Derivatives DesignDerivative::solve(int load_case) {
 
 Rows DesignDerivative::stability(int load_case, std::vector<double>& values) {
     values.clear();
-    StabilityRows<double>(F.piece(), F.equilibrium(), F.shape(), load_case, values);
+    StabilityRows<double>(S.piece, S.equilibrium, S.shape, load_case, values);
     Rows out(m_, values.size());
     std::vector<Design> rows;
     for (int first = 0; first < m_; first += lanes) {
         shape(first);
         rows.clear();
-        StabilityRows<Design>(F.piece(), F.equilibrium(), shape_, load_case, rows);
+        StabilityRows<Design>(S.piece, S.equilibrium, shape_, load_case, rows);
         for (size_t k = 0; k < rows.size(); ++k)
             for (int lane = 0; lane < used(first); ++lane) out(first + lane, k) = rows[k].d[lane];
     }
@@ -76,11 +79,10 @@ void DesignDerivative::shape(int first) {
     gamma_.assign(n_, Design(0.0));
     for (int k = 0; k < n_; ++k)
         for (int lane = 0; lane < used(first); ++lane) gamma_[k].d[lane] = directions_[(first + lane) * n_ + k];
-    Shaper<Design>(F.piece(), gamma_.data(), shape_);
+    Shaper<Design>(S.piece, gamma_.data(), shape_);
 }
 
-std::vector<std::array<int, 2>> valid_freedoms(Furniture& furniture, double step) {
-    const Piece& P = furniture.piece();
+std::vector<std::array<int, 2>> valid_freedoms(const Piece& P, double step) {
     const int n = P.count();
     std::vector<std::array<int, 2>> valid;
     std::vector<Design> gamma(8 * n, Design(0.0));

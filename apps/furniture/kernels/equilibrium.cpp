@@ -1,40 +1,20 @@
 // Newton's method for the equilibrium of a piece, and its stiffness block by block.
 #include "equilibrium.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <limits>
 #include <numeric>
 
+#include "gradient.hpp"
+
 namespace restshape::planks {
 
-std::vector<Part> parts_of(const Piece& piece) {
-    const int n = piece.count();
-    std::vector<int> of(n);
-    for (int i = 0; i < n; ++i) of[i] = i;
-    const auto root = [&of](int i) {
-        while (of[i] != i) i = of[i] = of[of[i]];
-        return i;
-    };
-    for (const JointSpec& joint : piece.joints) of[root(joint.i)] = root(joint.j);
-    std::vector<Part> parts;
-    std::vector<int> index(n, -1);
-    for (int i = 0; i < n; ++i) {
-        int& k = index[root(i)];
-        if (k < 0) k = static_cast<int>(parts.size()), parts.emplace_back();
-        parts[k].planks.push_back(i);
-    }
-    for (const FootSpec& foot : piece.feet) {
-        Part& part = parts[index[root(foot.plank)]];
-        part.grounded = true;
-        if (part.carrier < 0) part.carrier = foot.plank;
-    }
-    for (Part& part : parts)
-        if (part.carrier < 0) part.carrier = part.planks[0];
-    return parts;
+inline Eigen::Matrix3d spin(const V3<double>& a) {
+    Eigen::Matrix3d m;
+    m << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
+    return m;
 }
 
-Equilibrium::Equilibrium(const Piece& piece, std::vector<Part>& parts)
-    : P(piece), parts_(parts), plank_part_(piece.count()) {
+Equilibrium::Equilibrium(const Piece& piece) : P(piece), parts_(parts_of(piece)), plank_part_(piece.count()) {
     std::vector<std::pair<int, int>> pairs;
     for (const JointSpec& joint : P.joints) pairs.emplace_back(joint.i, joint.j);
     blocks_ = Blocks(P.count(), pairs);
@@ -43,7 +23,6 @@ Equilibrium::Equilibrium(const Piece& piece, std::vector<Part>& parts)
 }
 
 void Equilibrium::find_free(const Shape<double>& shape) {
-    for (Part& part : parts_) part.free.clear();
     std::vector<Block> ground(parts_.size(), Block::Zero());
     std::vector<double> reach(parts_.size(), 0.0);
     for (const auto& contact : shape.contacts) {
@@ -57,16 +36,14 @@ void Equilibrium::find_free(const Shape<double>& shape) {
         if (contact.mu > 0.0) held.setIdentity();
         ground[k] += way.transpose() * held * way;
     }
-    for (size_t k = 0; k < parts_.size(); ++k) {
-        Wrench6 scale;
-        scale << 1, 1, 1, 1, 1, 1;
-        if (reach[k] > 0.0) scale.tail<3>().setConstant(1.0 / reach[k]);
-        const Eigen::SelfAdjointEigenSolver<Block> found(scale.asDiagonal() * ground[k] * scale.asDiagonal());
-        const double most = std::max(found.eigenvalues()[5], 1e-300);
-        for (int m = 0; m < 6; ++m)
-            if (found.eigenvalues()[m] <= 1e-9 * most)
-                parts_[k].free.push_back((scale.asDiagonal() * found.eigenvectors().col(m)).normalized());
-    }
+    for (size_t k = 0; k < parts_.size(); ++k) parts_[k].free = free_motions(ground[k], reach[k]);
+}
+
+std::vector<double> Equilibrium::openings(const Shape<double>& shape, int load_case, Law law,
+                                          const std::vector<double>& x) const {
+    std::vector<double> d(6 * P.joints.size()), r(6 * P.count());
+    gradient(shape, load_case, law, x.data(), r.data(), d.data());
+    return d;
 }
 
 double Equilibrium::energy(const Shape<double>& shape, int load_case, const double* x,

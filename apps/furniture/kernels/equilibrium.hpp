@@ -3,28 +3,13 @@
 
 #include "blocks.hpp"
 #include "forces.hpp"
+#include "parts.hpp"
 
 namespace restshape::planks {
 
-// Planks that joints connect: what holds them to the ground, and motions that nothing holds.
-struct Part {
-    std::vector<int> planks;
-    int carrier = -1;  // the plank that free motions are held at
-    bool grounded = false;
-    std::vector<Eigen::Matrix<double, 6, 1>> free;  // of the carrier: small displacement and rotation
-};
-
-std::vector<Part> parts_of(const Piece& piece);
-
-inline Eigen::Matrix3d spin(const V3<double>& a) {
-    Eigen::Matrix3d m;
-    m << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
-    return m;
-}
-
 class Equilibrium {
  public:
-    Equilibrium(const Piece& piece, std::vector<Part>& parts);
+    explicit Equilibrium(const Piece& piece);
 
     double joint_t() const { return 1.0 / P.settings.eps_t; }
     double joint_r() const { return 1.0 / P.settings.eps_r; }
@@ -39,41 +24,11 @@ class Equilibrium {
     // The gradient of the energy (6 n) at x; with `joint_forces` (6 a joint) they are taken in place of d / eps.
     template <class T>
     void gradient(const Shape<T>& shape, int load_case, Law law, const T* x, T* r, T* openings = nullptr,
-                  const T* joint_forces = nullptr) const {
-        const int n = P.count();
-        places<T>().resize(n);
-        std::vector<Place<T>>& at = places<T>();
-        for (int i = 0; i < n; ++i) at[i] = place_of(x + 6 * i);
-        std::fill(r, r + 6 * n, T(0.0));
-        for (size_t k = 0; k < P.joints.size(); ++k) {
-            const int i = P.joints[k].i, j = P.joints[k].j;
-            V3<T> dt, dr;
-            opening(at[i], at[j], shape.joints[k].arm_i, shape.joints[k].arm_j, dt, dr);
-            for (int a = 0; openings && a < 3; ++a) openings[6 * k + a] = dt[a], openings[6 * k + 3 + a] = dr[a];
-            V3<T> ht = scaled(dt, joint_t()), hr = scaled(dr, joint_r());
-            for (int a = 0; joint_forces && a < 3; ++a)
-                ht[a] = joint_forces[6 * k + a], hr[a] = joint_forces[6 * k + 3 + a];
-            joint_gradient(at[i], at[j], shape.joints[k].arm_i, shape.joints[k].arm_j, ht, hr, r + 6 * i, r + 6 * j);
-        }
-        for (size_t k = 0; k < shape.contacts.size(); ++k) {
-            const auto& contact = shape.contacts[k];
-            const Place<T>& a = at[contact.plank];
-            const V3<T> v = a.u + times(a.t.less_one, contact.arm);
-            force_gradient(a, contact.arm, contact_force(v, contact.normal, contact.mu, floor(), law, bound(law, k)),
-                           r + 6 * contact.plank);
-        }
-        for (int i = 0; i < n; ++i)
-            for (int a = 0; carried(i) && a < 3; ++a) r[6 * i + a] -= shape.mass[i] * P.gravity[a];
-        for (size_t k = 0; k < P.loads.size(); ++k)
-            if (const int i = P.loads[k].plank; carried(i))
-                force_gradient(at[i], shape.load_arms[k], P.cases[load_case][k], r + 6 * i);
-        for (const Part& part : parts_)
-            for (const auto& q : part.free) {
-                T along(0.0);
-                for (int a = 0; a < 6; ++a) along += x[6 * part.carrier + a] * q[a];
-                for (int a = 0; a < 6; ++a) r[6 * part.carrier + a] += along * (q[a] * floor());
-            }
-    }
+                  const T* joint_forces = nullptr) const;
+
+    // How far joints open (6 a joint) at x.
+    std::vector<double> openings(const Shape<double>& shape, int load_case, Law law,
+                                 const std::vector<double>& x) const;
 
     // The energy [J] whose gradient the other is, with contacts as springs.
     double energy(const Shape<double>& shape, int load_case, const double* x, const double* joint_forces) const;
@@ -99,9 +54,8 @@ class Equilibrium {
               std::vector<double>& x);
 
  private:
-    using Wrench6 = Eigen::Matrix<double, 6, 1>;
     const Piece& P;
-    std::vector<Part>& parts_;
+    std::vector<Part> parts_;
     std::vector<int> plank_part_;
     Blocks blocks_;
     int load_case_ = 0;           // whose loads an exact stiffness holds
@@ -112,12 +66,6 @@ class Equilibrium {
     // Goes along a Newton step of a convex energy to where its slope has fallen to a tenth.
     void search(const Shape<double>& shape, int load_case, const std::vector<double>& slope,
                 const std::vector<double>& step, std::vector<double>& x);
-
-    template <class T>
-    static std::vector<Place<T>>& places() {
-        static thread_local std::vector<Place<T>> kept;
-        return kept;
-    }
 
     void small_joint(const Shape<double>& shape, size_t k);
 

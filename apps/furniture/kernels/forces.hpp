@@ -1,13 +1,10 @@
 // What joints and contacts do to their planks: gradients of the energy of docs/theory/furniture.md.
 #pragma once
 
-#include "piece.hpp"
+#include "law.hpp"
+#include "shape.hpp"
 
 namespace restshape::planks {
-
-// How a contact acts: as springs that also pull, one-sided with Coulomb's friction, or one-sided with a friction that
-// has a bound of its own, whatever the pressure: such contacts have an energy, and it is convex.
-enum class Law { bilateral = 0, unilateral = 1, bounded = 2 };
 
 template <class T>
 struct Place {

@@ -3,11 +3,24 @@
 
 #include <limits>
 
+#include "equilibrium.hpp"
+#include "joint_use.hpp"
 #include "overlap.hpp"
-#include "rows.hpp"
+#include "shaper.hpp"
 #include "support.hpp"
 
 namespace restshape::planks {
+
+Furniture::Furniture(Piece piece) : P(std::move(piece)) {
+    P.find_held();
+    equilibrium_ = std::make_unique<Equilibrium>(P);
+    states_.resize(P.cases.size());
+    for (CaseState& state : states_) state.x.assign(6 * P.count(), 0.0);
+}
+
+Furniture::~Furniture() = default;
+
+int Furniture::parts() const { return static_cast<int>(equilibrium_->parts().size()); }
 
 void Furniture::set_shape(const double* gamma) {
     Shaper<double>(P, gamma, shape_);
@@ -16,7 +29,7 @@ void Furniture::set_shape(const double* gamma) {
 
 DesignCheck Furniture::test(const double* gamma, int wanted, bool quick) {
     DesignCheck check;
-    if (parts_.size() > 1) check.flaws |= apart;
+    if (parts() > 1) check.flaws |= apart;
     Shaper<double>(P, gamma, shape_);
     check.faults = shape_.faults;
     if (!shape_.faults.empty()) check.flaws |= lost;
@@ -60,10 +73,8 @@ bool Furniture::one_sided(int load_case) {
 }
 
 std::vector<double> Furniture::openings(int load_case) {
-    std::vector<double> d(6 * P.joints.size()), r(6 * P.count());
     const CaseState& state = states_[load_case];
-    equilibrium_->gradient(shape_, load_case, state.law, state.x.data(), r.data(), d.data());
-    return d;
+    return equilibrium_->openings(shape_, load_case, state.law, state.x);
 }
 
 std::vector<V3<double>> Furniture::contact_forces(int load_case) const {
@@ -80,7 +91,7 @@ std::vector<V3<double>> Furniture::contact_forces(int load_case) const {
 double Furniture::missing(int load_case, std::vector<V3<double>>* forces) const {
     double most = 0.0;
     if (forces) forces->assign(shape_.contacts.size(), {0.0, 0.0, 0.0});
-    for (const Part& part : parts_) most = std::max(most, missing(part, load_case, forces));
+    for (const Part& part : equilibrium_->parts()) most = std::max(most, missing(part, load_case, forces));
     return most;
 }
 
@@ -108,7 +119,7 @@ bool Furniture::inside(int load_case) const {
 void Furniture::stand(DesignCheck& check) {
     for (size_t c = 0; c < P.cases.size(); ++c) {
         states_[c].missing = 0.0;
-        for (const Part& part : parts_) {
+        for (const Part& part : equilibrium_->parts()) {
             const double left = missing(part, static_cast<int>(c), nullptr);
             states_[c].missing = std::max(states_[c].missing, left);
             if (!(left <= balance_tolerance)) check.falls.emplace_back(static_cast<int>(c), part.planks[0]);
@@ -212,7 +223,7 @@ double Furniture::missing(const Part& part, int load_case, std::vector<V3<double
     if (weight == 0.0) return 0.0;
     Wrench load;
     load << force[0], force[1], force[2], moment[0], moment[1], moment[2];
-    const Support found = ConeProjection(points, normals, mu, load / weight).solve(0.1 * balance_tolerance);
+    const Support found = balance(points, normals, mu, load / weight, 0.1 * balance_tolerance);
     for (size_t k = 0; forces && k < index.size(); ++k) (*forces)[index[k]] = scaled(found.forces[k], weight);
     return found.missing;
 }

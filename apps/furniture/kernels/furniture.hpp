@@ -3,20 +3,13 @@
 
 #include <memory>
 
-#include "equilibrium.hpp"
+#include "state.hpp"
 
 namespace restshape::planks {
 
 // What is not as it must be, as bits.
 enum Flaw { lost = 1, overlapping = 2, unstable = 4, weak = 8, unbalanced = 16, apart = 32, doubtful = 64 };
 constexpr int every_flaw = 63;  // a doubt is none
-
-struct CaseState {
-    std::vector<double> x;     // 6 a plank
-    Law law = Law::bilateral;  // that x is an equilibrium of
-    bool found = false;
-    double missing = 0.0;  // the part of the load that contacts cannot balance
-};
 
 // What overloads a joint: its pull, its shear, the moment along its line, the one about its normal.
 enum class Load { pull, shear, line, twist };
@@ -40,24 +33,21 @@ struct DesignCheck {
     std::vector<Overloaded> doubts;  // moments that do not count
 };
 
+struct Part;
+
 class Furniture {
  public:
     static constexpr double balance_tolerance = 1e-7;
     static constexpr double repeated = 1e-6;  // of a joint's use, that counts as the same in two cases
 
-    explicit Furniture(Piece piece) : P(std::move(piece)) {
-        P.find_held();
-        parts_ = parts_of(P);
-        equilibrium_ = std::make_unique<Equilibrium>(P, parts_);
-        states_.resize(P.cases.size());
-        for (CaseState& state : states_) state.x.assign(6 * P.count(), 0.0);
-    }
+    explicit Furniture(Piece piece);
+    ~Furniture();
 
     const Piece& piece() const { return P; }
-    Equilibrium& equilibrium() { return *equilibrium_; }
     const Shape<double>& shape() const { return shape_; }
     const std::vector<CaseState>& states() const { return states_; }
-    int parts() const { return static_cast<int>(parts_.size()); }
+    State state() { return {P, *equilibrium_, shape_, states_}; }
+    int parts() const;
 
     // Sets the geometry to design parameters (8 a plank), or to the piece as it is.
     void set_shape(const double* gamma);
@@ -91,7 +81,6 @@ class Furniture {
 
  private:
     Piece P;
-    std::vector<Part> parts_;
     std::unique_ptr<Equilibrium> equilibrium_;
     Shape<double> shape_;
     std::vector<CaseState> states_;

@@ -3,12 +3,27 @@
 
 #include <algorithm>
 
+#include "gradient.hpp"
+
 namespace restshape::planks {
+
+Mixed::Mixed(const State& state) : S(state), P(state.piece), nj_(P.joints.size()), at_(P.count()) {
+    const auto& order = S.equilibrium.blocks().order();
+    for (size_t k = 0; k < order.size(); ++k) at_[order[k]] = 6 * (nj_ + static_cast<int>(k));
+    links_.resize(P.count());
+    for (int i = 0; i < P.count(); ++i) links_[i].push_back(i);
+    for (const JointSpec& joint : P.joints) {
+        link(joint.i, joint.j), link(joint.j, joint.i);
+    }
+    build();
+}
+
+double Mixed::stiffness(int k) const { return k % 6 < 3 ? S.equilibrium.joint_t() : S.equilibrium.joint_r(); }
 
 void Mixed::residual(int load_case, Law law, const double* z, double* out) const {
     const std::vector<double> x = part(z);
     std::vector<double> r(6 * P.count()), d(6 * nj_);
-    F.equilibrium().gradient(F.shape(), load_case, law, x.data(), r.data(), d.data(), z);
+    S.equilibrium.gradient(S.shape, load_case, law, x.data(), r.data(), d.data(), z);
     for (int k = 0; k < 6 * nj_; ++k) out[k] = d[k] * stiffness(k) - z[k];
     for (int i = 0; i < P.count(); ++i) std::copy_n(&r[6 * i], 6, out + at_[i]);
 }
@@ -24,14 +39,15 @@ void Mixed::tangent(int load_case, Law law, const double* z, double* values, dou
 }
 
 double Mixed::energy(int load_case, const double* z) const {
-    return F.equilibrium().energy(F.shape(), load_case, part(z).data(), z);
+    return S.equilibrium.energy(S.shape, load_case, part(z).data(), z);
 }
 
 std::vector<double> Mixed::join(int load_case) const {
     std::vector<double> z(size());
-    const std::vector<double> d = F.openings(load_case);
+    const std::vector<double> d =
+        S.equilibrium.openings(S.shape, load_case, S.cases.at(load_case).law, S.cases.at(load_case).x);
     for (int k = 0; k < 6 * nj_; ++k) z[k] = d[k] * stiffness(k);
-    const auto& x = F.states().at(load_case).x;
+    const auto& x = S.cases.at(load_case).x;
     for (int i = 0; i < P.count(); ++i) std::copy_n(&x[6 * i], 6, &z[at_[i]]);
     return z;
 }
@@ -81,7 +97,7 @@ void Mixed::joint(int k, const double* z, const double* x, double* values) const
     V3<D> ht, hr, dt, dr;
     for (int a = 0; a < 3; ++a) ht[a] = D::seed(z[6 * k + a], 12 + a), hr[a] = D::seed(z[6 * k + 3 + a], 15 + a);
     const Place<D> pa = place_of(at[0]), pb = place_of(at[1]);
-    const auto& shape = F.shape().joints[k];
+    const auto& shape = S.shape.joints[k];
     opening(pa, pb, shape.arm_i, shape.arm_j, dt, dr);
     joint_gradient(pa, pb, shape.arm_i, shape.arm_j, ht, hr, r[0], r[1]);
     for (int a = 0; a < 6; ++a) {
@@ -100,8 +116,8 @@ void Mixed::joint(int k, const double* z, const double* x, double* values) const
 }
 
 void Mixed::plank_terms(int load_case, Law law, const double* x, double* values) const {
-    F.equilibrium().set_case(load_case);
-    F.equilibrium().ground(F.shape(), law, x, [&](int i, const Block& block) {
+    S.equilibrium.set_case(load_case);
+    S.equilibrium.ground(S.shape, law, x, [&](int i, const Block& block) {
         for (int a = 0; a < 6; ++a) {
             double* row = find(values, at_[i] + a, at_[i]);
             for (int b = 0; b < 6; ++b) row[b] += block(a, b);

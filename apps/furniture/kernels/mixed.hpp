@@ -3,7 +3,7 @@
 
 #include <tuple>
 
-#include "furniture.hpp"
+#include "state.hpp"
 
 namespace restshape::planks {
 
@@ -11,16 +11,7 @@ namespace restshape::planks {
 // least degree. Rows of joints hold d / eps - h.
 class Mixed {
  public:
-    explicit Mixed(Furniture& furniture) : F(furniture), P(furniture.piece()), nj_(P.joints.size()), at_(P.count()) {
-        const auto& order = F.equilibrium().blocks().order();
-        for (size_t k = 0; k < order.size(); ++k) at_[order[k]] = 6 * (nj_ + static_cast<int>(k));
-        links_.resize(P.count());
-        for (int i = 0; i < P.count(); ++i) links_[i].push_back(i);
-        for (const JointSpec& joint : P.joints) {
-            link(joint.i, joint.j), link(joint.j, joint.i);
-        }
-        build();
-    }
+    explicit Mixed(const State& state);
 
     int size() const { return 6 * (nj_ + P.count()); }
     std::pair<std::vector<int>, std::vector<int>> pattern() const { return {rows_, columns_}; }
@@ -39,14 +30,14 @@ class Mixed {
     std::vector<double> part(const double* z) const;
 
  private:
-    Furniture& F;
+    State S;
     const Piece& P;
     int nj_;
     std::vector<int> at_;
     std::vector<std::vector<int>> links_;
     std::vector<int> rows_, columns_;
 
-    double stiffness(int k) const { return k % 6 < 3 ? F.equilibrium().joint_t() : F.equilibrium().joint_r(); }
+    double stiffness(int k) const;
 
     void link(int i, int j);
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "piece.hpp"
+#include "shape.hpp"
 
 namespace restshape::planks {
 
