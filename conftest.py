@@ -136,9 +136,15 @@ def _outside() -> dict[str, str]:
 
 @pytest.fixture
 def restshape(tmp_path: Path) -> Run:
-    """Runs a `restshape` command in tmp_path: ``restshape("replay", scene, ranks=2)``."""
+    """Runs a `restshape` command in tmp_path, in a process of its own: ``restshape("replay", scene, ranks=2)``.
 
-    def run(*words: object, ranks: int = 1) -> subprocess.CompletedProcess:
+    A single process is forked from one that has imported the command line. With ``fresh`` it starts as a user's does.
+    """
+    from forked import run_forked
+
+    def run(*words: object, ranks: int = 1, fresh: bool = False) -> subprocess.CompletedProcess:
+        if ranks == 1 and not fresh:
+            return run_forked([*map(str, words)], tmp_path, _outside(), 120.0)
         start, first = _ranks(ranks)
         command, settings = [*start, *RESTSHAPE, *map(str, words)], {"capture_output": True, "text": True}
         return subprocess.run(command, cwd=tmp_path, env=_outside(), timeout=120, preexec_fn=first, **settings)

@@ -91,6 +91,7 @@ def test_fields_on_other_meshes_are_sampled(command, tmp_path, replayed):
     assert "sampled in 1 frames" in said
 
 
+@pytest.mark.slow
 def test_a_frame_that_is_refused_and_one_that_is_missing_are_found(command, tmp_path, replayed, dragged):
     scene, script = dragged
     first, one = replayed(scene, "a", "--edits", script)

@@ -13,6 +13,7 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 
 
+@pytest.mark.slow
 def test_versions_are_those_of_the_libraries(tmp_path: Path) -> None:
     out = tmp_path / "info.json"
     assert main(["info", "--json", str(out)]) == 0

@@ -97,7 +97,7 @@ def test_petscrc_is_not_obeyed(restshape, tmp_path):
     (tmp_path / "x.geo").write_text(SQUARE)
     for name in ("petscrc", ".petscrc"):
         (tmp_path / name).write_text(f"-dll_prepend {tmp_path}/none.so\n-ksp_view ascii:{tmp_path}/trace-{name}\n")
-    ended = restshape("replay", scene, "--out", out)
+    ended = restshape("replay", scene, "--out", out, fresh=True)
     assert ended.returncode == 0, ended.stderr
     assert not list(tmp_path.glob("trace*")) and "PETSC ERROR" not in ended.stderr
     header = header_of(out)
@@ -136,7 +136,8 @@ def test_matplotlibrc_changes_no_picture(command, restshape, tmp_path):
         if text:
             (tmp_path / "matplotlibrc").write_bytes(text)
         # Files are looked for where a process starts.
-        ended = (restshape if text else command)("report", out, "--animation", "none")
+        words = ("report", out, "--animation", "none")
+        ended = restshape(*words, fresh=True) if text else command(*words)
         assert ended.returncode == 0 and not ended.stderr
         pictures.append(np.asarray(Image.open(tmp_path / "out-report" / "frames.png")))
     assert all(np.array_equal(pictures[0], picture) for picture in pictures[1:])

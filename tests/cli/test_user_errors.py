@@ -1,13 +1,11 @@
 """Mistakes of people at the command line: each is reported in words, and what they asked for is not lost."""
 
 import json
-import os
-import subprocess
-import sys
 from argparse import Namespace
 from pathlib import Path
 
 import pytest
+from forked import run_forked
 
 from restshape.cli.main import main
 from restshape.cli.options import refuse_overwriting
@@ -79,10 +77,10 @@ def test_words_that_petsc_used_leave_no_note(folder, replay):
     assert "no use of" not in replay("--", "-solid_ksp_type", "cg", "-options_left", "no")[2]
 
 
-@pytest.mark.slow
-def test_a_table_that_cannot_be_written(folder, replay):
-    code, _, shown_text = replay("--csv", "/dev/full")
-    assert code == 2 and "/dev/full: cannot write" in shown_text and "Traceback" not in shown_text
+def test_a_table_that_cannot_be_written(folder, command):
+    done = command("replay", "plate.toml", "--csv", "/dev/full")
+    shown_text = done.stderr
+    assert done.returncode == 2 and "/dev/full: cannot write" in shown_text and "Traceback" not in shown_text
 
 
 def test_a_recording_is_named_for_what_it_is(folder, capsys):
@@ -92,10 +90,8 @@ def test_a_recording_is_named_for_what_it_is(folder, capsys):
 
 @pytest.mark.cli
 @pytest.mark.parametrize("rank", ["0", "1"])
-def test_one_rank_speaks_for_all(folder, rank):
-    environment = {**os.environ, "OMPI_COMM_WORLD_RANK": rank}
-    command = [sys.executable, "-m", "restshape.cli.main", "check", str(folder / "nowhere.toml")]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60)
+def test_one_rank_speaks_for_all(folder, outside, rank):
+    done = run_forked(["check", "nowhere.toml"], folder, {**outside, "OMPI_COMM_WORLD_RANK": rank}, 60.0)
     assert done.returncode == 2
     assert ("no such scene" in done.stderr) == (rank == "0")
 
@@ -140,14 +136,13 @@ def test_a_mesh_without_end_is_not_begun(folder, capsys, command, key, size):
     assert f"plate.toml: {key}" in shown_text and "triangles" in shown_text and "a larger size" in shown_text
 
 
-@pytest.mark.slow
-def test_a_hole_goes_with_its_mesh_size_and_comes_back_with_it(folder, replay):
+def test_a_hole_goes_with_its_mesh_size_and_comes_back_with_it(folder, command):
     lines = [{"do": "delete", "on": "window"}, {"do": "undo"}]
     header = (folder / "plate.jsonl").read_text().splitlines()[0]
     events = [json.dumps({"t": t, **line}) for t, line in enumerate(lines)]
     (folder / "cut.jsonl").write_text("\n".join([header, *events]) + "\n")
-    code, _, shown_text = replay("--edits", "cut.jsonl", "--out", "cut.vtkhdf")
-    assert code == 0, shown_text
+    done = command("replay", "plate.toml", "--edits", "cut.jsonl", "--out", "cut.vtkhdf")
+    assert done.returncode == 0, done.stderr
     with Recording(folder / "cut.vtkhdf") as recording:
         first, without, again = recording.table["elements"].tolist()
         assert list(recording.table["refused"]) == ["", "", ""]
@@ -205,18 +200,16 @@ size = 1
 """
 
 
-@pytest.mark.slow
-def test_a_mesh_whose_parts_all_have_materials(tmp_path, replay):
+def test_a_mesh_whose_parts_all_have_materials(tmp_path, command):
     (tmp_path / "parts.inp").write_text(SQUARE)
     (tmp_path / "plate.toml").write_text(PARTS)
-    code, printed, shown_text = replay()
-    assert code == 0, shown_text
-    assert "4 elements" in printed
+    done = command("replay", "plate.toml")
+    assert done.returncode == 0, done.stderr
+    assert "4 elements" in done.stdout
 
 
-@pytest.mark.slow
-def test_a_part_without_a_material(tmp_path, replay):
+def test_a_part_without_a_material(tmp_path, command):
     (tmp_path / "parts.inp").write_text(SQUARE)
     (tmp_path / "plate.toml").write_text(PARTS.replace('hard = { E = "2 GPa", nu = 0.3, region = ["RIGHT"] }\n', ""))
-    code, _, shown_text = replay()
-    assert code == 2 and "2 triangles lie outside of the regions" in shown_text
+    done = command("replay", "plate.toml")
+    assert done.returncode == 2 and "2 triangles lie outside of the regions" in done.stderr

@@ -3,13 +3,9 @@
 import csv
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-
-pytestmark = pytest.mark.cli
 
 DATA = Path(__file__).parents[1] / "data"
 FRAME = re.compile(r"^replay: +(\d+) Frame \w+: mesh level (\d);.*?(rebuilt)?$", re.MULTILINE)
@@ -27,18 +23,21 @@ def edits(tmp_path):
     return path
 
 
-def replayed(tmp_path, edits, *words):
-    """The rows of a replay, and what it has written to stderr."""
-    table = tmp_path / "rows.csv"
-    command = [sys.executable, "-m", "restshape.cli.main", "replay", str(DATA / "plate.toml"), "--edits", str(edits)]
-    done = subprocess.run([*command, "--csv", str(table), *words], capture_output=True, text=True, check=True)
-    with table.open() as file:
-        return list(csv.DictReader(file)), done.stderr
+@pytest.fixture
+def replayed(tmp_path, edits, restshape):
+    """Replays in a process of its own, whose loggers are its own: the rows, and what it has written to stderr."""
+
+    def run(*words):
+        done = restshape("replay", DATA / "plate.toml", "--edits", edits, "--csv", "rows.csv", *words)
+        assert done.returncode == 0, done.stderr
+        with (tmp_path / "rows.csv").open() as file:
+            return list(csv.DictReader(file)), done.stderr
+
+    return run
 
 
-@pytest.mark.slow
-def test_verbose_names_levels_and_rebuilt_preconditioners(tmp_path, edits):
-    rows, log = replayed(tmp_path, edits, "-v")
+def test_verbose_names_levels_and_rebuilt_preconditioners(replayed):
+    rows, log = replayed("-v")
     levels = {(row["index"], row["level"]) for row in rows if int(row["level"]) > 1}
     rebuilt = {row["index"] for row in rows if row["pc_rebuilt"] == "1"}
     assert {level for _, level in levels} == {"2", "3"} and len(rebuilt) > 1
@@ -49,14 +48,12 @@ def test_verbose_names_levels_and_rebuilt_preconditioners(tmp_path, edits):
     assert "refactorisation criterion" in log or "no convergence" in log
 
 
-@pytest.mark.slow
-def test_very_verbose_counts_the_iterations_of_each_frame(tmp_path, edits):
-    rows, log = replayed(tmp_path, edits, "-vv", "--set", "solve.jumps=false")
+def test_very_verbose_counts_the_iterations_of_each_frame(replayed):
+    rows, log = replayed("-vv", "--set", "solve.jumps=false")
     counted = re.findall(r"^algebra: +Linear \S+ solve .* iterations (\d+)$", log, re.MULTILINE)
     assert sum(map(int, counted)) == sum(int(row["iterations"]) for row in rows)
 
 
-@pytest.mark.slow
-def test_nothing_is_logged_unasked(tmp_path, edits):
+def test_nothing_is_logged_unasked(replayed):
     # But for what check warns of.
-    assert all(line.startswith("note:") for line in replayed(tmp_path, edits)[1].splitlines())
+    assert all(line.startswith("note:") for line in replayed()[1].splitlines())

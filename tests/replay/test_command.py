@@ -35,9 +35,8 @@ def read_json(path):
     return json.loads(path.read_text(), parse_constant=refuse)
 
 
-@pytest.mark.slow
-def test_json_for_programs(tmp_path, restshape, scene, script):
-    done = restshape("replay", scene, "--edits", script, "--json", "a.json")
+def test_json_for_programs(tmp_path, command, scene, script):
+    done = command("replay", scene, "--edits", script, "--json", "a.json")
     assert done.returncode == 0 and all(line.startswith("note:") for line in done.stderr.splitlines())
     found = read_json(tmp_path / "a.json")
     assert (found["frames"], found["refused"], found["ranks"], found["policy"]) == (FRAMES, 1, 1, "auto")

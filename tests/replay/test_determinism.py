@@ -20,8 +20,8 @@ EVENTS = [
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_twice_the_same_bits(tmp_path, restshape, on_ranks, ranks):
     """In a process of its own and in one that has replayed before."""
-    scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
-    for name, run in (("a", partial(restshape, ranks=ranks)), ("b", partial(on_ranks, ranks))):
+    scene, script = write_scene(tmp_path, plate(0.09)), write_script(tmp_path, EVENTS)
+    for name, run in (("a", partial(restshape, ranks=ranks, fresh=True)), ("b", partial(on_ranks, ranks))):
         done = run("replay", scene, "--edits", script, "--out", f"{name}.vtkhdf")
         assert done.returncode == 0, done.stderr
     with Recording(tmp_path / "a.vtkhdf") as a, Recording(tmp_path / "b.vtkhdf") as b:

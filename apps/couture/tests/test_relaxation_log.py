@@ -2,8 +2,6 @@
 
 import csv
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -12,11 +10,10 @@ STRIP = Path(__file__).parents[1] / "scenes/strip.toml"
 
 
 @pytest.mark.slow
-@pytest.mark.cli
-def test_a_relaxation_logs_its_strategy_and_why_it_ends(tmp_path):
+def test_a_relaxation_logs_its_strategy_and_why_it_ends(tmp_path, restshape):
     rows = tmp_path / "rows.csv"
-    command = [sys.executable, "-m", "restshape.cli.main", "replay", str(STRIP), "--csv", str(rows), "-vv"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = restshape("replay", STRIP, "--csv", rows, "-vv")
+    assert done.returncode == 0, done.stderr
     with rows.open() as file:
         (row,) = csv.DictReader(file)
     assert re.search(r"^physics: Cold start: mesh of \d+ nodes, membrane stiffness times 0.01$", done.stderr, re.M)
