@@ -6,10 +6,9 @@ import contextlib
 import io
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import meshio
 import numpy as np
-from meshio.abaqus._abaqus import abaqus_to_meshio_type
 from scipy.spatial import cKDTree
 
 from restshape.bounds import LENGTH, MESH_BYTES, READING_MEMORY, TRIANGLES
@@ -20,6 +19,9 @@ from restshape.mesh.mesh import Mesh, edges_of_cells
 from restshape.mesh.nastran import constraint_sets, has_grid, read_deck
 from restshape.mesh.tracing import Triangles, trace
 from restshape.shape.outline import Outline
+
+if TYPE_CHECKING:
+    import meshio
 
 FORMATS = {".inp": "abaqus", ".bdf": "nastran", ".nas": "nastran", ".dat": "nastran", ".msh": "gmsh", ".vtu": "vtu"}
 """File name endings that are read, and meshio's name of their format."""
@@ -99,6 +101,9 @@ def _read(path: Path) -> meshio.Mesh:
         raise UserError("there is no GRID card in the bulk data", str(path), "export the nodes too")
     if kind == "abaqus":
         _refuse_includes(path)
+    import meshio  # late: few scenes have a mesh file
+    from meshio.abaqus._abaqus import abaqus_to_meshio_type
+
     for name, shape in PLANE_ELEMENTS.items():
         abaqus_to_meshio_type.setdefault(name, shape)
     with _readable(path, kind):

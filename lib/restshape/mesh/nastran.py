@@ -5,12 +5,14 @@ from __future__ import annotations
 import io
 from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import meshio
 import numpy as np
-from meshio.nastran._nastran import read_buffer
 
 from restshape.errors import UserError
+
+if TYPE_CHECKING:
+    import meshio
 
 
 def has_grid(path: Path) -> bool:
@@ -59,6 +61,9 @@ def read_deck(path: Path) -> meshio.Mesh:
     Raises:
         Exception: whatever meshio has to say about it.
     """
+    import meshio
+    from meshio.nastran._nastran import read_buffer
+
     if _has_begin(path):
         return meshio.read(path, file_format="nastran")
     return read_buffer(io.StringIO(f"BEGIN BULK\n{path.read_text(encoding='utf-8', errors='replace')}\nENDDATA\n"))

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from restshape.bounds import SPLINE_POINTS
 from restshape.shape.curves import second_derivatives
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 Ends = tuple[str, str]
 SplineEdge = tuple[np.ndarray, tuple[float, ...], Ends]
@@ -22,6 +26,8 @@ def cubic_of(points: np.ndarray, knots: tuple[float, ...], ends: Ends) -> BSplin
         points: (n, 2) that the edge interpolates; knots: (n,) its parameters there, from 0 to 1.
         ends: end conditions, see `restshape.shape.curves.second_derivatives`.
     """
+    from scipy.interpolate import make_interp_spline  # late: few shapes have splines
+
     second = second_derivatives(knots, ends) @ points
     curvature = [(2, second[0])], [(2, second[-1])]
     return make_interp_spline(np.array(knots), points, 3, bc_type=curvature)
@@ -50,6 +56,8 @@ def edges_of_cubic(knots: np.ndarray, controls: np.ndarray) -> list[SplineEdge]:
         The edges; none where an inner knot is not simple, the ends are not at the first and last control point, or
         there would be more than `bounds.SPLINE_POINTS`.
     """
+    from scipy.interpolate import BSpline
+
     if len(controls) < 4 or len(knots) != len(controls) + 4 or not np.ptp(knots) > 0.0:
         return []
     knots = (knots - knots[0]) / np.ptp(knots)
