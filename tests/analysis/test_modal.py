@@ -28,7 +28,7 @@ def test_wild_edit_agrees_with_cold_solves_on_the_same_meshes(tmp_path, model, n
     edits = tmp_path / "wild.jsonl"
     edits.write_text(WILD)
     model, _, order = model.partition(" ")
-    size = 20 if order == "2" else 9
+    size = 30 if order == "2" else 12
     overrides = [f"effects.modal.model={model}", "effects.modal.modes=3", "mesh.layers=1", f'mesh.size="{size} mm"']
     run = replay("bar_100.toml", edits, [*overrides, f"mesh.order={order or 1}"], name)
     parity, levels = Parity(run), set()

@@ -187,6 +187,7 @@ def test_refused_values_leave_the_motion_as_it_was(tmp_path):
     assert sway[-1][0] == pytest.approx(straight[-1]["q_sway"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_steps_beyond_the_stable_one_grow_until_they_are_refused(tmp_path):
     """The limit of the linear acceleration method, omega dt = sqrt(12), is also the one that `check` names."""
     first = make_replay(tower(tmp_path, dynamics(0.01, 1, mass="lumped")))

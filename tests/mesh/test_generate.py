@@ -251,8 +251,8 @@ def resident() -> float:
 
 @pytest.mark.slow
 def test_hundreds_of_meshes_do_not_grow_the_process():
-    for i in range(500):
-        if i == 100:
+    for i in range(300):
+        if i == 60:
             before = resident()
-        generate(plate(0.5 + 0.0016 * i), MeshSpec(size=0.2))
-    assert resident() - before < 2.0
+        generate(plate(0.5 + 0.0027 * i), MeshSpec(size=0.2))
+    assert resident() - before < 1.2

@@ -247,7 +247,7 @@ def stars(draw) -> tuple[Outline, float]:
 
 
 @pytest.mark.slow
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(stars())
 def test_any_shape_gives_a_valid_mesh_or_is_refused(shape):
     outline, size = shape

@@ -15,7 +15,7 @@ from restshape.replay.recording import Recording
 
 HOLE = "\n[shape.holes.window]\ncircle = { center = [0.4, 0.15], radius = 0.05 }\n"
 WIDE = column(FOOT, PUSHED.format(1e6), height=0.3, size=0.06).replace("\n[material", HOLE + "\n[material", 1)
-AROUND = drag("window", (0.4, 0.15), across((0.4, 0.15), (0.75, 0.17), 30))
+AROUND = drag("window", (0.4, 0.15), across((0.4, 0.15), (0.75, 0.17), 14))
 THINNER = drag("top", (0.5, 0.3), across((0.5, 0.3), (0.5, 0.27), 6))
 SET = [{"do": "set", "key": "loads.head.force", "value": [-2e6, 0]}, {"do": "undo"}]
 
