@@ -103,6 +103,7 @@ def layer(name: str) -> str:
     return [*name.split("."), ""][1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", PACKAGES)
 def test_packages_import_one_way(package):
     allowed = MAY_IMPORT[package] | {package}
@@ -140,6 +141,7 @@ def test_parts_of_the_library_are_in_order():
     assert wrong == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("annotations", [False, True])
 def test_no_modules_import_each_other(annotations):
     graph = {module: ours(path, annotations) & set(MODULES) - {module} for module, path in MODULES.items()}

@@ -63,6 +63,7 @@ def test_every_committed_file_belongs_to_one_result():
     assert len({result.name for result in LIST}) == len(LIST)
 
 
+@pytest.mark.slow
 def test_all_that_results_depend_on_is_there():
     for result in LIST:
         assert all(path.is_file() for path in result.data), result.name

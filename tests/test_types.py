@@ -106,6 +106,7 @@ def test_the_type_checker_finds_what_is_wrong(check, tmp_path):
         assert f":{number}: error: " in error and words in error
 
 
+@pytest.mark.slow
 def test_any_stands_at_borders_alone():
     used = {
         path.relative_to(LIBRARY).as_posix()

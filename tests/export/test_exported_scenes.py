@@ -50,6 +50,7 @@ def test_edits_go_on_from_there(tmp_path):
     np.testing.assert_allclose(np.sort(last.outline.points, axis=0), np.sort(whole.points, axis=0), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_its_first_frame_is_the_recorded_one(tmp_path, command):
     stretch = '[quantities]\nstretch = { displacement = "x", at = "right" }\n'
     (tmp_path / "plate.toml").write_text(ALL_KINDS.replace("size = 0.1", "size = 0.25\norder = 1") + stretch)

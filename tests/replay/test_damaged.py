@@ -72,6 +72,7 @@ def test_a_file_that_is_cut_off_keeps_its_frames(sound, damaged, tmp_path):
     same_frames(tmp_path / "good.vtkhdf", sound[1], good)
 
 
+@pytest.mark.slow
 def test_no_flipped_byte_is_drawn_without_a_word_or_ends_in_a_traceback(sound, damaged):
     data, rng = sound[0].read_bytes(), np.random.default_rng(0)
     reported = 0

@@ -120,6 +120,7 @@ def test_results_say_where_they_are_from(recorded):
         assert {key: recording.header[key] for key in origin} == origin
 
 
+@pytest.mark.slow
 def test_reports_repeat_the_origin(recorded, tmp_path):
     path, _, result = recorded
     words = ["--out", str(tmp_path / "pictures"), "--animation", "none", "--json", str(tmp_path / "report.json")]

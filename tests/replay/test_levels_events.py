@@ -140,6 +140,7 @@ def test_refactor_has_one_symbolic_analysis_a_mesh(tmp_path):
     assert happened(new, *SYMBOLIC) == len(new)
 
 
+@pytest.mark.slow
 def test_rebuild_makes_everything_in_each_frame_that_moves(tmp_path):
     rows = counted(tmp_path, "rebuild")
     idle, relocated, flipped, new = by_level(rows)

@@ -66,6 +66,7 @@ def test_quantiles_of_many_numbers_are_within_the_error_of_the_sample():
         assert abs(found - p / 100) < 4 * np.sqrt(p / 100 * (1 - p / 100) / SIZE)
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_frames():
     rng, tally = np.random.default_rng(0), Tally()
     row = make_row(0, rng)

@@ -132,6 +132,7 @@ def test_options_without_sense_are_bad_input(recorded, tmp_path, capsys, words, 
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_pictures_hold_the_hash_of_their_recording(recorded, tmp_path):
     words = ["--frames", "1", "--animation", "none", "--out", str(tmp_path), "--dpi", "50"]
     assert main(["report", str(recorded), *words]) == 0

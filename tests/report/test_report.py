@@ -216,6 +216,7 @@ def test_frames_that_change_values_are_not_idle(tmp_path):
     assert frames["values"] == 2 and frames["idle"] == 2
 
 
+@pytest.mark.slow
 def test_without_ffmpeg_the_animation_is_a_gif(plate, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     assert report(plate[0], "--out", str(tmp_path), "--animation", "mp4") == 0

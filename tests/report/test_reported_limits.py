@@ -49,6 +49,7 @@ def recorded(tmp_path_factory):
     return path, rows, limit
 
 
+@pytest.mark.slow
 def test_the_report_shows_limits_errors_and_statuses(recorded, tmp_path, capsys):
     path, rows, limit = recorded
     assert [row["constraint_status"] for row in rows] == ["holds", "uncertain", "fails"]

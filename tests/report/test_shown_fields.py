@@ -187,6 +187,7 @@ def test_stresses_jump_between_regions(tmp_path):
 LARGE = "[effects.large_deformation]\n"
 
 
+@pytest.mark.slow
 def test_large_deformations_are_never_exaggerated(tmp_path, capsys):
     out = tmp_path / "out.vtkhdf"
     text = PLATE.replace("[quantities]", LARGE + "[quantities]") + meshed(0.3)

@@ -27,6 +27,7 @@ def titles(figure):
     return [axes.get_title(loc="left") for axes in figure.findobj(Axes)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [plate(0.3), MOVING], ids=["rest", "motion"])
 def test_every_command_says_the_same(command, tmp_path, drawn, text):
     write_scene(tmp_path, text)

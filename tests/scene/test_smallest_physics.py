@@ -51,6 +51,7 @@ def test_a_disc_bulges_as_a_paraboloid(tmp_path, install, order, bound):
     assert 0 < replay.analysis.errors()["estimate"] < 0.2
 
 
+@pytest.mark.slow
 def test_reuse_recordings_and_messages_come_with_it(tmp_path, install):
     install(application)
     scene = write_scene(tmp_path, DISC + "[solve]\ntolerance = 1e-9\n")

@@ -295,6 +295,7 @@ def balanced_by_polygons(furniture: Furniture, case: int, mu: float) -> bool:
     return linprog(np.ones(columns.shape[1]), A_eq=columns, b_eq=wanted / size).status == 0
 
 
+@pytest.mark.slow
 def test_what_stands_is_what_a_linear_program_can_balance() -> None:
     rng, seen = np.random.default_rng(1), []
     for trial in range(60):

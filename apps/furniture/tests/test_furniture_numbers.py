@@ -16,6 +16,7 @@ from restshape_verification.furniture.times import COLUMNS, large, timed
 from restshape.cli.main import main
 
 
+@pytest.mark.slow
 def test_planks_and_joints_are_those_of_the_thesis() -> None:
     found = rows(timed=False)
     assert not any(row["timing"] for row in found)
@@ -30,12 +31,14 @@ def test_planks_and_joints_are_those_of_the_thesis() -> None:
         assert n <= count <= 2 * (n + n * (n - 1) // 2 + n * (n - 1) * (n - 2) // 6)
 
 
+@pytest.mark.slow
 def test_the_threshold_of_the_nails() -> None:
     bears = {row["row"].split(", ")[1]: row["ours"] for row in rows(timed=False) if row["unit"] == "N m"}
     assert bears["nail-thesis"] == pytest.approx(0.02 * 35e3 * 0.006 * 3, rel=1e-6)
     assert bears["nail-experiment"] == pytest.approx(1.86, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_piece_of_224_freedoms_tries_all_triples_that_change_forces() -> None:
     found = {row["quantity"]: row["ours"] for row in rows(timed=False) if row["row"] == "a bookshelf of 51 planks"}
     assert found["design freedoms"] == 224
@@ -51,6 +54,7 @@ def test_the_piece_of_224_freedoms_tries_all_triples_that_change_forces() -> Non
     assert found["continuous suggestions"] >= 3
 
 
+@pytest.mark.slow
 def test_directions_that_are_looked_for_again_find_what_the_first_ones_miss() -> None:
     # Four pairs lengthen or raise one board and widen the other: force goes with one over its width.
     grid = Grid.of(scales(), (21, 13))
@@ -65,6 +69,7 @@ def test_a_grid_finds_what_a_hand_would_edit() -> None:
     assert (found.there, found.missed, found.rate) == ((3, 0, 0), (0, 0, 0), 0.0)
 
 
+@pytest.mark.slow
 def test_a_grid_of_triples_finds_what_suggestions_miss() -> None:
     grid = Grid.of(SMALL["long cantilever"](), (21, 13, 9))
     assert grid.ways[2] == {(0, 4, 13)}
@@ -72,6 +77,7 @@ def test_a_grid_of_triples_finds_what_suggestions_miss() -> None:
         assert (found.missed, found.rate) == ((0, 0, 1), 0.25)
 
 
+@pytest.mark.slow
 def test_suggestions_need_the_fewest_edits(tmp_path, capsys) -> None:
     path = tmp_path / "sessions.json"
     assert main(["design-sessions", "--json", str(path)]) == 0

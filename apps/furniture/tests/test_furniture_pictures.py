@@ -239,6 +239,7 @@ def test_a_region_is_valid_where_the_full_test_says_so() -> None:
     assert "[mm]" in axes.get_xlabel() and "[mm]" in axes.get_ylabel()
 
 
+@pytest.mark.slow
 def test_pictures_are_written(tmp_path, capsys) -> None:
     words = ["--out", str(tmp_path / "a"), "--only", "forces", "suggestions", "--piece", "scales"]
     assert main(["furniture-pictures", *words]) == 0

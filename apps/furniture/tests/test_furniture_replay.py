@@ -189,6 +189,7 @@ def test_levels_are_0_and_1_only(tmp_path):
     assert np.isnan([row["estimate"] for row in rows]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_scripts_that_ship_replay_and_hold_parity(tmp_path, name):
     out, table = tmp_path / "run.json", tmp_path / "run.csv"

@@ -85,6 +85,7 @@ def test_start_worst_and_end_are_among_the_frames(recorded):
         assert first in telling_frames(recording, 6)
 
 
+@pytest.mark.slow
 def test_a_frame_shows_the_range_in_the_colour_of_the_verdict(recorded, tmp_path, monkeypatch):
     made = figures(monkeypatch, piece_frames)
     with Recording(recorded[0]) as recording:
@@ -157,6 +158,7 @@ def test_a_recording_tells_the_pieces_of_its_frames(recorded):
             list(pieces(recording, [0]))
 
 
+@pytest.mark.slow
 def test_searches_are_bounded(recorded, tmp_path, capsys):
     common = ["report", str(recorded[0]), "--animation", "none", "--out", str(tmp_path / "few")]
     assert main([*common, "--searches", "0", "--json", str(tmp_path / "few.json")]) == 0
@@ -166,6 +168,7 @@ def test_searches_are_bounded(recorded, tmp_path, capsys):
     assert "no fewer than 0" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_limit_alone_is_distinguished_from_a_piece_that_does_not_hold(tmp_path, monkeypatch):
     # The bench holds; a limit below what it weighs does not.
     text = BENCH + '[quantities]\nheavy = { mass = true, limit = "1 g" }\n'
@@ -214,6 +217,7 @@ def test_planks_are_not_exaggerated(recorded, capsys):
     assert "planks are drawn where they are" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_replay_of_one_frame_and_a_lost_joint_are_drawn(tmp_path):
     text = BENCH + '[joints]\nnear = false\n[joints.a]\nplank = "left"\nend = "+x"\nto = "top"\nface = "-z"\n'
     text += '[joints.b]\nplank = "right"\nend = "+x"\nto = "top"\nface = "-z"\n'

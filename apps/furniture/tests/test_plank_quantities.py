@@ -99,6 +99,7 @@ def test_a_limit_makes_a_piece_that_stands_fail(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_quantities_follow_edits_into_tables_and_stay_with_what_is_there(tmp_path):
     text = '[quantities]\nleg = { reaction = "z", at = "left" }\nlong = { length = "x", at = "top" }\n'
     text += "wood = { mass = true }\n"

@@ -74,6 +74,7 @@ def test_grouped_modes_have_the_derivative_of_their_sum(tmp_path) -> None:
     assert some.directions == pytest.approx(modes.directions[[len(modes) - 1, 0]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["bookshelf", "chair-1", "chair-2", "piece-28", "scales", "shelf-1", "shelf-2", "table"]
 )

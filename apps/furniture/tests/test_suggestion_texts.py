@@ -52,6 +52,7 @@ def test_words_tell_what_a_board_does() -> None:
     assert named(piece, change) == "post: length y + post: move x"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", INVALID)
 def test_amounts_are_those_of_the_piece_that_is_shown(name) -> None:
     piece = PIECES[name]()

@@ -83,6 +83,7 @@ def test_what_holds_a_barred_combination_is_left_out() -> None:
     assert left == {some for some in every if not any(set(bar) <= set(some) for bar in barred)} < every
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [scales, table, shelf_1, shelf_2, toppling], ids=lambda make: make.__name__)
 def test_suggestions_are_those_of_the_enumeration_that_leaves_out_nothing(make) -> None:
     furniture, modes = model(make())

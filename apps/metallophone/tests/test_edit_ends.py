@@ -52,6 +52,7 @@ def test_an_undo_that_ends_a_script_is_counted(tmp_path):
     assert resting[-4:] == ["undo", "undo", "redo", "undo"]
 
 
+@pytest.mark.slow
 def test_a_prediction_goes_on_from_what_an_idle_frame_has_found(tmp_path, monkeypatch):
     """A tine far from the others grows until it is the lowest; the count at rest shows, and the next drag knows.
 

@@ -20,6 +20,7 @@ def settings(*overrides: str) -> list[str]:
     return [word for override in (*QUICK, *overrides) for word in ("--set", override)]
 
 
+@pytest.mark.slow
 def test_recording_holds_frequencies_tones_and_modes(command, tmp_path):
     scene, edits = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl"
     done = command("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf", "--json", "bar.json")

@@ -27,6 +27,7 @@ def test_a_lost_mode_is_found_by_the_next_count(tmp_path):
     np.testing.assert_allclose(found, design.load_factors, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_picture_of_the_modes(tmp_path, capsys):
     path = write_scene(tmp_path, column())
     assert (

@@ -54,6 +54,7 @@ def test_what_is_shown_after_a_drag_beyond_the_limit_stands(tmp_path):
     assert rows[-1]["event"] == "release" and bool(rows[-1]["refused"]) == (negative(made.analysis) > 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("predict", ["none", "linear"])
 def test_a_column_dragged_up_to_its_limit_is_shown(tmp_path, predict):
     script = write_script(tmp_path, drag("top", (DEPTH / 2, 1.0), across((DEPTH / 2, 1.0), (DEPTH / 2, 1.1), 30)))

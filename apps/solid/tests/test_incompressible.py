@@ -15,6 +15,7 @@ def test_first_order_locks_and_the_mean_dilatation_does_not():
     assert alike[0] == pytest.approx(alike[1], rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_case_lists_elements_of_second_order_on_every_mesh():
     checks = incompressible(PETSc.COMM_WORLD)
     assert all(check.passed for check in checks)

@@ -16,6 +16,7 @@ def test_nothing_breaks():
     assert tried.valid >= 10 and tried.frames > 50 and 3 < tried.largest <= 200
 
 
+@pytest.mark.slow
 def test_scenes_are_of_all_kinds(tmp_path):
     seen: Counter[str] = Counter()
 

@@ -118,6 +118,7 @@ def test_a_sweep_is_written_as_it_is_printed(tmp_path, monkeypatch):
     np.testing.assert_allclose(table[:, 1], data["quantities"]["drift"]["amplitude"], rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_spectrum_is_written_as_it_is_printed(tmp_path):
     files = [tmp_path / "a.csv", tmp_path / "a.png"]
     words = ["--csv", str(files[0]), "--picture", str(files[1])]

@@ -99,6 +99,7 @@ def test_building_shakes_as_the_textbook_says(tmp_path):
     assert not any(row["refused"] for row in rows)
 
 
+@pytest.mark.slow
 def test_the_template_runs(command, tmp_path):
     assert command("new", "vibration", "mast").returncode == 0
     cheap = ("--set", "mesh.size=0.3", "--set", "effects.dynamics.steps=6")

@@ -110,6 +110,7 @@ def test_a_looser_tolerance_shows_in_the_algebraic_part_alone(manufactured):
     assert loose["parts"]["discretisation"] == pytest.approx(own["parts"]["discretisation"], rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", [False, True])
 def test_a_matrix_that_is_kept_though_the_nodes_have_moved_is_a_failure_of_reuse(tmp_path, monkeypatch, fault):
     assemble, kept = Operator.assemble, weakref.WeakKeyDictionary()

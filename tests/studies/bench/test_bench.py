@@ -196,6 +196,7 @@ def test_the_frames_asked_for(tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_a_folder_with_the_name_of_the_package_is_not_taken_for_it(tmp_path, monkeypatch):
     """As when somebody works in the folder that holds a clone."""
     (tmp_path / "restshape").mkdir()
@@ -213,6 +214,7 @@ def test_a_process_that_takes_too_long_is_ended(tmp_path):
     assert all(set(row) >= {"level", "ms"} for row in outcome.rows)
 
 
+@pytest.mark.slow
 def test_a_bad_script_is_reported_as_in_a_replay(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.3)), write_script(tmp_path, [{"do": "fly"}])
     with pytest.raises(UserError, match="line 2"):
@@ -278,6 +280,7 @@ def test_levels_are_taken_from_their_phases():
     assert large["first_frame_serves_as_level_3"] and large["levels"]["3"]["ms"]["p50"] == 90.0
 
 
+@pytest.mark.slow
 def test_one_size_for_real(tmp_path):
     from restshape_studies.commands.bench import installed_scene
 

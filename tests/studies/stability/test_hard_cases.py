@@ -22,6 +22,7 @@ PLAYED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "policy"), PLAYED)
 def test_case(tmp_path, name, policy):
     case = KNOWN[name]
@@ -98,6 +99,7 @@ def test_a_case_that_fails_ends_with_1(monkeypatch, tmp_path):
     assert "there: no" in rows["refused"]["value"]
 
 
+@pytest.mark.slow
 def test_command(tmp_path, capfd):
     words = ["stability", "--case", "plane.still", "--case", "plane.jump", "--policy", "thesis"]
     assert main([*words, "--json", str(tmp_path / "a.json")]) == 0
@@ -146,6 +148,7 @@ def test_a_case_that_kills_or_hangs_its_process_fails_alone(tmp_path, monkeypatc
     assert "reported nothing for 4 s" in rows[2]["value"]
 
 
+@pytest.mark.slow
 def test_no_more_time(monkeypatch, tmp_path):
     rows = run_apart([("plane.still", "auto")], 30.0, 1.0, 0.0, (), lambda row: None)
     assert rows[0]["holds"] is None and "0 s" in rows[0]["left_out"]
