@@ -163,3 +163,12 @@ def test_nothing_is_dispatched_on_classes_of_analyses_meshes_and_spaces():
         and kinds & {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
     ]
     assert len(kinds) > 50 and asked == []
+
+
+COUNTED = re.compile(r"\{len\([^{}]*\)(?: - 1)?\} (?:more )?[a-z]+s\b")
+"""A number that may be one before a plural, in an f-string; `outputs.si_numbers.counted` knows both."""
+
+
+def test_what_commands_count_may_be_one():
+    for path in (path for room in ROOMS for path in room.rglob("*.py") if {"cli", "commands"} & {*path.parts[-3:-1]}):
+        assert not COUNTED.findall(path.read_text(encoding="utf-8")), path

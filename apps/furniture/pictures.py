@@ -22,6 +22,7 @@ from restshape_apps.furniture.small_pieces import toppling
 from restshape.errors import UserError
 from restshape.guidance.combination_search import Combination, Limits
 from restshape.outputs.drawn import save_picture
+from restshape.outputs.si_numbers import counted
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 
 SHOWN = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
@@ -99,7 +100,7 @@ def suggestions(path: Path, name: str = "table") -> None:
         )
     if supports:
         made = model(supports[0].piece)
-        words = f"a support plank: {state(made)}\nit relieves {len(supports[0].relieved)} joint(s)"
+        words = f"a support plank: {state(made)}\nit relieves {counted(len(supports[0].relieved), 'joint')}"
         draw_piece(panels[len(found) + 1], made, words, numbers=False, box=box)
     for axes in panels[count:]:
         axes.set_visible(False)

@@ -155,6 +155,10 @@ def quicker(plan: Plan, finest: float, total: int, seconds: float) -> list[str]:
     return advice
 
 
+BUDGET = ", all that is left of --budget"
+"""What a stopped job says besides where not its own time was over, but that of the study."""
+
+
 def solve(
     job: Job,
     scene: Scene,
@@ -201,7 +205,12 @@ def solve(
             if not out_of_time:
                 what = f"the reference has no solution: {outcome.problem or 'it reported nothing'}"
                 raise UserError(what, job.scene, ", or ".join(advice[:-1]))
-            what = f"the reference was not finished{outcome.problem.removeprefix(STOPPED)} (--reference-seconds)"
+            what = f"the reference was not finished{outcome.problem.removeprefix(STOPPED)}"
+            if BUDGET in outcome.problem:
+                what += "; nothing is kept before the reference"
+                advice = (*advice[:-1], "more time for the study (--budget)")
+            else:
+                what += " (--reference-seconds)"
             raise UserError(what, job.scene, ", or ".join(advice))
         solutions.append(outcome.found | {"tolerance": tolerance})
     return solutions[1], solutions[0]

@@ -2,7 +2,7 @@
 
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
 from time import monotonic
@@ -11,13 +11,14 @@ from typing import Any
 from restshape_studies.accuracy.front import mark_pareto
 from restshape_studies.accuracy.kept_points import KeptPoints
 from restshape_studies.accuracy.record import Truth, record, truth_of
-from restshape_studies.accuracy.reference import COARSER, MODULE, Plan, planned, quicker, solve
+from restshape_studies.accuracy.reference import BUDGET, COARSER, MODULE, Plan, planned, quicker, solve
 from restshape_studies.accuracy.sampling import begun, sampled
 from restshape_studies.accuracy.setting import Choice, Omission, Setting, scale_of, settings
 from restshape_studies.bench.job import STOPPED, Job, Outcome, run
 
 from restshape.application import Application, application
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import counted
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
@@ -157,9 +158,8 @@ def study(
     _refuse_senseless(case, asked, scene, app, script)
     tried, omitted = settings(case.scene, case.overrides, app, asked.choice)
     frames, total = sampled(scene, script, asked.limit(scene, app, script), asked.samples, app.transient(scene))
-    points = (
-        f"{len(tried)} points of at most {asked.seconds:g} s, two references of at most {asked.reference_seconds:g} s"
-    )
+    points = f"{counted(len(tried), 'point')} of at most {asked.seconds:g} s"
+    points += f", two references of at most {asked.reference_seconds:g} s"
     on_run(f"{case.name}: {points}: at most {asked.most(len(tried)):.0f} s in all (--budget, --seconds)")
     deadline = Deadline(start, asked.budget, play)
     with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
@@ -217,7 +217,10 @@ class Deadline:
 
     def play(self, job: Job, seconds: float) -> Outcome:
         """What a job gives in the time that it may take, and that is left."""
-        return self._play(job, max(min(seconds, self.left), 0.1))
+        left = self.left
+        outcome = self._play(job, max(min(seconds, left), 0.1))
+        cut = left < seconds and outcome.problem.startswith(STOPPED)
+        return replace(outcome, problem=outcome.problem + BUDGET) if cut else outcome
 
 
 def too_slow(records: list[dict[str, Any]], setting: Setting, within: float | None) -> str:

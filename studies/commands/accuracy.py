@@ -16,6 +16,7 @@ from restshape.cli.script_notes import note_script
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.outputs.kinds import PointsFile, SceneFile
+from restshape.outputs.si_numbers import counted
 from restshape.policy import POLICIES
 
 PLACE = 4
@@ -146,9 +147,17 @@ def read(args: argparse.Namespace) -> tuple[Any, float | None, float | None]:
     from restshape_studies.accuracy.study import Asked
 
     if args.frames is not None and (args.frames < 0 or args.frames == 1):
-        raise UserError(f"{args.frames} frames hold no edit", "--frames", "at least 2, or 0 for all")
+        raise UserError(
+            "a single frame holds no edit" if args.frames == 1 else f"{args.frames} frames cannot be",
+            "--frames",
+            "at least 2, or 0 for all",
+        )
     if args.samples < 2:
-        raise UserError(f"{args.samples} frames are too few", "--samples", "at least 2")
+        raise UserError(
+            f"{counted(args.samples, 'frame')} {'is' if args.samples == 1 else 'are'} too few",
+            "--samples",
+            "at least 2",
+        )
     for option in ("seconds", "reference_seconds"):
         if not getattr(args, option) > 0.0:
             raise UserError("there must be time", f"--{option.replace('_', '-')}", "a number above 0")
@@ -330,7 +339,7 @@ def tell(study: Any) -> None:
     """Print the table of a study, its front, and what was left out."""
     from restshape_studies.accuracy.facts import HEADS, facts, left_out, rows
 
-    title = f"{study.case.name}: {study.total} frames, errors at frames {', '.join(map(str, study.frames))}"
+    title = f"{study.case.name}: {counted(study.total, 'frame')}, errors at frames {', '.join(map(str, study.frames))}"
     print_table(title, HEADS, rows(study), right=HEADS[:8])
     for name, value in facts(study):
         print(f"{name}: {value}")
@@ -357,7 +366,7 @@ def choose(args: argparse.Namespace, study: Any, within: float | None, error: fl
     for picked in picks(study.records, within, error):
         if found:
             before.append(f"{found['name']}: {chosen_line(found)}")
-        error_there = f"error {percent(picked['error'])} at {len(picked['frames'])} of {study.total} frames"
+        error_there = f"error {percent(picked['error'])} at {len(picked['frames'])} of {counted(study.total, 'frame')}"
         print(f"picked: {picked['name']}, {picked['frame_ms']:.3g} ms a frame, {error_there}", flush=True)
         write_scene(study.case, picked, path)
         print(f"wrote {path}")

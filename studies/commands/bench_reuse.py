@@ -9,6 +9,7 @@ from restshape_studies.commands.bench_kind import Kind, add_frames, add_repeat, 
 
 from restshape.cli.options import print_table
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import counted
 from restshape.policy import GUESSES, POLICIES
 
 EVENTS = (
@@ -77,7 +78,7 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     loads = [run["load"] for entry in found.values() for run in entry["runs"]]
     title = (
         f"{name}: {one['frames']} frames, about {one['unknowns']} unknowns, {one['elements']} elements, one core; "
-        f"median of {len(one['runs'])} runs; load of the machine {min(loads):.1f} to {max(loads):.1f}"
+        f"median of {counted(len(one['runs']), 'run')}; load of the machine {min(loads):.1f} to {max(loads):.1f}"
     )
     heads = ("policy", "frames/s", "p50, ms", "p95, ms", "p99, ms", "x rebuild", "x refactor", "x refactor, same guess")
     heads += ("Python, ms",)

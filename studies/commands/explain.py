@@ -13,6 +13,7 @@ from restshape.cli.script_notes import note_script
 from restshape.cli.shipped import script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import counted
 
 PLACE = 1
 SUMMARY = "print which effects a scene calls for and why, what each costs, and which solvers it gets"
@@ -63,9 +64,9 @@ def run(args: argparse.Namespace) -> int:
         rows = explain(asked, scene, application(scene.app), Path(folder))
     first = rows[0]
     total = sum(row["ms"] for row in rows)
-    of = f"{first['frames']} frames of {edits.name}" if edits else "the first frame, for there is no script"
+    of = f"{counted(first['frames'], 'frame')} of {edits.name}" if edits else "the first frame, for there is no script"
     print_effects(f"{args.scene}: {scene.title}".rstrip(": "), rows)
-    measured = f"{first['runs']} runs, policy {scene.solve.policy}"
+    measured = f"{counted(first['runs'], 'run')}, policy {scene.solve.policy}"
     print(f"shares of {total:.4g} ms of processor time, the mean of {of}; {measured}\n")
     core = next(row for row in rows if "solver" in row)
     print_table("solvers", ("what", "choice", "why"), solvers(core["solver"]))
@@ -88,11 +89,11 @@ def _line(row: dict[str, Any]) -> list[str]:
         return [name, "off", *["-"] * 5, f"nothing calls for it: {row['why']}"]
     has_share = row["how"] in ("by difference", "measured")
     core = "solver" in row
-    counted = has_share or core or any(row[key] for key in COUNTED)
-    counts = [str(row[key]) for key in COUNTED[:-1]] if counted and not part else ["-"] * 3
+    has_counts = has_share or core or any(row[key] for key in COUNTED)
+    counts = [str(row[key]) for key in COUNTED[:-1]] if has_counts and not part else ["-"] * 3
     share = f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %" if has_share or core else "-"
     why = row["why"] if has_share else f"{row['why']} ({row['how']})"
-    return [name, "" if part else "on", *counts, f"{row['calls']:.3g}" if counted else "-", share, why]
+    return [name, "" if part else "on", *counts, f"{row['calls']:.3g}" if has_counts else "-", share, why]
 
 
 def solvers(plan: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -104,12 +105,14 @@ def solvers(plan: dict[str, Any]) -> list[tuple[str, str, str]]:
     if plan["elements"]:
         rows.append(("elements", f"order {plan['order']}: {', '.join(plan['elements'])}", plan["order_why"]))
     rows += [("model", value, f"effects.{key}") for key, value in plan["models"].items()]
-    used = ", ".join(f"{name} in {count} frames" for name, count in plan["preconditioners"].items() if name)
+    used = ", ".join(f"{name} in {counted(count, 'frame')}" for name, count in plan["preconditioners"].items() if name)
     expected = ", ".join(f"{name} {ms:.3g}" for name, ms in sorted(plan["expected_ms"].items(), key=lambda at: at[1]))
     why = f"policy {plan['policy']}{', expected ms a solve: ' + expected if expected else ''}"
     rows.append(("preconditioner", used, why))
-    done = f"{plan['factorisations']} frames with a factorisation, {plan['iterations']} iterations"
-    newton = f", {plan['newton']} Newton steps" if plan["newton"] else ""
+    done = (
+        f"{counted(plan['factorisations'], 'frame')} with a factorisation, {counted(plan['iterations'], 'iteration')}"
+    )
+    newton = f", {counted(plan['newton'], 'Newton step')}" if plan["newton"] else ""
     rows.append(("work", f"{done}{newton}", "in these frames, the first included"))
     return rows
 

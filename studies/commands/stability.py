@@ -15,6 +15,7 @@ from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.ranks import first_rank, launched
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import counted
 from restshape.policy import POLICIES
 from restshape.surroundings import start_petsc
 
@@ -174,7 +175,10 @@ def _fuzz(args: argparse.Namespace) -> int:
     campaign = {"seed": args.seed, "kinds": args.kind or [*KINDS], "apps": [*apps]}
 
     def report(tried: Any) -> None:
-        print(f"{tried.examples} examples, {len(tried.found)} faults, {tried.seconds:.0f} s", flush=True)
+        print(
+            f"{counted(tried.examples, 'example')}, {counted(len(tried.found), 'fault')}, {tried.seconds:.0f} s",
+            flush=True,
+        )
         write_json(args, {**campaign, **tried.as_dict()})
 
     before = _before(args, campaign)

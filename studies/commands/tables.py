@@ -8,6 +8,7 @@ from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.outputs.kinds import PageFile
+from restshape.outputs.si_numbers import counted
 from restshape.outputs.whole import write_whole
 from restshape.surroundings import start_petsc
 
@@ -70,5 +71,5 @@ def _check(text: str, lines: list[str], path: Path) -> int:
     missing = [line for line in lines if line not in text]
     for line in missing:
         print(f"{path}: not there: {line}")
-    print(f"{path}: {len(lines) - len(missing)} of {len(lines)} counts hold")
+    print(f"{path}: {len(lines) - len(missing)} of {counted(len(lines), 'count')} hold")
     return 1 if missing else 0

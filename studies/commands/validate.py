@@ -4,6 +4,7 @@ import argparse
 
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.verbosity import add_verbose
+from restshape.outputs.si_numbers import counted
 from restshape.surroundings import start_petsc
 
 PLACE = 2
@@ -37,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     rows = [check.as_dict(name) for name in args.case or known for check in known[name](comm)]
     if comm.rank == 0:
         print_table(
-            f"validation on {comm.size} rank(s)",
+            f"validation on {counted(comm.size, 'rank')}",
             ("case", "quantity", "value", "reference", "error", "tolerance", "", "kind", "source"),
             [
                 (

@@ -2,8 +2,10 @@
 
 import argparse
 import json
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from small_scenes import plate, write_scene
@@ -103,3 +105,14 @@ def _parser() -> argparse.ArgumentParser:
     add_edits(parser, "the script")
     parser.add_argument("--policy")
     return parser
+
+
+def test_the_page_lists_the_commands_that_there_are():
+    page = (Path(__file__).parents[2] / "docs" / "commands.md").read_text()
+    table = page.partition("## Commands of applications")[2].partition("\n## ")[0]
+    rows = [line.split("|")[1:3] for line in table.splitlines() if line.startswith("| `")]
+    listed = {app.strip(" `"): sorted(re.findall("`([^`]+)`", names)) for app, names in rows}
+    known = {app: sorted(one.name for one in many) for app, many in brought_commands().items() if many}
+    # The application of these tests is on no page.
+    known.pop("plane")
+    assert listed == known

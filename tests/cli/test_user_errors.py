@@ -69,7 +69,25 @@ def test_words_that_petsc_never_used_are_named(folder, replay):
 def test_options_that_change_nothing_are_named():
     found = without_effect(["-solid_ksp_max_it", "3", "-solid_ksp_view", "-solid_ksp_monitor"])
     assert [one.split(" ")[0] for one in found] == ["-solid_ksp_max_it", "-solid_ksp_view"]
-    assert all("(" in one for one in found) and without_effect(["-solid_ksp_rtol", "1e-3"]) == []
+    assert all("(" in one for one in found) and without_effect(["-solid_ksp_type", "cg"]) == []
+    # The scene's tolerance goes over both.
+    found = without_effect(["-solid_ksp_rtol", "1e-3", "-solid_ksp_atol", "1e3"])
+    assert len(found) == 2 and all("solve.tolerance" in one for one in found)
+    assert without_effect(["-drape_step_ksp_rtol", "1e-3"]) == []
+
+
+@pytest.mark.slow
+def test_the_tolerances_of_a_solve_are_those_of_the_scene(folder, replay):
+    def iterations(*words):
+        code, _, shown_text = replay(
+            "--json", "out.json", "--", "-solid_ksp_type", "cg", "-solid_pc_type", "jacobi", *words
+        )
+        assert code == 0
+        return json.loads((folder / "out.json").read_text())["iterations"], shown_text
+
+    usual, _ = iterations()
+    other, said = iterations("-solid_ksp_rtol", "0.5", "-solid_ksp_atol", "1e9")
+    assert usual == other > 10 and "-solid_ksp_rtol (solve.tolerance" in said
 
 
 @pytest.mark.slow
@@ -125,7 +143,7 @@ def test_check_shows_values_of_supports_and_loads(folder, capsys):
     change(folder / "plate.toml", 'traction = ["P*(1 + y)", 0]', 'force = [0, "-2 kN"]')
     assert main(["check", str(folder / "plate.toml")]) == 0
     printed = capsys.readouterr().out
-    assert "y = 2e-05 m" in printed and "force (0, -2000) N" in printed
+    assert "y = 20 µm" in printed and "force (0, -2000) N" in printed
 
 
 @pytest.mark.parametrize(("key", "size"), [("mesh.size", "10 um"), ("mesh.near.window", "1 nm")])

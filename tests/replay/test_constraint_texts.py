@@ -2,7 +2,11 @@
 
 import pytest
 
+from restshape.outputs.si_numbers import si
 from restshape.replay.constraints import Limit, formatted_constraint, violated_constraints
+from restshape.scene.descriptions import with_symbol
+from restshape.scene.quantity import in_unit, limit_in_unit
+from restshape.shape.gaps import Gap
 
 
 @pytest.mark.parametrize(
@@ -21,3 +25,12 @@ from restshape.replay.constraints import Limit, formatted_constraint, violated_c
 def test_value_and_limit_are_distinguished(value, limit, text):
     (found,) = violated_constraints({"q": limit}, {"q": value})
     assert formatted_constraint(found) == text
+
+
+def test_units_have_the_prefixes_of_reports():
+    assert in_unit("Pa", 6.111e7, 4) == "61.11 MPa" and limit_in_unit("Pa", 3e7) == "30 MPa"
+    assert in_unit("m", 5.39e-5) == si(5.39e-5, "m", 6) == "53.9 µm"
+    # What has a prefix of its own, or would be read otherwise, stays.
+    assert in_unit("kg", 0.05) == "0.05 kg" and limit_in_unit("K", 1363.15) == "1363.15 K"
+    assert with_symbol(7850.0, "density") == "7850 kg/m^3" and with_symbol(2.1e11, "pressure") == "210 GPa"
+    assert str(Gap((0.1, 0.2), 5.39e-5, ("a", "b"))) == "53.9 µm at (0.1, 0.2) m, between a and b"

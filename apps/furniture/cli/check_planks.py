@@ -13,6 +13,7 @@ from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Pla
 
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import counted
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -88,7 +89,7 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows = [("planks", f"{len(piece.planks)}: {', '.join(names)}")]
     rows += [(f"plank {plank.name}", _board(plank)) for plank in piece.planks]
     nails = int(geometry.nails.sum())
-    rows.append(("joints", f"{len(piece.joints)}, with {nails} fasteners {scene.fastener.name!r}"))
+    rows.append(("joints", f"{len(piece.joints)}, with {counted(nails, 'fastener')} {scene.fastener.name!r}"))
     rows += [
         (f"joint {names[joint.i]} {SIDES[joint.side]}", _joint(joint, names, length, int(count)))
         for joint, length, count in zip(piece.joints, geometry.length, geometry.nails)

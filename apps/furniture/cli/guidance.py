@@ -9,6 +9,7 @@ from restshape_apps.furniture.guidance.valid_ranges import ValidRange, decode_ra
 from restshape_apps.furniture.report.guided import findings_of, found, grabbed, has_findings, runs, searches
 
 from restshape.cli.options import print_table
+from restshape.outputs.si_numbers import counted
 from restshape.replay.constraints import LIMIT
 
 MOST = 12
@@ -102,7 +103,7 @@ def _print_suggestions(same: Sequence[Mapping[str, Any]]) -> None:
     heads = ("number", "what it does", "valid range of what it names first", "holds")
     cells = [(one["number"], one["words"], _span(one), _holds(one)) for one in found(row)]
     # For a piece in parts no combinations are searched.
-    tried = f"; {row['tried']} combinations tried" if row["tried"] else ""
+    tried = f"; {counted(row['tried'], 'combination')} tried" if row["tried"] else ""
     print_table(f"suggestions in {_frames(same)}: {row['violated_constraints']}{tried}", heads, cells, right=heads[:1])
 
 

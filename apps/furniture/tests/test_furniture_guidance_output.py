@@ -192,8 +192,8 @@ def test_furniture_is_not_predicted_and_says_why(tmp_path, capsys):
     assert "furniture is not predicted" in capsys.readouterr().err
 
 
-def test_the_terminal_says_that_ranges_and_suggestions_look_at_no_limit(tmp_path, capsys):
-    note = "ranges and suggestions judge the piece alone"
+def test_the_terminal_says_that_ranges_look_at_no_limit(tmp_path, capsys):
+    note = "limits of quantities count in the constraint status and in suggestions, not in valid ranges"
     text = BENCH + '[quantities]\nlong = { length = "x", at = "top", limit = "90 cm" }\n'
     for scene, reported in ((write_bench(tmp_path, text, "limited.toml"), True), (write_bench(tmp_path), False)):
         assert main(["replay", str(scene)]) == 0

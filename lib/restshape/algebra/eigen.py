@@ -16,6 +16,7 @@ from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 from restshape.first_use import made
+from restshape.outputs.si_numbers import counted, counted_are
 
 SPARE = 2
 """Modes beyond the wanted ones that are carried along: one that comes down from above is seen before it is wanted."""
@@ -173,7 +174,7 @@ class EigenSolver:
     def _cold_solve(self, count: int, why: str, verify: bool = True) -> tuple[Found, EigenReport]:
         """Krylov-Schur about 0 with a new factor; from nothing no better shift is known; `why` is for the log."""
         if count > self._elastic:
-            raise ReplayProblem(f"{count} modes are asked for, and the mesh has {self._elastic} only")
+            raise ReplayProblem(f"{counted_are(count, 'mode')} asked for, and the mesh has {self._elastic} only")
         shift = self._start_shift()
         self.pencil.factor(shift)
         start = self.history[0].sum(axis=0) if self.history and self.method != "direct" else None
@@ -336,7 +337,7 @@ class EigenSolver:
             report.missed_modes = max(report.missed_modes, missing)
             found = self._sought(found, count, min(max(0, missing), MOST_SOUGHT), turn)
         raise ReplayProblem(
-            f"{missing} modes were not found"
+            f"{counted(missing, 'mode')} {'was' if missing == 1 else 'were'} not found"
             if missing > 0
             else f"modes do not converge (residual {found.residuals[:count].max():.1e})"
         )

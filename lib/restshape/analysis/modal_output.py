@@ -12,6 +12,7 @@ from restshape.errors import UserError
 from restshape.fem.observer import Function, Observer, area_at
 from restshape.fem.problem import Fields
 from restshape.fem.space import Space
+from restshape.outputs.si_numbers import counted_are
 from restshape.scene.model import Quantity
 
 
@@ -58,7 +59,7 @@ def _function(name: str, quantity: Quantity, space: Space, modes: int) -> Functi
     if frequency is not None:
         if frequency > modes:
             raise UserError(
-                f"only {modes} modes are computed",
+                f"only {counted_are(modes, 'mode')} computed",
                 f"quantities.{name}.frequency",
                 f"set effects.modal.modes to {frequency} or more",
             )

@@ -21,6 +21,7 @@ from restshape.errors import UserError
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
+from restshape.outputs.si_numbers import si
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.descriptions import keys_in_words, listing
 from restshape.scene.edit_script import Script, load_script
@@ -243,12 +244,12 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows += section_rows(scene)
     rows += quantity_rows(scene)
     mesh, solve = scene.mesh, scene.solve
-    rows.append(("mesh", mesh.file or f"size {mesh.size:g} m, {mesh.relocation} relocation"))
+    rows.append(("mesh", mesh.file or f"size {si(mesh.size, 'm', 6)}, {mesh.relocation} relocation"))
     rows.append(("elements", element_words(scene)))
     rows += [
         (
             f"curves of {one.name}",
-            f"{one.count} mesh edges of at most {one.length:.3g} m, {np.degrees(one.turn):.3g} degrees each at most",
+            f"{one.count} mesh edges of at most {si(one.length, 'm')}, {np.degrees(one.turn):.3g} degrees each at most",
         )
         for one in scene_curves(scene, outline)[:12]
     ]

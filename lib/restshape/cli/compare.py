@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import PICTURES, PictureFile
+from restshape.outputs.si_numbers import counted, si
 
 if TYPE_CHECKING:
     from restshape.comparison.compared import Compared
@@ -52,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
             _refuse_damage(one)
         found = compared(first, second, args.tolerance)
         write_json(args, found.plain())
-        _print(args, found, first.singular | second.singular)
+        _print(args, found, first, second)
         if args.out:
             _draw(args.out, first, second, found)
     return 0 if found.same else 1
@@ -72,7 +74,7 @@ def _refuse_damage(result: Result) -> None:
         refuse_damage(result.recording)
 
 
-def _print(args: argparse.Namespace, found: Compared, singular: dict[str, float]) -> None:
+def _print(args: argparse.Namespace, found: Compared, first: Result, second: Result) -> None:
     """Print what differs, what is nearest to how it was made first."""
     from restshape.comparison.header_differences import shortened
     from restshape.replay.singular_notes import singular_notes
@@ -86,13 +88,13 @@ def _print(args: argparse.Namespace, found: Compared, singular: dict[str, float]
     _print_list("frames with another constraint status", found.status)
     _print_list("quantities of one of them only", found.alone)
     if found.quantities:
-        _print_differences("quantities (SI units)", "quantity", found.quantities)
-        for note in singular_notes(singular):
+        _print_differences("quantities", "quantity", found.quantities, first.units | second.units)
+        for note in singular_notes(first.singular | second.singular):
             print(note)
     if found.fields:
-        ways = ", ".join(f"{way} in {count} frames" for way, count in found.fields.ways.items() if count)
+        ways = ", ".join(f"{way} in {counted(count, 'frame')}" for way, count in found.fields.ways.items() if count)
         print(f"meshes: {ways}")
-        _print_differences("fields (SI units)", "field", [found.fields.points, *found.fields.fields])
+        _print_differences("fields", "field", [found.fields.points, *found.fields.fields], _field_units(first, second))
         _print_list("fields of one of them only", found.fields.alone)
     if found.times:
         heads = ("time a frame", "A [ms]", "B [ms]", "B / A")
@@ -102,18 +104,28 @@ def _print(args: argparse.Namespace, found: Compared, singular: dict[str, float]
     print(_sentence(args, found))
 
 
-def _print_differences(title: str, what: str, differences: list[SeriesDifference]) -> None:
+def _print_differences(title: str, what: str, differences: list[SeriesDifference], units: Mapping[str, str]) -> None:
+    """Print differences, those of values with their units and SI prefixes."""
     heads = (what, "largest", "relative", "rms", "frame", "only in one")
     rows = []
     for one in differences:
-        relative = one.relative if one.compared else math.nan
-        numbers = [_number(value) for value in (one.largest, relative, one.rms)]
+        largest, rms = (_number(value, units.get(one.name, "")) for value in (one.largest, one.rms))
+        numbers = largest, _number(one.relative if one.compared else math.nan), rms
         rows.append((one.name, *numbers, one.frame if one.frame >= 0 else "-", one.alone or "-"))
     print_table(title, heads, rows, right=heads[1:])
 
 
-def _number(value: float) -> str:
-    return "-" if not math.isfinite(value) else f"{value:.3g}"
+def _field_units(*results: Result) -> dict[str, str]:
+    """Units of fields, as far as the physics of the applications that made them know; of points and displacements."""
+    from restshape.report.field import physics_of
+
+    recordings = [one.recording for one in results if one.recording]
+    looks = {name: look for each in recordings for one in physics_of(each) for name, look in one.pictured.items()}
+    return {"points": "m", "displacement": "m"} | {name: look.unit for name, look in looks.items()}
+
+
+def _number(value: float, unit: str = "") -> str:
+    return "-" if not math.isfinite(value) else si(value, unit) if unit else f"{value:.3g}"
 
 
 def _print_list(title: str, values: list[int] | list[str]) -> None:

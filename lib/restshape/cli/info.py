@@ -14,6 +14,7 @@ from restshape.calibration import Calibration, own_path
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.kinds import JsonFile
+from restshape.outputs.si_numbers import counted
 from restshape.surroundings import cpu_model, start_petsc
 
 SUMMARY = "show versions, how things were built, and the machine"
@@ -166,6 +167,6 @@ def calibrate(path: Path) -> tuple[Calibration, dict[str, float]]:
     """This machine's calibration, measured and written to `path`, and its memory bandwidth [B/s]."""
     from restshape.measurement import measure, measure_bandwidth
 
-    own = measure(f"{cpu_model()}, {len(os.sched_getaffinity(0))} cores")
+    own = measure(f"{cpu_model()}, {counted(len(os.sched_getaffinity(0)), 'core')}")
     own.save(path)
     return own, {"memory bandwidth": measure_bandwidth()}

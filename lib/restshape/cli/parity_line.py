@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from restshape.outputs.si_numbers import counted
+
 
 def parity_lines(found: dict[str, Any]) -> list[str]:
     """Lines that say in how many frames reuse equals cold solves, of which kinds, and which were left out and why.
@@ -13,9 +15,11 @@ def parity_lines(found: dict[str, Any]) -> list[str]:
     if not compared:
         first = "parity with cold solves: FAILS: no frame was compared"
     elif failed:
-        first = f"parity with cold solves: FAILS in {failed} of {compared} frames ({_kinds(found['failed'])})"
+        first = (
+            f"parity with cold solves: FAILS in {failed} of {counted(compared, 'frame')} ({_kinds(found['failed'])})"
+        )
     else:
-        first = f"parity with cold solves: holds for {compared} of {found['frames']} frames"
+        first = f"parity with cold solves: holds for {compared} of {counted(found['frames'], 'frame')}"
     lines = [
         f"{first}; entries differ by at most {found['entries']:.1e} relative, solutions by {found['solution']:.1e} "
         f"(tolerance {found['tolerance']:.0e})",

@@ -296,4 +296,4 @@ def _print_reasons(column: str, reasons: dict[str, tuple[int, int]], most: int =
     for reason, (line, frame) in list(reasons.items())[:most]:
         print(printable(f"  {column}, line {line}, frame {frame}: {reason}"))
     if len(reasons) > most:
-        print(f"  ... and {len(reasons) - most} more reasons: see the recording or --csv")
+        print(f"  ... and {counted(len(reasons) - most, 'more reason')}: see the recording or --csv")

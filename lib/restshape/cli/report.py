@@ -90,7 +90,9 @@ def refuse_damage(recording: Recording) -> None:
 
     if damaged := recording.verify():
         good = sorted(set(range(recording.n)) - set(damaged))
-        what = f"{len(damaged)} of {recording.n} frames are damaged: {ranges(damaged)}; good: {ranges(good) or 'none'}"
+        are = "is" if len(damaged) == 1 else "are"
+        what = f"{len(damaged)} of {counted(recording.n, 'frame')} {are} damaged: {ranges(damaged)}"
+        what += f"; good: {ranges(good) or 'none'}"
         do = f"restshape salvage {recording.path} --out FILE.vtkhdf writes the good ones"
         raise UserError(what, str(recording.path), do if good else "record it again")
 

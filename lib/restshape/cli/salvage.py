@@ -6,6 +6,7 @@ from pathlib import Path
 from restshape.cli.options import add_json, write_json
 from restshape.errors import UserError
 from restshape.outputs.kinds import RecordingFile
+from restshape.outputs.si_numbers import counted
 
 SUMMARY = "write the good frames of a damaged recording into a new one"
 
@@ -26,6 +27,7 @@ def run(args: argparse.Namespace) -> int:
         do = f"--out {args.out.with_suffix('.vtkhdf')}"
         raise UserError("a recording's name ends in .vtkhdf", f"--out {args.out}", do)
     good, count = salvage(args.recording, args.out)
-    print(f"wrote {args.out}: {len(good)} of {count} frames are good: {ranges(good)}")
+    are = "is" if len(good) == 1 else "are"
+    print(f"wrote {args.out}: {len(good)} of {counted(count, 'frame')} {are} good: {ranges(good)}")
     write_json(args, {"frames": count, "good": good})
     return 0

@@ -10,6 +10,7 @@ from restshape.application import application, applications
 from restshape.cli.options import add_scene, read_scene, write_json
 from restshape.errors import UserError
 from restshape.outputs.kinds import ScriptFile, signed
+from restshape.outputs.si_numbers import counted
 from restshape.outputs.whole import write_whole
 
 if TYPE_CHECKING:
@@ -49,9 +50,9 @@ def run(args: argparse.Namespace) -> int:
         except OSError as error:
             what = f"{args.out} cannot be written: {(error.strerror or str(error)).lower()}"
             raise UserError(what, "--out", "name another file") from error
-        print(f"{args.out}: {len(made.lines) - 1} events, {made.frames} frames")
+        print(f"{args.out}: {counted(len(made.lines) - 1, 'event')}, {counted(made.frames, 'frame')}")
     for text, frames, why in made.refused:
-        print(f"{text!r}: {frames} frame{'s' * (frames > 1)} will be refused: {why}", file=sys.stderr)
+        print(f"{text!r}: {counted(frames, 'frame')} will be refused: {why}", file=sys.stderr)
     refused = [{"line": text, "frames": frames, "why": why} for text, frames, why in made.refused]
     write_json(args, {"events": len(made.lines) - 1, "frames": made.frames, "refused": refused})
     return 0

@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from restshape.outputs.si_numbers import counted
+
 if TYPE_CHECKING:
     from restshape.scene.edit_script import Script
     from restshape.scene.model import Scene
@@ -22,9 +24,10 @@ def note_script(scene: Scene, script: Script, path: Path) -> None:
 
     refused = [frame for frame in session_of(scene, script).frames() if frame.refused]
     if refused:
+        are = "is" if len(refused) == 1 else "are"
         first, why = refused[0], str(refused[0].refused).splitlines()[0]
         print(
-            f"note: {len(refused)} frames of {path} are refused, the first in line {first.line}: {why}; "
-            "see restshape check",
+            f"note: {counted(len(refused), 'frame')} of {path} {are} refused, "
+            f"the first in line {first.line}: {why}; see restshape check",
             file=sys.stderr,
         )

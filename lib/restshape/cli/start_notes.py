@@ -3,6 +3,7 @@
 from restshape.application import application
 from restshape.cli.doubts import script_doubts
 from restshape.errors import ReplayProblem, UserError
+from restshape.outputs.si_numbers import counted
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
@@ -26,5 +27,5 @@ def start_notes(scene: Scene, script: Script) -> list[str]:
     if outline is not None:
         more += script_doubts(scene, outline, script)
     if len(more) > 1:
-        more = [f"{len(more)} more warnings, which restshape check lists; the first: {more[0]}"]
+        more = [f"{counted(len(more), 'more warning')}, which restshape check lists; the first: {more[0]}"]
     return own + more

@@ -29,8 +29,10 @@ def header_differences(first: Result, second: Result) -> list[HeaderDifference]:
     Keys of the scene are dotted as after --set. Of scripts with the same name and other text the first line that
     differs is given.
     """
-    both = [_flat({key: value for key, value in one.header.items() if key not in REPEATED}) for one in (first, second)]
     whole = all(one.recording for one in (first, second))
+    # A JSON file does not have the values of its scene.
+    repeated = REPEATED if whole else REPEATED[1:]
+    both = [_flat({key: value for key, value in one.header.items() if key not in repeated}) for one in (first, second)]
     keys = dict.fromkeys([*both[0], *both[1]] if whole else [key for key in both[0] if key in both[1]])
     found = []
     for key in keys:

@@ -123,5 +123,12 @@ def _written(path: Path) -> Result:
     moved = times.get("all") if isinstance(times, dict) else None
     known = moved.items() if isinstance(moved, dict) else ()
     percentiles = {key: float(value) for key, value in known if isinstance(value, int | float)}
+    if not any(percentiles.values()):
+        # No frame moved.
+        percentiles = {}
     header = {key: data[key] for key in SAID if key in data}
-    return Result(path, n, header, quantities, refused=stopped, percentiles=percentiles)
+    origin = data.get("origin")
+    origin = dict(origin) if isinstance(origin, dict) else {}
+    units = origin.pop("units", {})
+    known_units = {k: str(v) for k, v in units.items()} if isinstance(units, dict) else {}
+    return Result(path, n, origin | header, quantities, known_units, stopped, percentiles=percentiles)

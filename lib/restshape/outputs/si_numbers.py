@@ -3,6 +3,8 @@
 from math import floor, isfinite, log10
 
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+UNPREFIXED = ("1", "m²", "m^2", "m³", "m^3", "kg", "K", "deg", "°")
+"""Beginnings of units whose prefix would be read for another one, or is not used."""
 
 
 def prefix(size: float) -> tuple[float, str]:
@@ -14,8 +16,8 @@ def prefix(size: float) -> tuple[float, str]:
 
 
 def scaled_unit(size: float, unit: str) -> tuple[float, str]:
-    """The factor and unit in which such a number reads well, such as 1e-6 and "MPa"; m² and kg stay as they are."""
-    if not unit or unit in ("1", "m²", "kg"):
+    """The factor and unit in which such a number reads well, such as 1e-6 and "MPa"; units that take no prefix stay."""
+    if not unit or unit.startswith(UNPREFIXED):
         return 1.0, unit
     factor, letter = prefix(size)
     return factor, letter + unit
@@ -40,3 +42,8 @@ def si(value: float, unit: str = "", digits: int = 3, like: float | None = None)
 def counted(number: int, what: str) -> str:
     """How many there are: ``counted(1, "frame") == "1 frame"``, ``counted(2, "frame") == "2 frames"``."""
     return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def counted_are(number: int, what: str) -> str:
+    """The same before what is said of them: ``counted_are(1, "frame") == "1 frame is"``."""
+    return f"{counted(number, what)} {'is' if number == 1 else 'are'}"

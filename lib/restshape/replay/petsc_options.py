@@ -13,9 +13,13 @@ AT_THE_END = ("log_", "malloc", "memory_", "objects_", "options_", "citations", 
 
 WITHOUT_EFFECT = {
     "ksp_view": "-v names each KSP and PC, -ksp_monitor shows its iterations",
+    "ksp_rtol": "solve.tolerance of the scene ends each solve",
+    "ksp_atol": "solve.tolerance of the scene ends each solve",
     "ksp_max_it": "each solve sets its own limit, after which the preconditioner is rebuilt",
 }
 """Endings of options that PETSc knows and restshape's solvers make up for, and what serves instead."""
+WITH_EFFECT = "step_"
+"""End of the prefix of solvers that take all options: those of the steps of cloth."""
 
 
 def options_of(words: Sequence[str]) -> tuple[list[tuple[str, str]], list[str]]:
@@ -61,7 +65,12 @@ def unused(words: Sequence[str]) -> list[str]:
 def without_effect(words: Sequence[str]) -> list[str]:
     """Those options among the words that PETSc takes and that change nothing here, each with what serves instead."""
     names = [option.lstrip("-") for option, _ in options_of(words)[0]]
-    found = ((name, ending) for name in names for ending in WITHOUT_EFFECT if name.endswith(ending))
+    found = (
+        (name, ending)
+        for name in names
+        for ending in WITHOUT_EFFECT
+        if name.endswith(ending) and not name.endswith(f"{WITH_EFFECT}{ending}")
+    )
     return [f"-{name} ({WITHOUT_EFFECT[ending]})" for name, ending in found]
 
 

@@ -6,6 +6,7 @@ from textwrap import shorten
 import numpy as np
 
 from restshape.outputs.drawn import save_picture
+from restshape.outputs.si_numbers import counted
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import FAINT, INK, LEVEL_NAMES, STAGES, new_figure
@@ -41,7 +42,7 @@ def draw_levels(recording: Recording, path: Path) -> None:
                 drawn.setdefault(name, bar)
             start += length
         axes.plot([row["p50"], row["p95"]], [place, place], color=INK, linewidth=1.2, marker="|", markersize=7)
-        text = f"p50 {row['p50']:.3g} ms, p95 {row['p95']:.3g} ms   ({row['frames']} frames)"
+        text = f"p50 {row['p50']:.3g} ms, p95 {row['p95']:.3g} ms   ({counted(row['frames'], 'frame')})"
         axes.text(row["p95"] + 0.012 * longest, place, text, va="center", color=INK)
     for row in rows:
         if row not in shown:

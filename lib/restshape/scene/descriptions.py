@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from pydantic import BaseModel
 
+from restshape.outputs.si_numbers import si
 from restshape.scene.expressions import COORDINATES, Expression
 from restshape.scene.units import SYMBOLS, in_si
 from restshape.scene.values import annotation_of, dimension_of
@@ -38,6 +39,8 @@ def with_symbol(value: object, dimension: object, parameters: Mapping[str, float
     symbol = SYMBOLS.get(dimension, "") if isinstance(dimension, str) else ""
     parts = value if isinstance(value, tuple | list) else (value,)
     formulas = [part.text for part in parts if isinstance(part, Expression)]
+    if symbol and isinstance(value, float | int):
+        return si(value, symbol, 6)
     shown = listing(value, parameters)
     valued = parameters is not None and shown != listing(value)
     if not symbol or (any(in_si(text) != text for text in formulas) and not valued):

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
+from restshape.outputs.si_numbers import si
 from restshape.scene.annotations import Definition, extended, optional
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.renamed import OLD_NAMES, by_todays_names
@@ -75,9 +77,8 @@ def with_errors(raw: object) -> object:
 
 
 def in_unit(unit: str, value: float, digits: int = 6) -> str:
-    """The value of a quantity with its SI unit, lengths below a metre in millimetres."""
-    factor, unit = (1e3, "mm") if unit == "m" and 0.0 < abs(value) < 1.0 else (1.0, unit)
-    return f"{factor * value:.{digits}g} {unit}".rstrip()
+    """The value of a quantity with its unit and SI prefix, as reports have it."""
+    return si(value, unit, digits) if isfinite(value) else f"{value:g} {unit}".rstrip()
 
 
 ROUNDED = 1e-6

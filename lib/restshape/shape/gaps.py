@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from restshape.outputs.si_numbers import si
+
 JOIN = 1e-6
 """Ends closer than this share of the drawing's size are one vertex: drawings round their numbers."""
 CANDIDATES = 8
@@ -31,7 +33,7 @@ class Gap:
 
     def __str__(self) -> str:
         first, second = self.between
-        return f"{self.size:.3g} m at ({self.at[0]:.6g}, {self.at[1]:.6g}) m, between {first} and {second}"
+        return f"{si(self.size, 'm')} at ({self.at[0]:.6g}, {self.at[1]:.6g}) m, between {first} and {second}"
 
 
 @dataclass

@@ -11,7 +11,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 
 from restshape.outputs.drawn import save_picture
-from restshape.outputs.si_numbers import scaled_unit
+from restshape.outputs.si_numbers import counted, scaled_unit
 from restshape.replay.constraints import recorded_limits
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
@@ -73,9 +73,9 @@ def draw_sweep(
         labels = [shorten(value.strip('"'), LABEL, placeholder="…") for value in along.values]
         panels[-1].set_xticks(range(len(labels)), labels)
     failed = sum(not one.frames for one in runs)
-    words = [scene.title or scene.path.stem, f"{len(runs)} runs"]
+    words = [scene.title or scene.path.stem, counted(len(runs), "run")]
     words += [f"{failed} without a result"] * bool(failed)
-    words += [f"{len(columns) - MOST} more quantities are not shown"] * (len(columns) > MOST)
+    words += [f"quantities not shown: {len(columns) - MOST}"] * (len(columns) > MOST)
     figure.suptitle(shorten(", ".join(words), 95, placeholder=" …"), x=0.01, ha="left", color=INK)
     keys = shorten(", ".join(one.key for one in swept[:-1]), 90, placeholder="…")
     _legend(panels[0], keys, bool(limits), bool(failed), several)

@@ -16,6 +16,8 @@ from restshape_studies.bench.job import STOPPED, Outcome
 from restshape_studies.commands.accuracy import write_csv
 from small_scenes import across, drag, plate, write_scene, write_script
 
+from restshape.errors import UserError
+
 PLAN = Plan(0.25, 2, 4.0, "rebuild", (1e-10,))
 
 
@@ -122,3 +124,19 @@ def test_points_are_a_table(tmp_path):
     assert list(rows[0]) == list(COLUMNS) and [row["name"] for row in rows] == ["a, b", "c"]
     assert rows[0]["uncertainty"] == "" and float(rows[1]["error"]) == 0.25
     write_csv(None, [])
+
+
+def test_a_reference_that_the_budget_stops_names_it(tmp_path):
+    scene = write_scene(tmp_path, plate(size=0.25), "plate.toml")
+    case = Case("plate", scene, write_script(tmp_path, drag("window", (0.5, 0.5), [(0.51, 0.5), (0.52, 0.5)])))
+
+    def late(job, seconds):
+        return Outcome([], f"{STOPPED} after {seconds:.0f} s")
+
+    for budget, named, other in ((30.0, "--budget", "--reference-seconds"), (1e6, "--reference-seconds", "--budget")):
+        choice = Choice((1.0,), (1,), (1e-2,), ("auto",))
+        asked = Asked(choice, frames=3, samples=2, reference_seconds=60.0, budget=budget)
+        with pytest.raises(UserError) as refusal:
+            study(case, asked, lambda words: None, late)
+        assert named in refusal.value.what + refusal.value.do and other not in refusal.value.what + refusal.value.do
+        assert ("nothing is kept before the reference" in refusal.value.what) == (named == "--budget")

@@ -1,5 +1,6 @@
 """What models alone cannot check in a scene of elastic solids."""
 
+from restshape.outputs.si_numbers import counted_are
 from restshape.physics.elasticity.ground_record import read_record
 from restshape.scene.checks import check_file
 from restshape.scene.expressions import Expression
@@ -88,7 +89,11 @@ def check_motion(scene: Scene, source: Source) -> None:
         rank = quantity.number("frequency")
         if rank is not None and rank > modes and not source.recorded:
             do = f"set effects.modal.modes to {rank} or more"
-            raise source.error(("quantities", name, "frequency"), f"only {modes} modes are computed", do)
+            raise source.error(
+                ("quantities", name, "frequency"),
+                f"only {counted_are(modes, 'mode')} computed",
+                do,
+            )
     file = scene.effects.get("ground", {}).get("file")
     # A recording names files, and none of them is read.
     if file is not None and not source.recorded:
