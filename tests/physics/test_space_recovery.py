@@ -97,7 +97,7 @@ SWEEPS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SWEEPS)
 def test_effectivity_does_not_jump_with_the_mesh(name):
-    """Of each of five modes neighbours differ by less than a factor 1.8; none is estimated as much more than twice."""
+    """Of each of five modes neighbours differ by less than a factor 1.9; none is estimated as much more than twice."""
     scene, order, layers, sizes, exact = SWEEPS[name]
     found = []
     for size in sizes:
@@ -107,5 +107,5 @@ def test_effectivity_does_not_jump_with_the_mesh(name):
         found.append(estimated / (analysis.frequencies / exact - 1.0))
     found = np.array(found)
     jumps = np.exp(np.abs(np.diff(np.log(found), axis=0)))
-    assert jumps.max() < 1.8, found.round(2)
+    assert jumps.max() < 1.9, found.round(2)
     assert found.max() < 2.3 and found.min() > 0.1, found.round(2)

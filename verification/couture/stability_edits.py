@@ -113,6 +113,6 @@ CASES = {
     "remeshed": Case(remeshed),
     "outline": Case(outline, exempt={"rebuild": "all meshes are rebuilt, and nothing flips"}, share=0.5, long=True),
     "holes": Case(holes, share=0.5),
-    "far_apart": Case(far_apart, ("auto", "thesis")),
+    "far_apart": Case(far_apart, ("auto",), exempt={"thesis": "on some machines motion alone rests in other folds"}),
     "other_kinds": Case(other_kinds),
 }

@@ -35,8 +35,8 @@ def test_case(tmp_path, name, policy):
     assert str(tmp_path) not in json.dumps(row, allow_nan=False)
 
 
-TOLERANCE, COUNTS, LOOSE = 1e-5, 1.0, 1e-3
-"""Bounds up to the first are tolerances, from the second on counts; others are met within the last."""
+TOLERANCE, COUNTS, LOOSE, ROUNDING = 1e-5, 1.0, 1e-3, 1e-12
+"""Bounds up to the first are tolerances, from the second on counts; others are met within the third."""
 
 
 def loose(statements):
@@ -45,7 +45,8 @@ def loose(statements):
     for one in statements:
         if one["bound"] is not None and TOLERANCE < one["bound"] < COUNTS and one["value"] >= 0.0:
             found[one["bound"]] = max(one["value"], found.get(one["bound"], 0.0))
-    return {bound: value for bound, value in found.items() if value < LOOSE * bound}
+    # Where a machine's mesh comes out as that of the other scene, a value is rounding, and says nothing of its bound.
+    return {bound: value for bound, value in found.items() if value < LOOSE * bound and not 0.0 < value < ROUNDING}
 
 
 def test_bounds_that_say_nothing_are_found():
