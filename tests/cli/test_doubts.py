@@ -101,8 +101,8 @@ def test_gaps_that_are_closed_are_told(tmp_path):
     assert [gap["size"] for gap in data["gaps"]] == pytest.approx([3e-5, 2e-5])
     assert data["gaps"][0]["between"] == ("LINE on layer rim",) * 2
     assert data["gaps"][0]["at"] == pytest.approx((0.02, 0.010015))
-    assert rows[0] == ("gaps closed", "2 of at most 5e-05 m") and rows[-1] == ("vertices", "4")
-    assert rows[1][1].startswith("3e-05 m at (0.02, 0.010015) m, between LINE on layer rim and")
+    assert rows[0] == ("gaps closed", "2 of at most 50 µm") and rows[-1] == ("vertices", "4")
+    assert rows[1][1].startswith("30 µm at (0.02, 0.010015) m, between LINE on layer rim and")
 
 
 def test_check_prints_the_box_and_the_mass(tmp_path, command):
@@ -146,7 +146,7 @@ def test_a_limit_far_below_what_the_loads_give(tmp_path, limit, count):
     more = f'[quantities]\ns = {{ stress = "von_mises", at = "bottom", reduce = "mean", max = {limit} }}\n'
     scene = scene_of(tmp_path, more=more)
     found = doubts(scene, starting_outline(scene))
-    assert len(found) == count and all("far below the 5e+04 Pa that the loads give" in one for one in found)
+    assert len(found) == count and all("far below the 50 kPa that the loads give" in one for one in found)
 
 
 def test_a_limit_in_time_without_a_reduction(tmp_path):

@@ -114,7 +114,7 @@ def add_drawing(scene: Scene, data: dict[str, Any], rows: Rows) -> None:
     data["drawing"] = list(drawing.notes)
     own = [("drawing", note) for note in drawing.notes]
     if scene.shape.tolerance:
-        many = f"{len(drawing.gaps)} of at most {scene.shape.tolerance:g} m"
+        many = f"{len(drawing.gaps)} of at most {si(scene.shape.tolerance, 'm', 6)}"
         own.append(("gaps closed", many))
         own += [("gap", str(gap)) for gap in drawing.gaps[:LISTED]]
         if len(drawing.gaps) > LISTED:
