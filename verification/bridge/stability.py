@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound, true
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, true, valid
 from restshape_studies.stability.scenery import across, drag
 
 from restshape.application import application
@@ -28,7 +28,7 @@ def nearly_cut(trial: Trial) -> Iterator[Statement]:
     yield carried(rows)
     yield below("sag when nearly cut over the first", rows[0]["q_sag"] / rows[-1]["q_sag"], 0.999)
     yield true("the status fails at the end", rows[-1]["constraint_status"] == "fails", rows[-1]["constraint_status"])
-    yield from sound(rows)
+    yield from valid(rows)
 
 
 def touching(trial: Trial) -> Iterator[Statement]:
@@ -39,7 +39,7 @@ def touching(trial: Trial) -> Iterator[Statement]:
     yield refused_for(rows, "cross", "closer", "inside", "outside")
     yield near("sag where the window was at first", rows[-1]["q_sag"], rows[2]["q_sag"], 1e-5)
     yield carried(rows)
-    yield from sound(rows, None)
+    yield from valid(rows, None)
 
 
 def overloaded(trial: Trial) -> Iterator[Statement]:
@@ -48,7 +48,7 @@ def overloaded(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(SCENE, events, overrides=[*COARSE, LARGE])
     yield near("sag as at first", rows[-1]["q_sag"], rows[0]["q_sag"], 1e-5)
     yield true("2 TN are refused", bool(rows[3]["refused"]))
-    yield from sound(rows, None)
+    yield from valid(rows, None)
 
 
 def lifted(trial: Trial) -> Iterator[Statement]:
@@ -59,7 +59,7 @@ def lifted(trial: Trial) -> Iterator[Statement]:
     yield near("sag as at first", rows[-1]["q_sag"], rows[0]["q_sag"], 1e-5)
     yield above("frames shown", sum(not row["refused"] for row in rows), 5)
     yield carried(rows)
-    yield from sound(rows, None)
+    yield from valid(rows, None)
 
 
 def long_replay(trial: Trial) -> Iterator[Statement]:
@@ -71,7 +71,7 @@ def long_replay(trial: Trial) -> Iterator[Statement]:
     again = [row["q_sag"] for row in rows[102:-1:100]]
     yield near("sag after each turn", again, rows[1]["q_sag"], 1e-2)
     yield carried(rows)
-    yield from sound(rows)
+    yield from valid(rows)
 
 
 CASES: dict[str, Case] = {
