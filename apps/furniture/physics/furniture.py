@@ -276,7 +276,7 @@ class Furniture:
             raw["found"],
             raw["contacts"],
             raw["balance"],
-            raw["missing"],
+            raw["unbalanced_load"],
             tension,
             np.stack([h_x, h_y], 1),
             bending,
