@@ -117,7 +117,7 @@ def run(args: argparse.Namespace) -> int:
             write_csv(args.csv, [*before, *own])
 
         found = study(case, asked, announce, out=args.out, on_point=on_point)
-        tell(found)
+        print_points(found)
         valid = reuse_holds(found) and valid
         records += found.records
         studies.append(found)
@@ -335,7 +335,7 @@ def announce(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def tell(study: Any) -> None:
+def print_points(study: Any) -> None:
     """Print the table of a study, its front, and what was left out."""
     from restshape_studies.accuracy.facts import HEADS, facts, left_out, rows
 

@@ -1,7 +1,6 @@
 """Furniture under the hand, frame after frame: status, forces, valid range of what is dragged, suggestions."""
 
 # More than 15 modules: equilibrium, ranges and suggestions, which know nothing of each other, meet here.
-# More than 15 attributes: it holds the answers of a frame, a column each.
 
 from __future__ import annotations
 
@@ -36,6 +35,7 @@ from restshape.scene.plan import Plan
 NONE = (np.nan, np.nan)
 
 
+# More than 15 attributes: it holds the answers of a frame, a column each.
 class FurnitureAnalysis(Timeless):
     """What holds and what breaks in a piece of furniture while it is edited.
 

@@ -49,7 +49,7 @@ WAY = 0.1
 """The shortest arrow of a way, in parts of the piece's size."""
 SHAFT, RIM = 0.005, 0.0035
 """Radius of an arrow, and how much wider what is behind it in white is, in parts of the piece's size."""
-JOINT, BROKEN = 0.011, 0.015
+JOINT, OVERLOADED = 0.011, 0.015
 """Radius of a joint, and of one that breaks, in parts of the piece's size."""
 STEEPEST = 0.25
 """Part of its length that an arrow of a way is seen with at least where it is made longer."""
@@ -284,7 +284,7 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
     colours = np.where(doubt[:, None], to_rgb(DOUBT), cmap(norm(utilisation))[:, :3])
     for some, radius, layer in (
         ((utilisation <= 1.0) & ~doubt, JOINT, MARK),
-        ((utilisation > 1.0) | doubt, BROKEN, TOP),
+        ((utilisation > 1.0) | doubt, OVERLOADED, TOP),
     ):
         view.image.scene.tubes(joints[some], "white", (radius + RIM) * view.size, HALO)
         view.image.scene.tubes(joints[some], colours[some], radius * view.size, layer)

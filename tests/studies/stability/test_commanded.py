@@ -74,11 +74,11 @@ def test_wrong_files_are_faults(tmp_path, example, monkeypatch):
 
 
 def test_a_table_that_lacks_a_row_is_a_fault(tmp_path, example, monkeypatch):
-    tell = replay._tell
+    write = replay._print_and_write
 
     def printed(args, request, summary):
         args.csv.write_text("".join(args.csv.read_text().splitlines(keepends=True)[:-1]))
-        return tell(args, request, summary)
+        return write(args, request, summary)
 
     monkeypatch.setattr(replay, "_tell", printed)
     with pytest.raises(Fault, match="the CSV file has 6 rows"):
