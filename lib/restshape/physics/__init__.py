@@ -1,1 +1,1 @@
-"""Physics: a folder a physics; which unknowns it adds, which element residuals, which loads."""
+"""Physics: one module an effect; which unknowns it adds, which element residuals, which loads."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from restshape.scene.bodies import Start
-from restshape.scene.space_values import Angles
+from restshape.scene.bodies import Angles, Start
 
 
 def rotation(angles: Angles) -> np.ndarray:
