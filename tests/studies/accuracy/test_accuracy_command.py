@@ -162,7 +162,7 @@ def test_what_a_scene_says_stays_where_a_setting_is_written(small, tmp_path):
         (("--orders", "3"), "has no elements of order 3"),
         (("--policies", "lazy"), "no policy is named 'lazy'"),
         (("--of", "weight"), "has no quantity 'weight'"),
-        (("--frames", "1"), "hold no edit"),
+        (("--frames", "1"), "no edit"),
         (("--tolerances", "2"), "is no tolerance"),
         (("--write", "x.toml"), "nothing is picked"),
     ],
