@@ -241,5 +241,5 @@ def test_a_static_scene_without_a_script_is_studied_on_its_first_shape(command, 
     assert (
         "none: the first shape" in page
         and "stretch, closed form" in page
-        and "1 frames, errors at frames 0" in reported.stdout
+        and "1 frame, errors at frames 0" in reported.stdout
     )
