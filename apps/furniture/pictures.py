@@ -15,7 +15,7 @@ from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import PIECES, scales, table
 from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
 from restshape_apps.furniture.report.force_space import Region, draw_forces, draw_region, region_marks
-from restshape_apps.furniture.report.furniture import DesignDirectionView, add_use_bar, bounds, draw_piece
+from restshape_apps.furniture.report.furniture import DesignDirectionView, add_utilisation_bar, bounds, draw_piece
 from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import toppling
 
@@ -65,7 +65,7 @@ def signed(value: float) -> str:
 def pieces(
     path: Path, names: Sequence[str] = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
 ) -> None:
-    """Pieces as they are: joints by the use of their strength, forces of feet, weights."""
+    """Pieces as they are: joints by the utilisation of their strength, forces of feet, weights."""
     across = min(3, len(names))
     down = -(-len(names) // across)
     figure = new_figure(3.6 * across + 0.7, 3.5 * down)
@@ -75,7 +75,7 @@ def pieces(
         draw_piece(axes, furniture, headed(name, furniture, 36), numbers=len(furniture.piece.planks) <= 10)
     for axes in panels[len(names) :]:
         axes.set_visible(False)
-    add_use_bar(figure, panels)
+    add_utilisation_bar(figure, panels)
     _save(figure, path)
 
 
@@ -104,7 +104,7 @@ def suggestions(path: Path, name: str = "table") -> None:
         draw_piece(panels[len(found) + 1], made, words, numbers=False, box=box)
     for axes in panels[count:]:
         axes.set_visible(False)
-    add_use_bar(figure, panels)
+    add_utilisation_bar(figure, panels)
     _save(figure, path)
 
 
@@ -115,7 +115,7 @@ def ranges(path: Path) -> None:
     for axes, (words, make) in zip(panels, RANGES.items()):
         furniture, direction_view = make()
         draw_piece(axes, furniture, headed(words, furniture, 70), direction_view, numbers=False)
-    add_use_bar(figure, panels)
+    add_utilisation_bar(figure, panels)
     _save(figure, path)
 
 

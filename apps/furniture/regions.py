@@ -72,8 +72,8 @@ def joint_rays(
         UserError: there are no such joints, or no suggestions.
     """
     count = len(furniture.piece.joints)
-    use = furniture.forces().pull_use
-    a, b = joints or tuple(np.sort(np.argsort(-use)[:2]))
+    utilisation = furniture.forces().pull_utilisation
+    a, b = joints or tuple(np.sort(np.argsort(-utilisation)[:2]))
     if not (0 <= a < count and 0 <= b < count and a != b):
         raise UserError(f"there are no two joints {a} and {b}", "--joints", f"choose from 0 to {count - 1}")
     found = suggest(furniture)

@@ -64,7 +64,7 @@ def block(base: float, high: float, mu: float, incline: float = 0.0) -> Piece:
     return Piece((plank,), (), (Foot(0, 0, 0),), (Plane((0, 0, 0), tuple(up), mu),))
 
 
-def laid(place: float, kilograms: float = 30.0) -> Piece:
+def placed(place: float, kilograms: float = 30.0) -> Piece:
     """A board of 1.2 m that lies flat on the floor, with a mass at `place` [m] from its middle."""
     board = Plank.between("board", (-0.6, 0, 0.009), (0.6, 0, 0.009), (0, 0.2, 0), 0.018, wood="pine")
     return Piece((board,), (), feet_near((board,)), (Plane(),), (weight("mass", 0, kilograms, (place / 1.2, 0, 0.5)),))

@@ -23,7 +23,6 @@ __all__: list[str] = [
     "combinations",
     "curved_jacobian_bound",
     "distances",
-    "drag_anchors",
     "edge_parameters",
     "edges_of_cells",
     "element_names",
@@ -58,6 +57,7 @@ __all__: list[str] = [
     "stop_watching",
     "thickness_stretch",
     "total_area",
+    "update_friction_anchors",
     "watch",
     "watch_outlet",
 ]
@@ -347,13 +347,6 @@ def distances(
     starts: numpy.typing.NDArray[numpy.float64],
     ends: numpy.typing.NDArray[numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]: ...
-def drag_anchors(
-    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    anchor: numpy.typing.NDArray[numpy.float64],
-    normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    limit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    slip: typing.SupportsFloat | typing.SupportsIndex,
-) -> float: ...
 def edge_parameters(
     s: numpy.typing.NDArray[numpy.float64],
     arc: numpy.typing.NDArray[numpy.float64],
@@ -540,6 +533,13 @@ def thickness_stretch(
     points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]: ...
 def total_area(X: numpy.typing.NDArray[numpy.float64], cells: numpy.typing.NDArray[numpy.int32]) -> float: ...
+def update_friction_anchors(
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    anchor: numpy.typing.NDArray[numpy.float64],
+    normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    limit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    slip: typing.SupportsFloat | typing.SupportsIndex,
+) -> float: ...
 def watch(
     seconds: typing.SupportsFloat | typing.SupportsIndex,
     bytes: typing.SupportsInt | typing.SupportsIndex,

@@ -170,14 +170,14 @@ def chosen_line(chosen: dict[str, Any]) -> str:
     wanted += [f"below {percent(chosen['below'])}"] if chosen["below"] is not None else []
     if chosen["frame_ms"] is None or chosen["error"] is None:
         return f"{' and '.join(wanted)}: not known over {chosen['frames']} frames: {chosen['problem']}"
-    verdict = "holds" if chosen["holds"] else "DOES NOT HOLD"
+    status = "holds" if chosen["holds"] else "DOES NOT HOLD"
     if chosen.get("diverges"):
-        verdict += f": {chosen['diverges']}"
+        status += f": {chosen['diverges']}"
     measured = f"{chosen['frame_ms']:.3g} ms a frame, p50, over {chosen['frames']} frames"
     measured += f", and an error of {percent(chosen['error'])} at {len(chosen['sampled'])} of them"
     if chosen["below"] is not None and (chosen["uncertainty"] or 0.0) >= chosen["below"]:
         measured += f", where the reference itself is known to {percent(chosen['uncertainty'])} only"
-    return f"{' and '.join(wanted)}: {verdict}: {measured}"
+    return f"{' and '.join(wanted)}: {status}: {measured}"
 
 
 def hopeless(chosen: dict[str, Any]) -> bool:

@@ -42,7 +42,7 @@ def request(job: Job) -> Any:
     return Request(scene, script, application(scene.app), chosen, Calibration.load(), job.petsc, job.predict)
 
 
-def play(job: Job, tell: Any) -> None:
+def play(job: Job, report: Any) -> None:
     """Report a row for each frame, as soon as it is computed."""
     from petsc4py import PETSc
     from restshape_studies.bench.events import EventCounts
@@ -61,24 +61,24 @@ def play(job: Job, tell: Any) -> None:
         row["rss_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         if counts:
             row["events"] = counts.since_last()
-        tell("row", row)
+        report("row", row)
         if row["level"] in left:
             left[row["level"]] -= 1
             if not left[row["level"]]:
                 return
 
 
-def hindsight_cost(job: Job, tell: Any) -> None:
+def hindsight_cost(job: Job, report: Any) -> None:
     """Report the cost of the schedule of refreshes over the best in hindsight."""
     from restshape_studies.bench.hindsight import measure
 
-    tell("hindsight", measure(request(job)))
+    report("hindsight", measure(request(job)))
 
 
-def measured(job: Job, tell: Any) -> None:
+def measured(job: Job, report: Any) -> None:
     """Report what a module measures, one of this package where its name is not a full one."""
     name = job.measure if "." in job.measure else f"restshape_studies.bench.{job.measure}"
-    tell("found", import_module(name).measure(request(job), **job.details))
+    report("found", import_module(name).measure(request(job), **job.details))
 
 
 def main() -> int:
@@ -88,17 +88,17 @@ def main() -> int:
     job = Job.loads(sys.stdin.read())
     with Path(sys.argv[1]).open("w", buffering=1) as file:
 
-        def tell(kind: str, content: Any) -> None:
+        def report(kind: str, content: Any) -> None:
             file.write(json.dumps([kind, content]) + "\n")
 
         start_petsc(job.petsc)
         try:
-            (measured if job.measure else hindsight_cost if job.hindsight_cost else play)(job, tell)
+            (measured if job.measure else hindsight_cost if job.hindsight_cost else play)(job, report)
         except UserError as error:
-            tell("error", {"what": error.what, "where": error.where, "do": error.do})
+            report("error", {"what": error.what, "where": error.where, "do": error.do})
             return 2
         except ReplayProblem as problem:
-            tell("error", {"what": str(problem), "where": job.scene, "do": "see restshape replay on it"})
+            report("error", {"what": str(problem), "where": job.scene, "do": "see restshape replay on it"})
             return 2
     return 0
 

@@ -101,7 +101,7 @@ def run(args: argparse.Namespace) -> int:
     asked, within, error = read(args)
     cases = cases_of(args)
     make_folder(args.out)
-    records, studies, meshless, sound = [], [], [], True
+    records, studies, meshless, valid = [], [], [], True
     command = command_of(args)
     for case in cases:
         if without_mesh := own_study(case):
@@ -117,8 +117,8 @@ def run(args: argparse.Namespace) -> int:
             write_csv(args.csv, [*before, *own])
 
         found = study(case, asked, announce, out=args.out, on_point=on_point)
-        tell(found)
-        sound = reuse_holds(found) and sound
+        print_points(found)
+        valid = reuse_holds(found) and valid
         records += found.records
         studies.append(found)
         write_json(args, finite(records))
@@ -126,12 +126,12 @@ def run(args: argparse.Namespace) -> int:
         if within is not None or error is not None:
             chosen = choose(args, found, within, error)
             write_page(found, args.out, command, chosen)
-            sound = chosen["holds"] and sound
+            valid = chosen["holds"] and valid
         print(f"wrote {args.out / case.name}.md and .png\n", flush=True)
     if len(studies) > 1:
         write_index(studies, args.out, command, meshless)
         print(f"wrote {args.out / 'README.md'}")
-    return 0 if sound else 1
+    return 0 if valid else 1
 
 
 # --- what is asked for ------------------------------------------------------------------------------------------------
@@ -335,7 +335,7 @@ def announce(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def tell(study: Any) -> None:
+def print_points(study: Any) -> None:
     """Print the table of a study, its front, and what was left out."""
     from restshape_studies.accuracy.facts import HEADS, facts, left_out, rows
 

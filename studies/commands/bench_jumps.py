@@ -43,8 +43,8 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
         known = [levels.get(level) for level in ("2", "3")]
         shown = [text for one in known for text in ((_percent(one["share"]), one["frame"]) if one else ("-", "-"))]
         large = any(one and one["share"] > MOST for one in known)
-        verdict = "singular" if quantity in found["singular"] else "large" if large else ""
-        cells.append((quantity, *shown, verdict))
+        status = "singular" if quantity in found["singular"] else "large" if large else ""
+        cells.append((quantity, *shown, status))
     print_table(title, heads, cells, right=heads[1:5])
 
 

@@ -137,12 +137,12 @@ def _print(row: dict[str, Any]) -> None:
 
 def _line(row: dict[str, Any]) -> str:
     """The line of a case."""
-    verdict = {True: "holds", False: "FAILS", None: "left out"}[row["holds"]]
+    status = {True: "holds", False: "FAILS", None: "left out"}[row["holds"]]
     if row["left_out"]:
-        return f"{verdict:8}  {row['case']}  {row['policy']}  {row['left_out']}"
+        return f"{status:8}  {row['case']}  {row['policy']}  {row['left_out']}"
     value = row["value"] if isinstance(row["value"], str) else f"{row['value']:.3g}"
     more = f" (and {len(row['statements']) - 1} more)" if len(row["statements"]) > 1 else ""
-    return f"{verdict:8}  {row['case']}  {row['policy']}  {row['must']}: {value}{more}  {row['seconds']:.1f} s"
+    return f"{status:8}  {row['case']}  {row['policy']}  {row['must']}: {value}{more}  {row['seconds']:.1f} s"
 
 
 def _outcomes(mutated: dict[str, dict[str, int]]) -> list[tuple[str, int, str]]:

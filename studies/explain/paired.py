@@ -53,6 +53,7 @@ def processor_time() -> Iterator[None]:
             module.perf_counter = clock
 
 
+# More than 15 attributes: those of a replay, and its counts.
 class Counted(Replay):
     """A replay whose rows hold the calls of kernels since these were last set to 0.
 

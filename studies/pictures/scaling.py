@@ -37,7 +37,7 @@ def draw_scaling(records: Sequence[Mapping[str, Any]], fits: Mapping[str, Any], 
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:,.10g}")
         axes.yaxis.set_minor_formatter(lambda value, _: "")
     memory.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    _tell_missing(times, records)
+    _note_missing(times, records)
     if times.get_legend_handles_labels()[0]:
         times.legend(loc="upper left")
     figure.suptitle(f"A frame of each level at growing size, one core, policy {policy}", x=0.01, ha="left", color=INK)
@@ -64,7 +64,7 @@ def _level(axes: Axes, records: Sequence[Mapping[str, Any]], level: str, fit: Ma
         axes.plot(ends, fit["coefficient_ms"] * ends ** fit["exponent"], color=LEVELS[k], linewidth=1.2)
 
 
-def _tell_missing(axes: Axes, records: Sequence[Mapping[str, Any]]) -> None:
+def _note_missing(axes: Axes, records: Sequence[Mapping[str, Any]]) -> None:
     """Names the sizes that gave less than was asked for."""
     lines = [f"about {record['wanted']:,.0f} unknowns: {record['problem']}" for record in records if record["problem"]]
     if lines:

@@ -138,7 +138,7 @@ def equal(check: Parity) -> Iterator[Statement]:
     yield below("solutions equal cold ones", solution, found["tolerance"])
 
 
-def sound(rows: Sequence[Row], refused: int | None = 0, residual: float | None = None) -> Iterator[Statement]:
+def valid(rows: Sequence[Row], refused: int | None = 0, residual: float | None = None) -> Iterator[Statement]:
     """The statements that shown numbers are finite, so many frames are refused, and residuals are small.
 
     Args:

@@ -20,14 +20,14 @@ def main() -> int:
     from restshape_studies.stability.case import Trial
     from restshape_studies.stability.suite import cases, run_case
 
-    tell, known, start = Telling(folder), cases(), time.monotonic()
-    tell(READY)
+    report, known, start = Telling(folder), cases(), time.monotonic()
+    report(READY)
     for number, (name, policy) in enumerate(asked["jobs"]):
         if asked["seconds"] is not None and time.monotonic() - start >= asked["seconds"]:
             return 0
         own = folder / str(number)
         own.mkdir()
-        tell("row", run_case(name, known[name], Trial(own, policy, asked["share"])))
+        report("row", run_case(name, known[name], Trial(own, policy, asked["share"])))
     return 0
 
 

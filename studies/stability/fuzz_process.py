@@ -42,7 +42,7 @@ class Watched:
 
     known: tuple[str, ...]
     folder: Path
-    tell: Callable[[str, Any], None]
+    report: Callable[[str, Any], None]
     first: float = math.inf
 
     def of(self, keep: Callable[[Path], None]) -> Self:
@@ -60,7 +60,7 @@ class Watched:
         from restshape_studies.stability.player import signature
 
         name = signature(error)
-        self.tell("fault", {"signature": name, "what": f"{kind.__name__}: {error}".strip()[:600]})
+        self.report("fault", {"signature": name, "what": f"{kind.__name__}: {error}".strip()[:600]})
         if name in self.known:
             return True
         self.first = min(self.first, time.monotonic())
@@ -68,7 +68,7 @@ class Watched:
         return False
 
 
-def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
+def run(batch: Batch, folder: Path, report: Callable[[str, Any], None]) -> None:
     """Play the batch; of a fault the smallest example that was found stays in the folder for it.
 
     Raises:
@@ -78,34 +78,34 @@ def run(batch: Batch, folder: Path, tell: Callable[[str, Any], None]) -> None:
     start_petsc(["-no_signal_handler"])
     faulthandler.enable()
     (folder / FAULT).mkdir(exist_ok=True)
-    watched = Watched(batch.known, folder, tell)
-    (_run_recordings if batch.kind == RECORDINGS else _run_examples)(batch, folder, watched, tell)
+    watched = Watched(batch.known, folder, report)
+    (_run_recordings if batch.kind == RECORDINGS else _run_examples)(batch, folder, watched, report)
 
 
-def _run_recordings(batch: Batch, folder: Path, watched: Watched, tell: Callable[[str, Any], None]) -> None:
+def _run_recordings(batch: Batch, folder: Path, watched: Watched, report: Callable[[str, Any], None]) -> None:
     """Report and salvage damaged recordings."""
     from restshape_studies.stability.hostile_recordings import again, damages, outcome
 
-    found = again(folder) if batch.alone else damages(batch, folder, lambda: tell(READY, None))
+    found = again(folder) if batch.alone else damages(batch, folder, lambda: report(READY, None))
     for name, path in found:
-        tell("begin", {"mutator": name})
+        report("begin", {"mutator": name})
         limit_memory()
         with watched.of(lambda kept, path=path: shutil.copy(path, kept / RECORDED)):
-            tell("end", {"mutator": name, "outcome": outcome(folder, path), **asdict(Played())})
+            report("end", {"mutator": name, "outcome": outcome(folder, path), **asdict(Played())})
 
 
-def _run_examples(batch: Batch, folder: Path, watched: Watched, tell: Callable[[str, Any], None]) -> None:
+def _run_examples(batch: Batch, folder: Path, watched: Watched, report: Callable[[str, Any], None]) -> None:
     """Replay random examples."""
 
     def play(example: Example) -> None:
         clear(folder)
         example.write(folder)
         name = example.damaged or DRAWN
-        tell("begin", {"mutator": name})
+        report("begin", {"mutator": name})
         limit_memory()
         with watched.of(example.write):
             played = player.play(folder, example)
-            tell("end", {"mutator": name, "outcome": played.outcome, **asdict(played)})
+            report("end", {"mutator": name, "outcome": played.outcome, **asdict(played)})
 
     if batch.alone:
         play(Example(**json.loads((folder / DESCRIBED).read_text())))

@@ -249,7 +249,7 @@ def test_what_nothing_holds_is_not_stable(tmp_path):
     path.write_text(path.read_text().replace("[effects.gravity]\n", ""))
     found = solved(load_scene(path, ["mesh.size=0.25", "effects.cloth.bending=none"]))
     assert found.state.report.converged and found.state.report.stable is False
-    assert found.row()["note"] == "converged to an unstable equilibrium: the tangent is not positive definite"
+    assert "unstable" in found.row()["note"]
 
 
 def test_empty_scripts_show_one_frame(tmp_path):

@@ -271,11 +271,11 @@ class TestFriction:
         x = np.outer([0.5, 1.0, 3.0], t) * self.slip
         anchors, normals = np.zeros((3, 3)), np.tile(NORMAL, (3, 1))
         limits = np.full(3, self.limit)
-        moved = k.drag_anchors(x, anchors, normals, limits, self.slip)
+        moved = k.update_friction_anchors(x, anchors, normals, limits, self.slip)
         np.testing.assert_allclose(moved, 2 * self.slip, rtol=1e-12)
         np.testing.assert_allclose(anchors, np.outer([0, 0, 2.0], t) * self.slip, atol=1e-16)
-        assert k.drag_anchors(x, anchors, normals, limits, self.slip) < 1e-16
-        k.drag_anchors(x, anchors, normals, np.zeros(3), self.slip)
+        assert k.update_friction_anchors(x, anchors, normals, limits, self.slip) < 1e-16
+        k.update_friction_anchors(x, anchors, normals, np.zeros(3), self.slip)
         np.testing.assert_array_equal(anchors, x)
 
 

@@ -13,8 +13,8 @@ from restshape.cli.check_scene import starting_outline
 from restshape.cli.main import main
 from restshape.report.conditions import LOADS as COLOURS
 from restshape.report.conditions import SUPPORT
+from restshape.report.entity_outlines import place_of
 from restshape.report.name_labels import Labels
-from restshape.report.places import place_of
 from restshape.scene.load import load_scene
 
 LOADS = """

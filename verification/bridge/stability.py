@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound, true
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, true, valid
 from restshape_studies.stability.scenery import across, drag
 
 from restshape.application import application
@@ -14,7 +14,7 @@ LARGE = "effects.large_deformation={}"
 WEIGHT = 2e6
 
 
-def carried(rows: list, weight: float = WEIGHT) -> Statement:
+def balanced(rows: list, weight: float = WEIGHT) -> Statement:
     """The statement that the banks bear the weight and the bridge's own, in each frame that is shown."""
     wanted = [weight + 500 * 9.81 * row["q_score"] for row in rows if not row["refused"]]
     return near("the banks bear all weight", [r["q_bank_force"] for r in rows if not r["refused"]], wanted, 1e-5)
@@ -25,10 +25,10 @@ def nearly_cut(trial: Trial) -> Iterator[Statement]:
     hole = {"do": "hole", "name": "h", "center": [10, 2.3], "radius": 0.3}
     path = [*across((10, 2.3), (10, 2.6), 6), (10, 2.64), (10, 2.65)]
     rows = trial.rows(SCENE, [hole, *drag("h", (10, 2.3), path)], overrides=COARSE)
-    yield carried(rows)
+    yield balanced(rows)
     yield below("sag when nearly cut over the first", rows[0]["q_sag"] / rows[-1]["q_sag"], 0.999)
     yield true("the status fails at the end", rows[-1]["constraint_status"] == "fails", rows[-1]["constraint_status"])
-    yield from sound(rows)
+    yield from valid(rows)
 
 
 def touching(trial: Trial) -> Iterator[Statement]:
@@ -38,8 +38,8 @@ def touching(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(SCENE, [*holes, *drag("h", (8, 2.3), path)], overrides=COARSE)
     yield refused_for(rows, "cross", "closer", "inside", "outside")
     yield near("sag where the window was at first", rows[-1]["q_sag"], rows[2]["q_sag"], 1e-5)
-    yield carried(rows)
-    yield from sound(rows, None)
+    yield balanced(rows)
+    yield from valid(rows, None)
 
 
 def overloaded(trial: Trial) -> Iterator[Statement]:
@@ -48,7 +48,7 @@ def overloaded(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(SCENE, events, overrides=[*COARSE, LARGE])
     yield near("sag as at first", rows[-1]["q_sag"], rows[0]["q_sag"], 1e-5)
     yield true("2 TN are refused", bool(rows[3]["refused"]))
-    yield from sound(rows, None)
+    yield from valid(rows, None)
 
 
 def lifted(trial: Trial) -> Iterator[Statement]:
@@ -58,8 +58,8 @@ def lifted(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(SCENE, events, overrides=COARSE)
     yield near("sag as at first", rows[-1]["q_sag"], rows[0]["q_sag"], 1e-5)
     yield above("frames shown", sum(not row["refused"] for row in rows), 5)
-    yield carried(rows)
-    yield from sound(rows, None)
+    yield balanced(rows)
+    yield from valid(rows, None)
 
 
 def long_replay(trial: Trial) -> Iterator[Statement]:
@@ -70,8 +70,8 @@ def long_replay(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(SCENE, [hole, *drag("h", (10, 2.3), path)], overrides=['mesh.size="900 mm"'])
     again = [row["q_sag"] for row in rows[102:-1:100]]
     yield near("sag after each turn", again, rows[1]["q_sag"], 1e-2)
-    yield carried(rows)
-    yield from sound(rows)
+    yield balanced(rows)
+    yield from valid(rows)
 
 
 CASES: dict[str, Case] = {

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, sound
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, valid
 from restshape_studies.stability.scenery import across, drag, set_value
 
 from restshape.application import application
@@ -19,7 +19,7 @@ def gravity_raised(trial: Trial) -> Iterator[Statement]:
     yield refused_for(rows, "no equilibrium found beyond")
     yield near("distance from the goal as at first", rows[-1]["q_miss"], rows[0]["q_miss"], 1e-5)
     yield below("frames refused", sum(bool(row["refused"]) for row in rows), 3)
-    yield from sound(rows, None, 1e-6)
+    yield from valid(rows, None, 1e-6)
 
 
 def gale(trial: Trial) -> Iterator[Statement]:
@@ -28,7 +28,7 @@ def gale(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(SCENE, events, overrides=COARSE)
     yield near("distance from the goal as at first", rows[-1]["q_miss"], rows[0]["q_miss"], 1e-5)
     yield above("frames shown", sum(not row["refused"] for row in rows), 4)
-    yield from sound(rows, None, 1e-6)
+    yield from valid(rows, None, 1e-6)
 
 
 def fold(trial: Trial) -> Iterator[Statement]:
@@ -38,7 +38,7 @@ def fold(trial: Trial) -> Iterator[Statement]:
     yield refused_for(rows, "cross", "closer")
     # The mesh, coarse and of the first order, is another one by then.
     yield near("tip sag as at first", rows[-1]["q_tip_sag"], rows[0]["q_tip_sag"], 0.1)
-    yield from sound(rows, None, 1e-6)
+    yield from valid(rows, None, 1e-6)
 
 
 def pulled_out(trial: Trial) -> Iterator[Statement]:
@@ -46,7 +46,7 @@ def pulled_out(trial: Trial) -> Iterator[Statement]:
     path = [(x, 0.125) for x in (2.5, 3.0, 4.0, 3.0, 2.5, 2.0)]
     rows = trial.rows(SCENE, drag("tip", (2.0, 0.125), path), overrides=COARSE)
     yield near("tip sag as at first", rows[-1]["q_tip_sag"], rows[0]["q_tip_sag"], 1e-5)
-    yield from sound(rows, None, 1e-6)
+    yield from valid(rows, None, 1e-6)
 
 
 def long_replay(trial: Trial) -> Iterator[Statement]:
@@ -57,7 +57,7 @@ def long_replay(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(SCENE, drag("tip", (2.0, 0.125), path), overrides=['mesh.size="120 mm"'])
     again = [row["q_miss"] for row in rows[101:-1:100]]
     yield near("distance from the goal after each turn", again, rows[0]["q_miss"], 1e-5)
-    yield from sound(rows, 0, 1e-6)
+    yield from valid(rows, 0, 1e-6)
 
 
 CASES: dict[str, Case] = {

@@ -146,15 +146,15 @@ def move(sheet: ClothProblem, x: np.ndarray, manner: Manner, most: int) -> Cours
             break
         note(x, norm)
         # Only now friction follows; where that leaves a residual, the cloth moves on.
-        dragged, forces = sheet.update_friction(x), np.empty_like(x)
+        slipped, forces = sheet.update_friction(x), np.empty_like(x)
         sheet.residual(x, forces)
-        course.converged = dragged <= SLIPPING * SLIP and float(np.linalg.norm(forces)) <= REST * sheet.lumped.load
+        course.converged = slipped <= SLIPPING * SLIP and float(np.linalg.norm(forces)) <= REST * sheet.lumped.load
         if course.converged:
             break
     return course
 
 
-def settle(sheet: ClothProblem, x: np.ndarray) -> Course:
+def converge(sheet: ClothProblem, x: np.ndarray) -> Course:
     """The course of a cloth by descent and Newton's method from x (n, 3), which is changed."""
     course, stages = Course(), Stages()
     traits = Traits(fields=3, dimension=3)
@@ -180,7 +180,7 @@ def study(overrides: Sequence[str] = (), before: int = BEFORE, after: int = AFTE
     courses = {"start": move(first, x, AUTHOR, before)}
     for name, manner in MANNERS.items():
         courses[name] = move(cloth.sheet(manner.kink, first), x.copy(), manner, after)
-    courses[OURS] = settle(cloth.sheet(False, first), x.copy())
+    courses[OURS] = converge(cloth.sheet(False, first), x.copy())
     return courses
 
 

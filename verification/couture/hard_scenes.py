@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from restshape_studies.stability.case import Row, Statement, Trial, below, sound, true
+from restshape_studies.stability.case import Row, Statement, Trial, below, true, valid
 from restshape_studies.stability.scenery import block, meshed, rows_of
 
 from restshape.physics.cloth.initial_placement import InitialPlacement
@@ -117,7 +117,7 @@ def differenced(made: Replay, most: int = 600, way: float = WAY) -> float:
 def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float = WAY) -> Iterator[Statement]:
     """The statements that every frame is converged, and the last one by differences of the energy over a way [m],
     too."""
-    yield from sound(rows, residual=bound)
+    yield from valid(rows, residual=bound)
     moving = [row for row in rows if not row["converged"]]
     yield true(f"{len(rows)} frames in equilibrium", not moving, moving[0]["note"] if moving else "yes")
     # Differences have an error of rounding and of the third derivative besides.

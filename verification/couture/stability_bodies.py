@@ -52,12 +52,12 @@ def swollen(trial: Trial) -> Iterator[Statement]:
     """The ball that cloth lies on is twice as large in one frame, half in the next, and as at first."""
     text = square(0.025, ball(0.15, 0.15), CONTACT, floor(-0.3))
     made = trial.replay(text, set_value("bodies.ball.sphere.radius", 0.2, 0.1, 0.05, 0.1))
-    rows, deepest = [], 0.0
+    rows, most = [], 0.0
     for row in made.frames():
         rows.append(dict(row))
-        deepest = max(deepest, depth(made))
+        most = max(most, depth(made))
     yield from resting(made, rows)
-    yield below("depth of a node in a body [m]", deepest, THICKNESS)
+    yield below("depth of a node in a body [m]", most, THICKNESS)
 
 
 def gone(trial: Trial) -> Iterator[Statement]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, sound, true
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, true, valid
 from restshape_studies.stability.scenery import set_value
 from restshape_verification.couture.hard_scenes import (
     CONTACT,
@@ -83,7 +83,7 @@ def endless_fall(trial: Trial) -> Iterator[Statement]:
         yield true("says that nothing catches it", "not converged" in note and "nothing catches" in note, note)
         yield above("residual over weight", rows[0]["residual"], 0.5)
         yield below("steps until it is noticed", rows[0]["relaxation_steps"], 200)
-        yield from sound(rows)
+        yield from valid(rows)
     for way in ("kinetic", "stabilised"):
         rows = trial.rows(missed, overrides=[f"effects.drape.strategy={way}"])
         yield true(f"the way {way} says so, too", "nothing catches" in rows[0]["note"], rows[0]["note"])
@@ -99,7 +99,7 @@ def without_weight(trial: Trial) -> Iterator[Statement]:
     """Cloth without gravity: flat it stays so, crumpled it comes to rest where nothing pulls, and drawn it is flat."""
     free = square(0.025, PINS).replace(GRAVITY, "")
     made, rows = played(trial, free)
-    yield from sound(rows)
+    yield from valid(rows)
     yield true(
         "flat cloth is in equilibrium at once",
         rows[0]["converged"] == 1 and rows[0]["relaxation_steps"] == 0,

@@ -83,7 +83,7 @@ def capstan(comm: PETSc.Comm) -> list[Check]:
     """The ratio of its ends at which a strip over a bar slips, in a bracket that is halved, for two ratios."""
     checks = []
     for shift in (0.0, 0.02):
-        analysis = laid(shift, comm)
+        analysis = placed(shift, comm)
         start, x, history = hung(analysis), analysis.x.copy(), analysis.problem.contact.history
         low, high, best = 0.95, 1.06, 0.0
         while high - low > 0.01:
@@ -104,7 +104,7 @@ def capstan(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
-def laid(shift: float, comm: PETSc.Comm) -> RelaxationAnalysis:
+def placed(shift: float, comm: PETSc.Comm) -> RelaxationAnalysis:
     """A strip without bending in equilibrium over a rough bar, its middle off by some length [m] more than in the
     scene."""
     vertices = [f"shape.vertices.{v}=[{x + shift},{y}]" for v, x, y in (("a", -0.18, 0), ("b", 0.28, 0))]

@@ -31,24 +31,24 @@ class Board:
         width: of it [m].
         along: its width runs along the brackets; else across them.
         place: of its middle, from the face that holds the brackets [m].
-        uses: of the lower and the upper bracket's joint, in parts of its strength.
+        utilisations: of the lower and the upper bracket's joint, in parts of its strength.
     """
 
     width: float
     along: bool
     place: float
-    uses: tuple[float, float]
+    utilisations: tuple[float, float]
 
 
-def uses(piece: Piece) -> tuple[float, float] | None:
-    """The uses of the two brackets' joints; None where planks overlap or joints do not close."""
+def utilisations(piece: Piece) -> tuple[float, float] | None:
+    """The utilisations of the two brackets' joints; None where planks overlap or joints do not close."""
     furniture = Furniture(piece)
     if furniture.test().flaws & (LOST | OVERLAPPING):
         return None
     forces = furniture.forces()
-    use = np.maximum(forces.pull_use, forces.shear_use)
+    utilisation = np.maximum(forces.pull_utilisation, forces.shear_utilisation)
     numbers = [[piece.planks[joint.i].name for joint in piece.joints].index(name) for name in BRACKETS]
-    return float(use[numbers[0]]), float(use[numbers[1]])
+    return float(utilisation[numbers[0]]), float(utilisation[numbers[1]])
 
 
 def with_board(piece: Piece, width: float, along: bool, place: float) -> Piece:
@@ -74,7 +74,7 @@ def boards(piece: Piece) -> list[Board]:
         for along in (False, True):
             half = 0.5 * (width if along else bracket.size[2])
             for place in np.linspace(half + CLEAR, bracket.size[0] - half, PLACES):
-                found = uses(with_board(piece, width, along, place))
+                found = utilisations(with_board(piece, width, along, place))
                 if found:
                     rows.append(Board(width, along, float(place), found))
     return rows
@@ -86,14 +86,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the uses without a board, and with that which leaves least, by its width; 0."""
+    """Print the utilisations without a board, and with that which leaves least, by its width; 0."""
     piece = bookshelf_20()
     rows = boards(piece)
-    print("use of the joints of", " and ".join(BRACKETS))
-    print("without a board:", " and ".join(f"{use:.3f}" for use in uses(piece)))
+    print("utilisation of the joints of", " and ".join(BRACKETS))
+    print("without a board:", " and ".join(f"{utilisation:.3f}" for utilisation in utilisations(piece)))
     for width in WIDTHS:
-        best = min((row for row in rows if row.width == width), key=lambda row: max(row.uses))
-        utilisations = " and ".join(f"{use:.3f}" for use in best.uses)
-        print(f"with the best of {width * 1e3:g} mm, {best.place * 1e3:.0f} mm from the upright board: {utilisations}")
+        best = min((row for row in rows if row.width == width), key=lambda row: max(row.utilisations))
+        both = " and ".join(f"{utilisation:.3f}" for utilisation in best.utilisations)
+        print(f"with the best of {width * 1e3:g} mm, {best.place * 1e3:.0f} mm from the upright board: {both}")
     write_json(args, [asdict(row) for row in rows])
     return 0

@@ -28,7 +28,11 @@ def plank_problem(analysis: FurnitureAnalysis, row: dict[str, Any]) -> str:
         return f"a piece with forces has no number for them, flaws {flaws}"
     if not flaws & (LOST | UNBALANCED | UNSTABLE) and (wrong := _unbalanced(analysis)):
         return wrong
-    if analysis.way is not None and analysis.design.guidance.ranges and (wrong := _off_range(analysis.way, row)):
+    if (
+        analysis.design_direction is not None
+        and analysis.design.guidance.ranges
+        and (wrong := _off_range(analysis.design_direction, row))
+    ):
         return wrong
     fresh = [_holds(analysis, suggestion) for suggestion in analysis.suggestion_list.found]
     listed = [suggestion.valid for suggestion in analysis.suggestion_list.found]
@@ -48,18 +52,23 @@ def _unbalanced(analysis: FurnitureAnalysis) -> str:
     return ""
 
 
-def _off_range(way: DesignDirection, row: dict[str, Any]) -> str:
+def _off_range(design_direction: DesignDirection, row: dict[str, Any]) -> str:
     """What a range says otherwise than the frame; narrow pieces of it may hide between two samples."""
-    at, holds, found = row["at"], row["flaws"] == 0, way.ranges
-    if not way.low <= at <= way.high or found.holds(at) == holds:
+    at, holds, found = row["at"], row["flaws"] == 0, design_direction.ranges
+    if not design_direction.low <= at <= design_direction.high or found.holds(at) == holds:
         return ""
-    edge = EDGE * (way.high - way.low)
+    edge = EDGE * (design_direction.high - design_direction.low)
     if len(found.intervals) and np.abs(found.intervals - at).min() <= edge:
         return ""
     k = int(np.searchsorted(found.samples, at))
     around = found.flaws[max(k - 1, 0) : k + 1] == 0
     # Where both samples beside it say otherwise, what is so here is narrower than they see, if a test finds it at all.
-    here = Furniture(way.design.piece, way.design.furniture.compliance).test(at * way.direction).flaws == 0
+    here = (
+        Furniture(design_direction.design.piece, design_direction.design.furniture.compliance)
+        .test(at * design_direction.direction)
+        .flaws
+        == 0
+    )
     hidden = here == holds and bool((around != holds).all())
     return "" if hidden else f"at {at} the piece {row['constraint_status']}, and its range is {row['ranges']}"
 

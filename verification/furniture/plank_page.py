@@ -56,7 +56,7 @@ def newton_rows(study: PlankStudy) -> Lines:
 
 def ratio_rows(study: PlankStudy) -> Lines:
     """Lines of ratios of compliances."""
-    return [[f"{row['ratio']:g}", f"{row['use']:.3g}", f"{row['worst']:.3g}"] for row in study.ratios]
+    return [[f"{row['ratio']:g}", f"{row['utilisation']:.3g}", f"{row['worst']:.3g}"] for row in study.ratios]
 
 
 HEADS: dict[str, Sequence[str]] = {
@@ -64,7 +64,11 @@ HEADS: dict[str, Sequence[str]] = {
     "ends": ("tolerance", "error of an end, worst", "ms a range, p50"),
     "searches": ("tested at most", "tested", "suggestions found", "ms a search"),
     "newton": ("tolerance of the residual", "Newton steps", "error of a force, relative", "ms"),
-    "ratios": ("compliance in rotation, of the usual one", "largest use of a joint", "largest change of a joint's use"),
+    "ratios": (
+        "compliance in rotation, of the usual one",
+        "largest utilisation of a joint",
+        "largest change of a joint's use",
+    ),
 }
 ROWS = {
     "ranges": range_rows,

@@ -218,14 +218,16 @@ def solved(piece: Any) -> tuple[Row, ...]:
 
 
 def proportioned(piece: Any) -> tuple[Row, ...]:
-    """What the ratio of the joints' compliances makes of their use: a choice of the model, which has no right value."""
+    """Utilisation over the ratio of the joints' compliances: a choice of the model, which has no right value."""
     usual, rows, first = Compliance(), [], None
     for ratio in (1.0, *(ratio for ratio in RATIOS if ratio != 1.0)):
         furniture = Furniture(piece, Compliance(joint_t=usual.joint_t, joint_r=ratio * usual.joint_r))
         result = furniture.test()
         cases = [furniture.forces(case) for case in range(len(furniture.cases))]
-        use = np.max([np.maximum(one.pull_use, one.shear_use) for one in cases], axis=0)
-        first = use if first is None else first
-        change = np.abs(use - first)
-        rows.append({"ratio": ratio, "use": float(use.max()), "worst": float(change.max()), "flaws": result.flaws})
+        utilisation = np.max([np.maximum(one.pull_utilisation, one.shear_utilisation) for one in cases], axis=0)
+        first = utilisation if first is None else first
+        change = np.abs(utilisation - first)
+        rows.append(
+            {"ratio": ratio, "use": float(utilisation.max()), "worst": float(change.max()), "flaws": result.flaws}
+        )
     return tuple(sorted(rows, key=lambda row: row["ratio"]))

@@ -1,7 +1,7 @@
-"""How much of a joint's use hangs on how easily joints turn: a bench with a stretcher, and all scenes of furniture.
+"""Utilisation of joints over their compliance in rotation: a bench with a stretcher, and all scenes of furniture.
 
-Joints are springs, and where a piece is redundant the ratio of their compliances decides how they share a load. Uses
-are in parts of a joint's strength, of pull or of shear.
+Joints are springs, and where a piece is redundant the ratio of their compliances decides how they share a load.
+Utilisations are in parts of a joint's strength, of pull or of shear.
 """
 
 import argparse
@@ -33,8 +33,8 @@ NAILS = 5
 
 
 @dataclass(frozen=True)
-class Use:
-    """The largest uses of joints.
+class Utilisation:
+    """The largest utilisations of joints.
 
     Args:
         what: whose.
@@ -72,8 +72,8 @@ def slip(name: str, kind: str, count: int) -> float:
     return 1.0 / (count * each)
 
 
-def used(what: str, piece: Piece, ratio: float, stiffer: float = 1.0, plank: int | None = None) -> Use:
-    """The largest uses of a piece's joints over all cases.
+def used(what: str, piece: Piece, ratio: float, stiffer: float = 1.0, plank: int | None = None) -> Utilisation:
+    """The largest utilisations of a piece's joints over all cases.
 
     Args:
         what: what they are called.
@@ -89,13 +89,14 @@ def used(what: str, piece: Piece, ratio: float, stiffer: float = 1.0, plank: int
     some = np.array([k for k, joint in enumerate(piece.joints) if plank in (None, joint.i)])
     cases = [furniture.forces(case) for case in range(len(furniture.cases))]
     pull, shear = (
-        max(float(use[some].max()) for use in uses) for uses in zip(*((c.pull_use, c.shear_use) for c in cases))
+        max(float(utilisation[some].max()) for utilisation in utilisations)
+        for utilisations in zip(*((c.pull_utilisation, c.shear_utilisation) for c in cases))
     )
-    return Use(what, ratio, pull, shear)
+    return Utilisation(what, ratio, pull, shear)
 
 
-def of_stretchers() -> list[Use]:
-    """Uses of the stretcher's joints, and of those of `table.toml`, as joints turn more easily."""
+def of_stretchers() -> list[Utilisation]:
+    """Utilisations of the stretcher's joints, and of those of `table.toml`, as joints turn more easily."""
     ratios = (*RATIOS, line_ratio(0.018))
     rows = [
         used(what, stretched(place, kilograms), ratio, stiffer, RAIL)
@@ -105,8 +106,8 @@ def of_stretchers() -> list[Use]:
     return rows + [used("all joints of table.toml", drawn("table"), ratio) for ratio in ratios]
 
 
-def of_scenes() -> list[Use]:
-    """Uses of the joints of all scenes that come with the application, as joints turn more easily."""
+def of_scenes() -> list[Utilisation]:
+    """Utilisations of the joints of all scenes that come with the application, as joints turn more easily."""
     pieces = {path.stem: drawn(path.stem) for path in sorted(SCENES.glob("*.toml"))}
     return [used(name, piece, ratio) for name, piece in pieces.items() for ratio in (*RATIOS, line_ratio(0.012))]
 
@@ -116,7 +117,7 @@ def rounded(ratio: float) -> str:
     return f"{float(f'{ratio:.3g}'):,.0f}"
 
 
-def table(rows: Sequence[Use], head: str, of: str) -> list[str]:
+def table(rows: Sequence[Utilisation], head: str, of: str) -> list[str]:
     """Lines of Markdown: a row for each name, a column for each ratio."""
     ratios = list(dict.fromkeys(row.ratio for row in rows))
     lines = ["| " + " | ".join([head, *map(rounded, ratios)]) + " |", "| --- |" + " ---: |" * len(ratios)]
@@ -134,9 +135,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print the tables; 0."""
     benches, scenes = of_stretchers(), of_scenes()
-    print(*table(benches, "use, by turn for each N m over way for each N [1/m²]", "largest"), "", sep="\n")
+    print(*table(benches, "utilisation, by turn for each N m over way for each N [1/m²]", "largest"), "", sep="\n")
     for of in ("pull", "shear"):
-        print(*table(scenes, f"largest use of {of}, by the same", of), "", sep="\n")
+        print(*table(scenes, f"largest utilisation of {of}, by the same", of), "", sep="\n")
     for thickness in (0.018, 0.012):
         print(f"a line of fasteners in a plank of {1e3 * thickness:g} mm: {rounded(line_ratio(thickness))} 1/m²")
     each, all_of_them = 1e-3 / slip("pine", "nail", 1), 1e9 * slip("pine", "nail", NAILS)

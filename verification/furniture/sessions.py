@@ -95,7 +95,7 @@ def blindly(wanted: Piece, seed: int) -> tuple[int, bool, Piece]:
 
 
 def with_ranges(wanted: Piece) -> tuple[int, bool, Piece]:
-    """One freedom after the other is dragged to its valid range, if it has one; else to where uses are least.
+    """One freedom after the other is dragged to its valid range, if it has one; else to where utilisations are least.
 
     The range is shown while a freedom is dragged. Taking hold of one counts as an edit, whether it helps or not.
     """
@@ -125,7 +125,7 @@ def _better(furniture: Furniture, direction: np.ndarray) -> float:
 
 
 def _lack(result: TestResult) -> float:
-    """How far a piece is from holding: what contacts leave of the loads, then the largest use of a joint."""
+    """How far a piece is from holding: what contacts leave of the loads, then the largest utilisation of a joint."""
     return result.pull + (100.0 * result.unbalanced if result.flaws & UNSTABLE else 0.0)
 
 

@@ -126,13 +126,13 @@ def at_the_limit(trial: Trial) -> Iterator[Statement]:
 
 
 def mirror(trial: Trial) -> Iterator[Statement]:
-    """Every piece and its mirror image: the same flaws, uses, freedoms, and suggestions as wide."""
+    """Every piece and its mirror image: the same flaws, utilisations, freedoms, and suggestions as wide."""
     for name, make in PIECES.items():
         piece = make()
         one, other = Furniture(piece), Furniture(mirrored(piece))
         a, b = one.test(), other.test()
         yield true(f"{name}: same flaws", a.flaws == b.flaws)
-        yield near(f"{name}: same uses", [a.pull, a.shear], [b.pull, b.shear], 1e-8)
+        yield near(f"{name}: same utilisations", [a.pull, a.shear], [b.pull, b.shear], 1e-8)
         yield true(f"{name}: same freedoms", one.kernel.freedoms() == other.kernel.freedoms())
         if len(piece.planks) <= 10:
             # Single modes: all of them are tested, in no order.

@@ -4,7 +4,7 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.pieces import cantilever
-from restshape_apps.furniture.small_pieces import bench, laid, nailed_along
+from restshape_apps.furniture.small_pieces import bench, nailed_along, placed
 from restshape_studies.validation.case import CLOSED_FORM, Check
 from restshape_verification.furniture.validation_statics import FINE, G, in_equilibrium
 
@@ -44,7 +44,7 @@ def max_deflection(comm: PETSc.Comm) -> list[Check]:
     checks += [
         Check(
             f"sag of a board on the floor with a mass {place:g} m aside, over that on its ends",
-            plank_bending(in_equilibrium(laid(place)), 0).max_deflection / between,
+            plank_bending(in_equilibrium(placed(place)), 0).max_deflection / between,
             0.0,
             1e-6,
             "a rigid floor bears what lies on it",

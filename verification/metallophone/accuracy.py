@@ -122,7 +122,7 @@ def replayed(
     return outcome.rows
 
 
-def tell(records: list[dict[str, Any]]) -> None:
+def print_records(records: list[dict[str, Any]]) -> None:
     """Print a table a bar."""
     heads = ("model", "triangles [mm]", "elements", "unknowns", "ms a frame, p50", "frames/s")
     heads += ("first mode, error", "five modes, largest error")
@@ -157,7 +157,7 @@ def run(args: argparse.Namespace) -> int:
     if args.frames < 5:
         raise UserError(f"{args.frames} frames measure nothing", "--frames", "at least 5")
     records = study(args.frames, lambda line: print(line, file=sys.stderr))
-    tell(records)
+    print_records(records)
     write_json(args, records)
     if args.picture:
         from restshape_studies.pictures.accuracy import draw_accuracy

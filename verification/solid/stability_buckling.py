@@ -50,7 +50,7 @@ def unloaded(trial: Trial) -> Iterator[Statement]:
     yield unrefused(rows)
 
 
-def carried(trial: Trial) -> Iterator[Statement]:
+def displaced(trial: Trial) -> Iterator[Statement]:
     """Both ends are displaced alike: no strain but rounding, no load, no load factor."""
     ends = '\n[supports.ends]\non = ["left", "right"]\nfix = { x = 0.3, y = -0.2 }\n'
     rows = trial.rows(column(ends))
@@ -192,7 +192,7 @@ def weakest_unknown(trial: Trial) -> Iterator[Statement]:
 CASES: dict[str, Case] = {
     "pulled": Case(pulled),
     "unloaded": Case(unloaded),
-    "carried": Case(carried),
+    "displaced": Case(displaced),
     "thousandth": Case(thousandth),
     "stocky": Case(stocky),
     "neck": Case(neck),

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_studies.stability.case import Case, Statement, Trial, above, below, refused_for, sound, true
+from restshape_studies.stability.case import Case, Statement, Trial, above, below, refused_for, true, valid
 from restshape_studies.stability.rubber import LARGE, solid
 from restshape_studies.stability.scenery import across, block, drag, meshed, set_value
 from restshape_verification.solid.hard_scenes import HEAD
@@ -36,7 +36,7 @@ def loaded_at_once(trial: Trial) -> Iterator[Statement]:
     for share in (0.97, 1.05, 3.0):
         events = set_value("loads.weight.force", [0, -share * EULER])
         rows = trial.rows(column(1.0), events, overrides=["loads.weight.force=[0, -1]"])
-        statements += sound(rows, int(share > 1))
+        statements += valid(rows, int(share > 1))
         if share > 1:
             limits.append(share * reached(rows[-1]["refused"]))
     # The shear of so thick a column lowers Euler's load by about a hundredth.
@@ -55,7 +55,7 @@ def loaded_by_what_follows(trial: Trial) -> Iterator[Statement]:
         events = [*set_value("loads.jet.pressure", pressure), *set_value("loads.weight.force", [0, -dead])]
         rows = trial.rows(column((1 - f) * 0.3 * limit, f * 0.3 * limit), events)
         yield true(f"the last frame is {'refused' if share > 1 else 'shown'}", bool(rows[-1]["refused"]) == (share > 1))
-        yield from sound(rows, int(share > 1))
+        yield from valid(rows, int(share > 1))
 
 
 def wholly_following(trial: Trial) -> Iterator[Statement]:
@@ -63,7 +63,7 @@ def wholly_following(trial: Trial) -> Iterator[Statement]:
     for share in (2.0, 5.0):
         rows = trial.rows(column(0.0, share * EULER))
         yield below(f"sway at {share:g} times Euler's load [m]", abs(rows[0]["q_sway"]), 1e-6)
-        yield from sound(rows)
+        yield from valid(rows)
 
 
 def dragged_beyond(trial: Trial) -> Iterator[Statement]:
@@ -78,7 +78,7 @@ def dragged_beyond(trial: Trial) -> Iterator[Statement]:
         yield above("first refused frame less the first beyond the limit", refused[0] - first, -1)
         yield below("first refused frame less the first beyond the limit", refused[0] - first, 10)
         yield true("none is shown after that", set(range(refused[0], len(rows) - 1)) <= set(refused))
-        yield from sound(rows, None)
+        yield from valid(rows, None)
 
 
 def predicted_beyond(trial: Trial) -> Iterator[Statement]:
@@ -87,7 +87,7 @@ def predicted_beyond(trial: Trial) -> Iterator[Statement]:
         path = across((DEPTH / 2, 1.0), (DEPTH / 2, 1.4), frames)
         rows = trial.rows(column(0.8 * EULER), drag("top", (DEPTH / 2, 1.0), path), predict="linear")
         yield refused_for(rows, "not positive definite", "no equilibrium")
-        yield from sound(rows, None)
+        yield from valid(rows, None)
 
 
 def dragged_to_the_limit(trial: Trial) -> Iterator[Statement]:
@@ -97,7 +97,7 @@ def dragged_to_the_limit(trial: Trial) -> Iterator[Statement]:
         if predict == "none" or trial.policy not in SPRINGS:
             rows = trial.rows(column(0.8 * EULER), drag("top", (DEPTH / 2, 1.0), path), predict=predict)
             yield below("sway [m]", max(abs(row["q_sway"]) for row in rows), 1e-6)
-            yield from sound(rows)
+            yield from valid(rows)
 
 
 CASES: dict[str, Case] = {

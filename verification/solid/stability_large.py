@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, refused_for, sound, true
+from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, refused_for, true, valid
 from restshape_studies.stability.rubber import LARGE, TIP, WALL, gravity, solid
 from restshape_studies.stability.scenery import CLAMPED, PULLED, STEEL, across, block, drag, meshed, rows_of, set_value
 from restshape_studies.validation.elastica import stretched_elastica
@@ -29,7 +29,7 @@ def gravity_raised(trial: Trial) -> Iterator[Statement]:
     yield true("refused frames have no value", all(np.isnan(row["q_y"]) for row in beyond))
     yield near("deflection as at first once gravity is", back["q_y"], first["q_y"], 1e-5)
     yield near("the wall holds the weight", back["q_wall_y"], 1000 * 10 * 0.2, 1e-5)
-    yield from sound(rows, 3, 1e-6)
+    yield from valid(rows, 3, 1e-6)
 
 
 def greenhill(trial: Trial) -> Iterator[Statement]:
@@ -42,7 +42,7 @@ def greenhill(trial: Trial) -> Iterator[Statement]:
     statements = []
     for share in (0.9, 1.1):
         rows = trial.rows(text, set_value("effects.gravity.g", [-share * limit, 0]), overrides=start)
-        statements += sound(rows, int(share > 1))
+        statements += valid(rows, int(share > 1))
     # It says how far it came: a little beyond the limit is where the straight column ends.
     yield near("limit that the refusal reports over Greenhill's", 1.1 * reached(rows[-1]["refused"]), 1.0, 0.03)
     yield from statements
@@ -55,7 +55,7 @@ def fold(trial: Trial) -> Iterator[Statement]:
     yield refused_for(rows, "cross", "closer")
     yield near("deflection as at first", rows[-1]["q_y"], rows[0]["q_y"], 5e-2)
     yield near("the wall holds the weight as at first", rows[-1]["q_wall_y"], rows[0]["q_wall_y"], 1e-5)
-    yield from sound(rows, None, 1e-6)
+    yield from valid(rows, None, 1e-6)
 
 
 def inverted(trial: Trial) -> Iterator[Statement]:
@@ -75,7 +75,7 @@ def inverted(trial: Trial) -> Iterator[Statement]:
     yield true("refused where it must be", [row["index"] for row in rows if row["refused"]] == [1, 3])
     yield near("reaction as at first", rows[4]["q_wall"], rows[0]["q_wall"], 1e-5)
     yield below(f"triangles turned inside out in any of {len(turned)} frames", max(turned), 0)
-    yield from sound(rows, 2)
+    yield from valid(rows, 2)
 
 
 def _strip(trial: Trial, order: int, element: str, size: float, path: list) -> tuple[np.ndarray, np.ndarray, list]:
@@ -99,7 +99,7 @@ def incompressible_strip(trial: Trial) -> Iterator[Statement]:
     for size in (0.02, 0.01):
         found, wanted, rows = _strip(trial, 2, "mean_dilatation", size, path)
         errors.append(found / wanted - 1)
-        statements += sound(rows, 0, 1e-6)
+        statements += valid(rows, 0, 1e-6)
     # A pressure that is even in each triangle is too soft where it varies over the thickness, by its size squared.
     coarse, fine = errors
     yield below("error of the deflection", float(np.abs(fine[:, 0]).max()), 0.017)
@@ -116,7 +116,7 @@ def locking_strip(trial: Trial) -> Iterator[Statement]:
     parts = found[:, 0] / wanted[:, 0]
     yield above("part of the elastica's deflection", float(parts.min()), 1e-6)
     yield below("part of the elastica's deflection", float(parts.max()), 0.1)
-    yield from sound(rows, 0, 1e-6)
+    yield from valid(rows, 0, 1e-6)
 
 
 def _floating(contrast: float) -> str:
@@ -136,7 +136,7 @@ def hardly_regular(trial: Trial) -> Iterator[Statement]:
     yield below("frames predicted", sum(row["predicted"] for row in rows), 0)
     rows = trial.rows(_floating(1e-6), events, predict="linear")
     yield true("a contrast of a million is predicted", [row["predicted"] for row in rows] == [0, 0, 1, 0])
-    yield from sound(rows)
+    yield from valid(rows)
 
 
 def predicted_with_an_old_factor(trial: Trial) -> Iterator[Statement]:
@@ -157,7 +157,7 @@ def predicted_with_an_old_factor(trial: Trial) -> Iterator[Statement]:
         yield true(f"frames predicted ({name})", sum(row["predicted"] for row in stale) == 8)
         pairs = ([row["q_stretch"] for row in rows] for rows in (stale, fresh))
         yield near(f"stretch as with fresh factors ({name})", *pairs, 1e-6)
-        yield from sound(stale)
+        yield from valid(stale)
 
 
 def predicted_at_the_buckling_load(trial: Trial) -> Iterator[Statement]:
@@ -183,7 +183,7 @@ def predicted_at_the_buckling_load(trial: Trial) -> Iterator[Statement]:
         yield above("least error that predictions of those would have had", wrong, TRUSTED)
         yield near("tip on release as solved", predicted[-1]["q_tip"], solved[-1]["q_tip"], 1e-5)
         yield below("residual on release", predicted[-1]["residual"], 1e-6)
-        yield from (*sound(predicted), *sound(solved))
+        yield from (*valid(predicted), *valid(solved))
 
 
 def _columns(pairs: list[tuple[float, float]]) -> np.ndarray:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, equal, near, sound, true
+from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, equal, near, true, valid
 from restshape_studies.stability.scenery import CLAMPED, PULLED, QUANTITIES, STEEL, across, block, drag, meshed, rows_of
 from restshape_verification.solid.hard_scenes import HEAD, plate
 
@@ -62,7 +62,7 @@ def slivers(trial: Trial) -> Iterator[Statement]:
     yield near("stretch is the exact one", [row["q_stretch"] for row in rows], STRAIN * 2.0, 1e-6)
     if trial.policy in ("auto", "refactor"):
         yield below("quality of the worst triangle", float(np.nanmin(worst)), 0.05)
-    yield from (*equal(check), *sound(rows))
+    yield from (*equal(check), *valid(rows))
 
 
 def gradation(trial: Trial) -> Iterator[Statement]:
@@ -80,7 +80,7 @@ def gradation(trial: Trial) -> Iterator[Statement]:
     rows = rows_of(made, look)
     yield above("largest over smallest length", min(sizes), 500)
     yield near("stretch before the drag is the exact one", rows[0]["q_stretch"], STRAIN * 2.0, 1e-6)
-    yield from (*equal(check), *sound(rows, residual=2e-6))
+    yield from (*equal(check), *valid(rows, residual=2e-6))
 
 
 def near_inversion(trial: Trial) -> Iterator[Statement]:
@@ -129,7 +129,7 @@ def three_triangles(trial: Trial) -> Iterator[Statement]:
             )
             found = [rows[0]["q_stretch"] / 2.0, rows[-1]["q_stretch"] / 2.3]
             yield near(f"stretch is the exact one ({name})", found, strain, 1e-5)
-            yield from sound(rows)
+            yield from valid(rows)
 
 
 def jacobians(made: Replay) -> float:
@@ -153,7 +153,7 @@ def _curved(trial: Trial, text: str, events: list[dict], refused: int | None) ->
         least.append(jacobians(made))
 
     rows = rows_of(made, look)
-    return rows, [above("Jacobian of the worst place", min(least), 1e-6), *equal(check), *sound(rows, refused)]
+    return rows, [above("Jacobian of the worst place", min(least), 1e-6), *equal(check), *valid(rows, refused)]
 
 
 def bulging_arc(trial: Trial) -> Iterator[Statement]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from restshape_studies.stability.case import Case, Statement, Trial, below, sound
+from restshape_studies.stability.case import Case, Statement, Trial, below, valid
 from restshape_studies.stability.scenery import across, block, drag, rows_of
 
 from restshape.policy import POLICIES
@@ -29,7 +29,7 @@ def _moved(trial: Trial, text: str) -> Iterator[Statement]:
     made = trial.replay(HEAD + block() + WINDOW + text + QUANTITIES, MOVED)
     check = Parity(made)
     rows = rows_of(made, lambda row: row["index"] % 4 or check())
-    yield from sound(rows)
+    yield from valid(rows)
     yield below("entries equal cold ones", check.entries, 1e-13)
     yield below("solutions equal cold ones", check.solution, DISTURBED)
     lost = max(abs(row["q_warm"] + row["q_cold"]) for row in rows)

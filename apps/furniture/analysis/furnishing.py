@@ -1,7 +1,6 @@
 """Furniture under the hand, frame after frame: status, forces, valid range of what is dragged, suggestions."""
 
 # More than 15 modules: equilibrium, ranges and suggestions, which know nothing of each other, meet here.
-# More than 15 attributes: it holds the answers of a frame, a column each.
 
 from __future__ import annotations
 
@@ -17,7 +16,7 @@ from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionLi
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, encode_ranges
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult
-from restshape_apps.furniture.physics.joint_compliance import UseRange, recorded_uses, use_range
+from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, recorded_utilisations, utilisation_range
 from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.physics.plank_phrases import held_by_springs, phrases
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
@@ -36,6 +35,7 @@ from restshape.scene.plan import Plan
 NONE = (np.nan, np.nan)
 
 
+# More than 15 attributes: it holds the answers of a frame, a column each.
 class FurnitureAnalysis(Timeless):
     """What holds and what breaks in a piece of furniture while it is edited.
 
@@ -69,13 +69,13 @@ class FurnitureAnalysis(Timeless):
         self.result = TestResult(0, 0.0, 0.0, 0.0)
         self.forces: list[Forces] = []
         self.utilisation = np.zeros(0)
-        self.use_range: UseRange | None = None
+        self.utilisation_range: UtilisationRange | None = None
         self.deflection = np.zeros(0)
         self.bent = np.nan
         self.stability_margin = np.nan
         self.worst = 0.0
         self.seconds = 0.0
-        self.way: DesignDirection | None = None
+        self.design_direction: DesignDirection | None = None
         self.at = np.nan
         self.ranged_seconds = np.nan
         self.suggestion_list = SuggestionList()
@@ -145,12 +145,12 @@ class FurnitureAnalysis(Timeless):
         """What the forces say of each plank, and of the piece."""
         planks = len(furniture.piece.planks)
         self.utilisation, self.deflection = np.zeros(planks), np.full(planks, np.nan)
-        self.bent, self.stability_margin, self.use_range = np.nan, np.nan, None
+        self.bent, self.stability_margin, self.utilisation_range = np.nan, np.nan, None
         if not self.forces:
             self.utilisation[:] = np.nan
             return
         for forces in self.forces:
-            worst = forces.use
+            worst = forces.utilisation
             for k, joint in enumerate(furniture.piece.joints):
                 for plank in (joint.i, joint.j):
                     self.utilisation[plank] = max(self.utilisation[plank], worst[k])
@@ -158,7 +158,7 @@ class FurnitureAnalysis(Timeless):
         rows = [stability_derivative(furniture, still, case)[0] for case in range(len(self.forces))]
         self.stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
         moved = furniture.moved(self.gamma)
-        self.use_range = use_range(moved, furniture.compliance)
+        self.utilisation_range = utilisation_range(moved, furniture.compliance)
         if self.plan.on("bending"):
             self._bend(furniture)
 
@@ -176,10 +176,10 @@ class FurnitureAnalysis(Timeless):
     def _look(self, shown: Any) -> None:
         """Guidance: the range of what the hand holds, and suggestions once it has let an invalid piece go."""
         asked = self.design.guidance
-        self.way, self.at, self.ranged_seconds = shown.gesture, shown.c[0], np.nan
-        if self.way is not None and asked.ranges:
+        self.design_direction, self.at, self.ranged_seconds = shown.gesture, shown.c[0], np.nan
+        if self.design_direction is not None and asked.ranges:
             start = perf_counter()
-            self.way.ranges  # noqa: B018
+            self.design_direction.ranges  # noqa: B018
             self.ranged_seconds = perf_counter() - start
         free = shown.edit_ended and not shown.gamma.any()
         self.suggestion_list = self.design.suggestion_list if free and not self.result.valid else SuggestionList()
@@ -196,7 +196,7 @@ class FurnitureAnalysis(Timeless):
     def row(self) -> dict[str, Any]:
         """The columns that only furniture has, and its status."""
         found, low, high = self._ranges()
-        depends = self.use_range.findings(self.design.piece) if self.use_range else ()
+        depends = self.utilisation_range.findings(self.design.piece) if self.utilisation_range else ()
         findings = (findings_at(self.design.furniture, self.result, self.gamma) or self.result.doubts) + depends
         status = UNCERTAIN if depends and self.result.valid else self.result.status
         return {
@@ -210,8 +210,8 @@ class FurnitureAnalysis(Timeless):
             "unbalanced_load": self.result.unbalanced,
             "deflection": float(np.nanmax(self.deflection)) if np.isfinite(self.deflection).any() else np.nan,
             "bending_utilisation": self.bent,
-            "parameter": self.way.name if self.way else "",
-            "at": self.at if self.way else np.nan,
+            "parameter": self.design_direction.name if self.design_direction else "",
+            "at": self.at if self.design_direction else np.nan,
             "range_low": low,
             "range_high": high,
             "ranges": found,
@@ -229,19 +229,19 @@ class FurnitureAnalysis(Timeless):
         }
 
     def _redundant(self) -> str:
-        """The JSON text of redundant joints with the range of their use, as many as there is room for."""
-        count = len(self.use_range.redundant) if self.use_range else 0
-        while len(text := json.dumps(recorded_uses(self.design.piece, self.use_range, count) if count else [])) > (
-            REDUNDANT_BYTES
-        ):
+        """The JSON text of redundant joints with the range of their utilisation, as many as there is room for."""
+        count = len(self.utilisation_range.redundant) if self.utilisation_range else 0
+        while len(
+            text := json.dumps(recorded_utilisations(self.design.piece, self.utilisation_range, count) if count else [])
+        ) > (REDUNDANT_BYTES):
             count -= 1
         return text if count else ""
 
     def _ranges(self) -> tuple[str, float, float]:
         """The valid ranges of the parameter under the hand as text, and the ends of the one at the hand, or nearest."""
-        if self.way is None or not self.design.guidance.ranges:
+        if self.design_direction is None or not self.design.guidance.ranges:
             return "", *NONE
-        intervals = self.way.ranges.intervals
+        intervals = self.design_direction.ranges.intervals
         if not len(intervals):
             return "none", *NONE
         text = "; ".join(self._marked(low, high) for low, high in intervals)
@@ -251,26 +251,32 @@ class FurnitureAnalysis(Timeless):
 
     def _valid_ranges(self) -> str:
         """What is under the hand and its valid ranges for programs; empty where nothing is."""
-        if self.way is None:
+        if self.design_direction is None:
             return ""
-        way, ranges = self.way, None
+        design_direction, ranges = self.design_direction, None
         if self.design.guidance.ranges:
             ranges = tuple(
-                ValidRange(float(low), float(high), bool(low <= way.low), bool(high >= way.high))
-                for low, high in way.ranges.intervals
+                ValidRange(
+                    float(low), float(high), bool(low <= design_direction.low), bool(high >= design_direction.high)
+                )
+                for low, high in design_direction.ranges.intervals
             )
-        return encode_ranges(Grabbed(way.subject, way.unit, ranges, way.doubtful if ranges else ()))
+        return encode_ranges(
+            Grabbed(
+                design_direction.subject, design_direction.unit, ranges, design_direction.doubtful if ranges else ()
+            )
+        )
 
     def _inside(self) -> int:
         """1: the piece is valid at the hand; 0: it is not; -1: it is, but farther than ranges were looked for."""
-        if self.way is None:
+        if self.design_direction is None:
             return -1
-        known = not self.design.guidance.ranges or self.way.low <= self.at <= self.way.high
+        known = not self.design.guidance.ranges or self.design_direction.low <= self.at <= self.design_direction.high
         return int(self.result.valid) if known or not self.result.valid else -1
 
     def _marked(self, low: float, high: float) -> str:
         """A valid range as text; an end that is as far as was looked at is marked."""
-        ends = (low, low <= self.way.low), (high, high >= self.way.high)
+        ends = (low, low <= self.design_direction.low), (high, high >= self.design_direction.high)
         return " to ".join(f"{value:.6g}{' or beyond' if is_open else ''}" for value, is_open in ends)
 
     def solution(self) -> Solution:
@@ -278,7 +284,7 @@ class FurnitureAnalysis(Timeless):
         return Solution()
 
     def fields(self) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """Displacements (8 n, 3) [m] of corners under the weights; use of the worst joint of each plank, and
+        """Displacements (8 n, 3) [m] of corners under the weights; utilisation of the worst joint of each plank, and
         deflection."""
         planks = len(self.utilisation)
         moved = np.full((8 * planks, 3), np.nan)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.guidance.design import Design
-from restshape_apps.furniture.physics.joint_compliance import recorded_uses, use_range
+from restshape_apps.furniture.physics.joint_compliance import recorded_utilisations, utilisation_range
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.physics.plank_quantities import require_places
 from restshape_apps.furniture.session.plank_session import PlankSession
@@ -19,7 +19,7 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
 SHOWN = 12
-"""Redundant joints that are printed at most, those with the largest use."""
+"""Redundant joints that are printed at most, those with the largest utilisation."""
 
 
 def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str, str]], None]:
@@ -40,7 +40,7 @@ def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
     """What the scene holds, for programs."""
     piece, result = design.piece, design.furniture.test()
     names, geometry = [plank.name for plank in piece.planks], design.furniture.geometry()
-    known = use_range(piece, design.furniture.compliance)
+    known = utilisation_range(piece, design.furniture.compliance)
     return {
         "scene": str(scene.path),
         "app": scene.app,
@@ -71,7 +71,7 @@ def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
         "valid": result.valid,
         "flaws": [] if result.valid else list(result.words),
         "doubts": list(phrases(result.doubts)),
-        "redundant_joints": recorded_uses(piece, known, len(piece.joints)) if known else [],
+        "redundant_joints": recorded_utilisations(piece, known, len(piece.joints)) if known else [],
         "free_ends": [end.words(piece) for end in free_ends(piece)],
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "weights": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.weights},
@@ -105,11 +105,11 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
         rows.append(("limits", "restshape replay looks at those of quantities; the status here is that of the piece"))
     free = len(design.freedoms)
     rows.append(("freedoms", f"{free} of {8 * len(names)} design parameters keep all joints closed"))
-    known = use_range(piece, design.furniture.compliance)
+    known = utilisation_range(piece, design.furniture.compliance)
     depends = phrases(known.findings(piece)) if known else ()
     rows += [
         ("redundant joint", f"{name}: utilisation from {low:g} to {high:g} over the ratios of compliance")
-        for name, low, high in (recorded_uses(piece, known, SHOWN) if known else ())
+        for name, low, high in (recorded_utilisations(piece, known, SHOWN) if known else ())
     ]
     words = "; ".join([*result.words, *depends])
     rows.append(("constraint status", f"holds, but {words}" if words and result.valid else words or "valid"))

@@ -62,7 +62,7 @@ REST = 160
 """Letters at most of what a suggestion leaves wrong."""
 
 DOUBTS, NARROW = 48, 1e-4
-"""Places of a valid range where doubts are looked for, and the least part of the way that is shown as doubtful."""
+"""Places of a valid range where doubts are looked for, and the least part of it that is shown as doubtful."""
 
 CLEAR = 0.02
 """Least part of the range of a suggestion that must be beyond doubt for the suggestion to be cut to it."""
@@ -176,36 +176,43 @@ class Design:
         free = [FREEDOMS[k] for k in range(8) if (plank, k) in self.freedoms]
         return f"{why}; free: {', '.join(free) if free else 'nothing of it'}"
 
-    def way(self, direction: np.ndarray, name: str, subject: str = "") -> DesignDirection:
-        """The way along a direction (n, 8), looked at as far as suggestions go: `REACH` in sizes and radians."""
+    def design_direction(self, direction: np.ndarray, name: str, subject: str = "") -> DesignDirection:
+        """The design direction of (n, 8), looked at as far as suggestions go: `REACH` in sizes and radians."""
         sizes, turns = direction[:, [0, 1, 2, 6, 7]] / self.piece.size, direction[:, 3:6]
         reach = REACH / float(np.hypot(np.linalg.norm(sizes), np.linalg.norm(turns)))
         return DesignDirection(self, direction, name, -reach, reach, subject or name)
 
     def followed(self, suggestion: Suggestion) -> DesignDirection:
-        """The way along a suggestion, whose range has the ends that it was reported with."""
-        return replace(self.way(suggestion.direction, suggestion.name), expected=suggestion.span)
+        """The design direction along a suggestion, whose range has the ends that it was reported with."""
+        return replace(self.design_direction(suggestion.direction, suggestion.name), expected=suggestion.span)
 
     def parameter(self, plank: int, number: int) -> DesignDirection:
-        """The way along one design parameter, in m or rad."""
+        """The design direction along one design parameter, in m or rad."""
         direction = np.zeros((len(self.piece.planks), 8))
         direction[plank, number] = 1.0
-        return self.way(direction, f"{self.piece.planks[plank].name}: {FREEDOMS[number]}")
+        return self.design_direction(direction, f"{self.piece.planks[plank].name}: {FREEDOMS[number]}")
 
-    def valid_along(self, way: DesignDirection) -> Ranges:
-        """Where the piece is valid along a way, with ends that the force space predicts as hints."""
-        return valid_ranges(self.furniture.kernel, way.direction, way.low, way.high, hints=self.hints(way), wanted=ALL)
+    def valid_along(self, design_direction: DesignDirection) -> Ranges:
+        """Where the piece is valid along a design direction, with ends that the force space predicts as hints."""
+        return valid_ranges(
+            self.furniture.kernel,
+            design_direction.direction,
+            design_direction.low,
+            design_direction.high,
+            hints=self.hints(design_direction),
+            wanted=ALL,
+        )
 
-    def doubtful_along(self, way: DesignDirection) -> tuple[tuple[float, float], ...]:
-        """The parts of a way's valid ranges where moments that do not count overload a joint, or compliances that
+    def doubtful_along(self, design_direction: DesignDirection) -> tuple[tuple[float, float], ...]:
+        """The parts of a direction's valid ranges where moments that do not count overload a joint, or compliances that
         nobody knows decide."""
-        least, found = NARROW * (way.high - way.low), []
+        least, found = NARROW * (design_direction.high - design_direction.low), []
 
         def clear(t: float) -> bool:
-            return not depends(self.furniture.moved(t * way.direction))
+            return not depends(self.furniture.moved(t * design_direction.direction))
 
-        for low, high in way.ranges.intervals.tolist():
-            sure = self._sure(way.direction, low, high).intervals.tolist()
+        for low, high in design_direction.ranges.intervals.tolist():
+            sure = self._sure(design_direction.direction, low, high).intervals.tolist()
             found += complement(clear_ranges(clear, sure, least), low, high, least)
         return tuple(found)
 
@@ -214,16 +221,16 @@ class Design:
         wanted = ALL | DOUBTFUL
         return valid_ranges(self.furniture.kernel, direction, low, high, samples=DOUBTS, tolerance=1e-4, wanted=wanted)
 
-    def hints(self, way: DesignDirection) -> np.ndarray:
-        """Parameters of a way where ends of its ranges are expected, by the derivative at the piece as it is."""
+    def hints(self, design_direction: DesignDirection) -> np.ndarray:
+        """Parameters where ends of a direction's ranges are expected, by the derivative at the piece as it is."""
         self.furniture.kernel.forget()
         result = self.furniture.test()
-        hints = np.array(way.expected)
-        used = np.argwhere(way.direction != 0.0)
+        hints = np.array(design_direction.expected)
+        used = np.argwhere(design_direction.direction != 0.0)
         if not result.flaws & LOST and len(self.piece.joints) and len(used):
             modes = DesignModes.of(self.piece, [tuple(one) for one in used.tolist()])
             units = np.array([modes.directions[k].reshape(-1, 8)[p, f] for k, (p, f) in enumerate(used)])
-            parts = np.array([way.direction[p, f] for p, f in used]) / units
+            parts = np.array([design_direction.direction[p, f] for p, f in used]) / units
             hints = np.append(hints, predicted_ends(durability_space(self.furniture, modes), parts))
         return hints
 

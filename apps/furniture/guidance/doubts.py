@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.physics.furniture import Furniture
-from restshape_apps.furniture.physics.joint_compliance import use_range
+from restshape_apps.furniture.physics.joint_compliance import utilisation_range
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.findings import Finding
@@ -25,5 +25,5 @@ def doubts(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[Finding, .
 
 def depends(piece: Piece) -> tuple[Finding, ...]:
     """Joints whose compliance, which nobody knows, decides whether a piece with closed joints holds."""
-    known = use_range(piece, Furniture(piece).compliance)
+    known = utilisation_range(piece, Furniture(piece).compliance)
     return known.findings(piece) if known else ()

@@ -21,7 +21,7 @@ def durability_space(furniture: Furniture, modes: DesignModes) -> ForceSpace:
     pull, shear = furniture.strength.T * nails
     length = furniture.geometry().length
     forces = [furniture.forces(case) for case in range(len(furniture.cases))]
-    sheared = any(f.shear_use.max(initial=0.0) > SHEARED for f in forces)
+    sheared = any(f.shear_utilisation.max(initial=0.0) > SHEARED for f in forces)
     h, K = [], []
     for case, found in enumerate(forces):
         change = force_derivative(furniture, directions, case)

@@ -33,11 +33,11 @@ def violated_limits(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[F
     cases = range(len(furniture.cases))
     still = np.zeros((1, 8 * len(piece.planks)))
     rows = [stability_derivative(furniture, still, case)[0] for case in cases]
-    margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
+    stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
     deflection = np.full(len(piece.planks), np.nan)
     if any(one.deflection for one in limited.values()):
         planks = range(len(piece.planks))
         deflection = np.array([max(plank_bending(furniture, k, c).max_deflection for c in cases) for k in planks])
     forces = [furniture.forces(case) for case in cases]
-    known = Observed(piece, furniture.geometry(), forces, deflection, margin)
+    known = Observed(piece, furniture.geometry(), forces, deflection, stability_margin)
     return violated_constraints(limits, plank_quantities(limited, known))

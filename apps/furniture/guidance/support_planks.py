@@ -99,14 +99,14 @@ def searched(
     furniture: Furniture, shown: int, trials: int, planes: Sequence[Mirror], alone: bool
 ) -> list[SupportPlank]:
     """Support planks, each with its images in mirror planes; `alone`: those alone that are their own images."""
-    use = _uses(furniture)
+    utilisation = _utilisations(furniture)
     geometry = furniture.geometry()
     found: list[SupportPlank] = []
     for spots in ROUNDS:
         if any(one.result.valid for one in found):
             break
         left = trials
-        for i, j, k, joint in _candidates(furniture.piece, use):
+        for i, j, k, joint in _candidates(furniture.piece, utilisation):
             if left <= 0 or sum(one.result.valid for one in found) >= shown:
                 break
             places = _planks(furniture.piece, (i, j, k), geometry.p[joint], geometry.y[joint], spots)
@@ -119,7 +119,7 @@ def searched(
                 if any(_in_place(furniture.piece, plank, one.piece.planks) for one in found):
                     # It is one of the images of what was found.
                     break
-                if one := _relief(furniture, boards, k, use, joint):
+                if one := _relief(furniture, boards, k, utilisation, joint):
                     images = ((plane.axis, plane.image(plank)) for plane in planes)
                     axes = tuple(axis for axis, image in images if not _in_place(furniture.piece, image, [plank]))
                     found.append(replace(one, mirrored=axes))
@@ -151,7 +151,7 @@ def _in_place(piece: Piece, plank: Plank, others: Sequence[Plank]) -> bool:
 
 
 def _relief(
-    furniture: Furniture, boards: Sequence[Board], third: int, use: np.ndarray, joint: int
+    furniture: Furniture, boards: Sequence[Board], third: int, utilisation: np.ndarray, joint: int
 ) -> SupportPlank | None:
     """The piece with these boards, if they take enough load off the joint and overload no other."""
     piece = furniture.piece
@@ -165,25 +165,25 @@ def _relief(
     result = model.test()
     if result.flaws & (LOST | OVERLAPPING | UNSTABLE | UNBALANCED):
         return None
-    now = _uses(model)
+    now = _utilisations(model)
     weak = now > 1.0
-    before = np.append(use > 1.0, np.zeros(len(now) - len(use), dtype=bool))
+    before = np.append(utilisation > 1.0, np.zeros(len(now) - len(utilisation), dtype=bool))
     if weak[joint] or np.any(weak & ~before):
         return None
     moved, relieved = model.moved(), tuple(map(int, np.flatnonzero(before & ~weak)))
     return SupportPlank(moved, boards[0][1], third, result, relieved, moved.planks[len(furniture.piece.planks)])
 
 
-def _uses(furniture: Furniture) -> np.ndarray:
-    """The largest use (j,) of each joint's strength in the cases of the last test."""
-    use = np.zeros(len(furniture.piece.joints))
+def _utilisations(furniture: Furniture) -> np.ndarray:
+    """The largest utilisation (j,) of each joint's strength in the cases of the last test."""
+    utilisation = np.zeros(len(furniture.piece.joints))
     for case in range(len(furniture.cases)):
         forces = furniture.forces(case)
-        use = np.maximum(use, forces.use)
-    return use
+        utilisation = np.maximum(utilisation, forces.utilisation)
+    return utilisation
 
 
-def _candidates(piece: Piece, use: np.ndarray) -> Iterator[tuple[int, int, int, int]]:
+def _candidates(piece: Piece, utilisation: np.ndarray) -> Iterator[tuple[int, int, int, int]]:
     """Planks i, j, the third k that both are joined to, and the weak joint of i and k; the weakest joint first."""
     joined: dict[int, set[int]] = {}
     for joint in piece.joints:
@@ -192,8 +192,8 @@ def _candidates(piece: Piece, use: np.ndarray) -> Iterator[tuple[int, int, int, 
     normals = np.array([plank.axes[:, 2] for plank in piece.planks])
     level = np.abs(normals @ np.array(piece.planes[0].normal)) > PARALLEL
     standing = {foot.plank for foot in piece.feet if foot.plane == 0}
-    order = np.argsort(-use)
-    for number in order[use[order] > 1.0]:
+    order = np.argsort(-utilisation)
+    for number in order[utilisation[order] > 1.0]:
         ends = piece.joints[number].i, piece.joints[number].j
         for i, k in (ends, ends[::-1]):
             for j in sorted(joined[k] - {i}):

@@ -8,7 +8,7 @@
 
 #include "derivative.hpp"
 #include "furniture.hpp"
-#include "joint_use.hpp"
+#include "joint_utilisation.hpp"
 #include "mixed.hpp"
 #include "overlap.hpp"
 
@@ -96,14 +96,14 @@ py::array_t<double> array(const Rows& a) {
 }
 
 py::tuple tuple(const DesignCheck& v) {
-    py::list faults, broken, doubts;
+    py::list faults, overloaded, doubts;
     for (const Flawed& one : v.faults) faults.append(py::make_tuple(static_cast<int>(one.fault), one.where));
     for (const Overloaded& one : v.overloaded)
-        broken.append(py::make_tuple(one.joint, one.load_case, one.utilisation, static_cast<int>(one.by)));
+        overloaded.append(py::make_tuple(one.joint, one.load_case, one.utilisation, static_cast<int>(one.by)));
     for (const Overloaded& one : v.doubts)
         doubts.append(py::make_tuple(one.joint, one.load_case, one.utilisation, static_cast<int>(one.by)));
-    return py::make_tuple(v.flaws, v.pull, v.shear, v.missing, faults, v.overlaps, v.falls, v.unbalanced, broken,
-                          doubts);
+    return py::make_tuple(v.flaws, v.pull, v.shear, v.unbalanced_load, faults, v.overlaps, v.falls, v.unbalanced,
+                          overloaded, doubts);
 }
 
 py::dict shape(Furniture& f, const std::optional<Doubles>& gamma) {
@@ -140,16 +140,16 @@ py::dict forces(Furniture& f, int c) {
     out["x"] = array(state.x), out["law"] = static_cast<int>(state.law), out["found"] = state.found;
     out["contacts"] = array(f.contact_forces(c));
     std::vector<V3<double>> balance;
-    out["missing"] = f.missing(c, &balance), out["balance"] = array(balance);
+    out["unbalanced_load"] = f.unbalanced_load(c, &balance), out["balance"] = array(balance);
     const std::vector<double> d = f.openings(c);
     const py::ssize_t nj = static_cast<py::ssize_t>(f.shape().joints.size());
     py::array_t<double> joints({nj, py::ssize_t{10}});
     for (py::ssize_t k = 0; k < nj; ++k) {
         const auto h = joint_force(f.shape().joints[k], &d[6 * k], f.piece().settings);
         const JointSpec& spec = f.piece().joints[k];
-        const JointUse use = joint_use(h, f.shape().joints[k], spec, f.shape().size[spec.i][2]);
-        const double row[10] = {h.tension, h.shear_x, h.shear_y, h.bending, h.twist_x,
-                                h.twist_n, use.pull,  use.shear, use.line,  use.twist};
+        const JointUtilisation utilisation = joint_utilisation(h, f.shape().joints[k], spec, f.shape().size[spec.i][2]);
+        const double row[10] = {h.tension, h.shear_x,        h.shear_y,         h.bending,        h.twist_x,
+                                h.twist_n, utilisation.pull, utilisation.shear, utilisation.line, utilisation.twist};
         std::copy_n(row, 10, joints.mutable_data(k, 0));
     }
     out["joints"] = joints;
@@ -240,12 +240,13 @@ PYBIND11_MODULE(_kernels, m) {
                 return tuple(f.test(parameters(f, gamma), wanted, quick));
             },
             "gamma"_a = py::none(), "wanted"_a = every_flaw, "quick"_a = false,
-            "Flaws (bits), largest use of pull and of shear strength, the part of the load that contacts cannot "
-            "balance, and lists: faults, overlaps, what falls, cases without an equilibrium, broken joints, and "
+            "Flaws (bits), largest utilisation of pull and of shear strength, the part of the load that contacts "
+            "cannot "
+            "balance, and lists: faults, overlaps, what falls, cases without an equilibrium, overloaded joints, and "
             "doubts: joints that moments overload that do not count.")
         .def("forces", &forces, "case"_a, "Displacements, contact and joint forces at the last test.")
         .def("scan", &scan, "direction"_a, "t"_a, "wanted"_a = every_flaw,
-             "Flaws, and uses of pull and shear strength, at each t along a direction (n, 8).")
+             "Flaws, and utilisations of pull and shear strength, at each t along a direction (n, 8).")
         .def("bisect", &bisect, "direction"_a, "good"_a, "bad"_a, "tolerance"_a, "wanted"_a = every_flaw,
              "The last good and the first bad t along a direction (n, 8) between one of each, and the tests that it "
              "took.")

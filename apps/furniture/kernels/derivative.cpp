@@ -2,7 +2,7 @@
 #include "derivative.hpp"
 
 #include "gradient.hpp"
-#include "joint_use.hpp"
+#include "joint_utilisation.hpp"
 #include "shaper.hpp"
 #include "stability_rows.hpp"
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "equilibrium.hpp"
-#include "joint_use.hpp"
+#include "joint_utilisation.hpp"
 #include "overlap.hpp"
 #include "shaper.hpp"
 #include "support.hpp"
@@ -44,9 +44,9 @@ DesignCheck Furniture::test(const double* gamma, int wanted, bool quick) {
     equilibrium_->find_free(shape_);
     std::vector<Overloaded> most(P.joints.size(), {-1, -1, 1.0, Load::pull}), doubts = most;
     for (size_t c = 0; c < P.cases.size(); ++c) {
-        settle(static_cast<int>(c));
+        equilibrate(static_cast<int>(c));
         if (!states_[c].found) check.flaws |= unbalanced, check.unbalanced.push_back(static_cast<int>(c));
-        use(static_cast<int>(c), check, most, doubts);
+        add_utilisation(static_cast<int>(c), check, most, doubts);
     }
     for (const Overloaded& one : most)
         if (one.joint >= 0) check.overloaded.push_back(one);
@@ -68,7 +68,7 @@ int Furniture::bisect(const double* direction, double& good, double& bad, double
 }
 
 bool Furniture::one_sided(int load_case) {
-    settle(load_case);
+    equilibrate(load_case);
     return states_[load_case].law == Law::unilateral;
 }
 
@@ -88,10 +88,10 @@ std::vector<V3<double>> Furniture::contact_forces(int load_case) const {
     return forces;
 }
 
-double Furniture::missing(int load_case, std::vector<V3<double>>* forces) const {
+double Furniture::unbalanced_load(int load_case, std::vector<V3<double>>* forces) const {
     double most = 0.0;
     if (forces) forces->assign(shape_.contacts.size(), {0.0, 0.0, 0.0});
-    for (const Part& part : equilibrium_->parts()) most = std::max(most, missing(part, load_case, forces));
+    for (const Part& part : equilibrium_->parts()) most = std::max(most, unbalanced_load(part, load_case, forces));
     return most;
 }
 
@@ -118,26 +118,26 @@ bool Furniture::inside(int load_case) const {
 
 void Furniture::stand(DesignCheck& check) {
     for (size_t c = 0; c < P.cases.size(); ++c) {
-        states_[c].missing = 0.0;
+        states_[c].unbalanced_load = 0.0;
         for (const Part& part : equilibrium_->parts()) {
-            const double left = missing(part, static_cast<int>(c), nullptr);
-            states_[c].missing = std::max(states_[c].missing, left);
+            const double left = unbalanced_load(part, static_cast<int>(c), nullptr);
+            states_[c].unbalanced_load = std::max(states_[c].unbalanced_load, left);
             if (!(left <= balance_tolerance)) check.falls.emplace_back(static_cast<int>(c), part.planks[0]);
         }
-        check.missing = std::max(check.missing, states_[c].missing);
+        check.unbalanced_load = std::max(check.unbalanced_load, states_[c].unbalanced_load);
     }
     if (!check.falls.empty()) check.flaws |= unstable;
 }
 
 DesignCheck Furniture::invalid(DesignCheck check) {
     check.flaws |= lost | unstable | weak | unbalanced;
-    check.pull = check.shear = check.missing = std::numeric_limits<double>::infinity();
+    check.pull = check.shear = check.unbalanced_load = std::numeric_limits<double>::infinity();
     return check;
 }
 
-void Furniture::settle(int load_case) {
+void Furniture::equilibrate(int load_case) {
     CaseState& state = states_[load_case];
-    const bool balanced = state.missing <= balance_tolerance;
+    const bool balanced = state.unbalanced_load <= balance_tolerance;
     if (state.found && state.law == Law::unilateral && balanced &&
         equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state))
         return;
@@ -157,7 +157,7 @@ void Furniture::settle(int load_case) {
 bool Furniture::ease(int load_case, const std::vector<double>& springs) {
     CaseState& state = states_[load_case];
     std::vector<V3<double>> balance;
-    missing(load_case, &balance);
+    unbalanced_load(load_case, &balance);
     state.x = springs;
     return equilibrium_->ease(shape_, load_case, balance, state.x) && !wild(state);
 }
@@ -168,32 +168,34 @@ bool Furniture::wild(const CaseState& state) const {
     return false;
 }
 
-void Furniture::use(int load_case, DesignCheck& check, std::vector<Overloaded>& most, std::vector<Overloaded>& doubts) {
+void Furniture::add_utilisation(int load_case, DesignCheck& check, std::vector<Overloaded>& most,
+                                std::vector<Overloaded>& doubts) {
     const std::vector<double> d = openings(load_case);
-    const auto add = [&](std::vector<Overloaded>& all, size_t k, double use, Load by) {
+    const auto add = [&](std::vector<Overloaded>& all, size_t k, double utilisation, Load by) {
         // A case that only repeats an earlier one, up to rounding, is not what breaks the joint.
         const double known = all[k].joint < 0 ? all[k].utilisation : all[k].utilisation * (1.0 + repeated);
-        if (!(use <= known)) all[k] = {static_cast<int>(k), load_case, use, by};
+        if (!(utilisation <= known)) all[k] = {static_cast<int>(k), load_case, utilisation, by};
     };
     for (size_t k = 0; k < P.joints.size(); ++k) {
         const JointSpec& spec = P.joints[k];
         const auto f = joint_force(shape_.joints[k], &d[6 * k], P.settings);
-        const JointUse use = joint_use(f, shape_.joints[k], spec, shape_.size[spec.i][2]);
-        check.pull = std::max(check.pull, use.pull), check.shear = std::max(check.shear, use.shear);
-        add(most, k, std::max(use.pull, use.shear), use.shear > use.pull ? Load::shear : Load::pull);
-        const double moment = std::max(use.line, use.twist);
-        const Load by = use.twist > use.line ? Load::twist : Load::line;
+        const JointUtilisation utilisation = joint_utilisation(f, shape_.joints[k], spec, shape_.size[spec.i][2]);
+        check.pull = std::max(check.pull, utilisation.pull), check.shear = std::max(check.shear, utilisation.shear);
+        add(most, k, std::max(utilisation.pull, utilisation.shear),
+            utilisation.shear > utilisation.pull ? Load::shear : Load::pull);
+        const double moment = std::max(utilisation.line, utilisation.twist);
+        const Load by = utilisation.twist > utilisation.line ? Load::twist : Load::line;
         if (P.settings.moments) {
-            check.pull = std::max(check.pull, use.line), check.shear = std::max(check.shear, use.twist);
-            if (moment > std::max(use.pull, use.shear)) add(most, k, moment, by);
-        } else if (by == Load::twist || !(use.pull > 1.0)) {
+            check.pull = std::max(check.pull, utilisation.line), check.shear = std::max(check.shear, utilisation.twist);
+            if (moment > std::max(utilisation.pull, utilisation.shear)) add(most, k, moment, by);
+        } else if (by == Load::twist || !(utilisation.pull > 1.0)) {
             // What is drawn out by its tension is weak already.
             add(doubts, k, moment, by);
         }
     }
 }
 
-double Furniture::missing(const Part& part, int load_case, std::vector<V3<double>>* forces) const {
+double Furniture::unbalanced_load(const Part& part, int load_case, std::vector<V3<double>>* forces) const {
     std::vector<V3<double>> points, normals;
     std::vector<double> mu;
     std::vector<size_t> index;
@@ -225,7 +227,7 @@ double Furniture::missing(const Part& part, int load_case, std::vector<V3<double
     load << force[0], force[1], force[2], moment[0], moment[1], moment[2];
     const Support found = balance(points, normals, mu, load / weight, 0.1 * balance_tolerance);
     for (size_t k = 0; forces && k < index.size(); ++k) (*forces)[index[k]] = scaled(found.forces[k], weight);
-    return found.missing;
+    return found.unbalanced_load;
 }
 
 }  // namespace restshape::planks

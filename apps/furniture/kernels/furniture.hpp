@@ -14,7 +14,7 @@ constexpr int every_flaw = 63;  // a doubt is none
 // What overloads a joint: its pull, its shear, the moment along its line, the one about its normal.
 enum class Load { pull, shear, line, twist };
 
-// The largest use of a joint's strength, if that is more than there is.
+// The largest utilisation of a joint's strength, if that is more than there is.
 struct Overloaded {
     int joint, load_case;
     double utilisation;
@@ -23,8 +23,8 @@ struct Overloaded {
 
 struct DesignCheck {
     int flaws = 0;
-    double pull = 0.0, shear = 0.0;  // the largest use of a joint's strength, in parts of it
-    double missing = 0.0;
+    double pull = 0.0, shear = 0.0;  // the largest utilisation of a joint's strength, in parts of it
+    double unbalanced_load = 0.0;
     std::vector<Flawed> faults;
     std::vector<std::pair<int, int>> overlaps;  // as the function of that name
     std::vector<std::pair<int, int>> falls;     // case, and the first plank of the part that falls
@@ -38,7 +38,7 @@ struct Part;
 class Furniture {
  public:
     static constexpr double balance_tolerance = 1e-7;
-    static constexpr double repeated = 1e-6;  // of a joint's use, that counts as the same in two cases
+    static constexpr double repeated = 1e-6;  // of a joint's utilisation, that counts as the same in two cases
 
     explicit Furniture(Piece piece);
     ~Furniture();
@@ -69,7 +69,7 @@ class Furniture {
     std::vector<V3<double>> contact_forces(int load_case) const;
 
     // Balances the loads of a case by forces inside the friction cones; fills them in where asked for.
-    double missing(int load_case, std::vector<V3<double>>* forces = nullptr) const;
+    double unbalanced_load(int load_case, std::vector<V3<double>>* forces = nullptr) const;
 
     void forget();
 
@@ -92,16 +92,17 @@ class Furniture {
 
     // One-sided contact from the last such state where there is one; else springs, and one-sided contact where those
     // pull or slide.
-    void settle(int load_case);
+    void equilibrate(int load_case);
 
     // Whether one-sided contacts converge by the longer way, from where springs are.
     bool ease(int load_case, const std::vector<double>& springs);
 
     bool wild(const CaseState& state) const;
 
-    void use(int load_case, DesignCheck& check, std::vector<Overloaded>& most, std::vector<Overloaded>& doubts);
+    void add_utilisation(int load_case, DesignCheck& check, std::vector<Overloaded>& most,
+                         std::vector<Overloaded>& doubts);
 
-    double missing(const Part& part, int load_case, std::vector<V3<double>>* forces) const;
+    double unbalanced_load(const Part& part, int load_case, std::vector<V3<double>>* forces) const;
 };
 
 }  // namespace restshape::planks

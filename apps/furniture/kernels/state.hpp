@@ -14,7 +14,7 @@ struct CaseState {
     std::vector<double> x;     // 6 a plank
     Law law = Law::bilateral;  // that x is an equilibrium of
     bool found = false;
-    double missing = 0.0;  // the part of the load that contacts cannot balance
+    double unbalanced_load = 0.0;  // the part of the load that contacts cannot balance
 };
 
 struct State {

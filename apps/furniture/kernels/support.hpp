@@ -11,7 +11,7 @@ namespace restshape::planks {
 using Wrench = Eigen::Matrix<double, 6, 1>;
 
 struct Support {
-    double missing = 0.0;            // what remains of the load, in parts of it
+    double unbalanced_load = 0.0;    // what remains of the load, in parts of it
     std::vector<V3<double>> forces;  // [load's unit] on the planks, at each contact
 };
 

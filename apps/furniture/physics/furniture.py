@@ -57,7 +57,7 @@ class TestResult:
 
     Args:
         flaws: bits; 0 is a valid piece.
-        pull, shear: the largest use of a joint's strength, in parts of it.
+        pull, shear: the largest utilisation of a joint's strength, in parts of it.
         unbalanced: the part of the loads that contacts cannot balance.
         found: which joints, planks and cases have the flaws; a quick test shows the first.
         piece: whose they are.
@@ -123,7 +123,7 @@ class Forces:
         unbalanced: the part of the loads that these leave.
         tension, shear, bending: (j,) of each joint: T [N], (j, 2) h_x, h_y [N], h^r_y [N m].
         twist: (j, 2) moments about x and n [N m].
-        pull_use, shear_use: (j,) in parts of the joint's strength.
+        pull_utilisation, shear_utilisation: (j,) in parts of the joint's strength.
         line_use, twist_use: (j,) the same by the moments about x and n, on the fastener that bears most.
     """
 
@@ -137,21 +137,21 @@ class Forces:
     shear: np.ndarray
     bending: np.ndarray
     twist: np.ndarray
-    pull_use: np.ndarray
-    shear_use: np.ndarray
+    pull_utilisation: np.ndarray
+    shear_utilisation: np.ndarray
     line_use: np.ndarray
     twist_use: np.ndarray
     moments: bool = False
 
     @property
-    def use(self) -> np.ndarray:
-        """The use (j,) of each joint's strength, of all that counts."""
-        counted = np.maximum(self.pull_use, self.shear_use)
+    def utilisation(self) -> np.ndarray:
+        """The utilisation (j,) of each joint's strength, of all that counts."""
+        counted = np.maximum(self.pull_utilisation, self.shear_utilisation)
         return np.maximum(counted, self.moment_use) if self.moments else counted
 
     @property
     def moment_use(self) -> np.ndarray:
-        """The use (j,) of each joint's strength by the moments about x and n."""
+        """The utilisation (j,) of each joint's strength by the moments about x and n."""
         return np.maximum(self.line_use, self.twist_use)
 
 
@@ -276,7 +276,7 @@ class Furniture:
             raw["found"],
             raw["contacts"],
             raw["balance"],
-            raw["missing"],
+            raw["unbalanced_load"],
             tension,
             np.stack([h_x, h_y], 1),
             bending,

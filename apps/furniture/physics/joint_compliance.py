@@ -1,4 +1,4 @@
-"""How the use of joints depends on what nobody knows: the ratios of the compliances of joints and floor."""
+"""How the utilisation of joints depends on what nobody knows: the ratios of the compliances of joints and floor."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, WEAK, Compliance, Furniture
-from restshape_apps.furniture.physics.plank_findings import MOST_USE, joint_planks
+from restshape_apps.furniture.physics.plank_findings import MOST_UTILISATION, joint_planks
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.findings import Finding
@@ -22,11 +22,11 @@ SPREAD = 0.01
 
 
 @dataclass(frozen=True)
-class UseRange:
-    """The use of each joint's strength over all ratios of compliance.
+class UtilisationRange:
+    """The utilisation of each joint's strength over all ratios of compliance.
 
     Args:
-        low, high: (j,) least and largest use, each the largest of all cases.
+        low, high: (j,) least and largest utilisation, each the largest of all cases.
         changes: whether the piece bears its loads depends on the ratios.
     """
 
@@ -36,13 +36,13 @@ class UseRange:
 
     @property
     def redundant(self) -> np.ndarray:
-        """Numbers of the joints whose use depends on the ratios."""
+        """Numbers of the joints whose utilisation depends on the ratios."""
         return np.flatnonzero(self.high > self.low + SPREAD)
 
     def findings(self, piece: Piece) -> tuple[Finding, ...]:
         """What decides whether the piece bears its loads: joints that are weak at some ratios alone, the worst first.
 
-        The value is the largest use, the bound the least.
+        The value is the largest utilisation, the bound the least.
         """
         if not self.changes:
             return ()
@@ -65,12 +65,12 @@ def compliances(piece: Piece, nominal: Compliance) -> tuple[Compliance, ...]:
     return tuple(replace(nominal, joint_r=ratio * t, floor=floor * t) for ratio in ratios for floor in FLOORS)
 
 
-def use_range(piece: Piece, nominal: Compliance) -> UseRange | None:
-    """The use of joints of a piece over all ratios; None where its joints are open or it has no equilibrium.
+def utilisation_range(piece: Piece, nominal: Compliance) -> UtilisationRange | None:
+    """The utilisation of joints of a piece over all ratios; None where its joints are open or it has no equilibrium.
 
     Source: docs/theory/furniture.md, "What compliance decides".
     """
-    uses, bears, falls = [], [], False
+    utilisations, bears, falls = [], [], False
     for one in compliances(piece, nominal):
         furniture = Furniture(piece, one)
         flaws = furniture.test().flaws
@@ -78,17 +78,19 @@ def use_range(piece: Piece, nominal: Compliance) -> UseRange | None:
             return None
         falls |= bool(flaws & UNSTABLE)
         forces = [furniture.forces(case) for case in range(len(furniture.cases))]
-        uses.append(np.max([found.use for found in forces], axis=0))
+        utilisations.append(np.max([found.utilisation for found in forces], axis=0))
         bears.append(not flaws & WEAK)
-    return UseRange(np.min(uses, axis=0), np.max(uses, axis=0), any(bears) and not all(bears) and not falls)
+    return UtilisationRange(
+        np.min(utilisations, axis=0), np.max(utilisations, axis=0), any(bears) and not all(bears) and not falls
+    )
 
 
-def recorded_uses(piece: Piece, known: UseRange, most: int) -> list[list[object]]:
-    """Name, least and largest use of redundant joints, the largest first, at most so many."""
+def recorded_utilisations(piece: Piece, known: UtilisationRange, most: int) -> list[list[object]]:
+    """Name, least and largest utilisation of redundant joints, the largest first, at most so many."""
     order = sorted(known.redundant.tolist(), key=lambda k: -round(float(known.high[k]), 6))[:most]
     return [[" on ".join(joint_planks(piece, k)), *_rounded(known, k)] for k in order]
 
 
-def _rounded(known: UseRange, joint: int) -> Sequence[float]:
+def _rounded(known: UtilisationRange, joint: int) -> Sequence[float]:
     # A single fastener bears no twist; JSON knows no infinite number.
-    return [float(f"{min(use[joint], MOST_USE):.4g}") for use in (known.low, known.high)]
+    return [float(f"{min(utilisation[joint], MOST_UTILISATION):.4g}") for utilisation in (known.low, known.high)]

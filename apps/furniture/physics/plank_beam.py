@@ -86,8 +86,8 @@ class Actions:
         own = 0.5 * self.own * np.clip(s + self.length / 2, 0.0, self.length) ** 2
         return np.where(point, found, spread).sum(axis=1) + own
 
-    def held(self) -> np.ndarray:
-        """Places (h,) that are held [m]."""
+    def constrained(self) -> np.ndarray:
+        """Places (h,) that are constrained [m]."""
         place, span = self.place[self.holds], self.span[self.holds]
         return np.concatenate([place - span / 2, place + span / 2])
 
@@ -133,16 +133,16 @@ class Actions:
         )
 
 
-def deflection(s: np.ndarray, curvature: np.ndarray, held: np.ndarray) -> np.ndarray:
-    """The integral of a curvature twice, 0 at the outermost places held; held at one, its slope is 0 there too."""
+def deflection(s: np.ndarray, curvature: np.ndarray, constrained: np.ndarray) -> np.ndarray:
+    """The integral of a curvature twice, 0 at the outermost constraints; at a single one its slope is 0 too."""
     step = np.diff(s)
     slope = np.concatenate([[0.0], np.cumsum(0.5 * step * (curvature[1:] + curvature[:-1]))])
     # The curvature runs straight between stations.
     rise = slope[:-1] * step + step**2 * (curvature[:-1] / 3.0 + curvature[1:] / 6.0)
     w = np.concatenate([[0.0], np.cumsum(rise)])
-    if not len(held):
+    if not len(constrained):
         return w - np.interp(0.0, s, w)
-    first, last = held.min(), held.max()
+    first, last = constrained.min(), constrained.max()
     w_first, w_last = np.interp([first, last], s, w)
     if last - first > 1e-9:
         return w - w_first - (w_last - w_first) / (last - first) * (s - first)

@@ -17,7 +17,7 @@ class PlankBending:
     Args:
         s: (k,) stations along the plank from its middle [m].
         moment: (k,) bending moment [N m].
-        deflection: (k,) along the plank's normal, 0 at the outermost places where it is held [m].
+        deflection: (k,) along the plank's normal, 0 at the outermost places where it is constrained [m].
         max_deflection: the largest deflection [m].
         stress: the largest bending stress [Pa].
         utilisation: of its bending strength, in parts of it.
@@ -58,7 +58,7 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
         return PlankBending(s, np.zeros(STATIONS), np.zeros(STATIONS), 0.0, 0.0, 0.0)
     s = acts.stations(STATIONS)
     moment = acts.moments(s)
-    bent = deflection(s, moment / (material.E * inertia), acts.held())
+    bent = deflection(s, moment / (material.E * inertia), acts.constrained())
     stress = float(np.abs(moment).max() * 0.5 * thickness / inertia)
     return PlankBending(s, moment, bent, float(np.abs(bent).max()), stress, stress / material.bending)
 

@@ -31,7 +31,7 @@ PULL, SHEAR, LINE, TWIST = "pull", "shear", "line", "twist"
 says so, and are doubts elsewhere."""
 LOADS = (PULL, SHEAR, LINE, TWIST)
 """The same by their numbers."""
-MOST_USE = 1e12
+MOST_UTILISATION = 1e12
 """Of a joint: a single fastener does not bear a twist at all."""
 WEIGHTS = "weights"
 """The case of the weights alone."""
@@ -47,7 +47,7 @@ class FlawNumbers:
         overlaps: pairs of planks; a plank and -1 - k where it goes through plane k.
         falls: case, and the first plank of the part of the piece that falls in it.
         unbalanced: cases without an equilibrium.
-        broken: joint, case, use in parts of its strength, and by what, a number of `LOADS`.
+        overloaded: joint, case, utilisation in parts of its strength, and by what, a number of `LOADS`.
         doubts: the same of moments that do not count.
     """
 
@@ -55,7 +55,7 @@ class FlawNumbers:
     overlaps: Sequence[tuple[int, int]] = ()
     falls: Sequence[tuple[int, int]] = ()
     unbalanced: Sequence[int] = ()
-    broken: Sequence[tuple[int, int, float, int]] = ()
+    overloaded: Sequence[tuple[int, int, float, int]] = ()
     doubts: Sequence[tuple[int, int, float, int]] = ()
 
 
@@ -111,7 +111,7 @@ def falls(piece: Piece, found: FlawNumbers, tips: Collection[int]) -> list[Findi
 
 def weak(piece: Piece, found: FlawNumbers) -> list[Finding]:
     """Joints that break, the worst first."""
-    return _overloaded(piece, WEAK, found.broken) or [Finding(WEAK)]
+    return _overloaded(piece, WEAK, found.overloaded) or [Finding(WEAK)]
 
 
 def doubts(piece: Piece, found: FlawNumbers) -> list[Finding]:
@@ -138,10 +138,10 @@ def load_case(piece: Piece, case: int) -> str:
 def _overloaded(piece: Piece, kind: str, joints: Sequence[tuple[int, int, float, int]]) -> list[Finding]:
     """Overloaded joints, the worst first."""
     # Joints that differ by rounding alone stay in their order.
-    worst = sorted(joints, key=lambda one: -round(min(one[2], MOST_USE), 6))
+    worst = sorted(joints, key=lambda one: -round(min(one[2], MOST_UTILISATION), 6))
     return [
-        Finding(kind, LOADS[by], joint_planks(piece, k), use, 1.0, case=load_case(piece, case))
-        for k, case, use, by in worst
+        Finding(kind, LOADS[by], joint_planks(piece, k), utilisation, 1.0, case=load_case(piece, case))
+        for k, case, utilisation, by in worst
     ]
 
 

@@ -61,7 +61,7 @@ def amount(finding: Finding) -> str:
         return ""
     if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
         # A single fastener bears no twist.
-        alone = finding.detail == kinds.TWIST and finding.value > kinds.MOST_USE
+        alone = finding.detail == kinds.TWIST and finding.value > kinds.MOST_UTILISATION
         return "more than any" if alone else _share(finding.value)
     return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
 
@@ -141,7 +141,7 @@ def _depends(findings: list[Finding], worst: Worst) -> str:
     joints = [
         f"{' on '.join(one.subjects)} from {one.bound:.2f} to {_share(one.value)}" for one in findings if one.subjects
     ]
-    what = f": the use of {_listed(joints, _omitted(findings))} over their compliances" if joints else ""
+    what = f": the utilisation of {_listed(joints, _omitted(findings))} over their compliances" if joints else ""
     return f"depends on joints{what}"
 
 
@@ -197,9 +197,9 @@ def _count(number: int) -> str:
     return {2: "two", 3: "three"}.get(number, str(number))
 
 
-def _share(use: float) -> str:
-    """A use of more than 1, which does not look like 1."""
-    return f"{ceil(use * 100) / 100:.2f}" if use < 100 else f"{use:.3g}"
+def _share(utilisation: float) -> str:
+    """A utilisation of more than 1, which does not look like 1."""
+    return f"{ceil(utilisation * 100) / 100:.2f}" if utilisation < 100 else f"{utilisation:.3g}"
 
 
 def _listed(names: Sequence[str], omitted: int = 0) -> str:

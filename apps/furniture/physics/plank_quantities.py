@@ -120,6 +120,8 @@ def _values(quantity: Quantity, known: Observed) -> np.ndarray:
 
 
 def _use(kind: str, forces: Sequence[Forces]) -> np.ndarray:
-    """The use (j,) of each joint's strength, the largest of all cases."""
-    pull, shear = (np.max([getattr(one, name) for one in forces], axis=0) for name in ("pull_use", "shear_use"))
-    return {"pull": pull, "shear": shear, "largest": np.max([one.use for one in forces], axis=0)}[kind]
+    """The utilisation (j,) of each joint's strength, the largest of all cases."""
+    pull, shear = (
+        np.max([getattr(one, name) for one in forces], axis=0) for name in ("pull_utilisation", "shear_utilisation")
+    )
+    return {"pull": pull, "shear": shear, "largest": np.max([one.utilisation for one in forces], axis=0)}[kind]

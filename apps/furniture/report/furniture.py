@@ -1,4 +1,4 @@
-"""Pictures of furniture in space: joints by the use of their strength, forces of feet, weights, suggestions, ranges."""
+"""Pictures of furniture in space: utilisation of joints, forces of feet, weights, suggestions, ranges."""
 
 # More than 15 modules: what is drawn in space and what is written over it meet here.
 
@@ -49,7 +49,7 @@ WAY = 0.1
 """The shortest arrow of a way, in parts of the piece's size."""
 SHAFT, RIM = 0.005, 0.0035
 """Radius of an arrow, and how much wider what is behind it in white is, in parts of the piece's size."""
-JOINT, BROKEN = 0.011, 0.015
+JOINT, OVERLOADED = 0.011, 0.015
 """Radius of a joint, and of one that breaks, in parts of the piece's size."""
 STEEPEST = 0.25
 """Part of its length that an arrow of a way is seen with at least where it is made longer."""
@@ -164,14 +164,14 @@ class PieceView:
         self.labels.add(word)
 
 
-def use_colours() -> tuple[Colormap, Normalize]:
+def utilisation_colours() -> tuple[Colormap, Normalize]:
     """Colours of the utilisation of strength from 0 to 1, and red beyond."""
     return colormaps[COLOURS].with_extremes(over=REFUSED), Normalize(0.0, 1.0)
 
 
-def add_use_bar(figure: Figure, axes: Axes | Sequence[Axes]) -> None:
+def add_utilisation_bar(figure: Figure, axes: Axes | Sequence[Axes]) -> None:
     """Put the colour bar of joints beside axes."""
-    cmap, norm = use_colours()
+    cmap, norm = utilisation_colours()
     bar = figure.colorbar(ScalarMappable(norm, cmap), ax=axes, extend="max", shrink=0.75, aspect=26, pad=0.01)
     bar.set_label("utilisation of a joint's strength,\npull or shear [1]; red: it breaks", fontsize=8)
     bar.ax.tick_params(labelsize=7)
@@ -276,21 +276,24 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
     geometry = furniture.geometry()
     if not len(geometry.p):
         return
-    cmap, norm = use_colours()
-    use = forces.use
-    doubt = (use <= 1.0) & (forces.moment_use > 1.0)
+    cmap, norm = utilisation_colours()
+    utilisation = forces.utilisation
+    doubt = (utilisation <= 1.0) & (forces.moment_use > 1.0)
     half = 0.5 * geometry.length[:, None] * geometry.y
     joints = np.stack([geometry.p - half, geometry.p + half], axis=1)
-    colours = np.where(doubt[:, None], to_rgb(DOUBT), cmap(norm(use))[:, :3])
-    for some, radius, layer in (((use <= 1.0) & ~doubt, JOINT, MARK), ((use > 1.0) | doubt, BROKEN, TOP)):
+    colours = np.where(doubt[:, None], to_rgb(DOUBT), cmap(norm(utilisation))[:, :3])
+    for some, radius, layer in (
+        ((utilisation <= 1.0) & ~doubt, JOINT, MARK),
+        ((utilisation > 1.0) | doubt, OVERLOADED, TOP),
+    ):
         view.image.scene.tubes(joints[some], "white", (radius + RIM) * view.size, HALO)
         view.image.scene.tubes(joints[some], colours[some], radius * view.size, layer)
     for ends in joints:
         view.labels.spare(view.at(ends))
-    for k in np.flatnonzero((use > 1.0) | doubt):
+    for k in np.flatnonzero((utilisation > 1.0) | doubt):
         # Level with its left end.
         left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
-        most, colour = (forces.moment_use[k], DOUBT) if doubt[k] else (use[k], REFUSED)
+        most, colour = (forces.moment_use[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
         view.words(left, f"{np.ceil(100.0 * most) / 100.0:.2f}", colour, 0.0, -4.0)
 
 

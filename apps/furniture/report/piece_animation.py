@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
-from restshape_apps.furniture.report.furniture import FOOT, add_use_bar, bounds, draw_piece, slenderness
+from restshape_apps.furniture.report.furniture import FOOT, add_utilisation_bar, bounds, draw_piece, slenderness
 from restshape_apps.furniture.report.piece_frames import FEW, MOST_LINES, caption, pieces, shown_piece
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 
@@ -47,7 +47,7 @@ def _pictures(recording: Recording, chosen: np.ndarray) -> Iterator[np.ndarray]:
     figure.set_dpi(DPI)
     canvas = FigureCanvasAgg(figure)
     axes = figure.subplots()
-    add_use_bar(figure, axes)
+    add_utilisation_bar(figure, axes)
     figure.get_layout_engine().set(h_pad=0.1, w_pad=0.06)
     # All pictures in the same view, which is known when all have been drawn.
     views = []

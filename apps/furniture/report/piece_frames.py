@@ -46,7 +46,7 @@ RANGES = (
     "range, without one nothing of it is valid. Black where the piece holds, red where not; circle: the piece as it is"
 )
 DOUBTS = "Amber: the piece holds, but {}"
-MOMENTS = "The number of an amber joint is its use by moments that do not count"
+MOMENTS = "The number of an amber joint is its utilisation by moments that do not count"
 LIMITS = "Purple heading: the piece holds, but a quantity is beyond its limit; ranges are of the piece alone"
 
 
@@ -112,14 +112,22 @@ def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Des
     """The model of a frame's piece, the range of what is under the hand, and the case of the loads that is worst."""
     furniture = Furniture(frame.design.furniture.moved(frame.gamma))
     result, direction_view = furniture.test(), None
-    hand, way = grabbed(row_of(recording, frame.index)), frame.gesture
-    if way is not None and hand and hand.ranges is not None:
+    hand, gesture = grabbed(row_of(recording, frame.index)), frame.gesture
+    if gesture is not None and hand and hand.ranges is not None:
         found = np.array([(one.low, one.high) for one in hand.ranges]).reshape(-1, 2)
         ranges, doubts = Ranges(found, np.zeros(0), np.zeros(0), 0), np.array(hand.doubtful).reshape(-1, 2)
         factor, unit = UNITS[hand.unit]
         unit = factor, "°" if unit == "deg" else f" {unit}"
         direction_view = DesignDirectionView(
-            way.direction, 0.0, ranges, way.low, way.high, result.valid, frame.c[0], unit=unit, doubts=doubts
+            gesture.direction,
+            0.0,
+            ranges,
+            gesture.low,
+            gesture.high,
+            result.valid,
+            frame.c[0],
+            unit=unit,
+            doubts=doubts,
         )
     return furniture, direction_view, 0 if result.flaws & LOST else worst_case(furniture)
 
@@ -127,10 +135,10 @@ def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Des
 def worst_case(furniture: Furniture) -> int:
     """The case of the loads in which most is missing of what could balance them, or a joint is used most."""
     every = [furniture.forces(case) for case in range(len(furniture.cases))]
-    uses = [one.use.max(initial=0.0) for one in every]
-    missing = np.array([one.unbalanced for one in every])
+    utilisations = [one.utilisation.max(initial=0.0) for one in every]
+    unbalanced = np.array([one.unbalanced for one in every])
     # Rounding decides nothing.
-    return int(np.argmax(missing)) if missing.max() > 1e-6 else int(np.argmax(uses))
+    return int(np.argmax(unbalanced)) if unbalanced.max() > 1e-6 else int(np.argmax(utilisations))
 
 
 def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:

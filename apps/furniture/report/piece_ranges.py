@@ -1,4 +1,4 @@
-"""What guidance reported over the frames of a recording: use of strength, margin, and the parameter under the hand."""
+"""What guidance reported over the frames of a recording: utilisation, stability margin, parameter under the hand."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ROOM = 0.25
 
 
 def draw_guidance(recording: Recording, path: Path) -> None:
-    """Writes the picture as a PNG: a panel each for use, margin, and the parameters in millimetres and in degrees."""
+    """Writes the picture as a PNG: a panel each for utilisation, stability margin, parameters in mm and in degrees."""
     rows = rows_of(recording)
     holds = _holds(rows)
     units = [unit for unit in UNITS if any(_unit(held) == unit for held in holds)]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from restshape_apps.furniture.report.furniture import add_use_bar, in_one_view
+from restshape_apps.furniture.report.furniture import add_utilisation_bar, in_one_view
 
 from restshape.report.style import INK
 
@@ -36,7 +36,7 @@ def finish_sheet(figure: Figure, panels: Sequence[Axes], count: int, across: int
     in_one_view(panels[:count])
     for axes in panels[count:]:
         axes.set_visible(False)
-    add_use_bar(figure, panels)
+    add_utilisation_bar(figure, panels)
     figure.suptitle(heading, x=0.01, ha="left", color=INK, fontsize=9)
     figure.get_layout_engine().set(h_pad=H_PAD, w_pad=W_PAD)
     (left, right), (bottom, top) = panels[0].get_xlim(), panels[0].get_ylim()

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from restshape.scene.bodies import ORIGIN, Angles, Place
+from restshape.scene.space_values import ORIGIN, Angles, Place
 from restshape.scene.units import UnitError
 from restshape.scene.values import Length, Strict, number_of, value_of
 

@@ -8,10 +8,10 @@ from typing import Any
 from restshape_apps.furniture.scene.furniture import BESIDE
 from restshape_apps.furniture.scene.plank_quantities import check_plank_quantities
 
-from restshape.scene.bodies import number
 from restshape.scene.expressions import COORDINATES, Expression
 from restshape.scene.model import Scene
 from restshape.scene.source import Source, suggestion
+from restshape.scene.space_values import number
 from restshape.scene.units import UnitError
 
 TABLES = ("wood", "fastener", "planks", "joints", "floor", "weights", "pushes")

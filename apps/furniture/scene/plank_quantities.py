@@ -24,7 +24,7 @@ OF_PLANKS = {
     "mass": QuantityKind(Literal[True], "mass", "sum", summary="mass of planks"),
     "length": QuantityKind(Literal["x", "y", "z"], "length", "sum", summary="size of a plank along its own axis"),
 }
-"""Kinds of quantities that furniture adds: use of the strength of joints, deflection, margin of what holds the piece
+"""Kinds of quantities that furniture adds: utilisation of joints, deflection, margin of what holds the piece
 down, mass, and length along an axis of a plank's own."""
 
 KINDS = tuple(OF_PLANKS)

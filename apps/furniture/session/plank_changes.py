@@ -14,9 +14,9 @@ from restshape_apps.furniture.shape.plank_scene import top_of, weighing
 from restshape_apps.furniture.shape.planks import Joint, Piece, Plank
 
 from restshape.errors import UserError
-from restshape.scene.bodies import number
 from restshape.scene.model import Scene
 from restshape.scene.source import suggestion
+from restshape.scene.space_values import number
 
 Change = tuple[Piece, str]
 """A piece, and what there is to note of how it came to be."""

@@ -41,4 +41,4 @@ class Grab:
     origin: np.ndarray
     cursor: np.ndarray
     free: np.ndarray
-    ways: dict[bytes, DesignDirection] = field(default_factory=dict)
+    design_directions: dict[bytes, DesignDirection] = field(default_factory=dict)

@@ -59,7 +59,7 @@ class PlankSession(ScriptSession):
             # What names no place is a fastener that does not suit its planks.
             raise scene.located(UserError(error.what, error.where or "fastener.name", error.do)) from error
         self.gamma = self._rest()
-        self.way: DesignDirection | None = None
+        self.design_direction: DesignDirection | None = None
         self.part = 0.0
         self._grab: Grab | None = None
         self._chosen: tuple[Design, Suggestion] | None = None
@@ -68,23 +68,32 @@ class PlankSession(ScriptSession):
     @property
     def grabbed(self) -> DesignDirection | None:
         """The parameter under the hand; None where there is none."""
-        return self.way
+        return self.design_direction
 
     def _carried_out(self, event: Any) -> Iterator[Step]:
-        self.way = self.way if self._grab else None
+        self.design_direction = self.design_direction if self._grab else None
         return super()._carried_out(event)
 
     def rollback(self) -> None:
         """Restore all as it was before the last step: it has no solution."""
-        self.design, self.scene, self.gamma, self.way, self.part, self._past, self._future, self._chosen = self._before
+        (
+            self.design,
+            self.scene,
+            self.gamma,
+            self.design_direction,
+            self.part,
+            self._past,
+            self._future,
+            self._chosen,
+        ) = self._before
 
     def _mark(self) -> None:
-        now = (self.design, self.scene, self.gamma, self.way, self.part)
+        now = (self.design, self.scene, self.gamma, self.design_direction, self.part)
         self._before = (*now, self._past, self._future, self._chosen)
 
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> PlankFrame:
         edit_ended = self._grab is None and (last or step.change == "start")
-        contents = (step.change, self.way, (self.part, 0.0), self.scene, step.refused)
+        contents = (step.change, self.design_direction, (self.part, 0.0), self.scene, step.refused)
         return PlankFrame(*when, *contents, analysed, edit_ended, self.design, self.gamma, step.note)
 
     def _state(self) -> State:
@@ -105,7 +114,7 @@ class PlankSession(ScriptSession):
             return
         origin = self.design.piece.planks[plank].centre if event.at is None else np.array(event.at)
         if number is not None:
-            origin, self.way, self.part = np.zeros(3), self.design.parameter(plank, number), 0.0
+            origin, self.design_direction, self.part = np.zeros(3), self.design.parameter(plank, number), 0.0
         self._grab = Grab((self.design, self.scene), plank, number, origin, origin, free)
         yield Step("none")
 
@@ -140,7 +149,7 @@ class PlankSession(ScriptSession):
     def _drag_to(self, grab: Grab, shift: np.ndarray) -> Step:
         """One frame of a drag that is as far as a shift (3,) from where it began."""
         if grab.number is not None:
-            return self._along(self.way, float(shift[0]))
+            return self._along(self.design_direction, float(shift[0]))
         plank = self.design.piece.planks[grab.plank]
         own = plank.axes.T @ shift
         blocked = ~grab.free[:3] & (np.abs(own) > 1e-9)
@@ -149,28 +158,28 @@ class PlankSession(ScriptSession):
         left = [FREEDOMS[k] for k in np.flatnonzero(blocked)]
         note = f"{plank.name} cannot {' or '.join(left)}: left out" if left else ""
         if far == 0.0:
-            return self._along(self.way, 0.0, note)
-        # A hand that goes straight on goes along one way, whose range is known from its first frame on.
+            return self._along(self.design_direction, 0.0, note)
+        # A hand that goes straight on goes along one direction, whose range is known from its first frame on.
         unit = np.round(own / far, STRAIGHT) + 0.0
         back = (0.0 - unit).tobytes()
-        if back in grab.ways:
-            # On the other side of where it was taken it is still the same way.
-            return self._along(grab.ways[back], -far, note)
-        way = grab.ways.get(unit.tobytes())
-        if way is None:
+        if back in grab.design_directions:
+            # On the other side of where it was taken it is still the same direction.
+            return self._along(grab.design_directions[back], -far, note)
+        design_direction = grab.design_directions.get(unit.tobytes())
+        if design_direction is None:
             direction = np.zeros((len(self.design.piece.planks), 8))
             direction[grab.plank, :3] = unit
             towards = ", ".join(f"{part:.3g}" for part in (np.round(plank.axes @ unit, 3) + 0.0).tolist())
             name = f"{plank.name}: move"
-            way = self.design.way(direction, f"{name} along ({towards})", name)
-            grab.ways[unit.tobytes()] = way
-        return self._along(way, far, note)
+            design_direction = self.design.design_direction(direction, f"{name} along ({towards})", name)
+            grab.design_directions[unit.tobytes()] = design_direction
+        return self._along(design_direction, far, note)
 
-    def _along(self, way: DesignDirection | None, t: float, note: str = "") -> Step:
-        """The frame at a parameter of a way; a plank without length is refused."""
-        gamma = self._rest() if way is None else t * way.direction
+    def _along(self, design_direction: DesignDirection | None, t: float, note: str = "") -> Step:
+        """The frame at a parameter of a design direction; a plank without length is refused."""
+        gamma = self._rest() if design_direction is None else t * design_direction.direction
         if np.array_equal(gamma, self.gamma):
-            self.way, self.part = way, t
+            self.design_direction, self.part = design_direction, t
             return Step("none", note=note)
         raw = self.design.furniture.kernel.shape(gamma)
         least = self.design.furniture.compliance.least_overlap
@@ -178,7 +187,7 @@ class PlankSession(ScriptSession):
             short = np.flatnonzero(~(raw["size"][:, :2].min(axis=1) >= least))
             names = " and ".join(self.design.piece.planks[k].name for k in short)
             return Step("none", f"{names} would have no length left: a plank keeps {amount(least, 'm')} at least")
-        self.way, self.part, self.gamma = way, t, gamma
+        self.design_direction, self.part, self.gamma = design_direction, t, gamma
         return Step("move", note=note)
 
     def _do_release(self, event: Any) -> Iterator[Step]:
@@ -187,7 +196,7 @@ class PlankSession(ScriptSession):
             yield Step("none", "nothing is grabbed")
             return
         self._settle()
-        self.way, self.part = None, 0.0
+        self.design_direction, self.part = None, 0.0
         self._remember(grab.before)
         yield Step("none")
 
@@ -211,14 +220,14 @@ class PlankSession(ScriptSession):
         if (plank, number) not in self.design.freedoms:
             yield from self._refused(event.frames, self.design.why_fixed(plank, number))
             return
-        way = self.design.parameter(plank, number)
-        yield from self._swept(way, 0.0, amount(self.design.piece.planks[plank]), event.frames)
+        design_direction = self.design.parameter(plank, number)
+        yield from self._swept(design_direction, 0.0, amount(self.design.piece.planks[plank]), event.frames)
 
-    def _swept(self, way: DesignDirection, first: float, last: float, frames: int) -> Iterator[Step]:
-        """Even steps along a way of the present design; the piece at the last one is where further edits begin."""
+    def _swept(self, design_direction: DesignDirection, first: float, last: float, frames: int) -> Iterator[Step]:
+        """Even steps along a direction of this design; the piece at the last one is where further edits begin."""
         before = self._state()
         for i in range(1, frames + 1):
-            step = self._along(way, last if i == frames else first + (last - first) * i / frames)
+            step = self._along(design_direction, last if i == frames else first + (last - first) * i / frames)
             if i == frames:
                 self._settle()
                 self._remember(before)
@@ -278,10 +287,12 @@ class PlankSession(ScriptSession):
         before, (base, suggestion) = (self.design, self.scene), self._chosen
         low, high = suggestion.span
         goal = low + event.to * (high - low)
-        way = base.followed(suggestion)
+        design_direction = base.followed(suggestion)
         start, self.design, self.gamma = suggestion.t, base, suggestion.t * suggestion.direction
         for i in range(1, event.frames + 1):
-            step = self._along(way, goal if i == event.frames else start + (goal - start) * i / event.frames)
+            step = self._along(
+                design_direction, goal if i == event.frames else start + (goal - start) * i / event.frames
+            )
             if i == event.frames:
                 self._settle()
                 self._chosen = base, replace(suggestion, t=goal)

@@ -19,8 +19,8 @@ from restshape_apps.furniture.shape.planks import (
 )
 
 from restshape.errors import UserError
-from restshape.scene.bodies import number
 from restshape.scene.model import Scene
+from restshape.scene.space_values import number
 
 STANDARD = (0.0, 0.0, -9.80665)
 """Acceleration [m/s^2] of ``[effects.gravity]`` where it names none."""

@@ -198,8 +198,8 @@ def test_a_joint_that_is_pressed_bears_more_moment() -> None:
     assert forces.tension[leg] == pytest.approx(-pressed, rel=0.02)
     moment = abs(forces.bending[leg])
     expected = (2.0 * moment / 0.018 - pressed) / (found.nails()[leg] * found.strength[leg, 0])
-    assert forces.pull_use[leg] == pytest.approx(expected, rel=0.02)
-    assert forces.pull_use[leg] < 0.0
+    assert forces.pull_utilisation[leg] == pytest.approx(expected, rel=0.02)
+    assert forces.pull_utilisation[leg] < 0.0
 
 
 # --- hard -------------------------------------------------------------------------------------------------------------
@@ -347,4 +347,4 @@ def test_strength_follows_the_thickness(millimetres: int) -> None:
     furniture = in_equilibrium(table(thickness=t))
     forces, nails = furniture.forces(), furniture.nails()
     bears = nails * 35e3 * (0.032 - t)
-    assert forces.pull_use == pytest.approx((2 * np.abs(forces.bending) / t + forces.tension) / bears)
+    assert forces.pull_utilisation == pytest.approx((2 * np.abs(forces.bending) / t + forces.tension) / bears)

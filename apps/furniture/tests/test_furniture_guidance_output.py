@@ -158,10 +158,10 @@ def test_a_piece_and_a_limit_fail_together():
 def test_grouped_frames_have_the_worst_of_their_amounts():
     frames = [
         [
-            Finding(WEAK, PULL, ("a", "b"), use, 1.0, case=WEIGHTS),
+            Finding(WEAK, PULL, ("a", "b"), utilisation, 1.0, case=WEIGHTS),
             Finding(LIMIT, MAX, ("sag",), deflection, 3e-3, "m"),
         ]
-        for use, deflection in USES
+        for utilisation, deflection in USES
     ]
     rows = failing(*frames)
     ((first, last, words),) = runs(rows)

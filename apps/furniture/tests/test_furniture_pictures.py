@@ -20,7 +20,7 @@ from restshape_apps.furniture.report.furniture import (
     DesignDirectionView,
     bounds,
     draw_piece,
-    use_colours,
+    utilisation_colours,
     vector_words,
 )
 from restshape_apps.furniture.small_pieces import toppling
@@ -78,7 +78,7 @@ def near(pixels: np.ndarray, colour: str) -> int:
 
 
 def test_colours_of_use_end_at_what_a_joint_bears() -> None:
-    cmap, norm = use_colours()
+    cmap, norm = utilisation_colours()
     assert cmap(norm(1.001))[:3] == pytest.approx(to_rgb(REFUSED))
     assert cmap(norm(0.999))[:3] != pytest.approx(to_rgb(REFUSED), abs=0.1)
 
@@ -87,10 +87,10 @@ def test_colours_of_use_end_at_what_a_joint_bears() -> None:
 def test_a_broken_joint_is_red(kilograms: float, broken: int) -> None:
     furniture = model(table(kilograms=kilograms))
     axes, pixels = drawn(furniture, numbers=False)
-    forces, (cmap, norm) = furniture.forces(0), use_colours()
-    use = np.maximum(forces.pull_use, forces.shear_use)
+    forces, (cmap, norm) = furniture.forces(0), utilisation_colours()
+    utilisation = np.maximum(forces.pull_utilisation, forces.shear_utilisation)
     seen = at(axes, pixels, furniture.geometry().p)
-    assert seen == pytest.approx(cmap(norm(use))[:, :3], abs=0.02)
+    assert seen == pytest.approx(cmap(norm(utilisation))[:, :3], abs=0.02)
     assert np.isclose(seen, to_rgb(REFUSED), atol=0.02).all(axis=1).sum() == broken
     assert (near(pixels, REFUSED) > 0) is bool(broken)
 

@@ -56,7 +56,7 @@ def test_a_range_holds_where_the_frames_of_a_drag_hold(tmp_path):
     assert {holds for _, holds in found} == {True, False}
     assert all(holds == (low <= at <= high) for at, holds in found)
     assert {row["ranges"] for row in rows[2:]} == {rows[1]["ranges"]}
-    assert rows[1]["parameter"] == "left: move z" and replay.analysis.way is not None
+    assert rows[1]["parameter"] == "left: move z" and replay.analysis.design_direction is not None
 
 
 def test_an_invalid_piece_that_is_let_go_has_suggestions_that_hold(tmp_path):
@@ -159,9 +159,11 @@ def test_every_event_gives_what_a_model_from_nothing_gives(tmp_path, name):
             # The test counts what contacts bear by another method, which agrees where it finds an equilibrium.
             assert row["residual"] < 1e-9
             assert astuple(analysis.compare_cold()) == pytest.approx((0.0, 0.0), abs=1e-12)
-        if analysis.way:
-            again = type(analysis.way.design)(analysis.way.design.piece).valid_along(analysis.way)
-            assert again.intervals == pytest.approx(analysis.way.ranges.intervals, abs=1e-12)
+        if analysis.design_direction:
+            again = type(analysis.design_direction.design)(analysis.design_direction.design.piece).valid_along(
+                analysis.design_direction
+            )
+            assert again.intervals == pytest.approx(analysis.design_direction.ranges.intervals, abs=1e-12)
     assert seen == {event["do"] for event in EVENTS} | {"start"}
 
 

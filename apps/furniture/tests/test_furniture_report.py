@@ -114,7 +114,7 @@ def test_the_band_is_the_range_and_dots_are_red_where_the_piece_does_not_hold(re
     with Recording(recorded[0]) as recording:
         piece_ranges.draw_guidance(recording, tmp_path / "guidance.png")
         table = recording.table
-    use, margin, lengths, turns = made[0].axes
+    utilisation, margin, lengths, turns = made[0].axes
     assert lengths.get_ylabel().endswith("[mm]") and turns.get_ylabel().endswith("[°]")
     assert margin.get_xlabel() == "" and turns.get_xlabel() == "frame"
     held = np.flatnonzero(table["parameter"] == "left: move z")
@@ -124,7 +124,7 @@ def test_the_band_is_the_range_and_dots_are_red_where_the_piece_does_not_hold(re
     frames = [(i, grabbed({"valid_ranges": table["valid_ranges"][i]})) for i in held]
     printed = [(i, 1e3 * one.low, 1e3 * one.high) for i, hand in frames for one in hand.ranges]
     assert np.array(spans)[:, 1:] == pytest.approx(np.array(printed)[:, 1:])
-    dots = next(c for c in use.collections if len(c.get_offsets()) == len(table["constraint_status"]))
+    dots = next(c for c in utilisation.collections if len(c.get_offsets()) == len(table["constraint_status"]))
     red = [np.allclose(colour[:3], to_rgb(REFUSED)) for colour in dots.get_facecolors()]
     assert red == [word == "fails" for word in table["constraint_status"]]
 

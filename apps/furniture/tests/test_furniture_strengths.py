@@ -122,13 +122,13 @@ def test_a_board_between_two_brackets_takes_little_off_them() -> None:
     piece = bookshelf_20()
     # 26 kg at 175 mm, and the bracket's own weight, on ten nails of 700 N with a lever of 6 mm.
     alone = (26.0 * 0.175 + 700.0 * 0.25 * 0.2 * 0.012 * 0.125) * G / (10 * 700.0 * 0.006)
-    assert between_brackets.uses(piece) == pytest.approx((alone, alone), rel=1e-4)
+    assert between_brackets.utilisations(piece) == pytest.approx((alone, alone), rel=1e-4)
     # Both brackets turn by w. The board turns by f; with h half of its length and all compliances 1 it shears its ends
     # and draws at the brackets' by H, where f h = 2 H. Its ends' moments w - f balance that: w - f = H h.
     h = 0.5 * (0.6 - 0.012)
     share = (h * h / 2) / (1.0 + h * h / 2)
     rows = between_brackets.boards(piece)
-    best = min(max(row.uses) for row in rows)
+    best = min(max(row.utilisations) for row in rows)
     assert best == pytest.approx(alone / (1.0 + share), rel=3e-3)
     assert f"{best:.2f}" == "1.03"
-    assert all(min(row.uses) > 1.0 and max(row.uses) < alone for row in rows)
+    assert all(min(row.utilisations) > 1.0 and max(row.utilisations) < alone for row in rows)

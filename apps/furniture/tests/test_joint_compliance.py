@@ -7,7 +7,12 @@ import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.doubts import depends
 from restshape_apps.furniture.physics.furniture import Compliance, Furniture
-from restshape_apps.furniture.physics.joint_compliance import UseRange, compliances, recorded_uses, use_range
+from restshape_apps.furniture.physics.joint_compliance import (
+    UtilisationRange,
+    compliances,
+    recorded_utilisations,
+    utilisation_range,
+)
 from restshape_apps.furniture.physics.plank_findings import joint_planks
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.pieces import SCENES, cantilever, drawn, scales, table
@@ -29,7 +34,7 @@ def cross(v: np.ndarray) -> np.ndarray:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-def linear_uses(piece: Piece, compliance: Compliance) -> np.ndarray:
+def linear_utilisations(piece: Piece, compliance: Compliance) -> np.ndarray:
     """Uses of pull and shear, the larger (j,), under the weights, of rigid bodies on linear springs: K u = f."""
     furniture = Furniture(piece, compliance)
     furniture.test()
@@ -64,29 +69,31 @@ def linear_uses(piece: Piece, compliance: Compliance) -> np.ndarray:
 
 def test_the_range_of_use_is_that_of_linear_springs() -> None:
     piece = Furniture(stretched(0.1)).moved()
-    known, uses, compared = use_range(piece, Compliance()), [], 0
+    known, utilisations, compared = utilisation_range(piece, Compliance()), [], 0
     for one in compliances(piece, Compliance()):
         furniture = Furniture(piece, one)
         furniture.test()
         forces = furniture.forces()
-        uses.append(forces.use)
+        utilisations.append(forces.utilisation)
         # Feet that lift or slide are no linear springs.
         if not forces.one_sided:
-            assert forces.use == pytest.approx(linear_uses(piece, one), rel=2e-3, abs=1e-6)
+            assert forces.utilisation == pytest.approx(linear_utilisations(piece, one), rel=2e-3, abs=1e-6)
             compared += 1
     assert compared >= 4 and len(known.redundant) > 1
-    assert known.low == pytest.approx(np.min(uses, axis=0)) and known.high == pytest.approx(np.max(uses, axis=0))
+    assert known.low == pytest.approx(np.min(utilisations, axis=0)) and known.high == pytest.approx(
+        np.max(utilisations, axis=0)
+    )
 
 
 def test_joints_that_alone_bear_a_load_are_not_redundant() -> None:
     for piece in (cantilever(), scales(), bench()):
-        known = use_range(Furniture(piece).moved(), Compliance())
+        known = utilisation_range(Furniture(piece).moved(), Compliance())
         assert not len(known.redundant) and not known.changes and not known.findings(piece)
 
 
 def test_a_verdict_that_changes_depends_on_joints() -> None:
     piece = table()
-    known = use_range(piece, Compliance())
+    known = utilisation_range(piece, Compliance())
     assert known.changes
     (one,) = known.findings(piece)
     assert (one.kind, one.subjects) == ("depends", ("leg-4", "top"))
@@ -95,7 +102,7 @@ def test_a_verdict_that_changes_depends_on_joints() -> None:
     row = next(iter(replay.frames()))
     assert (
         row["constraint_status"] == "fails"
-        and "depends on joints: the use of leg-4 on top" in (row["violated_constraints"])
+        and "depends on joints: the utilisation of leg-4 on top" in (row["violated_constraints"])
     )
     name, low, high = json.loads(row["redundant"])[0]
     assert (name, low, high) == (
@@ -107,11 +114,11 @@ def test_a_verdict_that_changes_depends_on_joints() -> None:
 
 def test_joints_that_are_weak_at_some_ratios_are_named_the_worst_first() -> None:
     piece = table()
-    known = UseRange(np.array([0.2, 0.1, 1.2, 0.3]), np.array([0.9, 1.125, 1.3, 1.4]), True)
+    known = UtilisationRange(np.array([0.2, 0.1, 1.2, 0.3]), np.array([0.9, 1.125, 1.3, 1.4]), True)
     names = [one.subjects for one in known.findings(piece)]
     assert names == [joint_planks(piece, 3), joint_planks(piece, 1)]
     assert phrases(known.findings(piece)) == (
-        "depends on joints: the use of leg-4 on top from 0.30 to 1.40, leg-2 on top from 0.10 to 1.13"
+        "depends on joints: the utilisation of leg-4 on top from 0.30 to 1.40, leg-2 on top from 0.10 to 1.13"
         " over their compliances",
     )
 
@@ -128,8 +135,8 @@ def test_a_rail_is_redundant_and_named(tmp_path) -> None:
 
 def test_records_have_the_largest_first() -> None:
     piece = drawn("chair-2")
-    known = use_range(piece, Compliance())
-    found = recorded_uses(piece, known, 9)
+    known = utilisation_range(piece, Compliance())
+    found = recorded_utilisations(piece, known, 9)
     assert [one[2] for one in found] == sorted((one[2] for one in found), reverse=True)
     assert len(found) == len(known.redundant)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, decode_ranges, encode_ranges
 from restshape_apps.furniture.physics.furniture import Forces, Furniture
-from restshape_apps.furniture.physics.joint_compliance import UseRange
+from restshape_apps.furniture.physics.joint_compliance import UtilisationRange
 from restshape_apps.furniture.pieces import SCENES, drawn
 from restshape_apps.furniture.report.guided import CAUSES, doubt_causes
 from small_scenes import make_replay
@@ -238,7 +238,7 @@ def test_the_legend_names_why_a_piece_is_doubtful() -> None:
 
 def test_a_single_fastener_has_no_number_of_its_twist(tmp_path) -> None:
     # Its use is infinite at every ratio of compliances, so that it does not depend on them.
-    known = UseRange(np.array([np.inf, 0.5, 1.0]), np.array([np.inf, np.inf, 1.1]), False)
+    known = UtilisationRange(np.array([np.inf, 0.5, 1.0]), np.array([np.inf, np.inf, 1.1]), False)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert known.redundant.tolist() == [1, 2]

@@ -9,7 +9,7 @@ from restshape_apps.furniture.physics.plank_beam import Actions, deflection
 from restshape_apps.furniture.physics.plank_bending import PlankBending, plank_bending
 from restshape_apps.furniture.pieces import cantilever
 from restshape_apps.furniture.shape.planks import Load, Piece, Plane, Plank, feet_near
-from restshape_apps.furniture.small_pieces import bench, laid, nailed_along
+from restshape_apps.furniture.small_pieces import bench, nailed_along, placed
 
 G = 9.80665
 
@@ -69,7 +69,7 @@ def test_an_overhang_sags_under_a_mass_at_its_very_end() -> None:
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("place", [-0.6, -0.3, 0.0, 0.6])
 def test_a_plank_that_lies_on_the_floor_does_not_bend(place: float, turned: bool) -> None:
-    piece = laid(place)
+    piece = placed(place)
     (plank,) = piece.planks
     if turned:
         plank = replace(plank, axes=plank.axes @ np.diag([1.0, -1.0, -1.0]))
@@ -144,7 +144,7 @@ def test_a_floor_pushes_only_and_is_not_passed(seed: int) -> None:
     assert push.sum() == pytest.approx(-force.sum() + 20.0 * 1.2, rel=1e-5)
     assert push @ pushed == pytest.approx(-(force @ place) - couple.sum(), rel=1e-4, abs=1e-4)
     s = on.stations(201)
-    height = deflection(s, on.moments(s) / 100.0, on.held())
+    height = deflection(s, on.moments(s) / 100.0, on.constrained())
     assert height.max() > 1e-5
     # Up to what it bends between pushes 15 mm apart.
     assert height.min() > -5e-3 * height.max()

@@ -30,9 +30,9 @@ def test_a_weak_joint_is_named_with_its_use():
     # Moment of the load and of the board itself over what three nails bear; it is reported rounded up.
     arm, kilograms = 0.19, 1.8
     own = 700.0 * 0.06 * 0.012 * arm * G
-    use = (kilograms * G * arm + own * arm / 2) / (0.02 * 5.2e3 * 0.006 * 3)
+    utilisation = (kilograms * G * arm + own * arm / 2) / (0.02 * 5.2e3 * 0.006 * 3)
     assert words(cantilever(arm=arm, kilograms=kilograms)) == (
-        f"weak: joint beam on post at {ceil(100 * use) / 100:.2f} of its strength",
+        f"weak: joint beam on post at {ceil(100 * utilisation) / 100:.2f} of its strength",
     )
 
 
@@ -53,7 +53,7 @@ def test_a_push_is_named_where_it_alone_breaks_or_topples():
 
 @pytest.mark.parametrize("share", [0.0, 1e-10, 1e-8])
 def test_a_push_that_changes_nothing_is_not_named(share: float) -> None:
-    # A force down beside the load, in parts of it: a moment, and so a use, that is larger by about as much.
+    # A force down beside the load, in parts of it: a moment, and so a utilisation, that is larger by about as much.
     piece = cantilever(arm=0.19, kilograms=1.8)
     nudge = Load("nudge", 2, piece.weights[0].place, (0.0, 0.0, -share * 1.8 * G))
     (printed,) = words(replace(piece, pushes=(nudge,)))
@@ -66,9 +66,11 @@ def test_a_push_that_makes_a_weak_joint_worse_is_named(share: float) -> None:
     piece = cantilever(arm=arm, kilograms=kilograms)
     nudge = Load("nudge", 2, piece.weights[0].place, (0.0, 0.0, -share * kilograms * G))
     own = 700.0 * 0.06 * 0.012 * arm * G
-    use = ((1 + share) * kilograms * G * arm + own * arm / 2) / (0.02 * 5.2e3 * 0.006 * 3)
+    utilisation = ((1 + share) * kilograms * G * arm + own * arm / 2) / (0.02 * 5.2e3 * 0.006 * 3)
     (printed,) = words(replace(piece, pushes=(nudge,)))
-    assert printed == f"weak: joint beam on post at {ceil(100 * use) / 100:.2f} of its strength under push nudge"
+    assert (
+        printed == f"weak: joint beam on post at {ceil(100 * utilisation) / 100:.2f} of its strength under push nudge"
+    )
 
 
 def test_what_slides_by_itself_slides_under_its_weights():
@@ -104,9 +106,9 @@ def test_planks_in_each_other_are_named_and_many_are_counted():
     assert printed == "overlapping: leg-1 and twin-0, leg-1 and twin-1, leg-1 and twin-2 and 3 more"
 
 
-@pytest.mark.parametrize(("use", "shown"), [(1.281, "1.29"), (np.inf, "inf"), (1234.0, "1.23e+03")])
-def test_uses_are_no_part_of_what_a_finding_is(use, shown):
-    one, other = (Finding(WEAK, PULL, ("a", "b"), value, 1.0, case=WEIGHTS) for value in (use, 1.5))
+@pytest.mark.parametrize(("utilisation", "shown"), [(1.281, "1.29"), (np.inf, "inf"), (1234.0, "1.23e+03")])
+def test_uses_are_no_part_of_what_a_finding_is(utilisation, shown):
+    one, other = (Finding(WEAK, PULL, ("a", "b"), value, 1.0, case=WEIGHTS) for value in (utilisation, 1.5))
     assert one.identity == other.identity != replace(one, detail=SHEAR).identity
     sheared = Finding(WEAK, SHEAR, ("c", "d"), 1.01, 1.0, case="push wind")
     assert phrases([one, sheared]) == (

@@ -94,7 +94,7 @@ def test_a_suggestion_that_depends_on_joints_is_last_and_says_so() -> None:
     found = design.suggestion_list.found
     for one in found:
         assert bool(depends(design.after(one))) == ("depends on joints" in one.doubt)
-    assert "depends on joints: the use of leg-1 on top" in found[-1].doubt and not found[0].doubt
+    assert "depends on joints: the utilisation of leg-1 on top" in found[-1].doubt and not found[0].doubt
 
 
 def test_a_suggestion_is_shown_where_it_obeys_a_limit(tmp_path) -> None:

@@ -262,7 +262,7 @@ def weak(piece) -> set[int]:
     furniture = Furniture(piece)
     furniture.test()
     forces = furniture.forces()
-    return set(np.flatnonzero(np.maximum(forces.pull_use, forces.shear_use) > 1.0).tolist())
+    return set(np.flatnonzero(np.maximum(forces.pull_utilisation, forces.shear_utilisation) > 1.0).tolist())
 
 
 def test_a_search_looks_for_a_few_directions_again() -> None:

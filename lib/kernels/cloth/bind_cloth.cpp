@@ -105,15 +105,17 @@ double add_friction(const Doubles& x, const Doubles& anchor, const Doubles& norm
     return energy;
 }
 
-double drag_anchors(const Doubles& x, Output anchor, const Doubles& normal, const Doubles& limit, double slip) {
+double update_friction_anchors(const Doubles& x, Output anchor, const Doubles& normal, const Doubles& limit,
+                               double slip) {
     const py::ssize_t n = points(x);
     require_shape(anchor, n, 3, "anchor");
     require_size(normal, 3 * n, "normal");
     require_size(limit, n, "limit");
     double moved = 0.0;
     for (py::ssize_t i = 0; i < n; ++i)
-        moved = std::max(moved, restshape::drag_anchor(x.data() + 3 * i, normal.data() + 3 * i, limit.data()[i], slip,
-                                                       anchor.mutable_data() + 3 * i));
+        moved =
+            std::max(moved, restshape::update_friction_anchor(x.data() + 3 * i, normal.data() + 3 * i, limit.data()[i],
+                                                              slip, anchor.mutable_data() + 3 * i));
     return moved;
 }
 
@@ -160,7 +162,8 @@ void bind_contact(py::module_& m) {
     m.def("add_friction", &add_friction, "x"_a, "anchor"_a, "normal"_a, "limit"_a, "slip"_a, "potential"_a.noconvert(),
           "Energy [J] of friction that pulls x (n, 3) to anchors along the surface with the forces limit (n,) [N] at "
           "most, which it reaches where they are a slip [m] away. Adds gradient and Hessian to potential (n, 12).");
-    m.def("drag_anchors", &drag_anchors, "x"_a, "anchor"_a.noconvert(), "normal"_a, "limit"_a, "slip"_a,
+    m.def("update_friction_anchors", &update_friction_anchors, "x"_a, "anchor"_a.noconvert(), "normal"_a, "limit"_a,
+          "slip"_a,
           "Takes anchors (n, 3) into the surface at x and after it where they are more than a slip away; those without "
           "a limit go to x. Returns the farthest way that one was dragged [m].");
 }

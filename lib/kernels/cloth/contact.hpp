@@ -279,7 +279,7 @@ inline double add_friction(const double* x, const double* anchor, const double* 
 }
 
 // Takes the anchor into the surface at x, and after x until the slip is `slip` at most; returns how far it was dragged.
-inline double drag_anchor(const double* x, const double* normal, double limit, double slip, double* anchor) {
+inline double update_friction_anchor(const double* x, const double* normal, double limit, double slip, double* anchor) {
     double u[3], moved = 0.0;
     if (!(limit > 0)) {
         std::copy(x, x + 3, anchor);

@@ -28,7 +28,7 @@ SLACK = 1e-13
 """Rounding of an energy, over its size."""
 SHORTEST = 1e-9
 """Time step, over the first one, below which there is no use in shorter ones."""
-NO_SOLUTION = "a step of the cloth's motion has no solution: part of it has neither mass nor support"
+NO_SOLUTION = "a step of the motion has no solution: part of it has neither mass nor support"
 
 
 class MovingEquations(Protocol):
@@ -247,7 +247,7 @@ class KineticDamping:
             self.time_step *= SHORTER
             log.debug("    TS step rejected, dt %.3e", self.time_step)
             if d is not None and self.time_step < SHORTEST * steps.time_step:
-                raise ReplayProblem("no time step is short enough: the cloth's energy is no number, or nothing moves")
+                raise ReplayProblem("no time step is short enough: the energy is no number, or nothing moves")
         self.time_step = min(LONGER * self.time_step, steps.longest)
         return x + d, d / h, after
 

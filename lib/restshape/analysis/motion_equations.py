@@ -15,6 +15,7 @@ from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.time_integration import Scheme, TimeState
 
 
+# More than 15 attributes: those of the static equations, and what a time step adds.
 class MotionEquations(ResidualEquations):
     """M a' + C v' = forces at x', with the scheme's a' and v' of the unknowns x' after a step.
 

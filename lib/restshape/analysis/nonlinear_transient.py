@@ -43,6 +43,7 @@ class EnergyGain:
     scene: Scene | None = None
 
 
+# More than 15 attributes: those of a state in time, and what Newton's iteration goes on from.
 @dataclass(frozen=True, eq=False)
 class NonlinearTransientState(TransientState):
     """A motion of a nonlinear problem; further arguments:

@@ -121,7 +121,7 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
         summary["recording"] = recorder.close("interrupted" if summary["interrupted"] else "done")
     if first and args.petsc:
         _note_unused(args.petsc)
-    code = _tell(args, request, summary) if first else 0
+    code = _print_and_write(args, request, summary) if first else 0
     if summary["interrupted"]:
         raise KeyboardInterrupt
     return code
@@ -190,7 +190,7 @@ def _stop_other_ranks(error: BaseException) -> None:
     PETSc.COMM_WORLD.tompi4py().Abort(codes.get(type(error), 1))
 
 
-def _tell(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -> int:
+def _print_and_write(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -> int:
     """Print the tables, write the JSON file, and give the exit code."""
     summary["units"] = {name: unit_of(one.unit) for name, one in request.scene.quantities.items()}
     summary["a4"] = tuning(request.scene.raw)

@@ -1,7 +1,5 @@
 """Second-order nodes over a triangle mesh: its corners, and one node in the middle of each side."""
 
-# More than 15 attributes: a space is its index arrays, which the kernels take one by one.
-
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -38,6 +36,7 @@ class EdgeInterpolation(NamedTuple):
     weights: np.ndarray
 
 
+# More than 15 attributes: a space is its index arrays, which the kernels take one by one.
 class LagrangeSpace(OverMesh):
     """Nodes and cells of second order, with the attributes that analyses use of a `Mesh`.
 

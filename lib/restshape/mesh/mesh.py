@@ -1,7 +1,5 @@
 """A triangle mesh that knows which part of its outline each node and facet lies on."""
 
-# More than 15 attributes: a mesh is its index arrays, which the kernels take one by one.
-
 from __future__ import annotations
 
 import itertools
@@ -30,6 +28,7 @@ class Hierarchy(Protocol):
         """Values (n, f) on the mesh of level + 1, from those (n_coarse, f) on that of a level, 0 being the coarsest."""
 
 
+# More than 15 attributes: a mesh is its index arrays, which the kernels take one by one.
 @dataclass(eq=False)
 class Mesh(NodesAndCells):
     """First-order triangles, and their ties to an outline.

@@ -259,7 +259,7 @@ class Names:
     of: dict[tuple[str, int], str] = field(default_factory=dict)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
-    def settle(self, counts: dict[str, int]) -> None:
+    def name_all(self, counts: dict[str, int]) -> None:
         """Name all members: `counts` has the number of edges ("edge"), vertices ("v") and regions ("region")."""
         self.taken.update(self.members)
         for name, own in self.members.items():
@@ -306,7 +306,7 @@ def _outline(
         members[name] = [("all", 0)] if whole else of_name
     # "all" has a name already, so a group of everything must not lend it another one.
     names = Names({name: own for name, own in members.items() if own}, of={("all", 0): "all"})
-    names.settle({"edge": len(chains), "v": len(vertices), "region": len(regions)})
+    names.name_all({"edge": len(chains), "v": len(vertices), "region": len(regions)})
     draft = Draft(vertices={names.of["v", i]: tuple(found.X[node]) for i, node in enumerate(vertices)})
     X, params = found.X.copy(), []
     for i, chain in enumerate(chains):

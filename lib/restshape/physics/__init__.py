@@ -1,1 +1,1 @@
-"""Physics: one module an effect; which unknowns it adds, which element residuals, which loads."""
+"""Physics: a folder a physics; which unknowns it adds, which element residuals, which loads."""

@@ -8,7 +8,7 @@ from matplotlib.collections import LineCollection
 
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.nodal_values import Nodal, evaluate
-from restshape.report.places import Place, place_of
+from restshape.report.entity_outlines import Place, place_of
 from restshape.scene.model import Load, Scene
 from restshape.shape.outline import Outline
 

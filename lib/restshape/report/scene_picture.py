@@ -17,8 +17,8 @@ from restshape.application import application
 from restshape.outputs.drawn import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.report.conditions import SUPPORT, Moved, draw_loads, draw_supports, load_colours
+from restshape.report.entity_outlines import place_of
 from restshape.report.name_labels import Labels
-from restshape.report.places import place_of
 from restshape.report.style import BODY, GOAL, INK, new_figure
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.model import Scene

@@ -1,29 +1,21 @@
-"""Bodies that cloth comes to lie on, and where it lies before it falls."""
+"""Rigid bodies in space, obstacles of what deforms, and where a flat sheet is at first."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from math import dist
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
 from restshape.scene.descriptions import listing
-from restshape.scene.expressions import Expression, Value
+from restshape.scene.space_values import ORIGIN, Angles, Direction, Place, Ratio, Size, evaluated, number
 from restshape.scene.units import UnitError
-from restshape.scene.values import InSI, Length, Strict, Whole, only_one
+from restshape.scene.values import Length, Strict, Whole, only_one
 
 if TYPE_CHECKING:
-    from restshape.scene.model import Support
+    from restshape.scene.model import Scene, Support
 
-Size = Annotated[Value, InSI("length", formula=True)]
-Ratio = Annotated[Value, InSI("number", formula=True)]
-Turn = Annotated[Value, InSI("angle", formula=True)]
-Form = TypeVar("Form", bound=Strict)
-Place = tuple[Size, Size, Size]
-Direction = tuple[Ratio, Ratio, Ratio]
-Angles = tuple[Turn, Turn, Turn]
-ORIGIN = (0.0, 0.0, 0.0)
 POINTS = {
     "sphere": ("center",),
     "plane": ("point",),
@@ -51,7 +43,7 @@ class Plane(Strict):
 
     Args:
         point: a point in it.
-        normal: towards where cloth may be.
+        normal: towards where no body is.
     """
 
     point: Place
@@ -103,7 +95,7 @@ class Cylinder(Strict):
 
 
 class Body(Strict):
-    """``[bodies.NAME]``: what cloth does not enter; ``friction`` is Coulomb's.
+    """``[bodies.NAME]``: what nothing that deforms enters; ``friction`` is Coulomb's.
 
     All numbers may be formulas of the parameters.
 
@@ -151,7 +143,7 @@ class Body(Strict):
 
 
 class Start(Strict):
-    """``[start]``: where the flat cloth lies at first: turned about x, then y, then z through ``about``, then moved.
+    """``[start]``: where the flat sheet is at first: turned about x, then y, then z through ``about``, then moved.
 
     Supports hold it there. ``scatter`` moves each free node by up to so much along each axis, at random, but by the
     same for the same ``seed``.
@@ -171,50 +163,21 @@ class Start(Strict):
     seed: Annotated[Whole, Field(ge=0)] = 0
 
 
-def bodies_of(scene: BaseModel) -> Mapping[str, Body]:
-    """The bodies of a scene by name; none where no physics of it has them."""
-    return getattr(scene, "bodies", {})
+def bodies_of(scene: Scene) -> Mapping[str, Body]:
+    """The bodies of a scene by name; none where no physics of it has registered a table of them."""
+    key = scene.tables.get(Body)
+    return getattr(scene, key) if key else {}
 
 
-def start_of(scene: BaseModel) -> Start | None:
-    """Where the cloth of a scene lies at first; None of a scene without cloth."""
-    return (getattr(scene, "start", None) or Start()) if hasattr(scene, "bodies") else None
+def start_of(scene: Scene) -> Start | None:
+    """Where the sheet of a scene is at first; None where no physics of it has registered such a table."""
+    key = scene.tables.get(Start)
+    return (getattr(scene, key) or Start()) if key else None
 
 
-def pins_of(scene: BaseModel) -> Mapping[str, Support]:
-    """The supports of a scene that a hand may take hold of, by name: those of cloth, which is in space."""
-    return getattr(scene, "supports", {}) if start_of(scene) is not None else {}
-
-
-def number(value: Value, parameters: dict[str, float]) -> float:
-    """A value as a number.
-
-    Raises:
-        UnitError: its formula gives none.
-    """
-    if not isinstance(value, Expression):
-        return value
-    found = float(value.evaluate(0.0, 0.0, parameters))
-    if not abs(found) < float("inf"):
-        raise UnitError(f"the formula {value.text!r} gives {found}", "change it, or the parameters")
-    return found
-
-
-def evaluated(form: Form, parameters: dict[str, float]) -> Form:
-    """A copy of a model, of numbers and tuples of numbers, with numbers in place of formulas.
-
-    Raises:
-        UnitError: a formula gives no number.
-    """
-    names = type(form).model_fields
-    return form.model_copy(update={name: _number_of(getattr(form, name), parameters) for name in names})
-
-
-def _number_of(value: Value | tuple[Value, ...], parameters: dict[str, float]) -> float | tuple[float, ...]:
-    """A number in place of a formula, and in tuples of them."""
-    if isinstance(value, tuple):
-        return tuple(number(part, parameters) for part in value)
-    return number(value, parameters)
+def pins_of(scene: Scene) -> Mapping[str, Support]:
+    """The supports of a scene that a hand may take hold of, by name: those in space, of scenes that have a start."""
+    return scene.supports if start_of(scene) is not None else {}
 
 
 def _refuse_flat(kind: str, form: Sphere | Plane | Box | Capsule | Cylinder) -> None:
@@ -250,6 +213,6 @@ def body_words(body: Body) -> str:
 
 
 def start_words(start: Start) -> str:
-    """Where cloth starts, for people."""
+    """Where the sheet starts, for people."""
     moved = f"turned by {listing(start.turn)} rad about {listing(start.about)} m, moved by {listing(start.move)} m"
     return moved + (f", scattered by {start.scatter:g} m with the seed {start.seed}" if start.scatter else "")

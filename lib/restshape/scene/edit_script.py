@@ -47,7 +47,7 @@ class Header(Strict):
 
 
 class Press(EventLine):
-    """A hand takes hold of an entity, a body or a support of cloth, at a point [m] (else its own)."""
+    """A hand takes hold of an entity, a body or a support in space, at a point [m] (else its own)."""
 
     do: Literal["press"]
     on: str
@@ -294,7 +294,7 @@ def shared_events(application: Application) -> dict[str, type[EventLine]]:
 
 
 def names_in_space(scene: Scene | None) -> Collection[str] | None:
-    """What a hand may hold in space: bodies, and supports of cloth; None where no scene says."""
+    """What a hand may hold in space: bodies, and supports in space; None where no scene says."""
     if scene is None:
         return None
     pins = pins_of(scene)
@@ -443,11 +443,11 @@ class _Reader:
         given += [(f"path.{k}", place) for k, place in enumerate(getattr(event, "path", None) or ())]
         for key, place in given:
             if place is not None and len(place) > 2:
-                what = f"a place in the plane has 2 numbers, and there are 3: {name} is no body and no support of cloth"
+                what = f"a place in the plane has 2 numbers, and there are 3: {name} is no body and no support in space"
                 raise UserError(what, f"{self.path.name}: line {number}: {key}", "leave out z")
 
     def _is_in_space(self, name: str) -> bool:
-        """Whether a name may be that of a body or a support of cloth, one that an edit adds too."""
+        """Whether a name may be that of a body or a support in space, one that an edit adds too."""
         known = self.in_space
         return known is None or name in known or (len(known) > 0 and name.startswith(SUPPORTS))
 

@@ -19,11 +19,11 @@ class Described(BaseModel):
         """The schema with what docstrings say of the keys: before what their types say."""
         found = handler(schema)
         own = handler.resolve_ref_schema(found)
-        told = key_descriptions(cls)
+        described = key_descriptions(cls)
         for key, of_key in own.get("properties", {}).items():
-            if key in told:
+            if key in described:
                 of_type = of_key.get("description")
-                of_key["description"] = f"{told[key]}; {of_type}" if of_type else told[key]
+                of_key["description"] = f"{described[key]}; {of_type}" if of_type else described[key]
         if "description" in own:
             own["description"] = without_keys(own["description"])
         return found

@@ -241,7 +241,7 @@ class MeshSpec(Strict):
         size: edge length of the mesh.
         near: edge length at an entity, by its name.
         edges_per_circle: mesh edges of a whole circle; left out, 24 of first order and 12 of second.
-        levels: nested meshes, of cloth.
+        levels: nested meshes.
         order: element order; left out, as the effects decide.
         layers: layers of tetrahedra over the thickness; left out, as thickness and modes decide.
         relocation: how nodes follow the outline.
@@ -296,7 +296,7 @@ class RecordingSpec(Strict):
     """``[recording]``: what recordings hold besides what they always do.
 
     Args:
-        fields: groups of fields of the application's physics: "stress", "principal" and "strain" of solids and cloth.
+        fields: groups of fields of the application's physics: "stress", "principal" and "strain".
     """
 
     fields: tuple[str, ...] = ()
@@ -323,7 +323,12 @@ class Scene(Strict):
         solve: how exactly is solved, and what is reused.
         recording: what recordings hold besides what they always do.
         quantities: numbers a frame that are reported, by name.
+
+    Attributes:
+        tables: keys of the tables that its physics have registered, by their models.
     """
+
+    tables: ClassVar[Mapping[type, str]] = {}
 
     format: Literal["restshape-scene"]
     version: Literal[1]

@@ -77,7 +77,9 @@ def _scene_of(
     fields["loads"] = (_by_name(load_type(_united(one.loads for one in physics))), {})
     quantities = _by_name(quantity_type(_united(one.quantities for one in physics)))
     fields["quantities"] = (Annotated[quantities, BeforeValidator(with_errors), Field(json_schema_extra=ERRORS)], {})
-    return extended(Scene, fields)
+    scene = extended(Scene, fields)
+    scene.tables = {section.model: key for key, section in sections.items()}
+    return scene
 
 
 def _by_name(model: type[Strict]) -> object:

@@ -1,4 +1,4 @@
-"""What the hand takes hold of in space; pins of cloth under it: supports that are displaced."""
+"""What the hand takes hold of in space; pins under it: supports that are displaced."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.scene.bodies import bodies_of, evaluated, pins_of, start_of
+from restshape.scene.bodies import bodies_of, pins_of, start_of
 from restshape.scene.edit_script import SUPPORTS
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table, tables_in
+from restshape.scene.space_values import evaluated
 from restshape.shape.outline import Outline
 from restshape.shape.placement import placed
 from restshape.shape.rigid_body_drag import begin_body_drag
@@ -29,7 +30,7 @@ def pin_named(scene: Scene, outline: Outline, on: str) -> str | None:
 
 
 def place_of_pin(scene: Scene, outline: Outline, name: str) -> Place:
-    """Where a support holds the cloth [m]: the mean place of its entities, in the directions that it fixes."""
+    """Where a support holds the sheet [m]: the mean place of its entities, in the directions that it fixes."""
     support, start = scene.supports[name], start_of(scene)
     assert start is not None
     X = np.mean([outline.centroid(outline.entity(on)) for on in support.on], axis=0)
@@ -60,7 +61,7 @@ class PinDrag(SpaceGrab):
                 continue
             if axis not in support.fix:
                 held = ", ".join(AXES[k] for k in range(3) if AXES[k] in support.fix)
-                what = f"the support {self.name!r} does not hold the cloth along {axis}"
+                what = f"the support {self.name!r} fixes no displacement along {axis}"
                 raise UserError(what, do=f'drag it along {held}, or add "{axis}" to its fix')
             written[axis] = displaced(support.fix[axis], way)
         return revise(scene, f"supports.{self.name}.fix", written)
@@ -89,7 +90,7 @@ def begin_pin_drag(outline: Outline, scene: Scene, name: str, at: tuple[float, .
 
 
 def begin_space_grab(outline: Outline, scene: Scene, on: str, at: tuple[float, ...] | None) -> SpaceGrab | None:
-    """A hand that takes hold of a body or a support of cloth at a point [m]; None where it means a part of the shape.
+    """A hand that takes hold of a body or a support in space at a point [m]; None where it means a part of the shape.
 
     Raises:
         UserError: it cannot be moved.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from restshape.scene.bodies import Angles, Start
+from restshape.scene.bodies import Start
+from restshape.scene.space_values import Angles
 
 
 def rotation(angles: Angles) -> np.ndarray:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.scene.bodies import POINTS, bodies_of, evaluated
+from restshape.scene.bodies import POINTS, bodies_of
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import table_in, tables_in
+from restshape.scene.space_values import evaluated
 from restshape.shape.space_grab import Place, SpaceGrab, in_space
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from restshape.shape.session import EditSession
 GRAMMAR = """\
 [KIND] ENTITY by DX DY [DZ] in N frames[, straight | jerk | hand-like][, pause K]
                                                        KIND: vertex, edge, hole, region, group, body, support;
-                                                       DZ: of bodies and of supports of cloth
+                                                       DZ: of bodies and of supports in space
 rotate ENTITY by ANGLE [about X Y] [in N frames]       scale ENTITY by FACTOR [about X Y] [in N frames]
 pull CURVE [at X Y] by DX DY [pins PIN PIN ...] in N frames[, straight | jerk | hand-like][, pause K]
                                                        PIN: a vertex, or (X Y)
@@ -128,7 +128,7 @@ class LineInterpreter:
         return [step.refused for step in steps if step.refused is not None]
 
     def _place(self, name: str) -> tuple[float, ...]:
-        """Where an entity is now [m]; in space of a body or a support of cloth."""
+        """Where an entity is now [m]; in space of a body or a support in space."""
         outline, scene = self._session.outline, self._session.scene
         held = begin_space_grab(outline, scene, name, None)
         return held.origin if held is not None else tuple(outline.centroid(outline.entity(name)).tolist())

@@ -72,7 +72,7 @@ class Step:
     c: tuple[float, float] = STILL
 
 
-class Held(TypedDict, total=False):
+class GrabbedStep(TypedDict, total=False):
     """Gesture and coefficients of a `Step` in which nothing moves; empty where the hand holds none."""
 
     gesture: Gesture
@@ -170,7 +170,7 @@ class ScriptSession(ABC, Generic[Edited]):
         if any(old is not new for old, new in zip(before, self._state())):
             self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
 
-    def _grabbed(self) -> Held:
+    def _grabbed(self) -> GrabbedStep:
         """The gesture and coefficients of a frame in which nothing moves."""
         return {}
 

@@ -47,7 +47,7 @@ from restshape.shape.outline import Entity, Outline
 from restshape.shape.pin_drag import begin_space_grab
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
-from restshape.shape.script_session import STILL, Held, ScriptFrame, ScriptSession, State, Step
+from restshape.shape.script_session import STILL, GrabbedStep, ScriptFrame, ScriptSession, State, Step
 from restshape.shape.space_grab import SpaceGrab
 from restshape.shape.validity import MotionCheck, beyond_reach, problem
 
@@ -436,7 +436,7 @@ class EditSession(ScriptSession[Outline]):
         effects = [{e.name for e in plan(scene, self._application).effects if e.on} for scene in (old, new)]
         return "values" if old.mesh == new.mesh and effects[0] == effects[1] else "mesh"
 
-    def _grabbed(self) -> Held:
+    def _grabbed(self) -> GrabbedStep:
         grab = self._grab
         return {"gesture": grab.gesture, "c": grab.c} if isinstance(grab, Grab) else {}
 

@@ -1,4 +1,4 @@
-"""What the hand holds in space: a body, or a pin of cloth."""
+"""What the hand holds in space: a body, or a pin."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.accuracy.scale import StudyScale
-from restshape_studies.stability.case import Case, Statement, Trial, near, sound
+from restshape_studies.stability.case import Case, Statement, Trial, near, valid
 from restshape_studies.stability.plane_strategies import solid_effects, solid_scenes
 from restshape_studies.stability.random_scenes import RandomScenes
 from restshape_studies.stability.scenery import STEEL, block, drag, head, meshed, plate, write_scene
@@ -34,7 +34,7 @@ def patch(comm: PETSc.Comm) -> list[Check]:
 def jump(trial: Trial) -> Iterator[Statement]:
     """A hole jumps over two fifths of the plate in one frame."""
     rows, statements = trial.compared(plate("plane", 0.2), drag("window", (0.5, 0.5), [(1.3, 0.5)]))
-    yield from (*statements, *sound(rows, residual=2e-6))
+    yield from (*statements, *valid(rows, residual=2e-6))
 
 
 def still_plate(trial: Trial) -> Iterator[Statement]:

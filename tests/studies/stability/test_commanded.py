@@ -68,19 +68,19 @@ def test_wrong_files_are_faults(tmp_path, example, monkeypatch):
         with pytest.raises(Fault, match=r"the recording \(interrupted\)"):
             play(tmp_path, example)
     with monkeypatch.context() as changed:
-        changed.setattr(replay, "_tell", lambda *_: 1)
+        changed.setattr(replay, "_print_and_write", lambda *_: 1)
         with pytest.raises(Fault, match="the command ends with 1"):
             play(tmp_path, example)
 
 
 def test_a_table_that_lacks_a_row_is_a_fault(tmp_path, example, monkeypatch):
-    tell = replay._tell
+    write = replay._print_and_write
 
     def printed(args, request, summary):
         args.csv.write_text("".join(args.csv.read_text().splitlines(keepends=True)[:-1]))
-        return tell(args, request, summary)
+        return write(args, request, summary)
 
-    monkeypatch.setattr(replay, "_tell", printed)
+    monkeypatch.setattr(replay, "_print_and_write", printed)
     with pytest.raises(Fault, match="the CSV file has 6 rows"):
         play(tmp_path, example)
 

@@ -5,7 +5,7 @@ import os
 from dataclasses import asdict
 
 import pytest
-from restshape_studies.stability.case import Case, Trial, below, near, sound, true
+from restshape_studies.stability.case import Case, Trial, below, near, true, valid
 from restshape_studies.stability.suite import cases, jobs, run_apart, run_case
 from sample_applications import verification
 
@@ -68,10 +68,10 @@ def test_wrong_numbers_fail():
     assert near("x", [1.0, 2.02], [1.0, 2.0], 0.011).holds and not near("x", [1.0, 2.03], [1.0, 2.0], 0.011).holds
     assert not near("x", [], [], 1).holds and not near("x", nan, 1.0, 1).holds and near("x", 1e-3, 0.0, 1e-2).holds
     rows = [{"refused": "", "q_a": 1.0, "residual": 0.0}, {"refused": "why", "q_a": nan, "residual": nan}]
-    assert [s.holds for s in sound(rows, 1, 1e-6)] == [True, True, True]
-    assert [s.holds for s in sound(rows, 0)] == [True, False]
+    assert [s.holds for s in valid(rows, 1, 1e-6)] == [True, True, True]
+    assert [s.holds for s in valid(rows, 0)] == [True, False]
     rows[0]["q_a"] = nan
-    assert not next(iter(sound(rows, 1))).holds
+    assert not next(iter(valid(rows, 1))).holds
 
 
 def shown_text(monkeypatch, **made):

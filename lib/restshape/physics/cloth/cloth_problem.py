@@ -29,6 +29,7 @@ from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
 
 
+# More than 15 attributes: a problem holds what its integrals, contact and quantities share.
 class ClothProblem(SteadyProblem):
     """Cloth in space, with three unknowns a node.
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from restshape.scene.bodies import evaluated
 from restshape.scene.checks import refuse_places
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
 from restshape.scene.source import Source
+from restshape.scene.space_values import evaluated
 from restshape.scene.units import UnitError
 
 Key = tuple[str, ...]

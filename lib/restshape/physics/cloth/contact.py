@@ -91,8 +91,8 @@ class Contact:
             fresh = limits[k] == 0.0
             anchors[k][fresh] = x[fresh]
             limits[k] = self.friction[k] * force
-            way = _kernels.drag_anchors(x, anchors[k], normals[k], limits[k], self.slip)
-            slipped = max(slipped, way)
+            distance = _kernels.update_friction_anchors(x, anchors[k], normals[k], limits[k], self.slip)
+            slipped = max(slipped, distance)
         self.history = FrictionHistory(anchors, normals, limits)
         return slipped
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.scene.bodies import Start, evaluated
+from restshape.scene.bodies import Start
+from restshape.scene.space_values import evaluated
 from restshape.shape.placement import placed, rotation
 
 

@@ -2,8 +2,9 @@
 
 import math
 
-from restshape.scene.bodies import Body, number
+from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
+from restshape.scene.space_values import number
 
 BORNE = 10.0
 """Multiple of the cloth's own weight that contact bears at half of its thickness, at least."""

@@ -8,7 +8,7 @@ import numpy as np
 from restshape import _kernels
 from restshape.scene.bodies import Body
 
-PIERCED = 0.5
+TUNNELLING_DEPTH = 0.5
 """Part of a body's smallest size by which it is deeper in a triangle where it comes through; less is a chord's sag."""
 MOST_SAMPLES = 24
 """Places along the side of a triangle that are looked at for a body between its nodes."""
@@ -54,4 +54,4 @@ def _comes_through(body: _kernels.Body, size: float, x: np.ndarray) -> bool:
     i, j = (part.ravel() for part in np.mgrid[: n + 1, : n + 1])
     inside = np.column_stack([i, j, n - i - j])[i + j <= n] / n
     places = np.einsum("pi,eij->epj", inside, near).reshape(-1, 3)
-    return len(places) > 0 and bool(body.distance(places)[0].min() < -PIERCED * size)
+    return len(places) > 0 and bool(body.distance(places)[0].min() < -TUNNELLING_DEPTH * size)

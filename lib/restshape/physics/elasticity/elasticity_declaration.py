@@ -10,7 +10,7 @@ from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibr
 from restshape.physics.elasticity.goal import Goal, goal_words
 from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
 from restshape.physics.elasticity.motion_effects import IN_MOTION, motion_columns
-from restshape.physics.elasticity.solid_effects import AT_REST, buckling_columns
+from restshape.physics.elasticity.solid_effects import STATIC, buckling_columns
 from restshape.scene.derived_effects import REGIONS
 from restshape.scene.load_kind import AREAS, CURVES, ENTITIES, POINTS, LoadKind
 from restshape.scene.model import Scene
@@ -131,7 +131,7 @@ PLANE_SOLIDS = Physics(
     loads=LOADS,
     quantities=QUANTITIES,
     sections=GOALS,
-    effects=AT_REST,
+    effects=STATIC,
     derived=SOLID,
     invariants=(
         Invariant(

@@ -154,8 +154,8 @@ class MotionQuantities(PlaneQuantities):
 
     def reaction(self, name: str, nodes: np.ndarray, column: int) -> Function:
         """The component of the force [N] of supports at the nodes (k,), with their inertia and damping."""
-        at_rest = super().reaction(name, nodes, column)
-        return lambda x, motion: at_rest(x) + motion.inertia_and_damping[nodes, column].sum()
+        of_supports = super().reaction(name, nodes, column)
+        return lambda x, motion: of_supports(x) + motion.inertia_and_damping[nodes, column].sum()
 
     def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; what edits and new meshes did is known of the whole body only."""

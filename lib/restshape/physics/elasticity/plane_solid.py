@@ -1,7 +1,6 @@
 """Elastic solids in the plane as a problem: integrals, supports, loads and stresses of a scene on one space."""
 
 # More than 15 modules: laws, loads, supports, stresses and quantities make one problem here.
-# More than 15 attributes: a problem holds what its integrals, loads and quantities share.
 
 from collections.abc import Mapping
 
@@ -47,6 +46,7 @@ from restshape.scene.plan import Plan
 MASSES = {CONSISTENT: MASS_ELEMENTS, LUMPED: LUMPED_MASS}
 
 
+# More than 15 attributes: a problem holds what its integrals, loads and quantities share.
 class PlaneSolid(TransientProblem):
     """Elasticity of one scene on one space, a `fem.problem.TransientProblem`.
 

@@ -13,6 +13,7 @@ from restshape.physics.elasticity.plane_solid import PlaneSolid
 from restshape.scene.model import Quantity
 
 
+# More than 15 attributes: those of a solid, and what its load factors share.
 class PrestressedSolid(PlaneSolid):
     """A linear static solid that knows the geometric stiffness of its displacements.
 

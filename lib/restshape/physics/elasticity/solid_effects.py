@@ -141,5 +141,5 @@ ELASTICITY = Effect(SolidKeys, "elasticity", required=True)
 GRAVITY = Effect(PlaneGravityKeys, "weight of the body", drives=True)
 LARGE_DEFORMATION = Effect(LargeDeformationKeys, "large displacements and rotations, follower loads", fixed=True)
 BUCKLING = Effect(BucklingKeys, "critical load factors and modes of buckling", fixed=True, quantities=("load_factor",))
-AT_REST = {"solid": ELASTICITY, "gravity": GRAVITY, "large_deformation": LARGE_DEFORMATION, "buckling": BUCKLING}
+STATIC = {"solid": ELASTICITY, "gravity": GRAVITY, "large_deformation": LARGE_DEFORMATION, "buckling": BUCKLING}
 """Effects of static solids."""

@@ -24,6 +24,7 @@ from restshape.scene.plan import Plan
 CAPACITIES = {kinds.CONSISTENT: HEAT_CAPACITY, kinds.LUMPED: LUMPED_HEAT_CAPACITY}
 
 
+# More than 15 attributes: a problem holds what its integrals, loads and quantities share.
 class HeatConduction(TransientProblem):
     """rho c dT/dt = div(k grad T) + source of one scene on one space, a `fem.problem.TransientProblem`.
 

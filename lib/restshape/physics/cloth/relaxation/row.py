@@ -27,14 +27,14 @@ class Row:
     def __call__(self, state: RelaxationState) -> dict[str, Any]:
         """The columns at a state."""
         bodies, report = state.scene.bodies, state.report
-        notes, deepest = _notes(state)
+        notes, max_penetration = _notes(state)
         return {
             "converged": int(report.converged),
             "tangent_positive_definite": -1 if report.stable is None else int(report.stable),
             "relaxation_steps": report.steps,
             "factorisations": report.factors,
             "slip_distance": report.slip,
-            "max_penetration": deepest,
+            "max_penetration": max_penetration,
             "note": "; ".join(notes),
             **body_row(dict(zip(bodies, state.bodies)), self.body_columns),
         }
@@ -43,15 +43,15 @@ class Row:
 def _notes(state: RelaxationState) -> tuple[list[str], float]:
     """What there is to say of a state, and the depth [m] of the deepest node in a body."""
     problem, bodies = state.problem, state.scene.bodies
-    notes, deepest = convergence_notes(state), 0.0
+    notes, max_penetration = convergence_notes(state), 0.0
     if problem.contact:
         corners, kernels = problem.corners(state.x), problem.contact.bodies
         through = tunnelling(state.bodies, kernels, corners[problem.mesh.cells])
         notes += [f"bodies.{name} comes through the cloth" for name in compress(bodies, through)]
         depths = penetrations(kernels, corners)
-        deepest = max(depths, default=0.0)
+        max_penetration = max(depths, default=0.0)
         notes += [*state.notes, *penetration_notes("lies", problem, state.scene, depths)]
-    return notes, deepest
+    return notes, max_penetration
 
 
 def convergence_notes(state: RelaxationState) -> list[str]:

@@ -1,4 +1,4 @@
-// The forces of a joint from its openings, and how much of its fasteners' strength they use.
+// The forces of a joint from its openings, and the utilisation of its fasteners' strength.
 #pragma once
 
 #include <cmath>
@@ -23,15 +23,15 @@ JointForce<T> joint_force(const JointShape<T>& joint, const T* d, const Settings
 
 // What the fasteners of a joint bear of its forces, in parts of their strength (docs/theory/furniture.md). `line` is of
 // the moment that bends it along its line, about the end of that; `twist` of the one about its normal.
-struct JointUse {
+struct JointUtilisation {
     double pull, shear, line, twist;
 };
 
 // Of the moment that one fastener bears about its line: a fainter twist of it is not looked at.
 constexpr double faint_twist = 0.01;
 
-inline JointUse joint_use(const JointForce<double>& f, const JointShape<double>& joint, const JointSpec& spec,
-                          double lever) {
+inline JointUtilisation joint_utilisation(const JointForce<double>& f, const JointShape<double>& joint,
+                                          const JointSpec& spec, double lever) {
     const double n = joint.nails, length = joint.length, turn = std::abs(f.twist_n);
     const double alone = turn > faint_twist * 0.5 * lever * spec.pull ? std::numeric_limits<double>::infinity() : 0.0;
     return {(2.0 * std::abs(f.bending) / lever + f.tension) / n / spec.pull,
