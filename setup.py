@@ -215,6 +215,11 @@ def stale(built: Path, options: Path) -> bool:
         return True
 
 
+def duration(source: str) -> tuple[bool, int]:
+    """Orders sources by how long they compile: bindings take longest, and more of them longer."""
+    return Path(source).name.startswith("bind"), os.path.getsize(source)
+
+
 class BuildKernels(build_ext):
     """Builds with objects kept between runs, those of editable installs too."""
 
@@ -223,17 +228,20 @@ class BuildKernels(build_ext):
         super().finalize_options()
         self.build_temp = str(BUILD)
 
-    def build_extension(self, extension: Pybind11Extension) -> None:
-        """Compiles what is stale, a few files at once, and links."""
-        options = note_options(extension)
-        objects = {source: (BUILD / source).with_suffix(".o") for source in extension.sources}
-        todo = [source for source, built in objects.items() if stale(built, options)]
+    def build_extensions(self) -> None:
+        """Compiles what is stale of all modules, a few files at once and the longest first, and links."""
+        todo = []
+        for extension in self.extensions:
+            options = note_options(extension)
+            objects = {source: (BUILD / source).with_suffix(".o") for source in extension.sources}
+            todo += [(extension, source) for source, built in objects.items() if stale(built, options)]
+            extension.sources, extension.depends = [], [str(built) for built in objects.values()]
+            extension.extra_objects = extension.depends
+        todo.sort(key=lambda job: duration(job[1]), reverse=True)
         numbered = enumerate(todo, 1)
         with ThreadPoolExecutor(int(os.environ.get("RESTSHAPE_BUILD_JOBS", "2"))) as pool:
-            list(pool.map(lambda item: self.compile(extension, item[1], f"[{item[0]}/{len(todo)}]"), numbered))
-        extension.sources, extension.depends = [], [str(built) for built in objects.values()]
-        extension.extra_objects = extension.depends
-        super().build_extension(extension)
+            list(pool.map(lambda item: self.compile(*item[1], f"[{item[0]}/{len(todo)}]"), numbered))
+        super().build_extensions()
 
     def compile(self, extension: Pybind11Extension, source: str, place: str) -> None:
         """Compiles one file, and has the compiler note what it reads."""
