@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import small_scenes
-from matplotlib.figure import Figure
 from PIL import Image
 from plates import COLUMNS, record_plate
 from small_scenes import across, drag, write_scene, write_script
@@ -173,7 +172,7 @@ def test_predicted_frames_are_hollow_in_the_timeline(tmp_path, monkeypatch):
     edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.53, 0.5), 5)))
     out, figures = tmp_path / "a.vtkhdf", []
     call = ["replay", str(scene), "--edits", str(edits), "--out", str(out)]
-    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
     for words, hollow in (["--predict", "linear"], [2.0, 3.0, 4.0, 5.0, 6.0]), ([], []):
         assert main([*call, *words]) == 0
         with Recording(out) as recording:

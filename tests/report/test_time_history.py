@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from PIL import Image
 
+from restshape.outputs import drawn
 from restshape.replay.columns import columns
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
@@ -30,8 +30,8 @@ def record(path, own):
 
 def test_lines_are_the_recorded_values_over_simulated_time(tmp_path, monkeypatch):
     figures = []
-    saved = Figure.savefig
-    monkeypatch.setattr(Figure, "savefig", lambda self, *a, **k: (figures.append(self), saved(self, *a, **k))[1])
+    saved = drawn.write_figure
+    monkeypatch.setattr(drawn, "write_figure", lambda figure, *a: (figures.append(figure), saved(figure, *a))[1])
     with record(tmp_path / "a.vtkhdf", {"time": float}) as recording:
         assert draw_history(recording, tmp_path / "history.png")
         times = recording.table["time"]

@@ -5,7 +5,6 @@ import re
 from pathlib import Path
 
 import pytest
-from matplotlib.figure import Figure
 from PIL import Image
 from restshape_studies.pictures.policies import draw_policies
 from restshape_studies.thesis import thesis_table
@@ -75,7 +74,7 @@ def test_a_redrawn_picture_says_which_data_it_shows_and_other_data_say_otherwise
 
 def test_rows_of_policies_have_dots_on_their_axis_and_no_bars(tmp_path, monkeypatch):
     figures = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
     data = json.loads((ROOT / "results" / "bench-reuse.json").read_text(encoding="utf-8"))
     data.pop("stamp", None)
     draw_policies(data, tmp_path / "a.png")

@@ -13,7 +13,6 @@ from restshape_apps.furniture.report.furniture import FOOT, add_utilisation_bar,
 from restshape_apps.furniture.report.piece_frames import FEW, MOST_LINES, caption, pieces, shown_piece
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 
-from restshape.outputs.drawn import plain_texts
 from restshape.replay.recording import Recording
 from restshape.report.animation import even, pause, write_animation
 from restshape.report.space_scene import AMBIENT
@@ -71,7 +70,6 @@ def _pictures(recording: Recording, chosen: np.ndarray) -> Iterator[np.ndarray]:
             figure.draw_without_rendering()
             figure.draw_without_rendering()
             figure.set_layout_engine("none")
-        plain_texts(figure)
         canvas.draw()
         yield even(canvas)
 

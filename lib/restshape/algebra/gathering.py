@@ -1,10 +1,15 @@
 """Whole matrices and vectors from the ranks' rows of them, and the end of those that nobody needs."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 
 def clean_up(comm: PETSc.Comm) -> None:
@@ -40,6 +45,8 @@ def gather_vector(full: np.ndarray, rows: slice, comm: PETSc.Comm) -> np.ndarray
 
 def gather_matrix(mat: PETSc.Mat, comm: PETSc.Comm) -> sp.csr_matrix:
     """A copy of a PETSc matrix (n, n), whole on every rank."""
+    import scipy.sparse as sp
+
     indptr, indices, values = (np.array(part) for part in mat.getValuesCSR())
     n = mat.getSize()[1]
     own = sp.csr_matrix((values, indices, indptr), shape=(len(indptr) - 1, n))

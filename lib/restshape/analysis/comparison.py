@@ -1,10 +1,16 @@
 """A frame's system beside that of a cold solve."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy.sparse as sp
 
 from restshape.algebra.gathering import GatheredSystem, matrix_difference
 from restshape.analysis.analysis import Comparison
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 
 def compared(warm: GatheredSystem, cold: GatheredSystem, definite: bool = True) -> Comparison:

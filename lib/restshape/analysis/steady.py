@@ -7,7 +7,6 @@ from typing import Generic, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.sparse.linalg import spsolve
 
 from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
@@ -441,6 +440,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
 
     def cold_system(self) -> GatheredSystem:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""
+        from scipy.sparse.linalg import spsolve
+
         comm, space = self.context.comm, self.problem.space
         problem = self.make(self.state.scene, self.state.plan, made(self.state.bound).mesh)
         shape = problem.boundary.mask.shape

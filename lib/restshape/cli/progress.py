@@ -6,9 +6,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-from restshape.cli.console import Output
 from restshape.errors import UserError
 
 EVERY = 10.0
@@ -85,10 +82,14 @@ def progress(quiet: bool, total: int, what: str = "frames") -> Iterator[Advance]
         total: steps in all.
         what: they are, in the plural.
     """
-    console = Output(stderr=True)
     if quiet:
         yield lambda steps: None
-    elif console.is_terminal:
+    elif sys.stderr.isatty():
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        from restshape.cli.console import Output
+
+        console = Output(stderr=True)
         layout = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TextColumn("left"), TimeRemainingColumn())
         with Progress(*layout, console=console, transient=True, refresh_per_second=4) as bar:
             task = bar.add_task(what, total=total)

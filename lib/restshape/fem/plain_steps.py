@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.linalg import SuperLU, splu
 
 from restshape.errors import ReplayProblem
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+    from scipy.sparse.linalg import SuperLU
 
 CONVERGED = 1e-11
 """Change of the highest rates in a step of Newton's method, over the largest, at which a time step has converged."""
@@ -62,6 +64,8 @@ class PlainNewton:
         Raises:
             ReplayProblem: none is found.
         """
+        from scipy.sparse.linalg import splu
+
         force = residual(x)
         for _ in range(MOST):
             if self._factor is None or not self.linear:
@@ -93,6 +97,8 @@ def newmark_steps(
 
     Source: T. J. R. Hughes, The Finite Element Method, 1987, section 9.1.
     """
+    from scipy.sparse.linalg import splu
+
     a = splu(system.mass.tocsc()).solve(-system.residual(y) - system.damping @ v - system.base_force(time))
     solve = PlainNewton(system.linear)
     for k in range(1, steps + 1):

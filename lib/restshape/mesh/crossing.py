@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 
 def first_crossing(points: np.ndarray, segments: np.ndarray) -> tuple[int, int] | None:
@@ -13,6 +12,8 @@ def first_crossing(points: np.ndarray, segments: np.ndarray) -> tuple[int, int] 
         points: (n, 2) [m].
         segments: (m, 2) rows of points; both the same for a single point.
     """
+    from scipy.spatial import cKDTree
+
     a, b = points[segments[:, 0]], points[segments[:, 1]]
     reach = float(np.hypot(*(b - a).T).max())
     # Segments that meet have middles no farther apart than the longest of them.

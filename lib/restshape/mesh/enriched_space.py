@@ -1,11 +1,17 @@
 """The next richer space over a mesh, and how fields of a space come to it: what a discretisation leaves out."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy.sparse as sp
 
 from restshape.mesh.lagrange_space import LagrangeSpace, quadratic_basis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.nested import NestedMesh
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 # Reference coordinates of the corners of the four parts of a triangle, in the order of `NestedMesh`.
 PARTS = 0.5 * np.array(
@@ -53,6 +59,8 @@ class EnrichedSpace:
 
 
 def _from_first_order(mesh: Mesh, space: LagrangeSpace) -> sp.csr_matrix:
+    import scipy.sparse as sp
+
     corners, sides = np.arange(len(mesh.X)), mesh.edge_nodes
     rows = np.concatenate([space.corner_number, np.repeat(space.side_number, 2)])
     values = np.concatenate([np.ones(len(corners)), np.full(sides.size, 0.5)])
@@ -60,6 +68,8 @@ def _from_first_order(mesh: Mesh, space: LagrangeSpace) -> sp.csr_matrix:
 
 
 def _from_second_order(coarse: Mesh | LagrangeSpace, fine: LagrangeSpace) -> sp.csr_matrix:
+    import scipy.sparse as sp
+
     cells = fine.cells.reshape(-1, 4, 6)
     points = np.concatenate([PARTS, 0.5 * (PARTS + PARTS[:, [1, 2, 0]])], axis=1)
     basis = np.stack([quadratic_basis(own)[0] for own in points])

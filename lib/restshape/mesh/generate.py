@@ -10,7 +10,6 @@ from restshape.mesh.boundary import Boundary, discretise
 from restshape.mesh.crossing import first_crossing
 from restshape.mesh.delaunay import refine, uses_cgal
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.mesher import triangulate
 from restshape.mesh.numbering import cell_order, node_order
 from restshape.mesh.partition import node_owners
 from restshape.mesh.regions import cell_regions, contains, signed_area
@@ -47,6 +46,8 @@ def generate(outline: Outline, spec: MeshSpec, ranks: int = 1) -> Mesh:
             _kernels.smooth_fresh(*refined[1:], len(refined[0].points), SWEEPS)
             return assemble(outline, *refined, ranks)
     # Also where CGAL fails: gmsh shows why, or finds a way.
+    from restshape.mesh.mesher import triangulate
+
     _refuse_crossing(outline, boundary, facets, facet_edge)
     runs, runs_of = _runs(boundary)
     inside = [i for i, around in enumerate(_on_border(outline)) if not around]

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from restshape.bounds import LENGTH, MESH_BYTES, READING_MEMORY, TRIANGLES
 from restshape.errors import UserError, printable
@@ -261,6 +260,8 @@ def _checked(found: Triangles, path: Path) -> Triangles:
     Raises:
         UserError: with the first element or node that is wrong, numbered from 1 in the order of the file.
     """
+    from scipy.spatial import cKDTree
+
     X, cells = found.X, found.cells
     if len(cells) > TRIANGLES:
         raise UserError(f"the mesh has more than {TRIANGLES} triangles", str(path), "take a coarser one")

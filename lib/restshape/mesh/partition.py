@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import gmsh
 import numpy as np
-
-from restshape.mesh.mesher import model
 
 
 def node_owners(X: np.ndarray, cells: np.ndarray, ranks: int) -> np.ndarray:
@@ -34,6 +31,10 @@ def cell_parts(X: np.ndarray, cells: np.ndarray, ranks: int) -> np.ndarray:
     Args:
         X: (n, 2) positions [m]; cells: (ne, 3) triangles; ranks: number of parts.
     """
+    import gmsh
+
+    from restshape.mesh.mesher import model
+
     part = np.zeros(len(cells), dtype=np.int32)
     with model():
         gmsh.option.setNumber("Mesh.PartitionCreateTopology", 0)

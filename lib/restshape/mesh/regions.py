@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from restshape.mesh.hinges import inner_sides
 from restshape.shape.outline import Loop, Outline
@@ -47,6 +45,10 @@ def cell_regions(
     """
     if not polygons:
         return np.zeros(len(cells), dtype=np.int32)
+    # Late, as scipy is all over: it takes longer to import than the first frame of a plain scene.
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     pairs = inner_sides(cell_edges)
     left, right = pairs[~barrier[cell_edges.ravel()[pairs[:, 0]]]].T // 3
     links = coo_array((np.ones(len(left), dtype=bool), (left, right)), shape=(len(cells), len(cells)))

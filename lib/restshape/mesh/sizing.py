@@ -5,15 +5,18 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from restshape import _kernels
 from restshape.bounds import GROWN_TRIANGLES, GROWTH, TRIANGLES
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.shape.outline import Outline
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 GRADING = 0.3
 """Growth of the size with the distance from where it is smaller."""
@@ -52,6 +55,10 @@ class SizeSpec(Protocol):
     def edges_per_circle(self) -> int | None: ...
 
 
+FEW = 10_000_000
+"""Pairs of points up to which all distances between them take less time than a search tree and its import."""
+
+
 @dataclass(frozen=True)
 class Attractor:
     """Points (m, 2) around which the size is `size` [m]."""
@@ -59,9 +66,18 @@ class Attractor:
     points: np.ndarray
     size: float
 
+    def distances(self, points: np.ndarray) -> np.ndarray:
+        """Distances (m,) of points (m, 2) from the nearest of its points [m]."""
+        if len(points) * len(self.points) <= FEW:
+            return _kernels.distances(points, self.points, self.points)
+        found: np.ndarray = self._tree.query(points)[0]
+        return found
+
     @functools.cached_property
-    def tree(self) -> cKDTree:
+    def _tree(self) -> cKDTree:
         """Search tree of the points."""
+        from scipy.spatial import cKDTree
+
         return cKDTree(self.points)
 
 
@@ -85,7 +101,7 @@ class Sizing:
         """Size (m,) wanted at points (m, 2)."""
         wanted = np.full(len(points), self.size)
         for attractor in self.attractors:
-            distance, _ = attractor.tree.query(points)
+            distance = attractor.distances(points)
             # The attractor's points stand at most one size apart.
             np.minimum(wanted, attractor.size + GRADING * np.maximum(distance - attractor.size, 0.0), out=wanted)
         return wanted

@@ -7,8 +7,6 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from restshape.errors import UserError
 from restshape.mesh.boundary import Boundary
@@ -147,6 +145,9 @@ def _turn(u: np.ndarray, v: np.ndarray) -> float:
 
 def _patches(found: Triangles, edges: np.ndarray, cell_edges: np.ndarray, border: np.ndarray) -> Patches:
     """Patches of the element groups that do not cover the whole mesh."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     names = [name for name, own in found.groups.items() if 0 < len(own.get("cells", ())) < len(found.cells)]
     member = np.zeros((len(found.cells), len(names)), dtype=bool)
     for i, name in enumerate(names):

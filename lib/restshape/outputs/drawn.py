@@ -60,9 +60,20 @@ def save_picture(figure: Figure, path: Path) -> None:
         OSError: it cannot be written.
     """
     refuse_foreign(PictureFile(path), str(path))
-    plain_texts(figure)
+    _show_powers(figure)
     with replacing(path) as part:
-        figure.savefig(part, metadata=_metadata(path.suffix.lower()))
+        write_figure(figure, part, _metadata(path.suffix.lower()))
+
+
+def write_figure(figure: Figure, path: Path, metadata: dict[str, str] | None) -> None:
+    """Writes a figure with its metadata, in the format that the path's suffix names."""
+    if path.suffix.lower() == ".png":
+        # `savefig` would go through all of it once more, to make the layout that drawing makes too.
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+        FigureCanvasAgg(figure).print_png(path, metadata=metadata)
+    else:
+        figure.savefig(path, metadata=metadata)
 
 
 def _metadata(suffix: str) -> dict[str, str] | None:
@@ -72,12 +83,10 @@ def _metadata(suffix: str) -> dict[str, str] | None:
     return known | ({key: f"{PICTURE_MARK} {__version__}"} if key else {}) or None
 
 
-def plain_texts(figure: Figure) -> None:
-    """Has all texts of a figure drawn as they are, whatever mathematics they look like, but for logarithmic ticks."""
+def _show_powers(figure: Figure) -> None:
+    """Has the ticks of logarithmic axes drawn as powers of ten; the house's style draws texts as they are."""
     from matplotlib.text import Text
 
-    scales = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) if axis.get_scale() == "log"]
-    powers = {id(text) for axis in scales for text in axis.findobj(Text) if text is not axis.label}
-    for text in figure.findobj(Text):
-        if id(text) not in powers:
-            text.set_parse_math(False)
+    for axis in [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) if axis.get_scale() == "log"]:
+        for text in axis.findobj(Text):
+            text.set_parse_math(text is not axis.label)

@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
 from restshape.errors import UserError
 from restshape.findings import FINDINGS_BYTES
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from restshape.application import Application
     from restshape.scene.model import Scene
 

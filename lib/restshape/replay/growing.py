@@ -1,8 +1,14 @@
 """Arrays of a recording that grow with each frame."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import h5py
 import numpy as np
-import numpy.typing as npt
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 
 class Growing:

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
@@ -27,6 +26,8 @@ from restshape.replay.cell_types import CELL_TYPES
 from restshape.replay.rows import RowPacker, row_dtype
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from restshape.analysis.analysis import RowValues
 
 RING_BYTES = 32 << 20

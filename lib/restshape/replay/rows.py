@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from restshape.replay.columns import SIMULATED
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from restshape.analysis.analysis import RowValues
     from restshape.analysis.row_values import RowValue
 

@@ -7,7 +7,6 @@ from petsc4py import PETSc
 
 from restshape.application import Application
 from restshape.errors import ReplayProblem, UserError
-from restshape.mesh.importer import read_mesh
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import Policy
@@ -32,6 +31,8 @@ def replayed_shape(
     """
     imported, outline = None, None
     if scene.mesh.file is not None:
+        from restshape.mesh.importer import read_mesh
+
         imported, outline = read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit, ranks=comm.size)
     session = EditSession(scene, script, application, outline)
 

@@ -13,10 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
-from scipy.spatial import cKDTree
 
 from restshape.errors import UserError
-from restshape.outputs.drawn import plain_texts
 from restshape.replay.recording import Recording
 from restshape.report.conditions import LOADS, SUPPORT
 from restshape.report.drawing import Drawing
@@ -120,7 +118,6 @@ def _pictures(
     axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
     words = axes.text(0.0, 1.02, "", transform=axes.transAxes, fontsize=9, animated=True)
     add_colour_bar(figure, bar, recording, scenery)
-    plain_texts(figure)
     canvas.draw()
     still = canvas.copy_from_bbox(figure.bbox)
     room = int((figure.get_figwidth() - LEFT) / LETTER)
@@ -190,7 +187,10 @@ def _nearest(palette: np.ndarray) -> np.ndarray:
     """Index of the nearest colour (32 * 32 * 32,) uint8 for colours of 5 bits a channel."""
     channel = np.arange(32) * 255 / 31
     colours = np.stack(np.meshgrid(channel, channel, channel, indexing="ij"), axis=-1).reshape(-1, 3)
-    return cKDTree(palette).query(colours)[1].astype(np.uint8)
+    shades = palette.astype(np.float32)
+    # The less of the square of the distance, but for that of the colour, which is the same for all of the palette.
+    closeness = colours.astype(np.float32) @ shades.T - 0.5 * (shades**2).sum(axis=1)
+    return closeness.argmax(axis=1).astype(np.uint8)
 
 
 def _write_mp4(pictures: Iterator[np.ndarray], path: Path, seconds: float) -> None:

@@ -14,6 +14,7 @@ from restshape.replay.recording import Recording
 from restshape.report.marks import SYMBOLS, Mark, marks
 from restshape.report.outlines import border, lines, sides
 from restshape.report.scenery import Scenery
+from restshape.report.segments import Segments
 from restshape.report.smooth import smooth_triangles
 from restshape.report.style import FAINT, GOAL, INK, MARK, MESH
 from restshape.report.survey import known_displacement
@@ -52,9 +53,9 @@ class Drawing:
         self.axes, self.scenery = axes, scenery
         factor, _ = scenery.unit
         self.body = SmoothBody(scenery)
-        self.mesh = LineCollection([], colors=[to_rgba(MESH, 0.35)], linewidths=0.25, visible=mesh)
-        self.rest = LineCollection([], colors=FAINT, linewidths=0.7, linestyles=(0, (4, 2)))
-        self.outline = LineCollection([], colors=INK, linewidths=0.6)
+        self.mesh = Segments(edgecolors=[to_rgba(MESH, 0.35)], linewidths=0.25, visible=mesh)
+        self.rest = Segments(edgecolors=FAINT, linewidths=0.7, linestyles=(0, (4, 2)))
+        self.outline = Segments(edgecolors=INK, linewidths=0.6)
         self.artists: list[Artist] = [self.body, self.mesh, self.rest, self.outline]
         for artist in (self.body, self.mesh, self.rest, self.outline):
             axes.add_collection(artist, autolim=False)
@@ -75,11 +76,11 @@ class Drawing:
             values = scenery.colour[0] * scenery.field.values(recording, i, cells)
         self.body.show(*smooth_triangles(x, cells, values))
         if self.mesh.get_visible():
-            self.mesh.set_segments(list(lines(x, sides(cells))))
+            self.mesh.show(lines(x, sides(cells)))
         around = border(cells)
-        self.outline.set_segments(list(lines(x, around)))
+        self.outline.show(lines(x, around))
         moved = bool(scenery.scale * scenery.seen.largest[i] > 0.0)
-        self.rest.set_segments(list(factor * lines(X, around)) if moved else [])
+        self.rest.show(factor * lines(X, around if moved else around[:0]))
         found = marks(recording, i, scenery.field, cells) if scenery.field and scenery.seen.solved[i] else []
         self._put(found, x)
 

@@ -9,7 +9,6 @@ from typing import Any, cast
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from scipy.spatial import cKDTree
 
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
@@ -94,6 +93,8 @@ def overlay(
 
 def follow(recording: Recording, i: int, scenery: Scenery) -> Moved:
     """Where places at rest are drawn in frame i: moved as the nearest place of the border, or the nearest node, is."""
+    from scipy.spatial import cKDTree
+
     X, cells = recording.mesh(i)
     u, around = scenery.scale * known_displacement(recording, i), border(cells)
     sides = around[:, :2] if around.shape[1] == 2 else around
@@ -147,6 +148,8 @@ def _checked(recording: Recording, frame: EditFrame) -> EditFrame:
     Raises:
         UserError: they are not.
     """
+    from scipy.spatial import cKDTree
+
     if getattr(frame, "outline", None) is None:
         raise UserError("what is recorded has no outline", str(recording.path), "leave --show out")
     outline, X = frame.outline, recording.points(frame.index)

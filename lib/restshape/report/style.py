@@ -7,7 +7,6 @@ from contextvars import ContextVar
 import matplotlib
 
 matplotlib.use("Agg")
-from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 DPI = 150
@@ -53,6 +52,7 @@ _SETTINGS = {
     "axes.spines.right": False,
     "legend.frameon": False,
     "svg.hashsalt": "restshape",
+    "text.parse_math": False,
 }
 
 
@@ -75,5 +75,5 @@ def new_figure(width: float, height: float) -> Figure:
     Args:
         width, height: inches.
     """
-    plt.rcParams.update(_SETTINGS | dict.fromkeys(("figure.dpi", "savefig.dpi"), _RESOLUTION.get()))
+    matplotlib.rcParams.update(_SETTINGS | dict.fromkeys(("figure.dpi", "savefig.dpi"), _RESOLUTION.get()))
     return Figure(figsize=(width, height), layout="constrained")

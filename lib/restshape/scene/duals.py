@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Union
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 Operand = Union["Dual", Array, float]
 
 
@@ -92,7 +91,7 @@ def _atan2(y: Operand, x: Operand) -> Dual:
     return Dual(np.arctan2(y.value, x.value), (x.value * y.rate - y.value * x.rate) / (x.value**2 + y.value**2))
 
 
-def _choose(first: Callable[[Array, Array], NDArray[np.bool_]]) -> Callable[[Operand, Operand], Dual]:
+def _choose(first: Callable[[Array, Array], np.ndarray]) -> Callable[[Operand, Operand], Dual]:
     def apply(a: Operand, b: Operand) -> Dual:
         a, b = dual(a), dual(b)
         chosen = first(a.value, b.value)

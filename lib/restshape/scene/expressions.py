@@ -1,12 +1,13 @@
 """Formulas in a scene: read from text, evaluated on arrays, with nothing but arithmetic in them."""
 
+from __future__ import annotations
+
 import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from restshape.bounds import FORMULA_CHARACTERS
 from restshape.errors import ValueProblem, quoted
@@ -15,9 +16,12 @@ from restshape.scene.duals import Dual
 from restshape.scene.temperature_scales import check_temperatures, in_kelvins
 from restshape.scene.units import UnitError, in_si
 
-Number = TypeVar("Number", NDArray[np.float64], Dual)
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
-FUNCTIONS: dict[str, tuple[Callable[..., NDArray[np.float64]], int]] = {
+Number = TypeVar("Number", np.ndarray, Dual)
+
+FUNCTIONS: dict[str, tuple[Callable[..., np.ndarray], int]] = {
     "sqrt": (np.sqrt, 1),
     "sin": (np.sin, 1),
     "cos": (np.cos, 1),
@@ -121,7 +125,7 @@ class Expression:
         what = f"the formula {quoted(self.text)} names {name!r}, which is not in [parameters]"
         return ExpressionError(what, do or f"known names: {known}")
 
-    def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: Mapping[str, float]) -> NDArray[np.float64]:
+    def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: Mapping[str, float]) -> np.ndarray:
         """The formula at points, in the shape of x and y broadcast; not finite where the formula is not.
 
         Args:
@@ -137,7 +141,7 @@ class Expression:
         result = self._run(known, x, y, parameters)
         return np.array(np.broadcast_to(result, x.shape), dtype=np.float64)
 
-    def rate(self, x: Dual, y: Dual, parameters: Mapping[str, float]) -> NDArray[np.float64]:
+    def rate(self, x: Dual, y: Dual, parameters: Mapping[str, float]) -> np.ndarray:
         """The derivative of the formula along the direction in which the coordinates change.
 
         Args:

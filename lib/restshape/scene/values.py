@@ -39,7 +39,9 @@ class Strict(Described):
         renamed: what version 0.1 called keys, by their names today; both are read.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        defer_build=True, extra="forbid", frozen=True, arbitrary_types_allowed=True, allow_inf_nan=False
+    )
     renamed: ClassVar[Mapping[str, str]] = {}
 
     @classmethod

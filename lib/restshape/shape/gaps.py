@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from restshape.outputs.si_numbers import si
 
@@ -103,6 +102,8 @@ def closed(found: Joints, tolerance: float, sources: Sequence[str]) -> tuple[Joi
     Returns:
         Where the curves end now, and what was closed, the largest first.
     """
+    from scipy.spatial import cKDTree
+
     loose = found.open_ends()
     vertices = list(loose)
     if len(vertices) < 2 or tolerance <= 0.0:

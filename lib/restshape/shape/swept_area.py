@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from restshape.shape import curves
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 DENSE = 96
 """Control points up to which the form is kept as a full matrix."""
@@ -51,8 +53,7 @@ class SweptArea:
                 arcs.append((index, own[0], own[-1], sign))
         used, where = np.unique(np.concatenate(rows), return_inverse=True)
         across = np.searchsorted(used, np.concatenate(columns))
-        form = csr_array((np.concatenate(values), (where, across)), shape=(len(used), len(used)))
-        self._used, self._form = used, form.toarray() if len(used) <= DENSE else form
+        self._used, self._form = used, _summed(np.concatenate(values), where, across, len(used))
         self._arcs = np.array([index for index, *_ in arcs], dtype=np.int64)
         self._chords = np.array([(a, b) for _, a, b, _ in arcs], dtype=np.int64).reshape(-1, 2)
         self._signs = np.array([sign for *_, sign in arcs])
@@ -68,6 +69,17 @@ class SweptArea:
             squares = ((b - a) ** 2).sum(axis=1)
             total += float((self._signs * squares) @ curves.segment_areas(bulges))
         return total
+
+
+def _summed(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, n: int) -> np.ndarray | csr_array:
+    """The matrix (n, n) of values (k,) at rows and columns (k,): full where it is small."""
+    if n <= DENSE:
+        full = np.zeros((n, n))
+        np.add.at(full, (rows, columns), values)
+        return full
+    from scipy.sparse import csr_array
+
+    return csr_array((values, (rows, columns)), shape=(n, n))
 
 
 def _form(edge: SweptEdge, count: int) -> np.ndarray:

@@ -4,7 +4,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 Condition = tuple[tuple[float, float], ...]
 """Directions (x, y), of length 1, in which a side of a corner is constrained: none is free, two are clamped."""
@@ -75,6 +74,8 @@ def bonded_exponent(sectors: tuple[Sector, ...], first: Condition | None, last: 
 
 def _free(angle: float) -> complex | None:
     """The exponent between free sides: that of the fields that are symmetric to the bisector of the angle."""
+    from scipy.optimize import brentq
+
     if angle <= np.pi:
         return None
     root = brentq(lambda lam: np.sin(lam * angle) + lam * np.sin(angle), 0.5 - 1e-9, 1.0, xtol=1e-12)

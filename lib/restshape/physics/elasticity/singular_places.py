@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,16 +42,23 @@ class SingularPlace:
     exponent: float
 
 
-def singular_places(scene: Scene, outline: Outline) -> list[SingularPlace]:
+def singular_places(
+    scene: Scene, outline: Outline, asked: Callable[[int], bool] = lambda point: True
+) -> list[SingularPlace]:
     """The places of a plane solid at which stress has no bound, by angles, supports and loads of its outline.
 
     Points inside of polylines that turn by no more than `TURN` count as those of a smooth curve, and the load between
     vertices as smooth.
+
+    Args:
+        scene, outline: of the solid.
+        asked: whether a control point is asked for where no force is taken or borne at a point: exponents take time.
     """
     constrained, points = _supports(scene, outline), _points(scene, outline)
     found = [SingularPlace(v, outline.vertex_names[v], cause, 0.0) for v, cause in points.items()]
-    others = (_place(scene, constrained, outline, wedge) for wedge in wedges(scene, outline))
-    return found + [place for place in others if place is not None and place.point not in points]
+    corners = (wedge for wedge in wedges(scene, outline) if wedge.point not in points and asked(wedge.point))
+    others = (_place(scene, constrained, outline, wedge) for wedge in corners)
+    return found + [place for place in others if place is not None]
 
 
 def singular_quantities(scene: Scene, outline: Outline) -> dict[str, SingularPlace]:
@@ -59,10 +67,12 @@ def singular_quantities(scene: Scene, outline: Outline) -> dict[str, SingularPla
     """
     if not any(_moves(one) or _unbounded(one) for one in scene.quantities.values()):
         return {}
-    places = sorted(singular_places(scene, outline), key=lambda place: place.exponent)
+    stresses = [one for one in scene.quantities.values() if _unbounded(one)]
+    asked = singular_places(scene, outline, lambda point: any(_holds(outline, one, point) for one in stresses))
+    places = sorted(asked, key=lambda place: place.exponent)
     found = {}
     for name, quantity in scene.quantities.items():
-        there = (place for place in places if _diverges(quantity, place) and _holds(outline, quantity, place))
+        there = (place for place in places if _diverges(quantity, place) and _holds(outline, quantity, place.point))
         if (worst := next(there, None)) is not None:
             found[name] = worst
     return found
@@ -197,16 +207,16 @@ def _unbounded(quantity: Quantity) -> bool:
     return quantity.stress is not None and quantity.reduce not in ("mean", "sum")
 
 
-def _holds(outline: Outline, quantity: Quantity, place: SingularPlace) -> bool:
-    """Whether a quantity is taken over a place."""
+def _holds(outline: Outline, quantity: Quantity, point: int) -> bool:
+    """Whether a quantity is taken over a control point."""
     if _moves(quantity):
-        return quantity.at is not None and outline.entity(quantity.at).vertices == (place.point,)
+        return quantity.at is not None and outline.entity(quantity.at).vertices == (point,)
     if quantity.at is None:
         return True
     entity = outline.entity(quantity.at)
-    if place.point in outline.control_points(entity):
+    if point in outline.control_points(entity):
         return True
-    return any(_inside(outline, loop, place.point) for loop in entity.loops)
+    return any(_inside(outline, loop, point) for loop in entity.loops)
 
 
 def _inside(outline: Outline, loop: int, control: int) -> bool:

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from restshape.mesh.importer import read_mesh
 from restshape.physics.elasticity.modal_effect import modal_keys
 from restshape.physics.elasticity.stiffness import SHEAR_FACTOR, plane_stress, stiffness_of
 from restshape.physics.elasticity.vibrating_materials import common_thickness
@@ -134,5 +133,7 @@ def _outline(scene: Scene) -> Outline:
 def _read(folder: str, shape: str, mesh_file: str, unit: float, _written: int) -> Outline:
     """The outline of the tables of a shape, or of a mesh file, that were written at a time."""
     if mesh_file:
+        from restshape.mesh.importer import read_mesh
+
         return read_mesh(Path(folder) / mesh_file, unit)[1]
     return outline_from_spec(ShapeSpec.model_validate(json.loads(shape)), folder)

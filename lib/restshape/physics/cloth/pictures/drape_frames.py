@@ -18,7 +18,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from restshape.outputs.drawn import plain_texts, save_picture
+from restshape.outputs.drawn import save_picture
 from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, drape_scenery
 from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recording import Recording
@@ -239,7 +239,6 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery) -
         words, good = convergence_words(recording, i)
         caption.set_text(f" frame {i}, t = {recording.times[i]:.2f} s, {words}")
         caption.set_color(INK if good else REFUSED)
-        plain_texts(figure)
         canvas.draw()
         yield even(canvas)
 
