@@ -69,3 +69,55 @@ def test_a_bad_number_of_seconds_is_refused(monkeypatch):
     monkeypatch.setenv("RESTSHAPE_PROGRESS", "often")
     with pytest.raises(UserError, match="no number of seconds"):
         ProgressLines("frames", 3)
+
+
+def test_a_fine_first_frame_says_what_it_is_at(tmp_path, capsys):
+    scene = write_scene(tmp_path, plate(0.02))
+    assert main(["replay", str(scene), "--set", "mesh.order=1"]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("first frame:")]
+    assert lines[0].startswith("first frame: meshing, about 1") and lines[0].endswith(",000 triangles")
+    assert [line.split(", ")[0] for line in lines[1:]][:2] == [
+        "first frame: nonzero pattern",
+        "first frame: assembling",
+    ]
+    assert {"first frame: factoring"} <= {line.split(", ")[0] for line in lines}
+    # Each stage once, and the number of triangles as the mesh has it.
+    assert len(lines) == len(set(lines)) and len({line.rpartition(", ")[2] for line in lines[1:]}) == 1
+
+
+def test_a_coarse_first_frame_is_silent_unless_it_takes_long(tmp_path):
+    from petsc4py import PETSc
+
+    from restshape.application import application
+    from restshape.calibration import Calibration
+    from restshape.policy import policy
+    from restshape.replay.first_steps import FirstSteps
+    from restshape.replay.loop import Replay
+    from restshape.scene.edit_script import Script
+    from restshape.scene.load import load_scene
+
+    scene = load_scene(write_scene(tmp_path, plate(0.3)), [])
+    for now, said in ((0.0, 0), (3.0, 3)):
+        found, clock = [], Clock()
+        replay = Replay(
+            scene, Script.empty(scene), application(scene.app), policy("auto"), PETSc.COMM_WORLD, Calibration.load()
+        )
+        FirstSteps(replay, found.append, clock)
+        clock.now = now
+        next(replay.frames())
+        assert len(found) >= said and bool(found) == bool(said), found
+
+
+def test_a_report_says_how_many_pictures_are_drawn(tmp_path, monkeypatch, capsys):
+    scene = write_scene(tmp_path, plate(0.3))
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), [(0.52, 0.5), (0.54, 0.5)]))
+    recording = tmp_path / "a.vtkhdf"
+    assert main(["replay", str(scene), str(script), "--out", str(recording)]) == 0
+    monkeypatch.setenv("RESTSHAPE_PROGRESS", "0")
+    capsys.readouterr()
+    assert main(["report", str(recording)]) == 0
+    printed = capsys.readouterr()
+    lines = [line for line in printed.err.splitlines() if line.endswith("pictures drawn")]
+    stills = sum(line.startswith("wrote ") and line.endswith(".png") for line in printed.out.splitlines())
+    frames = load_script(script).frame_count
+    assert lines == [f"{k + 1} pictures drawn" for k in range(stills + frames)]

@@ -1,5 +1,6 @@
 """Where the time of a frame goes: named stages, each also a log stage of PETSc."""
 
+from collections.abc import Callable
 from time import perf_counter
 from types import TracebackType
 
@@ -9,9 +10,14 @@ NAMES = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "kryl
 
 
 class Stages:
-    """Seconds spent in each stage since the last `reset`; a stage within another one is not counted in that one too."""
+    """Seconds spent in each stage since the last `reset`; a stage within another one is not counted in that one too.
+
+    Attributes:
+        listener: is given the name of each stage before its block; None: nobody listens.
+    """
 
     def __init__(self) -> None:
+        self.listener: Callable[[str], None] | None = None
         self.seconds = dict.fromkeys(NAMES, 0.0)
         self._within: list[float] = []
         logged = {name: PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov")}
@@ -23,6 +29,8 @@ class Stages:
 
     def __call__(self, name: str) -> "Stage":
         """Count the time of a `with` block as stage `name`."""
+        if self.listener is not None:
+            self.listener(name)
         return self._stages[name]
 
 

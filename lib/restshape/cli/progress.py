@@ -1,19 +1,33 @@
 """How far a command is: a bar on a terminal; elsewhere a line every ten seconds, with the total and the time left."""
 
+from __future__ import annotations
+
 import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
+from typing import TYPE_CHECKING, Protocol
 
 from restshape.errors import UserError
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as RichProgress
 
 EVERY = 10.0
 """Seconds between lines where there is no terminal."""
 OTHERWISE = "RESTSHAPE_PROGRESS"
 """Variable of the environment that holds another number of seconds."""
-Advance = Callable[[int], None]
-"""Counts so many steps; 0 shows that there is life."""
+
+
+class Advance(Protocol):
+    """Counts steps."""
+
+    def __call__(self, steps: int) -> None:
+        """Counts so many steps; 0 shows that there is life."""
+
+    def say(self, text: str) -> None:
+        """Shows a line at once."""
 
 
 class ProgressLines:
@@ -21,7 +35,7 @@ class ProgressLines:
 
     Args:
         what: steps are, in the plural.
-        total: steps in all.
+        total: steps in all; 0: nobody knows.
         clock: seconds, for the time between lines and the time left.
 
     Raises:
@@ -43,13 +57,19 @@ class ProgressLines:
             self._first, self._start = self.done, now
         if now - self._last < self.every:
             return
-        self._last = now
+        self.say(self.line(now))
+
+    def say(self, text: str) -> None:
+        """Writes a line now."""
+        self._last = self.clock()
         # A replay goes on although nobody reads how far it is.
         with suppress(BrokenPipeError):
-            print(self.line(now), file=sys.stderr, flush=True)
+            print(text, file=sys.stderr, flush=True)
 
     def line(self, now: float) -> str:
         """How far it is at a time [s]."""
+        if not self.total:
+            return f"{self.done} {self.what}"
         known = self.done - self._first
         left = f", about {duration((now - self._start) / known * (self.total - self.done))} left" if known else ""
         return f"{self.done} of {self.total} {self.what}{left}"
@@ -73,26 +93,47 @@ def duration(seconds: float) -> str:
     return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
 
 
+class _Silent:
+    """Shows nothing."""
+
+    def __call__(self, steps: int) -> None:
+        pass
+
+    def say(self, text: str) -> None:
+        pass
+
+
+class _Bar:
+    """A bar on a terminal."""
+
+    def __init__(self, bar: RichProgress, what: str, total: int) -> None:
+        self._bar, self._task = bar, bar.add_task(what, total=total or None)
+
+    def __call__(self, steps: int) -> None:
+        self._bar.advance(self._task, steps)
+
+    def say(self, text: str) -> None:
+        self._bar.console.print(text, markup=False, highlight=False)
+
+
 @contextmanager
 def progress(quiet: bool, total: int, what: str = "frames") -> Iterator[Advance]:
-    """A function that counts steps, and shows how many of all are done and how much time is left.
+    """What counts steps, and shows how many of all are done and how much time is left.
 
     Args:
         quiet: show nothing.
-        total: steps in all.
+        total: steps in all; 0: nobody knows.
         what: they are, in the plural.
     """
     if quiet:
-        yield lambda steps: None
+        yield _Silent()
     elif sys.stderr.isatty():
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
         from restshape.cli.console import Output
 
-        console = Output(stderr=True)
         layout = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TextColumn("left"), TimeRemainingColumn())
-        with Progress(*layout, console=console, transient=True, refresh_per_second=4) as bar:
-            task = bar.add_task(what, total=total)
-            yield lambda steps: bar.advance(task, steps)
+        with Progress(*layout, console=Output(stderr=True), transient=True, refresh_per_second=4) as bar:
+            yield _Bar(bar, what, total)
     else:
         yield ProgressLines(what, total)

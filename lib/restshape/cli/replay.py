@@ -159,7 +159,7 @@ def _run(
             begin_frame()
             count(1)
 
-        return run_replay(request, recorder, args.parity, args.csv, on_frame, keep_rows=False)
+        return run_replay(request, recorder, args.parity, args.csv, on_frame, keep_rows=False, say=count.say)
 
 
 def _note_unused(words: list[str]) -> None:

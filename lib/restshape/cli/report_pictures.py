@@ -25,7 +25,8 @@ def draw_report(
     Raises:
         UserError: an option does not suit the recording, or a picture cannot be written.
     """
-    from restshape.outputs.drawn import drawn_from
+    from restshape.cli.progress import progress
+    from restshape.outputs.drawn import counting, drawn_from
     from restshape.report.field import own_pictures, shown_field
     from restshape.report.style import resolution
 
@@ -41,7 +42,12 @@ def draw_report(
         shown_field(recording, looks.field)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with resolution(looks.dpi), drawn_from(recording.fingerprint):
+        with (
+            resolution(looks.dpi),
+            drawn_from(recording.fingerprint),
+            progress(False, 0, "pictures drawn") as count,
+            counting(count),
+        ):
             return _draw(recording, folder, args, looks, application, special)
     except OSError as error:
         raise UserError(f"pictures cannot be written: {error.strerror}", str(folder), "choose another --out") from error

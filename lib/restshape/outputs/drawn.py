@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from hashlib import sha256
@@ -27,6 +27,7 @@ STAMP = "stamp"
 SOURCE = "Source"
 """Key of a picture's metadata, in PNG and in SVG."""
 _source: ContextVar[str] = ContextVar("source", default="")
+_count: ContextVar[Callable[[int], None] | None] = ContextVar("count", default=None)
 
 
 def fingerprint(data: object) -> str:
@@ -36,6 +37,26 @@ def fingerprint(data: object) -> str:
     if isinstance(plain, dict):
         plain.pop(STAMP, None)
     return f"sha256:{sha256(json.dumps(plain, sort_keys=True, separators=(',', ':')).encode()).hexdigest()}"
+
+
+@contextmanager
+def counting(count: Callable[[int], None]) -> Iterator[None]:
+    """Has each picture that is saved inside it, and each frame of an animation, counted.
+
+    Args:
+        count: is given 1 after each.
+    """
+    before = _count.set(count)
+    try:
+        yield
+    finally:
+        _count.reset(before)
+
+
+def count_picture() -> None:
+    """One more picture, or frame of an animation, is done."""
+    if (count := _count.get()) is not None:
+        count(1)
 
 
 @contextmanager
@@ -63,6 +84,7 @@ def save_picture(figure: Figure, path: Path) -> None:
     _show_powers(figure)
     with replacing(path) as part:
         write_figure(figure, part, _metadata(path.suffix.lower()))
+    count_picture()
 
 
 def write_figure(figure: Figure, path: Path, metadata: dict[str, str] | None) -> None:

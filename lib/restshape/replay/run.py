@@ -7,6 +7,7 @@ from petsc4py import PETSc
 
 from restshape.analysis.analysis import RowValues
 from restshape.replay.columns import columns_of
+from restshape.replay.first_steps import FirstSteps
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
 from restshape.replay.petsc_options import refusal
@@ -29,6 +30,7 @@ def run_replay(
     csv: Path | None = None,
     on_frame: Callable[[], None] = lambda: None,
     keep_rows: bool = True,
+    say: Callable[[str], None] | None = None,
 ) -> Summary:
     """The summary of a replay on all ranks of PETSc's world, as `replay --json` writes it, with all `rows`.
 
@@ -39,6 +41,7 @@ def run_replay(
         csv: file for a row of numbers a frame.
         on_frame: called after each frame; on several ranks an `AgreedInterrupt` of it ends the replay.
         keep_rows: give all `rows`; else those alone that the report of the application needs.
+        say: takes a line of what the first frame is at, where that takes long.
 
     Raises:
         UserError: the scene cannot be simulated, or a file cannot be written.
@@ -56,7 +59,7 @@ def run_replay(
     names = list(columns_of(request.scene, request.application))
     with table_of_rows(csv if first else None, names) as table:
         try:
-            for row in _frames(replay, request.petsc):
+            for row in _frames(replay, request.petsc, say):
                 if check:
                     row |= check()
                 tally.add(row)
@@ -96,11 +99,15 @@ def _surroundings(comm: PETSc.Comm) -> dict[str, object]:
     return {"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options()}
 
 
-def _frames(replay: Replay, petsc: Sequence[str]) -> Iterator[RowValues]:
+def _frames(replay: Replay, petsc: Sequence[str], say: Callable[[str], None] | None) -> Iterator[RowValues]:
     """The rows of all frames; where PETSc fails in the first one, what it says against the user's words."""
     frames = replay.frames()
+    steps = FirstSteps(replay, say) if say else None
     try:
-        yield next(frames)
+        first = next(frames)
+        if steps:
+            steps.end()
+        yield first
     except PETSc.Error as error:
         # On several ranks the others may not have failed.
         if not petsc or replay.comm.size > 1:

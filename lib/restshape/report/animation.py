@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from restshape.errors import UserError
+from restshape.outputs.drawn import count_picture
 from restshape.replay.recording import Recording
 from restshape.report.conditions import LOADS, SUPPORT
 from restshape.report.drawing import Drawing
@@ -91,10 +92,18 @@ def write_animation(pictures: Iterator[np.ndarray], palette: np.ndarray, path: P
     Raises:
         UserError: MP4 without ffmpeg, or ffmpeg failed.
     """
+    counted = _counted(pictures)
     if path.suffix == ".mp4":
-        _write_mp4(pictures, path, seconds)
+        _write_mp4(counted, path, seconds)
     else:
-        _write_gif(pictures, palette, path, seconds)
+        _write_gif(counted, palette, path, seconds)
+
+
+def _counted(pictures: Iterator[np.ndarray]) -> Iterator[np.ndarray]:
+    """The same pictures, each counted when it is drawn."""
+    for picture in pictures:
+        count_picture()
+        yield picture
 
 
 def pause(recording: Recording, chosen: np.ndarray) -> float:
