@@ -29,9 +29,10 @@ demo: setup
 test: setup
 	.venv/bin/python -m pytest -n 2 --dist worksteal $(PYTEST_ARGS)
 
-# What takes too long for every day: shipped scripts, each on the mesh of its scene; planted faults, each of which its
-# test must notice; writes results/mutants.md.
+# What takes too long for every day: tests with that mark; shipped scripts, each on the mesh of its scene; planted
+# faults, each of which its test must notice; writes results/mutants.md.
 weekly: setup
+	.venv/bin/python -m pytest -n 2 --dist worksteal -m "weekly and not results" $(PYTEST_ARGS)
 	.venv/bin/python tests/shipped_scripts.py
 	.venv/bin/python scripts/mutants.py
 

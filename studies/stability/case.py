@@ -91,14 +91,14 @@ class Case:
         policies: that it runs under where nobody names any: `auto` and the scene's.
         exempt: policies under which the statements do not apply, each with the reason.
         share: of its frames or seeds that the test-suite runs.
-        long: it takes more than a second and a half of the test-suite, which marks it as slow.
+        weekly: policies under which `make weekly` runs it, and `make test` does not.
     """
 
     run: Run
     policies: tuple[str, ...] = ("auto",)
     exempt: Mapping[str, str] = field(default_factory=dict)
     share: float = 1.0
-    long: bool = False
+    weekly: tuple[str, ...] = ()
 
     @property
     def summary(self) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.validation.case import OWN, Case, Check
+from restshape_studies.validation.case import OWN, Case, Check, each_week
 
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
@@ -55,6 +55,7 @@ def refined(comm: PETSc.Comm, scene: Scene, outline: Outline) -> list[dict[str, 
     return [solved(revise(scene, "mesh.size", size / divisor), outline, comm) for divisor in REFINEMENTS]
 
 
+@each_week(REFINEMENTS=(1, 2))
 def constraint_statuses(comm: PETSc.Comm) -> list[Check]:
     """Each analysed design gets the same constraint status on three meshes; the stress of those that hold converges."""
     checks, holding = [], 0

@@ -139,12 +139,12 @@ def sharp_rim(trial: Trial) -> Iterator[Statement]:
 
 CASES = {
     "deep": Case(deep),
-    "swollen": Case(swollen, long=True),
+    "swollen": Case(swollen),
     "gone": Case(gone),
-    "thin_bar": Case(thin_bar, long=True),
+    "thin_bar": Case(thin_bar, weekly=("auto",)),
     "too_thin": Case(too_thin),
     "sharp_rim": Case(sharp_rim),
-    "slippery": Case(slippery, long=True),
+    "slippery": Case(slippery),
     "dragged_far": Case(dragged_far, share=0.5),
     "crumpled_among_bodies": Case(crumpled_among_bodies, share=0.5),
 }

@@ -118,9 +118,9 @@ def without_weight(trial: Trial) -> Iterator[Statement]:
 
 
 CASES = {
-    "scattered": Case(scattered, exempt={"thesis": FOLDED}, share=0.34, long=True),
+    "scattered": Case(scattered, exempt={"thesis": FOLDED}, share=0.34),
     "crumpled_on_a_ball": Case(crumpled_on_a_ball),
-    "textile": Case(textile, long=True),
+    "textile": Case(textile, weekly=("auto",)),
     "thin_plate": Case(thin_plate),
     "endless_fall": Case(endless_fall),
     "without_weight": Case(without_weight),

@@ -6,7 +6,7 @@ from restshape_apps.furniture.guidance.force_space import durability_space, stab
 from restshape_apps.furniture.guidance.searchable_piece import SearchablePiece
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import chair, scales, shelf_1, shelf_2, stool_chair, table
-from restshape_studies.validation.case import OWN, Case, Check
+from restshape_studies.validation.case import OWN, Case, Check, each_week
 from restshape_verification.furniture.enumeration import alone, apart, confirmed, distinct, rays
 from restshape_verification.furniture.misses import FIRST_ONLY, MANY, SMALL, UNLIMITED, Grid
 from restshape_verification.furniture.validation_guidance import modes_of
@@ -53,6 +53,7 @@ def sampled_ends(furniture: Furniture, direction: np.ndarray) -> list[float]:
     return ends
 
 
+@each_week(SMALL=dict(list(SMALL.items())[:2]))
 def missed(comm: PETSc.Comm) -> list[Check]:
     """Ways of one and two modes that a grid of the full test finds and suggestions do not, on 3 and 4 planks."""
     source = "grids of 201 and 21 x 21 full tests"
@@ -66,6 +67,8 @@ def missed(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
+# apps/furniture/tests/test_suggestions.py compares the same pieces every day.
+@each_week()
 def enumerated(comm: PETSc.Comm) -> list[Check]:
     """Suggestions beside those of every combination of modes, tried one by one with nothing left out."""
     checks = []

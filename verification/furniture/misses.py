@@ -114,4 +114,4 @@ class Grid:
 def _somewhere(furniture: Furniture, modes: DesignModes, some: np.ndarray, places: np.ndarray) -> bool:
     """Whether the full test holds at one of the places (p, k) of a few modes."""
     whole = np.stack([modes.direction(np.array([k]), np.array([1.0])) for k in some])
-    return any(furniture.test(np.tensordot(place, whole, 1), ALL, True).valid for place in places)
+    return any(furniture.test(gamma, ALL, True).valid for gamma in np.tensordot(places, whole, 1))

@@ -270,13 +270,13 @@ MISSES = {"thesis": "inverse iteration from known modes misses others, and mixes
 ENDLESS = {"thesis": "inverse iteration does not see rounding: it is refused after 2000 steps"}
 CASES: dict[str, Case] = {
     "thin_plate": Case(thin_plate),
-    "thin_solid": Case(thin_solid, long=True),
-    "nearly_cut": Case(nearly_cut, long=True),
+    "thin_solid": Case(thin_solid, weekly=("auto",)),
+    "nearly_cut": Case(nearly_cut),
     "from_above": Case(from_above, tuple(POLICIES)),
     "tetrahedra_from_above": Case(tetrahedra_from_above, exempt=MISSES),
-    "tiny_holes": Case(tiny_holes, long=True),
+    "tiny_holes": Case(tiny_holes, weekly=("auto",)),
     "sixth_close_by": Case(sixth_close_by, ("auto", "refactor"), MISSES),
-    "lowest_unknown": Case(lowest_unknown, exempt=MISSES, long=True),
+    "lowest_unknown": Case(lowest_unknown, exempt=MISSES),
     "pulled_tall": Case(pulled_tall),
     "three_triangles": Case(three_triangles),
     "long_replay": Case(long_replay, share=0.01),

@@ -4,7 +4,17 @@ from collections.abc import Sequence
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, PROGRAM, PUBLISHED, ROUNDING, Case, Check, Kind
+from restshape_studies.validation.case import (
+    CLOSED_FORM,
+    IDENTITY,
+    PROGRAM,
+    PUBLISHED,
+    ROUNDING,
+    Case,
+    Check,
+    Kind,
+    each_week,
+)
 from restshape_verification.metallophone.exactness import discrete, norms, rates, remainders
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved, timoshenko
 
@@ -82,6 +92,7 @@ def beams(comm: PETSc.Comm) -> list[Check]:
     return checks + beside("supported beam, height 1/10", thick, exact, 1e-4, "Timoshenko, shear factor 5/6")
 
 
+@each_week(BARS={100: BARS[100]})
 def bars(comm: PETSc.Comm) -> list[Check]:
     """Free bars of the thesis's sizes against three-dimensional elasticity, five modes, those in the plane included."""
     checks = []

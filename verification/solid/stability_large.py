@@ -244,7 +244,7 @@ CASES: dict[str, Case] = {
     "greenhill": Case(greenhill, exempt=UNVERIFIED),
     "fold": Case(fold),
     "inverted": Case(inverted, tuple(POLICIES)),
-    "incompressible_strip": Case(incompressible_strip, exempt=SLOW, long=True),
+    "incompressible_strip": Case(incompressible_strip, exempt=SLOW, weekly=("auto",)),
     "locking_strip": Case(locking_strip),
     "hardly_regular": Case(hardly_regular, exempt=SPRINGS),
     "predicted_with_an_old_factor": Case(predicted_with_an_old_factor, exempt=SPRINGS),

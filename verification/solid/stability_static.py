@@ -246,7 +246,7 @@ CASES: dict[str, Case] = {
     "jump": Case(jump, ALL),
     "ligament": Case(ligament),
     "touching": Case(touching),
-    "slender": Case(slender, ("auto", "thesis"), long=True),
+    "slender": Case(slender, ("auto", "thesis"), weekly=("thesis",)),
     "locking": Case(locking),
     "incompressible": Case(incompressible, ALL),
     "incompressible_large": Case(incompressible_large, ALL),

@@ -1,10 +1,11 @@
 """Vibrating solids beside restshape's own values: where a window makes a building shake most."""
 
 from petsc4py import PETSc
-from restshape_studies.validation.case import OWN, Case, Check
+from restshape_studies.validation.case import OWN, Case, Check, each_week
 from restshape_verification.vibration.resonance import study
 
 
+@each_week()
 def resonance(comm: PETSc.Comm) -> list[Check]:
     """Where the building's window makes it shake most, against where its eigenfrequency meets the ground's."""
     found = study(comm)

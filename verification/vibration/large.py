@@ -2,7 +2,7 @@
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.validation.case import IDENTITY, PROGRAM, PUBLISHED, Check
+from restshape_studies.validation.case import IDENTITY, PROGRAM, PUBLISHED, Check, each_week
 
 from restshape.analysis.frame import Frame
 from restshape.application import application
@@ -12,10 +12,12 @@ SCENES = application("vibration").folder / "scenes"
 STEP = 0.005
 """The step of the reference [s]; four times as long, the motion gains energy without end."""
 END = 10.0
+"""The end of the motion [s]: cycles that begin later are left out."""
 FIRST, LAST = (0.0, 0.93), (9.08, 10.0)
 """Times [s] of the first and of the last whole cycle."""
 
 
+@each_week(END=1.0)
 def csm3(comm: PETSc.Comm) -> list[Check]:
     """The first and the last cycle of Turek and Hron's beam; they differ, for the motion is not periodic."""
     replay = first_frame(SCENES / "csm3.toml", ["effects.dynamics.steps=1"], comm)
@@ -35,6 +37,8 @@ def csm3(comm: PETSc.Comm) -> list[Check]:
     ]
     checks = []
     for cycle, (start, end), tolerance, kind, source, references in wanted:
+        if start >= END:
+            continue
         during = tip[(times >= start) & (times <= end)]
         for axis, values, (middle, swing) in zip("xy", during.T, references):
             most, least = values.max(), values.min()

@@ -167,8 +167,8 @@ def dropped_gravity(trial: Trial) -> Iterator[Statement]:
 
 
 CASES: dict[str, Any] = {
-    "undamped_resonance": Case(undamped_resonance, long=True),
-    "damped_resonance": Case(damped_resonance),
+    "undamped_resonance": Case(undamped_resonance),
+    "damped_resonance": Case(damped_resonance, weekly=("auto",)),
     "window_jumps": Case(window_jumps, tuple(POLICIES)),
     "long_swing": Case(long_swing, share=0.03),
     "long_steps": Case(ground_shaken_long_steps, share=0.2),

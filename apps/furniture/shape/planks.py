@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
@@ -9,6 +10,9 @@ from restshape.errors import UserError
 
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
 """Sides of a plank by their number: four ends, then the two faces."""
+
+CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+"""The corners of a plank (8, 3), in parts of its size from its centre."""
 
 FREEDOMS = ("move x", "move y", "move z", "turn x", "turn y", "turn z", "length x", "length y")
 """Design parameters of a plank by their number, along and about its own axes."""
@@ -59,8 +63,7 @@ class Plank:
 
     def corners(self) -> np.ndarray:
         """Its eight corners (8, 3) [m]."""
-        signs = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-        return self.centre + (signs * self.size) @ self.axes.T
+        return self.centre + (CORNERS * self.size) @ self.axes.T
 
 
 def _no_plank(length: float, width: float, name: str) -> tuple[str, str, str]:

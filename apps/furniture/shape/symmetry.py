@@ -54,15 +54,15 @@ class Mirror:
 
 def mirrors(piece: Piece) -> tuple[Mirror, ...]:
     """The upright mirror planes, across x and y of the room, that map a piece's planks onto each other."""
-    corners = np.concatenate([plank.corners() for plank in piece.planks])
-    middle, room = 0.5 * (corners.min(axis=0) + corners.max(axis=0)), SAME * piece.size
+    corners = np.array([plank.corners() for plank in piece.planks])
+    middle, room = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))), SAME * piece.size
     found = []
     for axis in (0, 1):
         sign, shift = np.ones(3), np.zeros(3)
         sign[axis], shift[axis] = -1.0, 2.0 * middle[axis]
-        images = [_image(piece, plank, sign, shift, room) for plank in piece.planks]
-        if all(image is not None for image in images):
-            found.append(Mirror(axis, float(middle[axis]), tuple(images)))
+        images = _images(piece, corners * sign + shift, corners, room)
+        if images is not None:
+            found.append(Mirror(axis, float(middle[axis]), images))
     return tuple(found)
 
 
@@ -112,13 +112,20 @@ def _orbit(piece: Piece, start: Member, planes: tuple[Mirror, ...]) -> tuple[Mem
     return tuple((*key, parts[key]) for key in sorted(parts, key=lambda one: (one != first, one)))
 
 
-def _image(piece: Piece, plank: Plank, sign: np.ndarray, shift: np.ndarray, room: float) -> int | None:
-    """The number of the plank that has a plank's mirrored corners, and its wood."""
-    wanted = plank.corners() * sign + shift
-    for k, other in enumerate(piece.planks):
-        if other.wood == plank.wood and same_place(wanted, other.corners(), room):
-            return k
-    return None
+def _images(piece: Piece, mirrored: np.ndarray, corners: np.ndarray, room: float) -> tuple[int, ...] | None:
+    """The number of the plank that has each plank's mirrored corners (n, 8, 3), and its wood; None where one has none.
+
+    Planks in one another's place have one centre, which is looked at first.
+    """
+    found = []
+    apart = np.linalg.norm(mirrored.mean(axis=1)[:, None] - corners.mean(axis=1)[None], axis=2)
+    for plank, wanted, far in zip(piece.planks, mirrored, apart):
+        near = (int(k) for k in np.flatnonzero(far <= room) if piece.planks[k].wood == plank.wood)
+        image = next((k for k in near if same_place(wanted, corners[k], room)), None)
+        if image is None:
+            return None
+        found.append(image)
+    return tuple(found)
 
 
 def same_place(corners: np.ndarray, others: np.ndarray, room: float) -> bool:

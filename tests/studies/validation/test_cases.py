@@ -1,6 +1,7 @@
 """Every validation case of every application passes, and a wrong value fails; tolerances say what is reached."""
 
 import json
+import sys
 from collections import defaultdict
 from importlib import import_module
 from importlib.util import find_spec
@@ -8,7 +9,16 @@ from typing import get_args
 
 import pytest
 from petsc4py import PETSc
-from restshape_studies.validation.case import CLOSED_FORM, OWN, REFERENCE_KINDS, ROUNDING, Case, Check, Kind
+from restshape_studies.validation.case import (
+    CLOSED_FORM,
+    OWN,
+    REFERENCE_KINDS,
+    ROUNDING,
+    Case,
+    Check,
+    Kind,
+    daily_values,
+)
 from restshape_studies.verification import verifications
 
 from restshape.application import applications
@@ -59,10 +69,27 @@ def loose(checks: list[Check]) -> list[str]:
     ]
 
 
+def played(cases):
+    """Cases, and the values of their modules that make them short: those of a week run as they are then."""
+    for name, case in cases.items():
+        daily = daily_values(case)
+        if daily != {}:
+            yield pytest.param(name, daily or {}, id=name)
+        if daily is not None:
+            yield pytest.param(name, {}, marks=[pytest.mark.weekly], id=f"{name}-whole")
+
+
+def run(case, values, monkeypatch):
+    """The rows of a case with other values of its module."""
+    for name, value in values.items():
+        monkeypatch.setattr(sys.modules[case.__module__], name, value)
+    return case(PETSc.COMM_WORLD)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-def test_case(name):
-    checks = CASES[name](PETSc.COMM_WORLD)
+@pytest.mark.parametrize(("name", "values"), list(played(CASES)))
+def test_case(name, values, monkeypatch):
+    checks = run(CASES[name], values, monkeypatch)
     assert checks
     for check in checks:
         assert check.passed, check
@@ -72,9 +99,9 @@ def test_case(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", COMPARISONS)
-def test_comparison_with_own_values(name):
-    checks = COMPARISONS[name](PETSc.COMM_WORLD)
+@pytest.mark.parametrize(("name", "values"), list(played(COMPARISONS)))
+def test_comparison_with_own_values(name, values, monkeypatch):
+    checks = run(COMPARISONS[name], values, monkeypatch)
     assert checks
     for check in checks:
         assert check.passed and check.kind == OWN, check
