@@ -80,9 +80,14 @@ class Verification:
         """The hard cases by name, imported now."""
         return _attribute(self.hard_cases) if self.hard_cases else {}
 
+    def load_thesis(self) -> Callable[..., list[dict[str, Any]]] | None:
+        """What measures the thesis's numbers beside ours, imported now; None where there are none."""
+        return _attribute(self.thesis) if self.thesis else None
+
     def thesis_rows(self, timed: bool = True) -> list[dict[str, Any]]:
         """The thesis's numbers beside ours, measured now; not `timed`: those alone that no clock decides."""
-        return _attribute(self.thesis)(timed) if self.thesis else []
+        measure = self.load_thesis()
+        return measure(timed) if measure else []
 
     def study_scale(self, scene: "Scene", application: Application, order: int) -> "StudyScale":
         """How large studies of accuracy of a scene may be."""

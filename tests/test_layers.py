@@ -72,13 +72,17 @@ MODULES = {
 }
 
 
-def imported(path: Path, annotations: bool) -> Iterator[str]:
+STATEMENTS = (ast.stmt, ast.excepthandler, ast.match_case)
+"""What may hold an import."""
+
+
+def imported(tree: ast.Module, annotations: bool) -> Iterator[str]:
     """Modules of ours that a file imports, anywhere in it.
 
     Args:
         annotations: those that only annotations need, too.
     """
-    waiting: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+    waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" and not annotations:
@@ -89,13 +93,23 @@ def imported(path: Path, annotations: bool) -> Iterator[str]:
             yield from (name if name in MODULES or name == "restshape._kernels" else node.module for name in names)
         elif isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
-        waiting += ast.iter_child_nodes(node)
+        waiting += (inner for inner in ast.iter_child_nodes(node) if isinstance(inner, STATEMENTS))
 
 
 @cache
+def read(path: Path) -> tuple[frozenset[str], frozenset[str]]:
+    """Modules of our packages that a file imports: without those that only annotations need, and with them."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    without, with_them = (
+        frozenset(name for name in imported(tree, annotations) if name.partition(".")[0] in PACKAGES)
+        for annotations in (False, True)
+    )
+    return without, with_them
+
+
 def ours(path: Path, annotations: bool = False) -> frozenset[str]:
     """Modules of our packages that a file imports."""
-    return frozenset(name for name in imported(path, annotations) if name.partition(".")[0] in PACKAGES)
+    return read(path)[annotations]
 
 
 def layer(name: str) -> str:

@@ -58,22 +58,3 @@ class Check:
 
 Case = Callable[[PETSc.Comm], list[Check]]
 """A named comparison: runs on all ranks of a communicator and gives the same checks on each."""
-
-
-def each_week(**daily: Any) -> Callable[[Case], Case]:
-    """Marks a long case: `make weekly` runs it as it is, `make test` with these values of its module; without any, not.
-
-    Args:
-        daily: by the names of the module's values.
-    """
-
-    def mark(case: Case) -> Case:
-        case.daily = daily
-        return case
-
-    return mark
-
-
-def daily_values(case: Case) -> dict[str, Any] | None:
-    """The values of its module with which `make test` runs a case: {}: it does not; None: with those that it has."""
-    return getattr(case, "daily", None)

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.validation.case import OWN, Case, Check, each_week
+from restshape_studies.each_week import each_week
+from restshape_studies.validation.case import OWN, Case, Check
 
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context

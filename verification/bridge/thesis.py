@@ -2,9 +2,11 @@
 
 from typing import Any
 
+from restshape_studies.each_week import each_week
 from restshape_verification.bridge.study import study
 
 
+@each_week()
 def rows(timed: bool = True) -> list[dict[str, Any]]:
     """Rows of `restshape tables`: areas that are known to hold, of one scripted designer; no clock decides them."""
     ways = study()

@@ -6,7 +6,8 @@ from restshape_apps.furniture.guidance.force_space import durability_space, stab
 from restshape_apps.furniture.guidance.searchable_piece import SearchablePiece
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import chair, scales, shelf_1, shelf_2, stool_chair, table
-from restshape_studies.validation.case import OWN, Case, Check, each_week
+from restshape_studies.each_week import each_week
+from restshape_studies.validation.case import OWN, Case, Check
 from restshape_verification.furniture.enumeration import alone, apart, confirmed, distinct, rays
 from restshape_verification.furniture.misses import FIRST_ONLY, MANY, SMALL, UNLIMITED, Grid
 from restshape_verification.furniture.validation_guidance import modes_of

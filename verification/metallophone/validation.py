@@ -4,17 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.validation.case import (
-    CLOSED_FORM,
-    IDENTITY,
-    PROGRAM,
-    PUBLISHED,
-    ROUNDING,
-    Case,
-    Check,
-    Kind,
-    each_week,
-)
+from restshape_studies.each_week import each_week
+from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, PROGRAM, PUBLISHED, ROUNDING, Case, Check, Kind
 from restshape_verification.metallophone.exactness import discrete, norms, rates, remainders
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved, timoshenko
 

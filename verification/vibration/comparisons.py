@@ -1,7 +1,8 @@
 """Vibrating solids beside restshape's own values: where a window makes a building shake most."""
 
 from petsc4py import PETSc
-from restshape_studies.validation.case import OWN, Case, Check, each_week
+from restshape_studies.each_week import each_week
+from restshape_studies.validation.case import OWN, Case, Check
 from restshape_verification.vibration.resonance import study
 
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.validation.case import IDENTITY, PROGRAM, PUBLISHED, Check, each_week
+from restshape_studies.each_week import each_week
+from restshape_studies.validation.case import IDENTITY, PROGRAM, PUBLISHED, Check
 
 from restshape.analysis.frame import Frame
 from restshape.application import application

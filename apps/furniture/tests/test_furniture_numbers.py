@@ -16,9 +16,15 @@ from restshape_verification.furniture.times import COLUMNS, large, timed
 from restshape.cli.main import main
 
 
+@pytest.fixture(scope="module")
+def untimed() -> list[dict]:
+    """The rows that no clock decides."""
+    return rows(timed=False)
+
+
 @pytest.mark.slow
-def test_planks_and_joints_are_those_of_the_thesis() -> None:
-    found = rows(timed=False)
+def test_planks_and_joints_are_those_of_the_thesis(untimed) -> None:
+    found = untimed
     assert not any(row["timing"] for row in found)
     for row in found:
         if row["quantity"] in ("planks", "joints"):
@@ -32,15 +38,15 @@ def test_planks_and_joints_are_those_of_the_thesis() -> None:
 
 
 @pytest.mark.slow
-def test_the_threshold_of_the_nails() -> None:
-    bears = {row["row"].split(", ")[1]: row["ours"] for row in rows(timed=False) if row["unit"] == "N m"}
+def test_the_threshold_of_the_nails(untimed) -> None:
+    bears = {row["row"].split(", ")[1]: row["ours"] for row in untimed if row["unit"] == "N m"}
     assert bears["nail-thesis"] == pytest.approx(0.02 * 35e3 * 0.006 * 3, rel=1e-6)
     assert bears["nail-experiment"] == pytest.approx(1.86, rel=0.01)
 
 
 @pytest.mark.slow
-def test_the_piece_of_224_freedoms_tries_all_triples_that_change_forces() -> None:
-    found = {row["quantity"]: row["ours"] for row in rows(timed=False) if row["row"] == "a bookshelf of 51 planks"}
+def test_the_piece_of_224_freedoms_tries_all_triples_that_change_forces(untimed) -> None:
+    found = {row["quantity"]: row["ours"] for row in untimed if row["row"] == "a bookshelf of 51 planks"}
     assert found["design freedoms"] == 224
     furniture = Furniture(large())
     furniture.test()

@@ -9,16 +9,8 @@ from typing import get_args
 
 import pytest
 from petsc4py import PETSc
-from restshape_studies.validation.case import (
-    CLOSED_FORM,
-    OWN,
-    REFERENCE_KINDS,
-    ROUNDING,
-    Case,
-    Check,
-    Kind,
-    daily_values,
-)
+from restshape_studies.each_week import daily_values
+from restshape_studies.validation.case import CLOSED_FORM, OWN, REFERENCE_KINDS, ROUNDING, Case, Check, Kind
 from restshape_studies.verification import verifications
 
 from restshape.application import applications
