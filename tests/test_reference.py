@@ -88,3 +88,13 @@ def test_the_page_is_current():
     around = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     done = subprocess.run(command, cwd=ROOT, env=around, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_headings_of_the_page_are_what_is_written_in_files():
+    """Tables and events, not the names of classes; each once, so that links reach them."""
+    page = (ROOT / "docs" / "reference.md").read_text(encoding="utf-8")
+    headings = re.findall(r"^### (.*)$", page, re.M)
+    assert len(set(headings)) == len(headings)
+    table, event = r"(`\[[\w.]+\]`(, )?)+( [a-z]+)?", r'Event `"[a-z]+"`( of [a-z]+)?'
+    assert not [one for one in headings if not re.fullmatch(f"{table}|{event}|Header", one)]
+    assert {"`[solve]`", "`[shape.edges.NAME]` arc", 'Event `"press"`'} <= set(headings)
