@@ -6,6 +6,7 @@ from modal import solved
 from petsc4py import PETSc
 from scipy.linalg import eigh
 
+from restshape.algebra import eigen
 from restshape.algebra.davidson import SearchSpace, davidson
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.inverse_iteration import inverse_iteration
@@ -14,6 +15,7 @@ from restshape.algebra.pencil import Deflation, Pencil
 from restshape.algebra.spectrum import gap
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
 
 
 def spring_chain(n: int, stiffer: float = 1.0) -> tuple[PETSc.Mat, PETSc.Mat, np.ndarray]:
@@ -180,3 +182,20 @@ def test_gap_is_no_trap_of_values_that_have_not_converged():
     assert below == 3 and 2.5 < shift < 3.1
     shift, below = gap(np.array([1.0, 2.0, 400.0, 900.0]), 2)
     assert below == 2 and 2.0 < shift < 2.5
+
+
+def test_search_that_rounding_holds_up_ends_after_a_bounded_number_of_iterations(monkeypatch):
+    """Springs 10^13 times as stiff as the rest leave residuals of 10^-2 in double precision, whatever is done."""
+    iterations = []
+
+    def counted(*arguments):
+        found = davidson(*arguments)
+        iterations.append(found.iterations)
+        return found
+
+    monkeypatch.setattr(eigen, "davidson", counted)
+    K, M, rigid = spring_chain(40, 1e13)
+    with pytest.raises(ReplayProblem, match="rounding leaves a residual of") as raised:
+        solver("auto", 1e-8).solve(K, M, rigid, 4, True)
+    assert "times as stiff as the body" in str(raised.value)
+    assert 0 < sum(iterations) <= eigen.MOST_ITERATIONS

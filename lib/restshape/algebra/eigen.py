@@ -49,6 +49,9 @@ LEAST_MASS = 0.25
 ROOM = 40
 """Rows of the search space beside those that it begins with."""
 
+MOST_ITERATIONS = 60
+"""Davidson's iterations in one search: with a factor of the same matrices what has not converged by then does not."""
+
 
 PRIOR_DAVIDSON, PRIOR_KRYLOV = 5.0, 3.0
 """Iterations a mode on a new mesh, and substitutions a mode from nothing, before any has been counted."""
@@ -193,14 +196,24 @@ class EigenSolver:
         return found, report
 
     def _rounding(self, found: Found, count: int) -> float:
-        """What rounding leaves of residuals that do not come to meet the tolerance; as before if it is not to blame."""
+        """What rounding leaves of residuals that do not come to meet the tolerance; as before if it is not to blame.
+
+        Raises:
+            ReplayProblem: it leaves more than `MOST_ROUNDING`.
+        """
         rows, worst = found.modes[:count], float(found.residuals[:count].max())
         mass_products = np.empty_like(rows)
         self.pencil.apply(self.pencil.mass, rows, mass_products)
         sizes = np.linalg.norm(rows, axis=1) / (np.abs(found.values[:count]) * np.linalg.norm(mass_products, axis=1))
         largest = self.pencil.stiffness.norm(PETSc.NormType.NORM_INFINITY)
-        left = min(MOST_ROUNDING, ROUNDING * largest * float(sizes.max()))
-        return ROUNDING_SLACK * worst if worst <= left else self.floor
+        ratio = largest * float(sizes.max())
+        left = ROUNDING * ratio
+        if MOST_ROUNDING < worst <= left:
+            raise ReplayProblem(
+                f"modes do not converge: rounding leaves a residual of {worst:.1e}, and {MOST_ROUNDING:g} is let pass:"
+                f" elements are {ratio:.0e} times as stiff as the body (thin ones, or nu near 0.5)"
+            )
+        return ROUNDING_SLACK * worst if worst <= min(MOST_ROUNDING, left) else self.floor
 
     @property
     def _elastic(self) -> int:
@@ -289,7 +302,7 @@ class EigenSolver:
     def _limit(self, count: int, price: float, fresh: bool) -> int:
         """Iterations after which what is left is dearer than a new factor, or than Krylov-Schur from nothing."""
         most = self.krylov_cost * (count + SPARE) + price
-        return max(4, math.ceil(most / count) + (2 if fresh else 0))
+        return min(MOST_ITERATIONS, max(4, math.ceil(most / count) + (2 if fresh else 0)))
 
     def _refresh(self, count: int, why: str) -> None:
         """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes estimate
@@ -321,13 +334,13 @@ class EigenSolver:
         Raises:
             ReplayProblem: some are missing even so, or do not converge.
         """
-        first = found
+        first, stalled = found, False
         for turn in range(ROUNDS):
             shift, _ = gap(found.values, count)
             self.fresh_below = self.pencil.factor(shift)
             self.life.begin("eigenvalues below it are counted by its inertia")
             missing = self._missing(found)
-            if missing <= 0 and turn == ROUNDS - 1:
+            if missing <= 0 and (stalled or turn == ROUNDS - 1):
                 self.floor = self._rounding(found, count)
             if missing <= 0 and apart(found, count, shift, self.reach, self._distances(found)):
                 report.inertia_checked = missing == 0
@@ -336,6 +349,7 @@ class EigenSolver:
                 return found
             report.missed_modes = max(report.missed_modes, missing)
             found = self._sought(found, count, min(max(0, missing), MOST_SOUGHT), turn)
+            stalled = not found.converged and found.iterations >= MOST_ITERATIONS
         raise ReplayProblem(
             f"{counted(missing, 'mode')} {'was' if missing == 1 else 'were'} not found"
             if missing > 0
@@ -373,7 +387,7 @@ class EigenSolver:
             self.pencil.apply(self.pencil.mass, rows, mass_products)
             starts.append(self.pencil.solve(self.pencil.solve(mass_products)))
         space = SearchSpace(self.pencil, sum(map(len, starts)) + max(ROOM, 4 * (wanted + SPARE)))
-        limit = math.ceil(self.krylov_cost * (wanted + SPARE))
+        limit = min(MOST_ITERATIONS, math.ceil(self.krylov_cost * (wanted + SPARE)))
         with self.stages("krylov"):
             return davidson(space, self.deflation, starts, wanted, SPARE, self.reach, limit)
 
