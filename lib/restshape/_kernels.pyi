@@ -43,9 +43,7 @@ __all__: list[str] = [
     "pull_back",
     "recover",
     "recover_quadratic",
-    "recover_quadratic_transposed",
     "recover_space",
-    "recover_transposed",
     "recovery_energies",
     "recovery_points",
     "refine_delaunay",
@@ -457,22 +455,10 @@ def recover_quadratic(
     stress: numpy.typing.NDArray[numpy.float64],
     out: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
-def recover_quadratic_transposed(
-    X: numpy.typing.NDArray[numpy.float64],
-    cells: numpy.typing.NDArray[numpy.int32],
-    weights: numpy.typing.NDArray[numpy.float64],
-    out: numpy.typing.NDArray[numpy.float64],
-) -> None: ...
 def recover_space(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
     stress: numpy.typing.NDArray[numpy.float64],
-    out: numpy.typing.NDArray[numpy.float64],
-) -> None: ...
-def recover_transposed(
-    X: numpy.typing.NDArray[numpy.float64],
-    cells: numpy.typing.NDArray[numpy.int32],
-    weights: numpy.typing.NDArray[numpy.float64],
     out: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
 def recovery_energies(

@@ -33,15 +33,6 @@ void recover(const Reals& X, const Ints& cells, const Reals& stress, Reals out) 
         .run(out.mutable_data());
 }
 
-void recover_transposed(const Reals& X, const Ints& cells, const Reals& weights, Reals out) {
-    const py::ssize_t n = X.shape(0), ne = cells.shape(0);
-    if (weights.size() != n * 4 || out.size() != ne * 4)
-        throw std::invalid_argument("weights must be (n, 4) and out (ne, 4)");
-    const int stride = static_cast<int>(cells.shape(1));
-    restshape::PatchRecovery(X.data(), cells.data(), stride, nullptr, static_cast<int>(n), static_cast<int>(ne))
-        .transpose(weights.data(), out.mutable_data());
-}
-
 py::array_t<int> cells_around(const Ints& cells, const Ints& nodes, int node_count) {
     std::vector<uint8_t> marked(node_count, 0);
     for (py::ssize_t i = 0; i < nodes.size(); ++i) marked.at(nodes.data()[i]) = 1;
@@ -112,9 +103,6 @@ void bind_fields(py::module_& m) {
         "recover", &recover, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("stress").noconvert(),
         py::arg("out").noconvert(),
         "Nodal stresses (n, 4) recovered from cell stresses (ne, 4) by fits over patches (Zienkiewicz and Zhu 1992).");
-    m.def("recover_transposed", &recover_transposed, py::arg("X").noconvert(), py::arg("cells").noconvert(),
-          py::arg("weights").noconvert(), py::arg("out").noconvert(),
-          "Weights out (ne, 4) of cell stresses that count as weights (n, 4) of the stresses that `recover` gives.");
     m.def("cells_around", &cells_around, py::arg("cells").noconvert(), py::arg("nodes").noconvert(),
           py::arg("node_count"), "Cells (k,), ascending, of which a corner is one of the nodes.");
     m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),

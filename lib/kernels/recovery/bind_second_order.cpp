@@ -49,15 +49,6 @@ void recover(const Reals& X, const Ints& cells, const Reals& stress, Reals out) 
         .run(out.mutable_data());
 }
 
-void recover_transposed(const Reals& X, const Ints& cells, const Reals& weights, Reals out) {
-    require_cells(X, cells);
-    const py::ssize_t n = X.shape(0), ne = cells.shape(0);
-    if (weights.size() != n * 4 || out.size() != ne * restshape::TriRule3::points * 4)
-        throw std::invalid_argument("weights must be (n, 4) and out (ne, 3, 4)");
-    restshape::QuadraticPatchRecovery(X.data(), cells.data(), nullptr, static_cast<int>(n), static_cast<int>(ne))
-        .transpose(weights.data(), out.mutable_data());
-}
-
 py::array_t<double> sample_points() {
     using Rule = restshape::TriRule3;
     py::array_t<double> out({Rule::points, 2});
@@ -76,10 +67,6 @@ void bind_second_order(py::module_& m) {
           py::arg("stress").noconvert(), py::arg("out").noconvert(),
           "Nodal stresses out (n, 4) of second-order triangles, recovered from stresses (ne, 3, 4) at "
           "`recovery_points` by quadratic fits over patches (Zienkiewicz and Zhu 1992).");
-    m.def("recover_quadratic_transposed", &recover_transposed, py::arg("X").noconvert(), py::arg("cells").noconvert(),
-          py::arg("weights").noconvert(), py::arg("out").noconvert(),
-          "Weights out (ne, 3, 4) of sampled stresses that count as weights (n, 4) of the stresses that "
-          "`recover_quadratic` gives.");
     m.def("recovery_points", &sample_points,
           "Reference coordinates (3, 2) at which `recover_quadratic` takes stresses.");
 }

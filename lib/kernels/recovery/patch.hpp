@@ -16,7 +16,7 @@ class PatchRecovery {
  public:
     using Value = Eigen::Array4d;
 
-    // X (n, 2), cells (ne, stride) with corners first, values (ne, 4), or null where only `transpose` is wanted.
+    // X (n, 2), cells (ne, stride) with corners first, values (ne, 4).
     PatchRecovery(const double* X, const int32_t* cells, int stride, const double* values, int n, int ne)
         : X_(X), cells_(cells), stride_(stride), values_(values), n_(n), ne_(ne), patches_(n) {}
 
@@ -25,31 +25,6 @@ class PatchRecovery {
         for (Patch& p : patches_) p.fitted = p.balance == 0 && p.m[0] >= 3.0 && fit(p);
         extrapolate();
         spread(out);
-    }
-
-    // The product out (ne, 4) of the transposed recovery with weights (n, 4) of nodal values.
-    void transpose(const double* weights, double* out) {
-        gather();
-        for (Patch& p : patches_) p.fitted = p.balance == 0 && p.m[0] >= 3.0 && fit(p);
-        extrapolate();
-        share(weights);
-        // The matrix of a fit is symmetric.
-        for (Patch& p : patches_)
-            if (p.fitted) fit(p);
-        for (int e = 0; e < ne_; ++e) {
-            Eigen::Map<Value> here(out + 4 * static_cast<size_t>(e));
-            here.setZero();
-            const double *p0 = place(cell(e)[0]), *p1 = place(cell(e)[1]), *p2 = place(cell(e)[2]);
-            const double cx = (p0[0] + p1[0] + p2[0]) / 3.0, cy = (p0[1] + p1[1] + p2[1]) / 3.0;
-            for (int i = 0; i < 3; ++i) {
-                const Patch& p = patches_[cell(e)[i]];
-                const double* corner = place(cell(e)[i]);
-                if (p.fitted)
-                    here += p.b[0] + (cx - corner[0]) * p.b[1] + (cy - corner[1]) * p.b[2];
-                else if (p.count == 0)
-                    here += p.sum;
-            }
-        }
     }
 
  private:
@@ -68,8 +43,7 @@ class PatchRecovery {
     void gather() {
         for (int e = 0; e < ne_; ++e) {
             const int32_t* c = cell(e);
-            const Value value =
-                values_ ? Value(Eigen::Map<const Value>(values_ + 4 * static_cast<size_t>(e))) : Value::Zero();
+            const Eigen::Map<const Value> value(values_ + 4 * static_cast<size_t>(e));
             const double *p = place(c[0]), *q = place(c[1]), *r = place(c[2]);
             const double cx = (p[0] + q[0] + r[0]) / 3.0, cy = (p[1] + q[1] + r[1]) / 3.0;
             for (int i = 0; i < 3; ++i) {
@@ -98,43 +72,22 @@ class PatchRecovery {
         return true;
     }
 
+    // Adds up, at nodes that have no polynomial, those of the neighbours that have one.
     void extrapolate() {
-        for_neighbours([this](int from, int to) {
-            const Patch& p = patches_[from];
-            const double x = place(to)[0] - place(from)[0], y = place(to)[1] - place(from)[1];
-            patches_[to].sum += p.b[0] + x * p.b[1] + y * p.b[2];
-            ++patches_[to].count;
-        });
-    }
-
-    // Calls visit(from, to) where the polynomial of one node counts at another, which has none.
-    template <class Visit>
-    void for_neighbours(Visit visit) {
         for (int e = 0; e < ne_; ++e)
             for (int i = 0; i < 3; ++i) {
                 const int to = cell(e)[i];
                 if (patches_[to].fitted) continue;
                 for (int j = 1; j < 3; ++j)
-                    if (const int from = cell(e)[(i + j) % 3]; patches_[from].fitted) visit(from, to);
+                    if (const int from = cell(e)[(i + j) % 3]; patches_[from].fitted) add(from, to);
             }
     }
 
-    // Weights of nodal values become those of the polynomials' coefficients, or of the cells around.
-    void share(const double* weights) {
-        for (int a = 0; a < n_; ++a) {
-            Patch& p = patches_[a];
-            const Value weight = Eigen::Map<const Value>(weights + 4 * static_cast<size_t>(a));
-            if (p.fitted)
-                p.b[0] = weight;
-            else
-                p.sum = p.count > 0 ? Value(weight / p.count) : p.m[0] > 0.0 ? Value(weight / p.m[0]) : Value::Zero();
-        }
-        for_neighbours([this](int from, int to) {
-            Patch& p = patches_[from];
-            const double x = place(to)[0] - place(from)[0], y = place(to)[1] - place(from)[1];
-            const Value& weight = patches_[to].sum;
-            p.b[0] += weight, p.b[1] += x * weight, p.b[2] += y * weight;
-        });
+    void add(int from, int to) {
+        const Patch& p = patches_[from];
+        const double x = place(to)[0] - place(from)[0], y = place(to)[1] - place(from)[1];
+        patches_[to].sum += p.b[0] + x * p.b[1] + y * p.b[2];
+        ++patches_[to].count;
     }
 
     void spread(double* out) {

@@ -9,7 +9,6 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "fem/shapes.hpp"
@@ -21,14 +20,14 @@ class QuadraticPatchRecovery {
     using Value = Eigen::Array4d;
     using Samples = TriRule3;  // where cells are sampled
 
-    // X (n, 2), cells (ne, 6), values (ne, samples, 4), or null where only `transpose` is wanted.
+    // X (n, 2), cells (ne, 6), values (ne, samples, 4).
     QuadraticPatchRecovery(const double* X, const int32_t* cells, const double* values, int n, int ne)
         : X_(X), cells_(cells), values_(values), ne_(ne), nodes_(n) {}
 
     void run(double* out) {
         gather();
         for (Patch& p : patches_) factor(p), fit(p);
-        spread([this](int from, int to) { evaluate(from, to); });
+        spread();
         for (const Node& node : nodes_) {
             Eigen::Map<Value> value(out);
             if (own(node))
@@ -37,42 +36,6 @@ class QuadraticPatchRecovery {
                 value = node.count != 0 ? Value(node.sum / node.count) : Value::Zero();
             out += 4;
         }
-    }
-
-    // The product out (ne, samples, 4) of the transposed recovery with weights (n, 4) of nodal values.
-    void transpose(const double* weights, double* out) {
-        gather();
-        for (Patch& p : patches_) factor(p);
-        std::vector<std::pair<int, int>> ways;
-        spread([&](int from, int to) {
-            ways.emplace_back(from, to);
-            ++nodes_[to].count;
-        });
-        for (Node& node : nodes_) {
-            const Value weight = Eigen::Map<const Value>(weights);
-            if (own(node))
-                patches_[node.patch].b[0] += weight;
-            else if (node.count != 0)
-                node.sum = weight / node.count;
-            weights += 4;
-        }
-        for (const auto& [from, to] : ways) {
-            double f[terms];
-            monomials(place(to)[0] - place(from)[0], place(to)[1] - place(from)[1], f);
-            for (int i = 0; i < terms; ++i) patches_[nodes_[from].patch].b[i] += f[i] * nodes_[to].sum;
-        }
-        // The matrix of a fit is symmetric.
-        for (Patch& p : patches_) fit(p);
-        for_samples([&](int e, size_t sample, const double* at) {
-            Eigen::Map<Value> here(out + 4 * sample);
-            here.setZero();
-            for (int i = 0; i < 3; ++i) {
-                const int corner = cell(e)[i];
-                double f[terms];
-                monomials(at[0] - place(corner)[0], at[1] - place(corner)[1], f);
-                for (int j = 0; j < terms; ++j) here += f[j] * patches_[nodes_[corner].patch].b[j];
-            }
-        });
     }
 
  private:
@@ -119,7 +82,7 @@ class QuadraticPatchRecovery {
             }
         }
         for_samples([this](int e, size_t sample, const double* at) {
-            const Value value = values_ ? Value(Eigen::Map<const Value>(values_ + 4 * sample)) : Value::Zero();
+            const Value value = Eigen::Map<const Value>(values_ + 4 * sample);
             for (int i = 0; i < 3; ++i) {
                 const int corner = cell(e)[i];
                 take(patches_[nodes_[corner].patch], at[0] - place(corner)[0], at[1] - place(corner)[1], value);
@@ -181,28 +144,27 @@ class QuadraticPatchRecovery {
         }
     }
 
-    // Calls visit(from, to) where the polynomial of a corner counts at another node, and counts it there.
-    template <class Visit>
-    void spread(Visit visit) {
+    // Evaluates the polynomials of corners at the other nodes where they count.
+    void spread() {
         for (int e = 0; e < ne_; ++e) {
             const int32_t* c = cell(e);
             for (int i = 0; i < 3; ++i) {
                 const int next = c[(i + 1) % 3], last = c[(i + 2) % 3], middle = c[3 + i];
                 if (!quadratic(c[i])) {
-                    if (quadratic(next)) visit(next, c[i]);
-                    if (quadratic(last)) visit(last, c[i]);
+                    if (quadratic(next)) evaluate(next, c[i]);
+                    if (quadratic(last)) evaluate(last, c[i]);
                 }
-                if (quadratic(c[i])) visit(c[i], middle);
-                if (quadratic(next)) visit(next, middle);
-                if (!quadratic(c[i]) && !quadratic(next) && quadratic(last)) visit(last, middle);
+                if (quadratic(c[i])) evaluate(c[i], middle);
+                if (quadratic(next)) evaluate(next, middle);
+                if (!quadratic(c[i]) && !quadratic(next) && quadratic(last)) evaluate(last, middle);
             }
         }
         for (int e = 0; e < ne_; ++e)
             for (int i = 0; i < 3; ++i) {
                 const int from = cell(e)[i], to = cell(e)[(i + 1) % 3], middle = cell(e)[3 + i];
                 if (nodes_[middle].count > 0) continue;
-                visit(from, middle);
-                visit(to, middle);
+                evaluate(from, middle);
+                evaluate(to, middle);
             }
     }
 
