@@ -118,6 +118,44 @@ def test_stresses_at_a_hole_against_their_closed_form(order, size):
         assert 0.7 <= errors[name] / abs(true - values[name]) <= 1.3, name
 
 
+@pytest.mark.parametrize(("order", "size"), [(1, 0.12), (2, 0.12), (2, 0.085)])
+def test_mean_stresses_of_a_region_against_a_fine_mesh(tmp_path, order, size):
+    """Of a soft disc in a stiff plate: at the corners of a soft square the error changes sign between two meshes."""
+    text = BODY.replace(CORE, "\n[shape.regions.core]\ncircle = { center = [1.45, 0.5], radius = 0.2 }\n")
+    names = {name: name for name in ("xx", "yy", "von_mises")}
+    text += "[quantities]\n" + "".join(f'{n} = {{ stress = "{n}", at = "core", reduce = "mean" }}\n' for n in names)
+    coarse, fine = solved(tmp_path, size, order, text), solved(tmp_path, 0.04, 2, text)
+    values, true, errors = coarse.observe(), fine.observe(), coarse.quantity_errors(names)
+    for name in names:
+        assert 0.7 <= errors[name] / abs(true[name] - values[name]) <= 1.4, name
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_what_a_dual_leaves_at_supports_is_no_error(monkeypatch, order):
+    """Reactions are there, and no error of the mesh: preconditioners of several ranks leave something."""
+    analysis = first_frame(
+        KIRSCH, (f"mesh.order={order}", "mesh.near.hole=0.01", "quantities.energy.error=true")
+    ).analysis
+    exact = quantity_errors.SteadyQuantityErrors(analysis)(["energy"])["energy"]
+    loose, prescribed = quantity_errors.SteadyQuantityErrors(analysis), analysis.state.problem.boundary.mask != 0
+    solve = loose._dual
+    monkeypatch.setattr(loose, "_dual", lambda *given: (z := solve(*given)) + 1e-3 * np.abs(z).max() * prescribed)
+    assert loose(["energy"])["energy"] == pytest.approx(exact, rel=0.02)
+
+
+@pytest.mark.mpi
+def test_two_ranks_find_the_error_of_one_before_their_solver_has_converged(tmp_path, on_ranks):
+    """Kirsch's energy at second order, off by 10^-6; a tolerance of 10^-2 leaves as much on two ranks."""
+    found = []
+    for ranks, tolerance in ((1, 1e-10), (2, 1e-10), (2, 1e-2)):
+        given = ("mesh.order=2", "mesh.near.hole=0.01", "quantities.energy.error=true", f"solve.tolerance={tolerance}")
+        words = [word for one in given for word in ("--set", one)]
+        done = on_ranks(ranks, "replay", KIRSCH, *words, "--json", f"{ranks}.json")
+        assert done.returncode == 0, done.stdout + done.stderr
+        found += json.loads((tmp_path / f"{ranks}.json").read_text())["quantity_errors"]["energy"]
+    assert found[1:] == pytest.approx(2 * [found[0]], rel=0.02)
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_distance_from_a_target_curve_has_an_error(tmp_path, order):
     """Of a beam that bends under a load at its end, against a fine mesh."""

@@ -57,7 +57,8 @@ class SteadyQuantityErrors:
         others = [name for name in names if name in functions and name not in smooth]
         richer = self.enriched.follow(bool(others))
         if smooth:
-            primal, curved = estimate.sampled(state.x), CurvedProblem.of(richer, state.x) if richer else None
+            primal = estimate.sampled(state.x)
+            curved = CurvedProblem.of(richer, state.problem, state.x) if richer else None
         for name, function in smooth.items():
             derivative, solve = function.derivative(state.x), partial(self._dual, name)
             found[name] = quantity_error(state.problem, estimate, primal, state.x, derivative, solve, curved)

@@ -23,17 +23,20 @@ class CurvedProblem:
         enrichment: of the problem.
         residual: (m, f) of unknowns that were brought to its nodes.
         unknowns: (m, f) these.
+        own_residual: (n, f) that the solver has left of the problem itself, and the reactions.
     """
 
     enrichment: Enrichment
     residual: np.ndarray
     unknowns: np.ndarray
+    own_residual: np.ndarray
 
     @classmethod
-    def of(cls, enrichment: Enrichment, x: np.ndarray) -> "CurvedProblem":
-        """With an enrichment of the mesh that unknowns x (n, f) live on."""
+    def of(cls, enrichment: Enrichment, problem: SteadyProblem, x: np.ndarray) -> "CurvedProblem":
+        """With an enrichment of the space of the problem that unknowns x (n, f) solve."""
         unknowns = enrichment.unknowns(x)
-        return cls(enrichment, unconstrained_residual(enrichment.problem, unknowns), unknowns)
+        residual = unconstrained_residual(enrichment.problem, unknowns)
+        return cls(enrichment, residual, unknowns, unconstrained_residual(problem, x))
 
 
 def quantity_error(
@@ -82,19 +85,23 @@ def dual_solution(problem: SteadyProblem, derivative: Derivative, solve: DualSol
         right = derivative.load + tangent_product(problem, np.zeros_like(lift), lift)
     problem.boundary.zero(right)
     found = solve(right) if np.any(right) else np.zeros_like(right)
+    # Steps that have not converged leave something there, where the reactions are.
+    problem.boundary.zero(found)
     return found if lift is None else found - lift
 
 
 def _consistency(
     problem: SteadyProblem, x: np.ndarray, derivative: Derivative, dual: np.ndarray, curved: CurvedProblem
 ) -> float:
-    """What straight sides and sampled loads do to a quantity; of an energy also what they do to its integral."""
-    error = -float((curved.residual * curved.enrichment.over.prolonged(dual)).sum())
-    if derivative.lift is not None:
-        error -= float((unconstrained_residual(problem, x) * derivative.lift).sum())
+    """What straight sides and sampled loads do to a quantity; of an energy also what they do to its integral.
+
+    What the solver has left of the residual is taken off: it is no error of the mesh.
+    """
+    residual, own = curved.residual, curved.own_residual
+    error = float((own * dual).sum()) - float((residual * curved.enrichment.over.prolonged(dual)).sum())
     if derivative.energy is not None:
-        richer, own = curved.enrichment, derivative.energy
-        both = ((richer.problem, curved.unknowns, richer.over.cells_in(own)), (problem, x, own))
+        richer, cells_of = curved.enrichment, derivative.energy
+        both = ((richer.problem, curved.unknowns, richer.over.cells_in(cells_of)), (problem, x, cells_of))
         energies = [one.integrals(STIFFNESS)[0].energies(at)[cells].sum() for one, at, cells in both]
         error += float(energies[0] - energies[1])
     return error
