@@ -50,6 +50,19 @@ def test_each_level_of_the_mesh_has_a_reason(tmp_path, logged):
     assert all("no invalid, no low-quality" in reason for reason in reasons["1"]) and {"2", "3"} & set(reasons)
 
 
+def test_what_a_jump_of_the_mesh_costs_is_not_logged_as_the_frames_own(tmp_path, caplog):
+    path = [*across((0.5, 0.5), (1.3, 0.5), 20), (1.3, 0.5)]
+    scene = plate(0.15)
+    made = make_replay(write_scene(tmp_path, scene), write_script(tmp_path, drag("window", (0.5, 0.5), path)))
+    caplog.set_level(logging.INFO, "restshape")
+    rows = rows_of(made)
+    lines = [record.getMessage() for record in caplog.records]
+    jumps = [line for line in lines if "Mesh jump: " in line]
+    assert len(jumps) == sum(str(row["level"]) in "23" for row in rows) - 1 > 0
+    assert sum("rebuilt: another system" in line for line in lines) <= sum(str(row["level"]) == "3" for row in rows)
+    assert logging.getLogger("restshape").level == logging.INFO
+
+
 REASONS = (
     ("auto", Traits(symmetric=False), None, "lu", "the matrices are not symmetric"),
     ("auto", Traits(definite=False), None, "cholesky", "symmetric and not definite"),

@@ -283,10 +283,6 @@ class Application:
         """The events of edit scripts that its physics add, by name."""
         return {name: event for one in self.physics for name, event in one.events.items()}
 
-    def has(self, physics: str) -> bool:
-        """Whether one of its physics has this name."""
-        return any(one.name == physics for one in self.physics)
-
     def transient(self, scene: Scene) -> bool:
         """Whether a frame of a scene goes on from the one before it, so that none can be left out."""
         on = (effect for name, effect in self.effects.items() if effect.required or name in scene.effects)

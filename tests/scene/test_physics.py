@@ -170,6 +170,41 @@ def test_two_meanings_of_one_key_are_reported_at_start_by_name(install):
         assert key in caught.value.what and "'second'" in caught.value.what
 
 
+def hanging(name: str, *added: dict) -> Application:
+    """An application of ropes and of physics that add something; a list holds them, as well as a tuple would."""
+    others = [Physics(f"added{i}", "another", solver, **one) for i, one in enumerate(added)]
+    return replace(HANGING, name=name, physics=[ROPES, *others])
+
+
+HEMP = {"materials": {"hemp": {"give": 1.0}}}
+SOFT_HEMP = {"materials": {"hemp": {"give": 3.0}}}
+
+
+@pytest.mark.parametrize("name", ["check", "replay"])
+@pytest.mark.parametrize(
+    ("added", "what"),
+    [
+        ((HEMP, SOFT_HEMP), "'added1' adds the value of the material 'hemp.give', and 'added0' does too"),
+        (({"sections": {"mesh": Section(Air, "a mesh")}},), "'added0' adds the table 'mesh', and every scene has one"),
+    ],
+)
+def test_a_command_reports_a_key_that_two_physics_of_the_scene_have(tmp_path, install, command, name, added, what):
+    install(hanging("hanging", *added))
+    path = tmp_path / "two.toml"
+    path.write_text(HEAD + ROPE)
+    done = command(name, path)
+    assert done.returncode == 2 and what in done.stderr
+
+
+def test_check_reports_a_key_of_two_applications(tmp_path, install, command):
+    install(hanging("hanging", HEMP), hanging("other", SOFT_HEMP))
+    path = tmp_path / "two.toml"
+    path.write_text(HEAD + ROPE)
+    assert load_scene(path).app == "hanging"
+    done = command("check", path)
+    assert done.returncode == 2 and "'hemp.give', and 'added0' does too" in done.stderr
+
+
 def test_an_application_takes_some_effects_of_its_physics_and_may_need_more_than_they_do():
     assert {name: effect.required for name, effect in HANGING.effects.items()} == {"weight": True, "wind": False}
     still = replace(HANGING, takes=("weight",))

@@ -125,7 +125,7 @@ def _searches(axes: Any, rows: Rows) -> None:
 def _ratios(axes: Any, rows: Rows) -> None:
     """The largest utilisation over the ratio of compliances, and how far that of any joint goes from the usual."""
     ratios = [row["ratio"] for row in rows]
-    axes.plot(ratios, [row["use"] for row in rows], "o-", c=FULL, label="largest utilisation of a joint")
+    axes.plot(ratios, [row["utilisation"] for row in rows], "o-", c=FULL, label="largest utilisation of a joint")
     axes.plot(ratios, [row["worst"] for row in rows], "s--", c=BARE, ms=4, label="largest change of a joint's use")
     axes.axhline(1.0, c=REFUSED, lw=1)
     axes.axvline(1.0, c=FAINT, lw=1)

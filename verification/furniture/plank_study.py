@@ -228,6 +228,11 @@ def proportioned(piece: Any) -> tuple[Row, ...]:
         first = utilisation if first is None else first
         change = np.abs(utilisation - first)
         rows.append(
-            {"ratio": ratio, "use": float(utilisation.max()), "worst": float(change.max()), "flaws": result.flaws}
+            {
+                "ratio": ratio,
+                "utilisation": float(utilisation.max()),
+                "worst": float(change.max()),
+                "flaws": result.flaws,
+            }
         )
     return tuple(sorted(rows, key=lambda row: row["ratio"]))

@@ -30,6 +30,7 @@ from restshape.scene.model import Scene
 from restshape.scene.physics import Rows
 from restshape.scene.plain_values import table_in
 from restshape.scene.plan import Plan, as_written, plan
+from restshape.scene.registered import checked_applications
 from restshape.scene.renamed import notes
 from restshape.scene.scene_type import joined_sections
 from restshape.shape.build import outline_from_spec
@@ -47,6 +48,7 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
         args: of the command line.
         begin_frame: called after each frame of the script.
     """
+    checked_applications()
     scene = read_scene(args)
     app = application(scene.app)
     data, rows, outline = app.editing.checked(scene, plan(scene, app))

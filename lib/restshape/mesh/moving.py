@@ -23,6 +23,7 @@ from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.relocate import BoundaryNodes, extension, motion
 from restshape.mesh.sizing import FEWEST_PER_CIRCLE, PER_CIRCLE, refuse_endless, refuse_growth
+from restshape.outputs.si_numbers import counted
 from restshape.scene.model import MeshSpec, Scene
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
@@ -327,7 +328,11 @@ class MovingMesh:
             return self._reconstruct(frame, stages, f"{why}; {placement[2]} of low quality after {flips} flips")
         if flips:
             log.info(
-                "%4d Mesh level 2: %d edges flipped; %s; least quality %.3g", frame.index, flips, why, placement[0]
+                "%4d Mesh level 2: %s; %s; least quality %.3g",
+                frame.index,
+                f"{counted(flips, 'edge')} flipped",
+                why,
+                placement[0],
             )
         else:
             reason = "no invalid, no low-quality triangles"

@@ -26,6 +26,7 @@ from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import MovingMesh
+from restshape.outputs.si_numbers import counted
 from restshape.policy import Policy
 from restshape.replay.columns import ESTIMATES
 from restshape.replay.constraints import (
@@ -201,7 +202,8 @@ class Replay:
         self.row["findings"] = encode_findings(findings_in(self.row))
         level = logging.INFO if report.refreshed or mesh_update.level > 1 else logging.DEBUG
         if log.isEnabledFor(level):
-            done = "predicted" if predicted else f"{report.newton} Newton steps, {report.iterations} Krylov iterations"
+            steps = (counted(report.newton, "Newton step"), counted(report.iterations, "Krylov iteration"))
+            done = "predicted" if predicted else ", ".join(steps)
             rebuilt = f"; PC {report.preconditioner} rebuilt" if report.refreshed else ""
             log.log(level, "%4d Frame %s: mesh level %d; %s%s", edit.index, edit.do, mesh_update.level, done, rebuilt)
         return self.row

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -23,6 +26,21 @@ if TYPE_CHECKING:
     from restshape.mesh.moving import MovingMesh
     from restshape.scene.model import Scene
     from restshape.shape.session import EditFrame
+
+log = logging.getLogger(__name__)
+
+
+@contextmanager
+def quiet_solvers() -> Iterator[None]:
+    """What is decided within is not of the frame: it is logged at -vv alone."""
+    logger = logging.getLogger("restshape")
+    level = logger.level
+    if logger.getEffectiveLevel() == logging.INFO:
+        logger.setLevel(logging.WARNING)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 class MeshJumps:
@@ -63,6 +81,8 @@ class MeshJumps:
             return {}
         values = {name: number(row, f"q_{name}") for name in edit.scene.quantities}
         found = dict.fromkeys(values, np.nan)
+        if self._others:
+            log.info("%4d Mesh jump: the same shape is solved on the other mesh, with nothing kept", edit.index)
         for other in self._others:
             before = self._last[1] if self._last[0] is edit.scene else {}
             if not other.before or before:
@@ -79,7 +99,8 @@ class MeshJumps:
             analysis = cast(
                 Analysis[Problem], self.application.make_analysis()(scene, plan(scene, self.application), context)
             )
-            found = analysis.observed_on(frame, self._before, self.analysis.state, other.before)
+            with quiet_solvers():
+                found = analysis.observed_on(frame, self._before, self.analysis.state, other.before)
         except (ReplayProblem, UserError):
             return {}
         sign = 1.0 if other.before else -1.0

@@ -19,7 +19,7 @@ def refuse_foreign(raw: Table, application: Application, source: Source) -> None
     Raises:
         UserError: the first of them; it names an application that has it.
     """
-    known = known_keys(application.physics)
+    known = known_keys(tuple(application.physics))
     for what, key, place in written_keys(raw):
         if key in known[what]:
             continue

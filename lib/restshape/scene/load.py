@@ -15,7 +15,7 @@ from restshape.scene.foreign import refuse_foreign
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
 from restshape.scene.plain_values import Table, excess
 from restshape.scene.plan import plan
-from restshape.scene.registered import checked_applications, installed_physics
+from restshape.scene.registered import checked_applications, installed_physics, refuse_clashes_of
 from restshape.scene.renamed import other_name
 from restshape.scene.scene_parameters import read_parameters
 from restshape.scene.scene_type import joined_sections, scene_type
@@ -255,8 +255,9 @@ def _scene(raw: Table, source: Source) -> Scene:
     named = raw.get("app")
     app = application(named, f"{source.path.name}: app") if isinstance(named, str) else None
     if app:
+        refuse_clashes_of(app)
         refuse_foreign(raw, app, source)
-    kind = scene_type(app.physics) if app else Scene
+    kind = scene_type(tuple(app.physics)) if app else Scene
     parameters = read_parameters(raw, source)
     known = {"parameters": parameters}
     try:

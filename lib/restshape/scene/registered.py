@@ -25,6 +25,16 @@ def checked_applications() -> dict[str, Application]:
     return known
 
 
+def refuse_clashes_of(app: Application) -> None:
+    """Makes sure that each key of an application's scenes has one meaning, whatever else is installed.
+
+    Raises:
+        UserError: two of its physics give one key different meanings, or one of them has a key of all scenes.
+    """
+    refuse_clashes(installed_physics([app]))
+    _refuse_clashes_within(app)
+
+
 def installed_physics(applications: Iterable[Application]) -> list[Physics]:
     """The physics of applications, each once."""
     return list(dict.fromkeys(one for app in applications for one in app.physics))
