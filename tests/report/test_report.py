@@ -1,6 +1,7 @@
 """The report says what the recording holds, and draws something for every recording."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from small_scenes import across, drag, write_scene, write_script
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import length_unit, si
+from restshape.replay.level_names import LEVEL_NAMES
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames
@@ -50,6 +52,22 @@ def test_levels_and_quantities_are_those_recorded(plate):
         tips = [row["q_tip"] for row in known]
         expected = {"first": tips[0], "last": tips[-1], "min": min(tips), "max": max(tips)}
         assert quantity_table(recording) == [{"quantity": "tip", **expected, "unit": ""}]
+
+
+def test_replay_and_report_have_one_name_for_a_level_and_for_a_column(tmp_path, command):
+    events = [{"do": "idle"}, {"do": "set", "key": "loads.pull.traction", "value": [2e8, 1e8]}]
+    files = write_scene(tmp_path, small_scenes.plate(0.3)), write_script(tmp_path, events)
+    replayed = command("replay", *files, "--out", "plate.vtkhdf").stdout
+    reported = command("report", "plate.vtkhdf", "--frames", "1", "--animation", "none").stdout
+
+    def named(text: str) -> set[str]:
+        return {name for name in LEVEL_NAMES.values() if f"\n{name} " in text}
+
+    moves = {"1 relocation", "2 reconnection", "3 reconstruction"}
+    assert named(replayed) == moves | {"0 solved"}
+    assert named(reported) - {"1 to 3"} == moves | {"0 idle", "0 values changed"}
+    heads = [re.findall(r"^quantity .*$", text, re.M)[0].split()[:5] for text in (replayed, reported)]
+    assert heads == [["quantity", "first", "last", "min", "max"]] * 2
 
 
 def test_stages_share_the_time_of_their_level(plate):

@@ -19,7 +19,7 @@ def print_quantities(summary: dict[str, Any]) -> None:
     units, a4 = summary.get("units", {}), summary.get("a4", A4)
     tones = {name: [tone(v[k], units.get(name, ""), a4) for k in (0, -1)] for name, v in quantities.items()}
     with_tones = any(map(any, tones.values()))
-    heads = ("quantity", "first", "last", "least", "largest") + (("largest estimated error",) if errors else ())
+    heads = ("quantity", "first", "last", "min", "max") + (("largest estimated error",) if errors else ())
     rows = []
     for name, values in quantities.items():
         unit, size = units.get(name, ""), sizes[name]
@@ -60,7 +60,7 @@ def _largest(errors: list[float | str | None], size: float, unit: str) -> str:
 
 
 def _ends(values: list[float | None], size: float) -> list[float | None]:
-    """First, last, least and largest of the values of a quantity; None where there is no number."""
+    """First, last, smallest and largest of the values of a quantity; None where there is no number."""
     from restshape.replay.rounding import cleared
 
     finite = [value for value in values if value is not None]

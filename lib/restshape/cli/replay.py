@@ -27,6 +27,7 @@ from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
 from restshape.outputs.si_numbers import counted
 from restshape.policy import GUESSES, POLICIES, policy
+from restshape.replay.level_names import LEVEL_NAMES
 from restshape.scene.renamed import notes
 from restshape.surroundings import start_petsc
 
@@ -35,12 +36,7 @@ if TYPE_CHECKING:
     from restshape.replay.request import Request
 
 KINDS = ("none", "linear")
-LEVELS = {
-    "1": "1 relocation",
-    "2": "2 reconnection",
-    "3": "3 reconstruction",
-    "still": "solved where nothing moved",
-}
+LEVELS = ("1", "2", "3", "still")
 NOT_IN_JSON = ("rows", "reasons", "largest_residual", "scales", "units", "a4")
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
 
@@ -220,8 +216,8 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]")
     counts, times = summary["levels"] | {"still": summary["still"]}, summary["ms"]
     rows = [
-        (name, counts[k], *(f"{v:.3f}" if counts[k] else "-" for v in times[k].values()))
-        for k, name in LEVELS.items()
+        (LEVEL_NAMES[k], counts[k], *(f"{v:.3f}" if counts[k] else "-" for v in times[k].values()))
+        for k in LEVELS
         if counts[k] or k != "still"
     ]
     print_table("time a frame", heads, rows, right=heads[1:])

@@ -18,6 +18,7 @@ from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import AnimationFile, PictureFile
 from restshape.outputs.si_numbers import counted, si
+from restshape.replay.level_names import LEVEL_NAMES
 
 if TYPE_CHECKING:
     from restshape.replay.recording import Recording
@@ -173,8 +174,9 @@ def _print_convergence(found: dict[str, Any]) -> None:
 def _print_levels(levels: Sequence[dict[str, Any]]) -> None:
     print()
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
-    keys = ("level", "frames", "p50", "p95", "p99", "iterations")
-    rows = [[_short(row[key]) for key in keys] for row in levels if row["frames"] or row["level"] in "123"]
+    keys = ("frames", "p50", "p95", "p99", "iterations")
+    shown = [row for row in levels if row["frames"] or row["level"] in "123"]
+    rows = [[LEVEL_NAMES[row["level"]], *(_short(row[key]) for key in keys)] for row in shown]
     print_table("time a level (without the first frame)", heads, rows, right=heads[1:])
 
 
