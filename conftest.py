@@ -1,5 +1,6 @@
 """What all tests share: commands in this process and others; tests of absent applications, and those of a week."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -78,6 +79,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.cli)
         if "two_ranks" in names:
             item.add_marker(pytest.mark.mpi)
+
+
+def pytest_collection_finish() -> None:
+    """Leave what tests are made of, and what they have imported, out of the collections of garbage to come."""
+    gc.collect()
+    gc.freeze()
 
 
 # The words of the processes that the present test has started.

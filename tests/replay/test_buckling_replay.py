@@ -21,7 +21,7 @@ SET = [{"do": "set", "key": "loads.head.force", "value": [-2e6, 0]}, {"do": "und
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("order", [pytest.param(1, marks=pytest.mark.weekly), 2])
 def test_reuse_equals_rebuild(tmp_path, order):
     text = WIDE.replace("order = 2", f"order = {order}").replace("tolerance = 1e-9", "tolerance = 1e-8")
     script = write_script(tmp_path, [*AROUND, *THINNER, *SET])
@@ -90,7 +90,7 @@ def test_recording(tmp_path):
 @pytest.mark.mpi
 def test_two_ranks(tmp_path, on_ranks):
     scene = write_scene(tmp_path, WIDE)
-    around = drag("window", (0.4, 0.15), across((0.4, 0.15), (0.7, 0.17), 8))
+    around = drag("window", (0.4, 0.15), across((0.4, 0.15), (0.7, 0.17), 4))
     script, found = write_script(tmp_path, [*around, *SET]), []
     for ranks in (1, 2):
         words = ("--edits", script, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-8", "--parity")

@@ -22,6 +22,6 @@ def growth(folder, outside, policy):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("policy", ["auto", "thesis"])
+@pytest.mark.parametrize("policy", ["auto", pytest.param("thesis", marks=pytest.mark.weekly)])
 def test_memory_stays(tmp_path, outside, policy):
     assert growth(tmp_path, outside, policy) < LIMIT

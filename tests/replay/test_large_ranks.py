@@ -11,7 +11,7 @@ pytestmark = pytest.mark.mpi
 WIND = '\n[loads.wind]\non = "top"\npressure = 500\n'
 
 
-@pytest.mark.parametrize("wind", ["", WIND])
+@pytest.mark.parametrize("wind", [pytest.param("", marks=pytest.mark.weekly), WIND], ids=["weight", "wind"])
 def test_replay(tmp_path, on_ranks, wind):
     scene = write_scene(tmp_path, beam(solid(), gravity(0, -8), wind))
     events = [

@@ -12,8 +12,18 @@ SOLID = ("--set", 'mesh.size="9 mm"', "--set", "mesh.layers=1", "--set", "effect
 PLATE = (*SOLID[:2], "--set", "effects.modal.model=plate", "--set", "effects.modal.modes=3")
 
 
-@pytest.mark.parametrize("words", [SOLID, PLATE], ids=["tetrahedra", "plate"])
-@pytest.mark.parametrize("name", ["auto", "thesis", "refactor"])
+DAILY = {("auto", "tetrahedra"), ("auto", "plate"), ("thesis", "plate")}
+"""Policies and models of every day; the others have their turn each week."""
+
+
+def played():
+    for name in ("auto", "thesis", "refactor"):
+        for model, words in (("tetrahedra", SOLID), ("plate", PLATE)):
+            marks = [] if (name, model) in DAILY else [pytest.mark.weekly]
+            yield pytest.param(name, words, marks=marks, id=f"{name}-{model}")
+
+
+@pytest.mark.parametrize(("name", "words"), list(played()))
 def test_frequencies_are_those_of_one_rank(tmp_path, on_ranks, words, name):
     scene, edits, found = SCENES / "bar_100.toml", EDITS / "bar_100_short.jsonl", []
     for ranks in (1, 2):

@@ -16,7 +16,7 @@ EVENTS = [
 ]
 
 
-@pytest.mark.parametrize("name", ["auto", "thesis", "refactor"])
+@pytest.mark.parametrize("name", ["auto", "thesis", pytest.param("refactor", marks=pytest.mark.weekly)])
 def test_replay(tmp_path, on_ranks, name):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
     found = []

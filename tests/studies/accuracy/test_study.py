@@ -168,7 +168,7 @@ def test_motion_is_compared_with_finer_steps_and_keeps_its_frames_in_time(tmp_pa
 @pytest.mark.slow
 def test_modes_of_a_bar_are_compared_with_layers_of_second_order(tmp_path, monkeypatch):
     usual = study_reference.scale_of
-    monkeypatch.setattr(study_reference, "scale_of", lambda *args: replace(usual(*args), reference=5e3))
+    monkeypatch.setattr(study_reference, "scale_of", lambda *args: replace(usual(*args), reference=3e3))
     folder = Path(__file__).parents[2] / "scenes"
     edits = write_script(tmp_path, drag("c", (0.1, 0.03), [(0.101, 0.03), (0.102, 0.03)]))
     given = ('mesh.size="12 mm"', "mesh.layers=1", "mesh.order=2")

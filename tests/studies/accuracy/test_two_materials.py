@@ -92,9 +92,9 @@ def energy_error(state: State) -> float:
 
 @pytest.mark.slow
 def test_errors_beside_a_round_interface_are_those_of_the_closed_form(tmp_path):
-    held = Reference.of(solved(tmp_path, "mesh.order=2", "mesh.near.stiff=0.0035"))
+    held = Reference.of(solved(tmp_path, "mesh.order=2", "mesh.near.stiff=0.005"))
     state = solved(tmp_path)
     place = state.grid.locate(held.points, np.full(len(held.points), -1))
-    assert (state.grid.regions[place.cells] != held.regions).sum() > 100, "no point between chord and arc"
+    assert (state.grid.regions[place.cells] != held.regions).sum() > 50, "no point between chord and arc"
     found = held.distances(held.solution, held.sampled(state))["energy"]
     assert found == pytest.approx(energy_error(state), rel=0.02)
