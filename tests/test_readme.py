@@ -10,6 +10,7 @@ import pytest
 from restshape.cli.main import all_commands, main
 
 ROOT = Path(__file__).parents[1]
+SHIPPED = [path.parent.name for path in (ROOT / "apps").glob("*/__init__.py")]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 SCENES = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
 COMMANDS = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
@@ -69,16 +70,25 @@ def test_the_example_carries_its_load(tmp_path, monkeypatch):
 
 
 def test_the_readme_fits_two_screens():
-    assert len(README.splitlines()) <= 105
+    assert len(README.splitlines()) <= 85
 
 
-def section(page: str) -> str:
-    """The page's section of the commands."""
-    return re.split(r"^## (?:The c|C)ommands$", page, flags=re.M)[1].split("\n## ")[0]
+def section(page: str, name: str) -> list[str]:
+    """The lines of the page's section of that name that are not empty."""
+    text = re.split(rf"^## {name}$", page, flags=re.M)[1].split("\n## ")[0]
+    return [line for line in text.splitlines() if line]
 
 
-def test_every_command_is_named_in_one_line_and_explained_in_one_row():
-    named = re.findall(r"`(\w+)`", section(README).partition(": [")[0])
-    assert sorted(named) == sorted(all_commands())
-    rows = re.findall(r"^\| (`[^|]+) \|", section(COMMANDS), re.M)
-    assert [word for row in rows for word in re.findall(r"`(?:restshape )?(\w+)", row)] == named
+def test_the_readme_leads_on():
+    documentation = section(README, "Documentation")
+    assert len(documentation) <= 6
+    assert len([line for line in documentation if "(docs/commands.md#the-commands)" in line]) == 1
+    shown = "\n".join(section(README, "Applications"))
+    assert [name for name in SHIPPED if f"[`{name}`](docs/" not in shown] == []
+    assert shown.count("<img ") == shown.count("[`")
+
+
+def test_every_command_is_explained_in_one_row():
+    rows = re.findall(r"^\| (`[^|]+) \|", "\n".join(section(COMMANDS, "The commands")), re.M)
+    explained = [word for row in rows for word in re.findall(r"`(?:restshape )?(\w+)", row)]
+    assert sorted(explained) == sorted(all_commands())
