@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from hypothesis import strategies as st
 from restshape_studies.stability.batch import DAMAGED, FILES, RECORDINGS
 from restshape_studies.stability.example import ONTO, Example
+from restshape_studies.stability.formula_strategies import parameter_sets, with_formulas
 from restshape_studies.stability.hostile_files import hostile_files
 from restshape_studies.stability.mutators import MUTATORS, texts
 from restshape_studies.stability.random_scenes import RandomScenes
@@ -17,6 +18,8 @@ WRITTEN_SHARE = 12
 """Every twelfth example, about, is replayed by the command too."""
 ONTO_SHARE = 16
 """In every sixteenth example the command is asked to write over a file of the user's."""
+FORMULA_SHARE = 4
+"""In every fourth scene some numbers follow parameters."""
 MOST_PARTS = 5
 """Gestures and edits of a script."""
 RECORDED_LINES, RECORDED_QUANTITIES = 4, 2
@@ -24,9 +27,9 @@ RECORDED_LINES, RECORDED_QUANTITIES = 4, 2
 rests = st.sampled_from([[{"do": "idle", "frames": 2}], [{"do": "analyse"}]])
 
 
-def scripts(scene: Table, known: RandomScenes) -> st.SearchStrategy[list[Table]]:
-    """Events of at most some 40 frames for a scene, with the header first."""
-    part = st.one_of(*known.edits(scene), rests)
+def scripts(scene: Table, known: RandomScenes, formulas: bool) -> st.SearchStrategy[list[Table]]:
+    """Events of at most some 40 frames for a scene, with the header first; with formulas also sets of parameters."""
+    part = st.one_of(*known.edits(scene), rests, *([parameter_sets] if formulas else []))
     return st.builds(timed, st.sampled_from(list(known.heads)), st.lists(part, min_size=1, max_size=MOST_PARTS))
 
 
@@ -44,7 +47,9 @@ def examples(draw: st.DrawFn, apps: Sequence[str], kind: str) -> Example:
     app = draw(st.sampled_from([app for app, known in scenes.items() if kind != FILES or known.outlined]))
     known = scenes[app]
     scene = draw(known.scenes)
-    lines = draw(scripts(scene, known))
+    formulas = draw(st.integers(1, FORMULA_SHARE)) == FORMULA_SHARE
+    lines = draw(scripts(scene, known, formulas))
+    scene = draw(with_formulas(scene)) if formulas else scene
     harm, files = "", {}
     if kind == FILES:
         scene, harm, files = draw(hostile_files(scene))
