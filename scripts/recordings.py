@@ -12,7 +12,7 @@ is, under each policy; one script of each application besides on two ranks and w
 cut to their first frames, slow ones replayed with fewer frames an event; --list says which. Each replay runs in a
 process of its own, so that none depends on those before it. Times are left out: columns that begin with "ms". Columns
 and fields go by their old names where `restshape.replay.columns.ALIASES` (new name to old one) has them. --write with
-a selection changes these replays alone in a FILE that is there.
+a selection changes these replays alone in a FILE that is there. Without FILE it is build/recordings.json.gz.
 """
 
 import argparse
@@ -39,6 +39,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+USUAL = Path("build/recordings.json.gz")
+"""Where hashes are kept if no file is named. They hold on one machine, so none are committed."""
 POLICIES = ("rebuild", "refactor", "thesis", "auto")
 MOST = 130
 """Frames that a script is cut to where `FRAMES` has no other number."""
@@ -372,6 +374,7 @@ def read(path: Path) -> Entry:
 
 def write(path: Path, replays: Entry) -> None:
     """Write the file, whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({"replays": dict(sorted(replays.items()))}, indent=1).encode()
     part = path.with_name(f"{path.name}.part")
     part.write_bytes(gzip.compress(text, mtime=0) if path.suffix == ".gz" else text)
@@ -430,8 +433,8 @@ def main() -> int:
     """The exit code: 1 where something differs."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     action = parser.add_mutually_exclusive_group(required=True)
-    action.add_argument("--write", type=Path, metavar="FILE")
-    action.add_argument("--check", type=Path, metavar="FILE")
+    action.add_argument("--write", type=Path, metavar="FILE", nargs="?", const=USUAL)
+    action.add_argument("--check", type=Path, metavar="FILE", nargs="?", const=USUAL)
     action.add_argument("--list", action="store_true")
     parser.add_argument("--only", action="append", default=[], metavar="WORDS", help="replays whose name holds them")
     parser.add_argument("--quick", action="store_true", help="one script of each application, under auto")
@@ -451,6 +454,8 @@ def main() -> int:
         for job in jobs:
             print(f"{job.name}: {job.cut}")
         return 0
+    if args.check and not args.check.exists():
+        parser.error(f"{args.check} is not there: write it before a change, with --write")
     whole = not (args.only or args.quick or args.missing)
     act = write_all if args.write else check_all
     start = time.perf_counter()
