@@ -3,7 +3,9 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, given, seed, settings
+from hypothesis.internal.conjecture import providers
 from hypothesis.strategies import SearchStrategy
 from restshape_studies.stability.tables import toml
 
@@ -26,4 +28,7 @@ def look_at_drawn(strategy: SearchStrategy, examples: int, folder: Path, look: C
             scene = None
         look(*drawn, scene)
 
-    each()
+    with pytest.MonkeyPatch.context() as changed:
+        # Else it would draw constants of whatever modules other tests have imported.
+        changed.setattr(providers, "_get_local_constants", providers.Constants, raising=False)
+        each()

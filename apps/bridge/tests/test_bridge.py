@@ -24,7 +24,7 @@ def ways(tmp_path_factory):
     scene = tmp_path_factory.mktemp("bridge") / "bridge.toml"
     text = SCENE.read_text(encoding="utf-8")
     assert SIZE in text
-    scene.write_text(text.replace(SIZE, 'size = "400 mm"'), encoding="utf-8")
+    scene.write_text(text.replace(SIZE, 'size = "700 mm"'), encoding="utf-8")
     with pytest.MonkeyPatch.context() as changed:
         changed.setattr("restshape_verification.bridge.study.SCENE", scene)
         return study()

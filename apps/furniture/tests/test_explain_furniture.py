@@ -21,7 +21,7 @@ def found(tmp_path_factory):
     """The rows of the scene that furniture starts from, by effect."""
     folder = tmp_path_factory.mktemp("explain")
     assert main(["new", "furniture", str(folder / "bench")]) == 0
-    words = ["explain", str(folder / "bench" / "scene.toml"), "--seconds", "6", "--json", str(folder / "found.json")]
+    words = ["explain", str(folder / "bench" / "scene.toml"), "--seconds", "3", "--json", str(folder / "found.json")]
     assert main(words) == 0
     return {row["effect"]: row for row in json.loads((folder / "found.json").read_text())}
 

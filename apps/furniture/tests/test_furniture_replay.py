@@ -22,6 +22,9 @@ from restshape.scene.load import load_scene
 
 EDITS = SCENES.parent / "edits"
 NAMES = sorted(path.stem for path in SCENES.glob("*.toml"))
+EVERY_DAY = {"bench", "chair-1", "scales", "shelf-1"}
+"""Scenes whose scripts are replayed whole with parity every day; the others each week, and in part every day by
+tests/replay/test_parity.py."""
 
 
 def replayed(folder, *events, text=BENCH, name="auto"):
@@ -192,7 +195,9 @@ def test_levels_are_0_and_1_only(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [name if name in EVERY_DAY else pytest.param(name, marks=pytest.mark.weekly) for name in NAMES]
+)
 def test_the_scripts_that_ship_replay_and_hold_parity(tmp_path, name):
     out, table = tmp_path / "run.json", tmp_path / "run.csv"
     words = ["replay", str(SCENES / f"{name}.toml"), "--edits", str(EDITS / f"{name}.jsonl")]

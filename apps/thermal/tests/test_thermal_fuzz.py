@@ -11,9 +11,9 @@ from restshape_verification.thermal.random_scenes import SCENES
 
 @pytest.mark.slow
 def test_nothing_breaks():
-    tried = fuzz(40, 1, ("thermal",))
+    tried = fuzz(20, 1, ("thermal",))
     assert not tried.found, [vars(found) for found in tried.found.values()]
-    assert tried.valid >= 10 and tried.frames > 50 and 3 < tried.largest <= 200
+    assert tried.valid >= 5 and tried.frames > 25 and 3 < tried.largest <= 200
 
 
 @pytest.mark.slow
