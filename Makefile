@@ -46,7 +46,7 @@ lint:
 	.venv/bin/python -m ruff format --check
 	.venv/bin/clang-format --dry-run -Werror $(kernels)
 	.venv/bin/python -m mypy
-	.venv/bin/python -m pytest tests/test_layers.py tests/test_house.py
+	.venv/bin/python -m pytest tests/test_layers.py tests/test_house.py tests/test_words.py
 
 format:
 	@scripts/setup.sh develop

@@ -37,7 +37,7 @@ ENVIRONMENT = {
     "PYTHONPATH": os.pathsep.join(filter(None, [str(ROOT / "tests" / "applications"), os.environ.get("PYTHONPATH")])),
 }
 os.environ.update(ENVIRONMENT)
-# Where the surroundings forbid compiled files, each worker and each process of a test would compile all anew.
+# Where the surroundings forbid compiled files, each worker and each process of a test would compile all again.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 # A shell that starts the tests in the background, or nohup, has them ignore signals, and their children with them.

@@ -202,8 +202,8 @@ def play(wanted: list[Mutant]) -> dict[str, str]:
         refused = compile_kernels(folder)
         if refused:
             raise SystemExit(f"the copy does not compile: {refused}")
-        sound = run_tests(folder, sorted({one.test for one in wanted if not one.problem(folder)}))
-        if sound != 0:
+        passed = run_tests(folder, sorted({one.test for one in wanted if not one.problem(folder)}))
+        if passed != 0:
             raise SystemExit("the tests fail without any fault, or cannot be run: see pytest in the checkout itself")
         for one in wanted:
             what, remark = outcome(one, folder)

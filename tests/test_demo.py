@@ -22,9 +22,9 @@ def recipe(target: str) -> list[list[str]]:
 
 @pytest.mark.slow
 def test_demo(tmp_path, command):
-    made, *commands, told = recipe("demo")
+    made, *commands, said = recipe("demo")
     assert made == ["mkdir", "-p", "demo"] and len(commands) == 2
-    assert told[0] == "echo" and told[1].endswith(": . .venv/bin/activate")
+    assert said[0] == "echo" and said[1].endswith(": . .venv/bin/activate")
     (tmp_path / "demo").mkdir()
     start = time.process_time()
     for program, *words in commands:

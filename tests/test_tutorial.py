@@ -1,4 +1,4 @@
-"""The tutorial's commands run in their order, on the files that it prints, with the numbers that it tells."""
+"""The tutorial's commands run in their order, on the files that it prints, with the numbers that it shows."""
 
 import re
 import shlex
@@ -20,7 +20,7 @@ WITHIN = 0.03
 """Share by which numbers may differ from those on the page: another mesh is as far."""
 
 
-def told(text: str) -> list[tuple[str, list[float]]]:
+def reported(text: str) -> list[tuple[str, list[float]]]:
     """Quantities of a table with their first and last value, in the unit of the table."""
     number = r"([\d.e+-]+)(?: [^\W\d]+²?)?"
     return [(name, [float(a), float(b)]) for name, a, b in re.findall(rf"^(\w+) +{number} +{number}", text, re.M)]
@@ -40,14 +40,14 @@ def test_the_commands_go_from_the_idea_to_the_drawing_and_back(tmp_path, monkeyp
     compared = 0
     for kind, text in BLOCKS:
         if kind == "text":
-            for name, values in told(text):
+            for name, values in reported(text):
                 assert printed[name] == pytest.approx(values, rel=WITHIN), text
                 compared += 1
             continue
         for line in text.splitlines():
             assert main(shlex.split(line)[1:]) == 0, line
             # The first table with a name is that of its values.
-            printed |= dict(reversed(told(capsys.readouterr().out)))
+            printed |= dict(reversed(reported(capsys.readouterr().out)))
     assert compared == 4
     (hole,) = ezdxf.readfile(tmp_path / "wrench.dxf").modelspace().query("CIRCLE")
     assert tuple(hole.dxf.center)[:2] == pytest.approx((70.0, 0.0), abs=1e-6)

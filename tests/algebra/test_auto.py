@@ -177,7 +177,7 @@ def diagonal(values) -> PETSc.Mat:
     return mat
 
 
-def test_a_factor_that_has_become_indefinite_is_made_anew():
+def test_a_factor_that_has_become_indefinite_is_rebuilt():
     """The factor of a matrix of both signs: conjugate gradients break down, and once more is enough."""
     values = np.linspace(1, 5, 60)
     made, b = solver(method="stale"), PETSc.Vec().createWithArray(np.ones(60), comm=PETSc.COMM_SELF)

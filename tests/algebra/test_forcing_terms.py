@@ -5,7 +5,7 @@ import pytest
 from restshape.algebra.forcing_terms import ModelError
 
 
-def test_a_step_tells_what_the_linear_model_left_over():
+def test_a_step_reports_its_forcing_term():
     left = ModelError()
     assert left.factor(0) is None
     # |r| = 1e-2 became 3e-6, of which the linear solve may have left 1e-9: c = 0.03.

@@ -140,12 +140,12 @@ def test_no_step_goes_farther_than_the_reach():
 
 
 def test_an_energy_that_is_no_number_is_reported():
-    class Broken(Chain):
+    class WithoutEnergy(Chain):
         def energy(self, x):
             return np.nan if x.any() else 0.0
 
     with pytest.raises(ReplayProblem, match="no time step is short enough"):
-        damping(Broken()).run(np.zeros((N, 1)), 1e-8)
+        damping(WithoutEnergy()).run(np.zeros((N, 1)), 1e-8)
 
 
 @pytest.mark.parametrize("kind", ["quasi", "newton", "cg"])

@@ -155,7 +155,7 @@ def test_a_jump_is_noticed_in_mid_solve(systems, table):
     assert not near.refreshed and near.age == 2 and near.iterations <= 4
 
 
-def test_direct_factors_anew_each_time(systems):
+def test_direct_factors_each_time(systems):
     reports, _ = run(systems[:5], "direct")
     assert all(report.refreshed and report.age == 0 for report in reports)
 

@@ -42,7 +42,7 @@ def test_error_of_a_time_step_with_an_incomplete_factor(tmp_path, monkeypatch, p
 
 @pytest.mark.slow
 @pytest.mark.mpi
-def test_two_ranks_tell_the_error_of_time_steps_that_one_tells(tmp_path, on_ranks):
+def test_two_ranks_report_the_error_of_time_steps_that_one_reports(tmp_path, on_ranks):
     script, found = write_script(tmp_path, MOVED), []
     for ranks in (1, 2):
         words = ("--edits", script, "--policy", "thesis", "--json", f"{ranks}.json")

@@ -268,8 +268,8 @@ capsule = { start = [0.45, 0.55, -0.3], end = [0.45, 0.55, 0.3], radius = 0.03 }
 def test_a_body_that_comes_through_is_reported(tmp_path):
     """A bar stands between the nodes of a triangle of 0.2 m: all nodes rest, and the bar is in the cloth."""
     pins = "".join(f'[supports.{c}]\non = "{c}"\nfix = ["x", "y", "z"]\n' for c in "abcd")
-    pierced = solved(cloth(tmp_path, pins, BAR, CONTACT, overrides=("mesh.size=0.3", "effects.cloth.bending=hinge")))
-    assert "bodies.bar comes through the cloth" in pierced.row()["note"]
+    tunnelled = solved(cloth(tmp_path, pins, BAR, CONTACT, overrides=("mesh.size=0.3", "effects.cloth.bending=hinge")))
+    assert "bodies.bar comes through the cloth" in tunnelled.row()["note"]
     ball = solved(cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.12", "effects.cloth.bending=hinge")))
     assert ball.row()["note"] == ""
 
@@ -344,7 +344,7 @@ def test_cloth_that_begins_inside_a_body_is_reported(tmp_path, centre, begins):
 
 
 @pytest.mark.parametrize(("stiffness", "reported"), [(2e3, True), (5e7, False)])
-def test_the_deepest_node_is_reported(tmp_path, stiffness, reported):
+def test_the_node_of_the_largest_penetration_is_reported(tmp_path, stiffness, reported):
     """By the distance from a ball in closed form; soft contact gives by more than its thickness, stiff by less."""
     found = solved(cloth(tmp_path, CONTACT, BALL, overrides=(f"effects.contact.stiffness={stiffness}",)))
     corners = found.problem.corners(found.x)

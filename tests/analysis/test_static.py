@@ -70,7 +70,7 @@ class TestGuess:
         np.testing.assert_allclose(guess(self.two, (gesture, (1.0, 1.0))), self.two)
         np.testing.assert_allclose(guess(self.two, (gesture, (99.0, 0.0))), [[4.0, -4.0]])
 
-    def test_another_gesture_starts_anew(self):
+    def test_another_gesture_starts_again(self):
         guess, gesture = Guess(True), object()
         guess.keep(self.one, (gesture, (0.0, 0.0)))
         guess.keep(self.two, (gesture, (1.0, 0.0)))

@@ -113,16 +113,16 @@ def test_velocities_keep_their_momentum_on_a_new_mesh(tmp_path):
     old, new = coarse.analysis.body.mass, fine.analysis.body.mass
     X = coarse.moving.mesh.X
     v = np.column_stack([np.sin(X[:, 1]), X[:, 0] * X[:, 1] ** 2]) * X[:, 1:]
-    carried = project_velocity(old, new, v)
+    projected = project_velocity(old, new, v)
     mesh = fine.moving.mesh
-    corners = carried[mesh.cells].mean(axis=1)
+    corners = projected[mesh.cells].mean(axis=1)
     p, q = (mesh.X[mesh.cells[:, k]] - mesh.X[mesh.cells[:, 0]] for k in (1, 2))
     mass = 1000 * 0.1 * 0.5 * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
     assert mass @ corners == pytest.approx(old.momentum(v), rel=1e-12)
     Y = mesh.X
     exact = np.column_stack([np.sin(Y[:, 1]), Y[:, 0] * Y[:, 1] ** 2]) * Y[:, 1:]
-    assert np.abs(carried - exact).max() < 0.03 * np.abs(exact).max()
-    assert np.all(carried[fine.analysis.body.constrained] == 0)
+    assert np.abs(projected - exact).max() < 0.03 * np.abs(exact).max()
+    assert np.all(projected[fine.analysis.body.constrained] == 0)
 
 
 def test_velocities_stay_on_the_same_mesh(tmp_path):

@@ -116,10 +116,12 @@ def test_velocities_on_a_new_mesh(tmp_path, mass):
         x, y = X.T
         return np.column_stack([y * (2 - x + 3 * y), y * (1 + 0.5 * x)])
 
-    carried = project_velocity(old.mass, new.mass, velocity(old.problem.space.X))
-    np.testing.assert_allclose(new.mass.momentum(carried), old.mass.momentum(velocity(old.problem.space.X)), rtol=1e-10)
+    projected = project_velocity(old.mass, new.mass, velocity(old.problem.space.X))
+    np.testing.assert_allclose(
+        new.mass.momentum(projected), old.mass.momentum(velocity(old.problem.space.X)), rtol=1e-10
+    )
     if mass == "consistent":
-        np.testing.assert_allclose(carried, velocity(new.problem.space.X), atol=1e-9)
+        np.testing.assert_allclose(projected, velocity(new.problem.space.X), atol=1e-9)
     rough = np.where(old.constrained, 0.0, np.random.default_rng(0).normal(size=old.problem.space.X.shape))
-    carried = project_velocity(old.mass, new.mass, rough)
-    np.testing.assert_allclose(new.mass.momentum(carried), old.mass.momentum(rough), rtol=1e-9)
+    projected = project_velocity(old.mass, new.mass, rough)
+    np.testing.assert_allclose(new.mass.momentum(projected), old.mass.momentum(rough), rtol=1e-9)

@@ -55,8 +55,8 @@ def test_values_that_a_script_sets_and_angles_that_it_turns_by(tmp_path, capsys)
     ]
     path = write_script(tmp_path, events)
     script = load_script(path, scene)
-    (told,) = bare_numbers_set(scene, script, 0.3)
-    assert told.startswith("line 3: set mesh.size: a length without a unit") and '"5 mm" or "5 m"?' in told
+    (reported,) = bare_numbers_set(scene, script, 0.3)
+    assert reported.startswith("line 3: set mesh.size: a length without a unit") and '"5 mm" or "5 m"?' in reported
     assert [one.partition(":")[0] for one in script.warnings] == ["line 4"] and '"30 deg"' in script.warnings[0]
     main(["check", str(scene.path), str(path)])
     printed = capsys.readouterr().err
@@ -66,5 +66,7 @@ def test_values_that_a_script_sets_and_angles_that_it_turns_by(tmp_path, capsys)
 def test_a_replay_counts_the_warnings_of_check_when_it_begins(tmp_path, capsys):
     scene = write_scene(tmp_path, BODY.replace("200e9", "200e14") + CLAMP.format("2") + meshed(0.05))
     assert main(["replay", str(scene)]) == 0
-    told = [line for line in capsys.readouterr().err.splitlines() if line.startswith("note:")]
-    assert len(told) == 1 and told[0].startswith("note: 2 more warnings, which restshape check lists; the first: ")
+    reported = [line for line in capsys.readouterr().err.splitlines() if line.startswith("note:")]
+    assert len(reported) == 1 and reported[0].startswith(
+        "note: 2 more warnings, which restshape check lists; the first: "
+    )

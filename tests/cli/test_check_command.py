@@ -19,7 +19,7 @@ def check(*words: object) -> int:
     return main(["check", *(str(word) for word in words)])
 
 
-def test_check_tells_what_the_scene_holds(tmp_path, capsys):
+def test_check_shows_what_the_scene_holds(tmp_path, capsys):
     out = tmp_path / "check.json"
     assert check(DATA / "plate.toml", DATA / "plate.jsonl", "--json", out) == 0
     held = json.loads(out.read_text())
@@ -159,7 +159,7 @@ def test_a_thickness_without_a_sign_is_refused_and_a_thin_one_is_not(capsys):
     assert key in reported and "the thickness is -" in reported
 
 
-def test_check_tells_of_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
+def test_check_shows_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
     clamp = '[supports.clamp]\non = "left"\nfix = ["x", "slope"]\n[supports.mirror]\non = "right"\nsymmetry = "x"\n'
     start = '[start]\nmove = [0, 0, "half"]\nscatter = "1 mm"\n'
     path = write_cloth(tmp_path, BALL, clamp, start)

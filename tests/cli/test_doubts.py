@@ -89,7 +89,7 @@ def test_a_drawing_without_a_unit(tmp_path):
     assert warned(load_scene(tmp_path / "scene.toml")) == []
 
 
-def test_gaps_that_are_closed_are_told(tmp_path):
+def test_gaps_that_are_closed_are_reported(tmp_path):
     drawing = ezdxf.new("R2010", units=4)
     for ends in (((0, 0), (20, 0)), ((20, 0), (20, 10)), ((20, 10.03), (0, 10)), ((0, 10), (0.02, 0))):
         drawing.modelspace().add_line(*ends, dxfattribs={"layer": "rim"})

@@ -32,7 +32,7 @@ def test_a_line_every_ten_seconds_with_total_and_time_left(capsys):
     assert len(lines) == 5
 
 
-def test_nothing_is_told_of_a_short_command_or_a_quiet_one(capsys):
+def test_nothing_is_printed_of_a_short_command_or_a_quiet_one(capsys):
     with progress(False, 10) as count, progress(True, 10) as silent:
         for _ in range(10):
             count(1)

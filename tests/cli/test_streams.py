@@ -27,7 +27,7 @@ def write_long(folder, frames):
 
 @pytest.fixture(autouse=True)
 def often(monkeypatch):
-    """Progress is told all the time."""
+    """Progress is printed all the time."""
     monkeypatch.setenv("RESTSHAPE_PROGRESS", "0")
 
 

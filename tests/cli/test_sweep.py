@@ -131,7 +131,7 @@ def test_settings_of_a_mesh_give_the_mesh_of_a_replay_of_its_own(command, tmp_pa
     assert values_of(runs, "peak")[1] == pytest.approx(own["peak"][0], rel=1e-9)
 
 
-def test_a_mesh_file_is_read_anew_where_settings_of_the_mesh_change(command, tmp_path):
+def test_a_mesh_file_is_read_again_where_settings_of_the_mesh_change(command, tmp_path):
     """An edit of the size would give a new mesh of the outline; the first shape is the file's mesh at any size."""
     corners = "1, 0, 0\n2, 1, 0\n3, 2, 0\n4, 0, 0.5\n5, 1, 0.5\n6, 2, 0.5\n"
     cells = "1, 1, 2, 5\n2, 1, 5, 4\n3, 2, 3, 6\n4, 2, 6, 5\n"
@@ -150,13 +150,13 @@ def test_a_mesh_file_is_read_anew_where_settings_of_the_mesh_change(command, tmp
 
 def test_nonlinear_runs_continue_unless_they_shall_start_from_rest(command, tmp_path):
     words = (write_scene(tmp_path, LARGE), "--set", "loads.pull.traction.0=1GPa,5GPa,1GPa")
-    anew = runs_of(command, tmp_path, *words, "--from-rest")
-    assert [one["analysis"] for one in anew] == 3 * ["new"]
-    assert values_of(anew, "stretch")[0] == values_of(anew, "stretch")[2]
+    from_rest = runs_of(command, tmp_path, *words, "--from-rest")
+    assert [one["analysis"] for one in from_rest] == 3 * ["new"]
+    assert values_of(from_rest, "stretch")[0] == values_of(from_rest, "stretch")[2]
     on = runs_of(command, tmp_path, *words)
     assert [one["analysis"] for one in on] == ["new", "reused", "reused"]
     # The solution is unique here.
-    assert values_of(on, "stretch") == pytest.approx(values_of(anew, "stretch"), rel=1e-5)
+    assert values_of(on, "stretch") == pytest.approx(values_of(from_rest, "stretch"), rel=1e-5)
 
 
 def test_a_value_without_a_result_leaves_the_others(command, tmp_path):

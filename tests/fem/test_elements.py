@@ -16,7 +16,7 @@ def test_every_compiled_element_has_a_symbol():
         assert list(getattr(elements, symbol)) == list(family)
 
 
-def test_an_element_tells_its_sizes_and_names():
+def test_an_element_knows_its_sizes_and_names():
     element = LINEAR_ELASTIC["tri6"]
     assert (element.name, element.family, element.shape) == ("linear_elastic_tri6", "linear_elastic", "tri6")
     assert (element.nodes, element.dim, element.fields, element.dof_nodes) == (6, 2, 2, 6)

@@ -51,8 +51,8 @@ def sewn(places: np.ndarray) -> Integral:
     return Integral(_kernels.Element("linear_elastic_tri3"), places, CELLS, LAW, dofs=SEAM)
 
 
-def carried(places: np.ndarray, w: np.ndarray, dw: np.ndarray) -> tuple[Integral, np.ndarray]:
-    """A flow carried with a velocity w that changes by dw a unit of the motion, and its dofs."""
+def advected(places: np.ndarray, w: np.ndarray, dw: np.ndarray) -> tuple[Integral, np.ndarray]:
+    """A flow advected with a velocity w that changes by dw a unit of the motion, and its dofs."""
     cell, dofs = np.arange(6, dtype=np.int32)[None], np.arange(15, dtype=np.int32)[None]
     params = np.array([0.7, 0.3, -0.9, 1.3])
     made = Integral(OSEEN["tri6"], places, cell, params, coefficients=w, dofs=dofs, coefficient_rate=lambda dX: dw)
@@ -94,8 +94,8 @@ def test_nodal_coefficients_reach_residual_tangent_and_design():
     places = np.array([[0.0, 0.0], [1.0, 0.1], [0.2, 0.9], [0.5, 0.0], [0.65, 0.5], [0.05, 0.45]])
     w, dw, dX = rng.uniform(-1, 1, (3, 6, 2))
     x, d = rng.uniform(-1, 1, (2, 15, 1))
-    made, dofs = carried(places, w, dw)
-    still, _ = carried(places, np.zeros_like(w), dw)
+    made, dofs = advected(places, w, dw)
+    still, _ = advected(places, np.zeros_like(w), dw)
     assert np.abs(Assembled([made]).residual(x) - Assembled([still]).residual(x)).max() > 1e-3
     operator = Operator(PETSc.COMM_SELF, 1, np.array([0, 15], dtype=np.int32), symmetric=False)
     operator.set_topology([(made.entities, dofs)], np.zeros(15, dtype=np.uint8))
@@ -107,7 +107,7 @@ def test_nodal_coefficients_reach_residual_tangent_and_design():
         np.testing.assert_allclose(right, -assembled.residual(x), atol=1e-13)
     rate, start, remainders = Assembled([made]).design_product(x, dX), Assembled([made]).residual(x), []
     for h in (2e-4, 1e-4):
-        there, _ = carried(places + h * dX, w + h * dw, dw)
+        there, _ = advected(places + h * dX, w + h * dw, dw)
         remainders.append(np.linalg.norm(Assembled([there]).residual(x) - start - h * rate))
     assert remainders[0] / remainders[1] == pytest.approx(4.0, rel=0.05)
     assert np.abs(rate - Assembled([replace(made, coefficient_rate=None)]).design_product(x, dX)).max() > 1e-3

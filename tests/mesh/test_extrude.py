@@ -125,7 +125,7 @@ def test_ranks_hold_contiguous_nodes(order):
 
 
 @pytest.mark.parametrize("order", [1, 2])
-def test_flips_give_the_cells_of_a_body_made_anew(order):
+def test_flips_give_the_cells_of_a_rebuilt_body(order):
     mesh = square()
     space = plane(mesh, order)
     body = Extrusion(space, 2, WEDGE, {"h0": 0.2})

@@ -63,7 +63,7 @@ def test_each_format_gives_the_same_mesh_and_its_names(ending):
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_imported_outline_can_be_meshed_anew(ending):
+def test_imported_outline_can_be_meshed_again(ending):
     mesh, outline = read_mesh(SAMPLES / f"bracket.{ending}", 1e-3)
     fine = generate(outline, MeshSpec(size=0.6e-3))
     assert fine.n_cells > 3 * mesh.n_cells
@@ -173,7 +173,7 @@ def test_names_that_every_outline_has_get_an_underscore(tmp_path):
 
 
 SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
-BROKEN = {
+INVALID = {
     "solid": ([*SQUARE[:3], [0, 0, 1]], [("tetra", [[0, 1, 2, 3]])], "tetra"),
     "out of plane": ([*SQUARE[:3], [0, 1, 0.3]], [("triangle", [[0, 1, 2], [0, 2, 3]])], "plane z = 0"),
     "no triangles": (SQUARE, [("line", [[0, 1]])], "no triangles"),
@@ -199,9 +199,9 @@ BROKEN = {
 }
 
 
-@pytest.mark.parametrize("name", BROKEN)
-def test_broken_meshes_are_refused_with_the_file_and_the_reason(tmp_path, name):
-    points, cells, message = BROKEN[name]
+@pytest.mark.parametrize("name", INVALID)
+def test_invalid_meshes_are_refused_with_the_file_and_the_reason(tmp_path, name):
+    points, cells, message = INVALID[name]
     path = tmp_path / "broken.vtu"
     blocks = [(kind, np.array([list(cell) for cell in rows])) for kind, rows in cells]
     meshio.write(path, meshio.Mesh(np.array(points, dtype=float), blocks))

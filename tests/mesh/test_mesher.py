@@ -283,7 +283,7 @@ def test_a_build_without_cgal_uses_gmsh_and_says_so_when_asked_for_cgal(monkeypa
         generate(plate(), MeshSpec(size=0.1, mesher="cgal"))
 
 
-BROKEN = {
+INVALID = {
     "crossing": ([(0, 0), (1, 0), (1, 1), (0, 1)], [0, 2, 1, 3], "crosses"),
     "no area": ([(0, 0), (1, 0), (2, 0), (3, 0)], [0, 1, 2, 3], "area"),
     "two points in one place": ([(0, 0), (1, 0), (1, 0), (0, 1)], [0, 1, 2, 3], "coincide"),
@@ -293,9 +293,9 @@ BROKEN = {
 
 
 @needs_cgal
-@pytest.mark.parametrize("name", BROKEN)
-def test_the_kernel_refuses_broken_boundaries(name):
-    corners, order, reason = BROKEN[name]
+@pytest.mark.parametrize("name", INVALID)
+def test_the_kernel_refuses_invalid_boundaries(name):
+    corners, order, reason = INVALID[name]
     points = np.array(corners, dtype=float)[order]
     n = len(points)
     segments = np.array([(i, (i + 1) % n) for i in range(n)], dtype=np.int32)

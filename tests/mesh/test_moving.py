@@ -111,7 +111,7 @@ def test_nodes_move_by_the_linear_map_and_come_back(kind):
     assert np.array_equal(mesh.mesh.X, start)
 
 
-def test_versions_tell_what_changed():
+def test_versions_show_what_changed():
     mesh, hand, gesture = begin("laplacian", 0.08)
     for x in np.linspace(0, 0.6, 40)[1:]:
         first, topology, geometry = mesh.mesh, mesh.mesh.topology, mesh.mesh.geometry

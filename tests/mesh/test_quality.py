@@ -61,10 +61,10 @@ def test_moving_and_checking_is_the_linear_map_and_the_check():
     rng = np.random.default_rng(4)
     Psi = rng.normal(size=(2, *mesh.X.shape)) * 0.01
     X = np.empty_like(mesh.X)
-    verdict = _kernels.move_and_check(mesh.X, Psi, 0.3, -1.2, X, mesh.cells, 0.0, 0.5)
+    found = _kernels.move_and_check(mesh.X, Psi, 0.3, -1.2, X, mesh.cells, 0.0, 0.5)
     assert np.allclose(X, mesh.X + 0.3 * Psi[0] - 1.2 * Psi[1], rtol=0, atol=1e-15)
-    assert verdict[0] == pytest.approx(qualities(X, mesh.cells).min(), rel=1e-12)
-    assert verdict[2] == np.sum(qualities(X, mesh.cells) < 0.5)
+    assert found[0] == pytest.approx(qualities(X, mesh.cells).min(), rel=1e-12)
+    assert found[2] == np.sum(qualities(X, mesh.cells) < 0.5)
 
 
 def test_the_authors_thresholds_are_his_ratio_and_his_area():

@@ -195,7 +195,7 @@ def test_fields_survive_flips_at_rest():
         flips, changed = Reconnection(mesh).flip(mesh.X)
         space.reconnect(changed)
         space.place()
-        carried = interpolated(field, space.interpolations)
+        there = interpolated(field, space.interpolations)
         flipped = (mesh.edge_nodes != edges).any(axis=1)
         assert flips and flipped.any()
         bent = np.zeros(len(space.X), dtype=bool)
@@ -203,7 +203,7 @@ def test_fields_survive_flips_at_rest():
         nodes = space.side_number[flipped]
         # Quadratic fields too where the triangles are straight.
         nodes = nodes if tolerance else nodes[~bent[nodes]]
-        assert np.abs(carried - values(space.X))[nodes].max() < (tolerance or 1e-11)
+        assert np.abs(there - values(space.X))[nodes].max() < (tolerance or 1e-11)
         mesh = generate(plate(), MeshSpec(size=0.1, edges_per_circle=8))
         mesh.X[mesh.node_edge < 0] += rng.uniform(-0.015, 0.015, (int((mesh.node_edge < 0).sum()), 2))
         space = LagrangeSpace(mesh)
@@ -287,20 +287,20 @@ def test_a_new_mesh_straightens_sides_that_would_fold_their_triangle():
     check_bounds(space)
 
 
-def test_quadratic_fields_are_carried_exactly_between_straight_sides():
+def test_quadratic_fields_are_interpolated_exactly_between_straight_sides():
     old, new = LagrangeSpace(l_mesh(4)), LagrangeSpace(l_mesh(7))
     assert np.abs(transfer(old, new, quadratic(old.X)) - quadratic(new.X)).max() < 1e-11
     assert np.abs(transfer(old, new.mesh, quadratic(old.X)) - quadratic(new.mesh.X)).max() < 1e-11
 
 
-def test_linear_fields_are_carried_exactly_through_curved_sides():
+def test_linear_fields_are_interpolated_exactly_through_curved_sides():
     outline = plate(0.2)
     old, new = (LagrangeSpace(generate(outline, MeshSpec(size=size))) for size in (0.2, 0.11))
     found = transfer(old, new, old.X @ A.T + 1.0)
     assert np.abs(found - (new.X @ A.T + 1.0)).max() < 1e-10
 
 
-def test_smooth_fields_are_carried_with_third_order():
+def test_smooth_fields_are_interpolated_with_third_order():
     new = LagrangeSpace(l_mesh(13))
 
     def field(X):
@@ -313,8 +313,8 @@ def test_smooth_fields_are_carried_with_third_order():
 
 def test_points_outside_take_the_nearest_boundary_value():
     space = LagrangeSpace(holed_mesh())
-    carried = Transfer(space, np.array([[2.5, 0.4], [-0.3, -0.4], [0.6, 0.5]]))(space.X)
-    assert np.allclose(carried, [[2.0, 0.4], [0.0, 0.0], [0.5, 0.5]], atol=1e-12)
+    there = Transfer(space, np.array([[2.5, 0.4], [-0.3, -0.4], [0.6, 0.5]]))(space.X)
+    assert np.allclose(there, [[2.0, 0.4], [0.0, 0.0], [0.5, 0.5]], atol=1e-12)
 
 
 def test_the_basis_is_one_at_its_node_and_has_its_slopes():

@@ -41,8 +41,8 @@ def test_points_are_found_in_the_triangle_that_holds_them():
 
 def test_a_point_outside_takes_the_nearest_boundary_value():
     mesh = holed_mesh()
-    carried = Transfer(mesh, np.array([[2.5, 0.4], [-0.3, -0.4], [0.75, 0.74], [0.6, 0.5]]))(mesh.X)
-    assert np.allclose(carried, [[2.0, 0.4], [0.0, 0.0], [0.75, 0.75], [0.5, 0.5]], atol=1e-12)
+    interpolated = Transfer(mesh, np.array([[2.5, 0.4], [-0.3, -0.4], [0.75, 0.74], [0.6, 0.5]]))(mesh.X)
+    assert np.allclose(interpolated, [[2.0, 0.4], [0.0, 0.0], [0.75, 0.75], [0.5, 0.5]], atol=1e-12)
 
 
 def test_old_nodes_give_old_values_back():

@@ -71,7 +71,7 @@ def test_kinds_of_integrals(tmp_path):
     assert energy == pytest.approx(problem.membrane_energy(x) + problem.bending_energy(x))
 
 
-def test_versions_tell_what_has_changed(tmp_path):
+def test_versions_show_what_has_changed(tmp_path):
     problem, x = problem_of(tmp_path, "hinge")
     seen = [problem.version]
     for change in (lambda: problem.update_friction(x), lambda: problem.soften(0.5), problem.update):

@@ -151,7 +151,7 @@ def test_scatter_is_the_same_each_time_and_leaves_what_is_held(tmp_path):
     assert 0.04 < off.max() <= 0.05 and not off[mesh.nodes_of("a")].any()
 
 
-def test_supports_move_what_they_hold_from_where_it_is_laid(tmp_path):
+def test_supports_move_what_they_constrain_from_its_initial_placement(tmp_path):
     lift = '[supports.lift]\non = "top"\nfix = { z = "0.1*x", y = "-2 cm" }\n'
     found, mesh = arguments(tmp_path, TURNED, lift)
     nodes = mesh.nodes_of("top")

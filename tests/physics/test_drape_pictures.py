@@ -239,7 +239,7 @@ def test_everything_at_rest_lies_within_the_box(recording):
         assert left - 1e-12 <= u <= right + 1e-12 and bottom - 1e-12 <= v <= top + 1e-12
 
 
-def test_captions_tell_of_rest(recording):
+def test_captions_report_convergence(recording):
     cloth = recording(0.0, 0.0, 0.0, rests=(1, 0, 1))
     cloth.table["tangent_positive_definite"][2] = 0
     assert convergence_words(cloth, 0) == ("converged and stable, residual 5e-05", True)

@@ -99,8 +99,8 @@ def test_jump_of_stress_between_materials_is_no_error(tmp_path, overrides):
 
 
 def test_stress_is_nothing_to_relate_to(tmp_path):
-    carried = write_scene(tmp_path, TWO.replace('{ x = "1e-3*x + 2e-4*y", y = "-3e-4*y" }', "{ x = 0.3, y = 0.1 }"))
-    assert np.isnan(first_frame(carried).analysis.errors()["estimate"])
+    displaced = write_scene(tmp_path, TWO.replace('{ x = "1e-3*x + 2e-4*y", y = "-3e-4*y" }', "{ x = 0.3, y = 0.1 }"))
+    assert np.isnan(first_frame(displaced).analysis.errors()["estimate"])
 
 
 @pytest.mark.parametrize(

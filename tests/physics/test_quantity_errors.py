@@ -332,7 +332,7 @@ def test_one_key_for_all_errors_is_a_note_where_there_are_none(tmp_path, app, ef
     assert len(row["note"]) <= 160 and "stretch_error" not in row
 
 
-def test_a_truth_in_quotes_is_told_to_drop_them(tmp_path):
+def test_a_truth_in_quotes_is_advised_to_drop_them(tmp_path):
     text = plate().replace("[quantities]", '[quantities]\nerror = "true"')
     with pytest.raises(UserError, match="drop the quotes: write true") as refusal:
         load_scene(write_scene(tmp_path, text))

@@ -50,13 +50,13 @@ def test_policies_agree(tmp_path, name):
     np.testing.assert_allclose([r["q_first"] for r in two], [r["q_first"] for r in one], rtol=same)
 
 
-def test_the_verdict_changes(tmp_path):
+def test_the_constraint_status_changes(tmp_path):
     text = column(height=0.05).replace("load_factor = 1 }", "load_factor = 1, at_least = 25 }")
     scene, events = write_scene(tmp_path, text), drag("top", (0.5, 0.05), across((0.5, 0.05), (0.5, 0.03), 12))
     rows = rows_of(make_replay(scene, write_script(tmp_path, events)))
-    verdicts = [row["constraint_status"] for row in rows]
-    assert verdicts == ["holds" if row["mu_1"] >= 25.0 else "fails" for row in rows]
-    assert verdicts[0] == "holds" and verdicts[-1] == "fails"
+    statuses = [row["constraint_status"] for row in rows]
+    assert statuses == ["holds" if row["mu_1"] >= 25.0 else "fails" for row in rows]
+    assert statuses[0] == "holds" and statuses[-1] == "fails"
 
 
 def test_a_refused_frame_leaves_all_as_it_was(tmp_path):

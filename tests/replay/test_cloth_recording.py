@@ -65,7 +65,7 @@ def test_bodies_of_each_frame_are_those_of_the_script(cloth):
     assert {bodies["ball"].friction for bodies in found} == {0.3}
 
 
-def test_the_summary_tells_how_many_frames_are_at_rest(cloth, tmp_path, capsys):
+def test_the_summary_counts_the_frames_that_converged(cloth, tmp_path, capsys):
     rest = json.loads(cloth.with_suffix(".json").read_text())["rest"]
     with Recording(cloth) as recording:
         table = recording.table

@@ -18,16 +18,16 @@ from restshape.report.scenery import goals_of
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory):
+def valid(tmp_path_factory):
     path = tmp_path_factory.mktemp("recording") / "plate.vtkhdf"
     return path, record_plate(path, frames=12, remesh_every=4)
 
 
 @pytest.fixture
-def damaged(sound, tmp_path) -> Path:
+def damaged(valid, tmp_path) -> Path:
     """A copy to damage."""
     path = tmp_path / "damaged.vtkhdf"
-    path.write_bytes(sound[0].read_bytes())
+    path.write_bytes(valid[0].read_bytes())
     return path
 
 
@@ -44,7 +44,7 @@ def same_frames(path: Path, known: list, numbers: list[int]) -> None:
             assert recording.table["iterations"][i] == frame["iterations"]
 
 
-def test_a_report_says_which_frames_are_good_and_salvage_writes_them(command, sound, damaged):
+def test_a_report_says_which_frames_are_good_and_salvage_writes_them(command, valid, damaged):
     with h5py.File(damaged, "r+") as file:
         row = file["restshape/table"][3]
         row["iterations"] += 1
@@ -57,26 +57,26 @@ def test_a_report_says_which_frames_are_good_and_salvage_writes_them(command, so
     assert ended.returncode == 0 and "11 of 12 frames are good: 0-2, 4-11" in ended.stdout, ended.stderr
     good = [0, 1, 2, *range(4, 12)]
     assert json.loads(damaged.with_name("a.json").read_text()) == {"frames": 12, "good": good}
-    same_frames(out, sound[1], good)
+    same_frames(out, valid[1], good)
     ended = command("salvage", damaged, "--out", damaged)
     assert ended.returncode == 2 and "reads" in ended.stderr
 
 
-def test_a_file_that_is_cut_off_keeps_its_frames(sound, damaged, tmp_path):
+def test_a_file_that_is_cut_off_keeps_its_frames(valid, damaged, tmp_path):
     size = damaged.stat().st_size
     os.truncate(damaged, size - 1)
     with pytest.raises(UserError, match="cut off"):
         Recording(damaged)
     good, count = salvage(damaged, tmp_path / "good.vtkhdf")
     assert count == 12 and good == list(range(12))
-    same_frames(tmp_path / "good.vtkhdf", sound[1], good)
+    same_frames(tmp_path / "good.vtkhdf", valid[1], good)
 
 
 @pytest.mark.slow
-def test_no_flipped_byte_is_drawn_without_a_word_or_ends_in_a_traceback(sound, damaged):
-    data, rng = sound[0].read_bytes(), np.random.default_rng(0)
+def test_no_flipped_byte_is_drawn_without_a_word_or_ends_in_a_traceback(valid, damaged):
+    data, rng = valid[0].read_bytes(), np.random.default_rng(0)
     reported = 0
-    with Recording(sound[0]) as recording:
+    with Recording(valid[0]) as recording:
         table, times = recording.table, recording.times
         for place in rng.integers(0, len(data), 80):
             changed = bytearray(data)
@@ -90,7 +90,7 @@ def test_no_flipped_byte_is_drawn_without_a_word_or_ends_in_a_traceback(sound, d
                         assert other.n == 12 and other.header == recording.header
                         assert all(np.array_equal(other.table[k].astype(str), table[k].astype(str)) for k in table)
                         assert np.array_equal(other.times, times)
-                        for i, frame in enumerate(sound[1]):
+                        for i, frame in enumerate(valid[1]):
                             assert np.array_equal(other.points(i), frame["points"])
                             assert np.array_equal(other.field(i, "von_mises"), frame["von_mises"])
             except UserError:
@@ -171,7 +171,7 @@ def test_a_recording_without_header_or_index_cannot_be_salvaged_and_that_is_said
     assert not damaged.with_name("good.vtkhdf").exists()
 
 
-def test_points_that_are_no_numbers_are_damage(sound, damaged):
+def test_points_that_are_no_numbers_are_damage(valid, damaged):
     with h5py.File(damaged, "r+") as file:
         file["VTKHDF/Points"][0] = np.nan
     with Recording(damaged) as recording:
@@ -179,7 +179,7 @@ def test_points_that_are_no_numbers_are_damage(sound, damaged):
 
 
 @pytest.mark.parametrize("name", ["Types", "Offsets"])
-def test_a_flip_in_types_or_offsets_of_one_cell_is_damage_of_the_frames_that_have_it(command, sound, damaged, name):
+def test_a_flip_in_types_or_offsets_of_one_cell_is_damage_of_the_frames_that_have_it(command, valid, damaged, name):
     with Recording(damaged) as recording:
         last = [i for i in range(recording.n) if recording.topology(i) == recording.topology(recording.n - 1)]
     assert 0 < len(last) < 12
@@ -191,10 +191,10 @@ def test_a_flip_in_types_or_offsets_of_one_cell_is_damage_of_the_frames_that_hav
     assert ended.returncode == 2 and f"{len(last)} of 12 frames are damaged" in ended.stderr
     good = damaged.with_name("good.vtkhdf")
     assert command("salvage", damaged, "--out", good).returncode == 0
-    same_frames(good, sound[1], list(range(min(last))))
+    same_frames(good, valid[1], list(range(min(last))))
 
 
-def test_frames_without_points_are_damage(sound, damaged):
+def test_frames_without_points_are_damage(valid, damaged):
     with h5py.File(damaged, "r+") as file:
         file["VTKHDF/NumberOfPoints"][:] = 0
     with Recording(damaged) as recording:

@@ -117,7 +117,7 @@ def test_recording_and_tables_hold_them(tmp_path):
     assert found["estimate_time"] == {"p50": None, "max": None}
 
 
-def test_summary_tells_them(tmp_path, command):
+def test_summary_has_them(tmp_path, command):
     scene = METALLOPHONE / "bar_100.toml"
     words = ("--set", "mesh.size=0.012", "--predict", "linear", "--json", "a.json", "--csv", "a.csv")
     done = command("replay", scene, "--edits", BARS / "remainder.jsonl", *words)

@@ -26,7 +26,7 @@ def words(tmp_path):
 
 @pytest.fixture(autouse=True)
 def often(monkeypatch):
-    """Progress is told all the time."""
+    """Progress is printed all the time."""
     monkeypatch.setenv("RESTSHAPE_PROGRESS", "0")
 
 

@@ -56,7 +56,7 @@ def _lives(process: int) -> bool:
         return False
 
 
-def _sound(path: Path) -> Recording:
+def _valid(path: Path) -> Recording:
     with Recording(path) as recording:
         assert recording.verify() == []
         assert recording.table["index"].tolist() == list(range(recording.n))
@@ -69,7 +69,7 @@ def test_the_solver_is_killed(tmp_path, number):
     time.sleep(0.5)
     run.process.send_signal(number)
     run.end()
-    recording = _sound(tmp_path / "a.vtkhdf")
+    recording = _valid(tmp_path / "a.vtkhdf")
     assert recording.status == "interrupted"
     # The solver may have died between handing over a frame and printing it.
     assert recording.n >= len(run.handed) > 50
@@ -81,7 +81,7 @@ def test_ctrl_c_to_the_whole_group(tmp_path):
     os.killpg(run.process.pid, signal.SIGINT)
     os.kill(run.recorder, signal.SIGINT)
     run.end()
-    recording = _sound(tmp_path / "a.vtkhdf")
+    recording = _valid(tmp_path / "a.vtkhdf")
     assert recording.status == "interrupted" and recording.n >= len(run.handed) > 50
 
 
@@ -97,7 +97,7 @@ def test_both_are_killed(tmp_path, wait):
         # Nothing was safe yet.
         assert not run.handed or killed - run.handed[0][1] < WRITTEN_BEHIND
         return
-    recording = _sound(tmp_path / "a.vtkhdf")
+    recording = _valid(tmp_path / "a.vtkhdf")
     assert recording.status == "killed" and "killed" in recording.summary
     lost = [handed for index, handed in run.handed if index >= recording.n]
     assert not lost or killed - lost[0] < WRITTEN_BEHIND
@@ -109,4 +109,4 @@ def test_the_recorder_alone_is_killed(tmp_path):
     os.kill(run.recorder, signal.SIGKILL)
     assert run.process.wait(timeout=10) != 0
     run.end()
-    assert _sound(tmp_path / "a.vtkhdf").n > 0
+    assert _valid(tmp_path / "a.vtkhdf").n > 0

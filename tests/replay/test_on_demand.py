@@ -78,7 +78,7 @@ def test_what_is_asked_for_is_what_every_frame_gives(files):
 
 
 @pytest.mark.slow
-def test_the_command_tells_verdicts_and_writes_no_nan(files, capsys):
+def test_the_command_prints_the_constraint_status_and_writes_no_nan(files, capsys):
     out, numbers = files / "a.vtkhdf", files / "a.json"
     call = ["replay", str(files / "plate.toml"), "--edits", str(files / "on demand.jsonl")]
     assert main([*call, "--out", str(out), "--json", str(numbers), "--csv", str(files / "a.csv")]) == 0

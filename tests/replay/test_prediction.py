@@ -75,7 +75,7 @@ def test_quantities_and_residual_are_those_of_what_is_shown(tmp_path):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_frames_that_flip_or_mesh_anew_are_solved_and_predicted_from(tmp_path, kind):
+def test_frames_that_flip_or_remesh_are_solved_and_predicted_from(tmp_path, kind):
     (rows, shown), (true, exact) = both(tmp_path, LONG, KINDS[kind])
     levels = [row["level"] for row in rows]
     assert levels == [row["level"] for row in true] and 2 in levels and 3 in levels
@@ -94,7 +94,7 @@ WIDE = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.8, 0.62), 12))
 
 
 def test_predictions_that_are_far_off_are_solved(tmp_path, monkeypatch):
-    """With a lower bound than the usual one, which the estimate of each frame tells of the next."""
+    """With a lower bound than the usual one, which the estimate of each frame gives for the next."""
     text = plate(0.2, 2)
     monkeypatch.setattr(predicted_frames, "TRUSTED", np.inf)
     (rows, shown), (_, exact) = both(tmp_path, WIDE, text)

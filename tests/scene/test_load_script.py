@@ -51,7 +51,7 @@ def test_pins_are_names_or_places_in_the_units_of_the_header(read):
     assert event.pins == ["a", pytest.approx((0.02, 0.03))]
 
 
-def test_the_header_tells_when_the_analysis_runs(tmp_path, read):
+def test_the_header_says_when_the_analysis_runs(tmp_path, read):
     assert read({"t": 0, "do": "analyse"}).header.analysis == "every frame"
     path = tmp_path / "asked.jsonl"
     header = {"format": "restshape-edits", "version": 1, "scene": "a.toml"}

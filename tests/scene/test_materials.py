@@ -88,12 +88,12 @@ def test_bound_of_the_ratios_is_that_of_the_energy():
         S = np.diag(1 / E)
         for (i, j), n in zip(((0, 1), (0, 2), (1, 2)), nu):
             S[i, j] = S[j, i] = -n / E[i]
-        sound = np.linalg.eigvalsh(S).min() > 0
+        definite = np.linalg.eigvalsh(S).min() > 0
         try:
             material(orthotropic={"E": list(E), "nu": list(nu), "G": [1.0, 1.0, 1.0]})
-            assert sound
+            assert definite
         except ValidationError:
-            assert not sound
+            assert not definite
             refused += 1
     assert 50 < refused < 250
 

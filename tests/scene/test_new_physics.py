@@ -188,7 +188,7 @@ def test_the_schema_holds_its_keys(fin):
     assert "conduction" in scene_schema()["properties"]["effects"]["properties"]
 
 
-def test_check_tells_its_keys_with_units(fin, tmp_path, capsys):
+def test_check_shows_its_keys_with_units(fin, tmp_path, capsys):
     fin()
     assert main(["check", str(tmp_path / "fin.toml")]) == 0
     reported = " ".join(capsys.readouterr().out.split())

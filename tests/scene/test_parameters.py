@@ -22,7 +22,7 @@ def test_parameters_may_be_formulas_of_others_in_any_order(tmp_path):
     assert known["a"] == 0.08 and known["c"] == pytest.approx(0.05) and known["width"] == pytest.approx(0.09)
 
 
-def test_a_circle_of_parameters_is_told_by_its_chain(tmp_path):
+def test_a_circle_of_parameters_is_reported_by_its_chain(tmp_path):
     body = PLATE.replace('width = "30 cm"', 'width = "2*r"')
     found = refusal(tmp_path, body=body)
     assert found.where.startswith("plate.toml: parameters.")

@@ -130,7 +130,7 @@ def test_ids_and_groups_are_names_and_layers_choose_among_them(tmp_path):
     assert "'Cut lines'" in found.value.do
 
 
-def test_gaps_are_closed_within_the_tolerance_and_told(tmp_path):
+def test_gaps_are_closed_within_the_tolerance_and_reported(tmp_path):
     body = '<path id="a" d="M0 0 h200 v100 h-200"/><path id="b" d="M0.4 99.7 L0 0"/>'
     with pytest.raises(UserError, match=r"nearest open end, of path 'b', is 0.00025 m away") as found:
         read(tmp_path, svg(body))

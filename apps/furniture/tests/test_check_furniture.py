@@ -12,7 +12,7 @@ def check(*words: object) -> int:
     return main(["check", *(str(word) for word in words)])
 
 
-def test_check_tells_planks_joints_and_loads_of_furniture_in_space(tmp_path, capsys):
+def test_check_shows_planks_joints_and_loads_of_furniture_in_space(tmp_path, capsys):
     # Drawn against x: its z points down.
     drawn = BENCH.replace("from = [-0.6, 0, 0.51]\nto = [0.6, 0, 0.51]", "from = [0.6, 0, 0.51]\nto = [-0.6, 0, 0.51]")
     text = drawn.replace('mass = "20 kg"', 'mass = "20 kg"\nat = [0.5, 0, 0.5]')

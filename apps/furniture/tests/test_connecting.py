@@ -58,7 +58,7 @@ def test_a_part_of_two_planks_moves_as_a_whole():
         assert "board with 1 more moved" in one.words
 
 
-def test_designs_in_parts_tell_them_as_suggestions():
+def test_designs_in_parts_have_them_as_suggestions():
     suggestion_list = Design(away(chair(), "stretcher", (0.0, 0.6, 0.0))).suggestion_list
     assert suggestion_list.found[0].valid and suggestion_list.found[0].piece is not None and not suggestion_list.why
     empty = Design(chair()).suggestion_list

@@ -41,7 +41,7 @@ def reported(tmp_path_factory):
         return json.loads((folder / "run.json").read_text()), list(csv.DictReader(file))
 
 
-def test_json_tells_the_guidance_of_each_frame(reported):
+def test_json_has_the_guidance_of_each_frame(reported):
     found, rows = reported
     frames = found["guidance"]["frames"]
     assert len(frames) == found["frames"] == len(rows) == 16
@@ -62,7 +62,7 @@ def test_json_tells_the_guidance_of_each_frame(reported):
     assert [frame["unit"] for frame in frames[11:13]] == ["rad"] * 2
 
 
-def test_json_tells_every_search_for_suggestions(reported):
+def test_json_has_every_search_for_suggestions(reported):
     found, rows = reported
     searches = found["guidance"]["suggestions"]
     assert [search["frame"] for search in searches] == [9, 15]
@@ -76,7 +76,7 @@ def test_json_tells_every_search_for_suggestions(reported):
         )
 
 
-def test_the_terminal_tells_verdicts_and_all_suggestions(tmp_path, capsys):
+def test_the_terminal_shows_constraint_status_and_all_suggestions(tmp_path, capsys):
     assert main(["replay", str(write_bench(tmp_path)), "--edits", str(write_edits(tmp_path, *EVENTS))]) == 0
     lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
     assert "0 0 to 6 holds" in lines and "3 7 to 9 falls under its weights" in lines
@@ -86,7 +86,7 @@ def test_the_terminal_tells_verdicts_and_all_suggestions(tmp_path, capsys):
     assert sum(line.startswith("suggestions in frame") for line in lines) == 2
 
 
-def test_json_of_what_is_no_furniture_tells_no_guidance(tmp_path):
+def test_json_of_what_is_no_furniture_has_no_guidance(tmp_path):
     from small_scenes import plate, write_scene
 
     assert main(["replay", str(write_scene(tmp_path, plate(0.3))), "--json", str(tmp_path / "run.json")]) == 0
@@ -208,14 +208,14 @@ width = [0, 0.1, 0]
 """
 
 
-def test_a_piece_in_parts_tells_its_gap_as_the_hand_goes_and_no_combinations(tmp_path, capsys):
+def test_a_piece_in_parts_reports_its_gap_as_the_hand_goes_and_no_combinations(tmp_path, capsys):
     drag = [{"do": "press", "on": "shelf"}, {"do": "drag", "path": [[0.33, 0, 0.2], [0.31, 0, 0.2]]}, {"do": "release"}]
     words = ["replay", str(write_bench(tmp_path, BENCH + LOOSE)), "--edits", str(write_edits(tmp_path, *drag))]
     assert main([*words, "--csv", str(tmp_path / "run.csv")]) == 0
     with (tmp_path / "run.csv").open(newline="") as file:
-        broken = [row["violated_constraints"] for row in csv.DictReader(file)]
+        violated = [row["violated_constraints"] for row in csv.DictReader(file)]
     # The face of the right leg is at x = 0.49; the shelf ends at 0.45, then 0.43 and 0.41.
-    for far, said in zip((40, 40, 60, 80, 80), broken, strict=True):
+    for far, said in zip((40, 40, 60, 80, 80), violated, strict=True):
         gap = f"shelf +x is {far} mm from right, beyond the reach of 15 mm of joints"
         assert said.startswith(f"in two parts: top with 2 more, shelf ({gap}); falls under its weights: shelf")
     out = " ".join(capsys.readouterr().out.split())

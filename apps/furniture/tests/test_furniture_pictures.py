@@ -1,4 +1,4 @@
-"""Pictures of furniture: what is broken is red, what hides is in front, what is drawn stays in sight."""
+"""Pictures of furniture: what is overloaded is red, what hides is in front, what is drawn stays in sight."""
 
 from dataclasses import replace
 
@@ -83,16 +83,16 @@ def test_colours_of_use_end_at_what_a_joint_bears() -> None:
     assert cmap(norm(0.999))[:3] != pytest.approx(to_rgb(REFUSED), abs=0.1)
 
 
-@pytest.mark.parametrize(("kilograms", "broken"), [(30.0, 0), (50.0, 1)])
-def test_a_broken_joint_is_red(kilograms: float, broken: int) -> None:
+@pytest.mark.parametrize(("kilograms", "overloaded"), [(30.0, 0), (50.0, 1)])
+def test_an_overloaded_joint_is_red(kilograms: float, overloaded: int) -> None:
     furniture = model(table(kilograms=kilograms))
     axes, pixels = drawn(furniture, numbers=False)
     forces, (cmap, norm) = furniture.forces(0), utilisation_colours()
     utilisation = np.maximum(forces.pull_utilisation, forces.shear_utilisation)
     seen = at(axes, pixels, furniture.geometry().p)
     assert seen == pytest.approx(cmap(norm(utilisation))[:, :3], abs=0.02)
-    assert np.isclose(seen, to_rgb(REFUSED), atol=0.02).all(axis=1).sum() == broken
-    assert (near(pixels, REFUSED) > 0) is bool(broken)
+    assert np.isclose(seen, to_rgb(REFUSED), atol=0.02).all(axis=1).sum() == overloaded
+    assert (near(pixels, REFUSED) > 0) is bool(overloaded)
 
 
 def test_what_is_nearer_hides_the_rest() -> None:

@@ -249,7 +249,7 @@ def test_furniture_is_not_predicted(tmp_path, capsys):
     assert "predict" in capsys.readouterr().err
 
 
-def test_check_tells_of_planks_and_of_refused_edits(tmp_path, capsys):
+def test_check_reports_planks_and_refused_edits(tmp_path, capsys):
     scene, out = write_bench(tmp_path), tmp_path / "check.json"
     edits = write_edits(tmp_path, {"do": "press", "on": "left", "parameter": "length x"}, {"do": "release"})
     assert main(["check", str(scene), str(edits), "--json", str(out)]) == 1

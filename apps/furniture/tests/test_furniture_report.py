@@ -86,7 +86,7 @@ def test_start_worst_and_end_are_among_the_frames(recorded):
 
 
 @pytest.mark.slow
-def test_a_frame_shows_the_range_in_the_colour_of_the_verdict(recorded, tmp_path, monkeypatch):
+def test_a_frame_shows_the_range_in_the_colour_of_the_constraint_status(recorded, tmp_path, monkeypatch):
     made = figures(monkeypatch, piece_frames)
     with Recording(recorded[0]) as recording:
         low = recording.table["range_low"][3]
@@ -144,7 +144,7 @@ def test_suggestions_show_arrows_and_end_states(recorded, tmp_path, monkeypatch)
     assert space(before).veil.empty
 
 
-def test_a_recording_tells_the_pieces_of_its_frames(recorded):
+def test_a_recording_has_the_pieces_of_its_frames(recorded):
     with Recording(recorded[0]) as recording:
         for frame in pieces(recording, [0, 9, 20, recording.n - 1]):
             piece = frame.design.furniture.moved(frame.gamma)

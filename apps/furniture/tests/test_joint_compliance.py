@@ -1,4 +1,4 @@
-"""What the compliance of joints decides: redundant joints, and verdicts that change with it; statics by numpy."""
+"""What the compliance of joints decides: redundant joints, and a constraint status that changes; statics by numpy."""
 
 import json
 
@@ -91,7 +91,7 @@ def test_joints_that_alone_bear_a_load_are_not_redundant() -> None:
         assert not len(known.redundant) and not known.changes and not known.findings(piece)
 
 
-def test_a_verdict_that_changes_depends_on_joints() -> None:
+def test_a_constraint_status_that_changes_depends_on_joints() -> None:
     piece = table()
     known = utilisation_range(piece, Compliance())
     assert known.changes

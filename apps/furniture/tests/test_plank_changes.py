@@ -73,7 +73,7 @@ def test_turns_too_far_for_their_direction_to_be_known_are_refused(play, tmp_pat
     assert plank(frames[-1], "top").axes[1, 0] == pytest.approx(np.sin(0.1))
 
 
-def test_a_plank_that_goes_tells_what_goes_with_it(play):
+def test_a_plank_that_goes_reports_what_goes_with_it(play):
     frames = play({"do": "delete", "on": "top"}, text=BENCH + PUSH)
     assert frames[-1].note == "with top go weight box and push wind"
     assert play({"do": "delete", "on": "left"})[-1].note == ""

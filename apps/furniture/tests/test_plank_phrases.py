@@ -141,14 +141,14 @@ def bracket(start, end, width=(0, 0.1, 0), reach=0.015, joints=()):
         ((1.01, 0, 1.5), 0.015, " (arm -x is 1000 mm from post, beyond the reach of 15 mm of joints)"),
     ],
 )
-def test_parts_that_joints_do_not_reach_tell_their_gap(start, reach, printed):
+def test_parts_that_joints_do_not_reach_report_their_gap(start, reach, printed):
     end = (2.0, start[1], start[2])
     assert words(bracket(start, end, reach=reach))[0] == f"in two parts: post, arm{printed}"
     # Its other end looks away.
     assert words(bracket(end, start, reach=reach))[0] == f"in two parts: post, arm{printed.replace('-x', '+x')}"
 
 
-def test_planks_that_no_end_of_looks_at_a_face_tell_no_gap():
+def test_planks_that_no_end_of_looks_at_a_face_report_no_gap():
     # An arm along the post's face, 40 mm before it.
     assert words(bracket((0.06, 0.5, 1.5), (0.06, 1.0, 1.5), (0, 0, 0.1)))[0] == "in two parts: post, arm"
     # One whose end is not level with the face, by more than joints reach: 100 mm on edge at 30 degrees.
@@ -185,7 +185,7 @@ def test_gaps_are_those_of_dense_sampling():
         ((-0.11, 0.0, 1.5), (-0.31, 0.0, 1.5), "arm comes to post from behind, 100 mm from it"),
     ],
 )
-def test_joints_of_planks_farther_apart_than_reach_tell_how_far(start, end, printed):
+def test_joints_of_planks_farther_apart_than_reach_report_how_far(start, end, printed):
     piece = bracket(start, end, (0, 0.1, 0), joints=(Joint(1, 0, 0, 4),))
     closed = Furniture(piece).moved()
     assert words(closed)[0] == f"lost: {printed}"

@@ -156,7 +156,7 @@ def test_a_joint_or_foot_that_is_not_there_is_reported(tmp_path, line, capsys):
         ([-0.485, 0.0, 0.2], "shelf +x", "; shelf +x is 290 mm from right, beyond the reach of 15 mm of joints"),
     ],
 )
-def test_a_joint_that_is_not_there_for_want_of_reach_tells_the_gap(tmp_path, start, at, far):
+def test_a_joint_that_is_not_there_for_want_of_reach_reports_the_gap(tmp_path, start, at, far):
     end = [0.2, start[1], 0.2]
     plank = f"[planks.shelf]\nfrom = {start}\nto = {end}\nwidth = [0, 0.1, 0]\n"
     scene = load_scene(

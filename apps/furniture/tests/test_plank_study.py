@@ -64,7 +64,7 @@ def test_ends_are_as_exact_as_they_are_asked_to_be(study):
     assert study.ends[-1]["worst"] < 1e-4 * study.ends[0]["worst"]
 
 
-def test_more_samples_tell_no_less(study):
+def test_more_samples_find_no_less(study):
     for hints in (True, False):
         rows = [row for row in study.ranges if row["hints"] is hints]
         assert [row["samples"] for row in rows] == list(planks.SAMPLED)

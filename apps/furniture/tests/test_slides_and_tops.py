@@ -1,4 +1,4 @@
-"""What slides is told from what falls, by hand; weights without a place lie on top."""
+"""What slides is distinguished from what falls, by hand; weights without a place lie on top."""
 
 import numpy as np
 import pytest

@@ -33,7 +33,7 @@ def test_directions_are_those_of_the_room() -> None:
     assert room_words(np.array([0.6, 0.0, -0.8])) == "-z and +x"
 
 
-def test_words_tell_what_a_board_does() -> None:
+def test_words_say_what_a_board_does() -> None:
     # Drawn upwards with its width along y: its x is up, its z against x.
     piece = replace(
         table(), planks=(Plank.between("post", (0, 0, 0), (0, 0, 1), (0, 0.1, 0), 0.02),), joints=(), feet=()
@@ -143,7 +143,7 @@ def test_why_there_is_no_suggestion() -> None:
     assert Design(table(kilograms=1.0)).suggestion_list.why == ""
 
 
-def test_a_replay_tells_ranges_as_they_were_listed_and_marks_open_ends(tmp_path) -> None:
+def test_a_replay_prints_ranges_as_they_were_listed_and_marks_open_ends(tmp_path) -> None:
     design = Design(drawn("table"))
     number = next(k for k, one in enumerate(design.suggestion_list.found, 1) if one.unit == "m" and one.beyond[1])
     choose = {"do": "choose", "number": number}, {"do": "slide", "to": 0.5, "frames": 3}
@@ -160,7 +160,7 @@ def test_a_replay_tells_ranges_as_they_were_listed_and_marks_open_ends(tmp_path)
     assert listed["beyond"] and high == pytest.approx(0.5 * drawn("table").size, rel=1e-6)
 
 
-def test_a_replay_tells_why_there_are_no_suggestions(tmp_path) -> None:
+def test_a_replay_says_why_there_are_no_suggestions(tmp_path) -> None:
     overrides = ["parameters.load=6.0", "effects.guidance.freedoms=1"]
     path = write_edits(tmp_path, {"do": "idle"}, scene="scales.toml")
     rows = rows_of(make_replay(SCENES / "scales.toml", path, overrides=overrides))
@@ -217,7 +217,7 @@ def test_a_support_plank_can_be_drawn_again_from_its_words(name) -> None:
             assert beside in (drawn_again.planks[joint.i].name, drawn_again.planks[joint.j].name)
 
 
-def test_a_support_plank_tells_its_thickness_and_wood_where_there_are_several() -> None:
+def test_a_support_plank_states_its_thickness_and_wood_where_there_are_several() -> None:
     piece = PIECES["shelf-1"]()
     support = next(
         suggestion for suggestion in Design(piece).suggestion_list.found if suggestion.name == "a support plank"

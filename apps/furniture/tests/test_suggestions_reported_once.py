@@ -15,7 +15,7 @@ LET_GO = [
 SAME = [{"do": "idle"}, {"do": "delete", "on": "nothing"}, {"do": "undo"}, {"do": "redo"}]
 
 
-def test_idle_refused_and_undone_frames_tell_nothing_anew(tmp_path, capsys):
+def test_idle_refused_and_undone_frames_report_nothing_again(tmp_path, capsys):
     words = ["replay", str(write_bench(tmp_path)), "--edits", str(write_edits(tmp_path, *LET_GO, *SAME))]
     assert main([*words, "--json", str(tmp_path / "run.json")]) == 0
     shown_text = json.loads((tmp_path / "run.json").read_text())["guidance"]["suggestions"]

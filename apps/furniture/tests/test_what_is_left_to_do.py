@@ -10,7 +10,7 @@ from restshape_apps.furniture.pieces import scales, table
 from restshape_apps.furniture.shape.planks import FREEDOMS
 
 
-def test_what_holds_in_part_tells_what_is_still_wrong() -> None:
+def test_what_holds_in_part_reports_what_is_still_wrong() -> None:
     # A leg beside the top, and a mass that the joints do not bear either.
     piece = table(kilograms=200.0)
     gamma = np.zeros((len(piece.planks), 8))
@@ -25,7 +25,7 @@ def test_what_holds_in_part_tells_what_is_still_wrong() -> None:
         assert suggestion.range_words.startswith("nothing more is wrong from")
 
 
-def test_a_suggestion_that_mends_all_tells_of_nothing_more() -> None:
+def test_a_suggestion_that_mends_all_reports_nothing_more() -> None:
     suggestion_list = Design(table()).suggestion_list.found
     assert suggestion_list and all(
         suggestion.valid and suggestion.rest == "" and "still wrong" not in suggestion.summary
@@ -50,7 +50,7 @@ def test_a_weak_piece_without_a_suggestion_is_answered_by_what_else_helps() -> N
 
 
 @pytest.mark.parametrize("make", [table, scales])
-def test_a_fixed_parameter_tells_what_is_free_instead(make) -> None:
+def test_a_fixed_parameter_reports_what_is_free_instead(make) -> None:
     design = Design(make())
     reported = [
         (plank, number, design.why_fixed(plank, number))

@@ -25,14 +25,14 @@ def lowest(analysis) -> float:
     return float(np.sqrt(value) / (2 * np.pi))
 
 
-def played(scene: Path, edits: Path, predict: str = "none", at_rest: Callable[[], None] = lambda: None) -> list[dict]:
-    """Rows of a replay without refusals; `at_rest` is called after idle frames."""
+def played(scene: Path, edits: Path, predict: str = "none", when_idle: Callable[[], None] = lambda: None) -> list[dict]:
+    """Rows of a replay without refusals; `when_idle` is called after idle frames."""
     made, rows = replay(str(scene), edits, predict=predict), []
     for row in made.frames():
         assert not row["refused"], row["refused"]
         rows.append(row)
         if row["event"] == "idle":
-            at_rest()
+            when_idle()
     return rows
 
 

@@ -87,7 +87,7 @@ def test_what_is_no_number_or_moves_the_mesh_is_refused(key):
         parameter_derivatives(solved("tet4"), key)
 
 
-def test_command_tells_numbers_and_the_outline(tmp_path, capsys):
+def test_command_prints_numbers_and_the_outline(tmp_path, capsys):
     scene, out = str(SCENES / "bar_100.toml"), tmp_path / "d.json"
     settings = [word for override in PLATE for word in ("--set", override)]
     assert main(["rates", scene, *settings, "--outline", "--json", str(out)]) == 0

@@ -34,7 +34,7 @@ def test_slope_of_a_power_law():
     assert exponent([1.0], [1.0]) is None and exponent([1.0, 2.0], [0.0, 1.0]) is None
 
 
-def test_rates_leave_out_what_tells_nothing_of_the_mesh():
+def test_rates_leave_out_what_says_nothing_of_the_mesh():
     def held(size, uncertainty=0.0, solver=0.0):
         return {"worst": 0.1 * size**2, "uncertainty": uncertainty, "solver": solver}
 
@@ -59,7 +59,7 @@ def test_what_is_tried_next_is_faster_within_a_time_and_else_more_accurate():
     assert [r["error"] for r in picks(beaten, None, 0.05)] == [0.031, 0.03, 0.005]
 
 
-def test_an_error_that_the_reference_cannot_tell_is_no_reason_to_pick():
+def test_an_error_that_the_reference_cannot_resolve_is_no_reason_to_pick():
     vague = [record(0.001, 5.0, uncertainty=0.02), record(0.002, 3.0, uncertainty=0.02)]
     with pytest.raises(UserError, match="the reference itself is known to 2 % only"):
         picks(vague, None, 0.01)

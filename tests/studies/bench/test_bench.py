@@ -46,7 +46,7 @@ def timed_run(fps, p50):
 
 
 def run_here(job):
-    """What a job tells, run in this process."""
+    """What a job reports, run in this process."""
     reported = {"row": [], "hindsight": [None]}
     earlier = EventCounts().since_last() if job.count else {}
     (hindsight_cost if job.hindsight_cost else play)(job, lambda kind, content: reported[kind].append(content))
@@ -71,7 +71,7 @@ def counted(tmp_path_factory):
     }
 
 
-def test_rebuild_makes_all_anew_in_each_frame_that_moves(counted):
+def test_rebuild_makes_all_again_in_each_frame_that_moves(counted):
     moved = [row for row in counted["rebuild"] if row["level"]]
     assert len(moved) == 7 and {row["level"] for row in moved} == {3}
     for row in moved:

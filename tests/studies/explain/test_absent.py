@@ -94,12 +94,12 @@ def sheets(head):
     """Cases of cloth in equilibrium, by effect."""
     cut = head + block(2.0, 1.0) + HOLE + COTTON + meshed(0.25)
     hung = cut + HAMMOCK + GRAVITY
-    tight, laid = cut + GRAVITY + TIGHT, hung + FLOOR
+    tight, placed = cut + GRAVITY + TIGHT, hung + FLOOR
     hinged = hung + '[effects.cloth]\nbending = "hinge"\n'
     return {
         "gravity": case(cut + TIGHT.replace("X", '"1 cm"'), GRAVITY),
         "contact": case(hung, FLOOR),
-        "friction": Case(laid + STRETCH, laid.replace("friction = 0\n", "friction = 0.3\n") + STRETCH),
+        "friction": Case(placed + STRETCH, placed.replace("friction = 0\n", "friction = 0.3\n") + STRETCH),
         "grain": Case(hung + STRETCH, hung.replace('E = "2 MPa"\nnu = 0.3', HEMP) + STRETCH),
         # Morley's triangles hold slopes there, and need nothing more; hinges fold against their mirror images.
         "symmetry": case(hinged, MIRROR, ["hinge_mirrored_flap3.residual"]),

@@ -68,10 +68,10 @@ def test_solvers_are_those_of_the_plan(tmp_path, name):
     assert happened(rows, KINDS[first.factor]) > 0 == happened(rows, KINDS[other])
     assert (happened(rows, "SNESSolve") > 0) == (equations == "nonlinear")
     if first.krylov:
-        at_rest = replay.analysis.prebuckling if name == "buckling" else replay.analysis
-        solver = at_rest.solver
+        static = replay.analysis.prebuckling if name == "buckling" else replay.analysis
+        solver = static.solver
         assert solver.ksp.getType() == first.krylov and solver.kind == first.factor
-        matrix = at_rest.step_matrix() if "moving" in name else at_rest.warm_system().matrix
+        matrix = static.step_matrix() if "moving" in name else static.warm_system().matrix
         _holds_of(matrix.toarray(), first.matrix)
     else:
         stiffness, mass = (m.toarray() for m in replay.analysis.state.matrices.gather())

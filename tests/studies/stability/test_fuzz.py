@@ -42,7 +42,7 @@ def test_the_same_seed_gives_the_same_examples():
     assert other.messages != once.messages
 
 
-BROKEN = """
+DYING = """
 import os, time
 from restshape_studies.stability import player
 
@@ -62,7 +62,7 @@ def break_process(tmp_path, monkeypatch):
     """Lets the process that plays do something where a scene holds a text."""
 
     def change(then, when='app = \\"plane\\"'):
-        (tmp_path / "broken_process.py").write_text(BROKEN.format(when=when, then=then))
+        (tmp_path / "broken_process.py").write_text(DYING.format(when=when, then=then))
         monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
         monkeypatch.setattr("restshape_studies.stability.fuzz.PROCESS", "broken_process")
 

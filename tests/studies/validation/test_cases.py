@@ -87,7 +87,7 @@ def test_case(name, values, monkeypatch):
         assert check.passed, check
         assert check.source and check.tolerance <= 0.1
         assert check.kind in REFERENCE_KINDS, f"{check.quantity} is no validation"
-    assert loose(checks) == [], "set these tolerances anew: docs/validation.md"
+    assert loose(checks) == [], "set these tolerances again: docs/validation.md"
 
 
 @pytest.mark.slow

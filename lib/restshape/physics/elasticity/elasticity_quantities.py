@@ -60,7 +60,7 @@ class PlaneQuantities:
         if quantity.energy:
             cells = cells_at(self.space, name, quantity)
             energy = self.energy(name, quantity.energy, cells)
-            return Differentiable(energy, lambda x: Derivative(self._inner_forces(x, cells), energy=cells))
+            return Differentiable(energy, lambda x: Derivative(self._internal_forces(x, cells), energy=cells))
         if quantity.distance:
             return self._distance(name, quantity)
         if (missing := elsewhere(quantity)) is not None:
@@ -99,7 +99,7 @@ class PlaneQuantities:
         """The component of the force [N] of supports at the nodes (k,): the residual there."""
         return lambda x, *_: unconstrained_residual(self.solid, x, self._cells(name, nodes))[nodes, column].sum()
 
-    def _inner_forces(self, x: np.ndarray, cells: np.ndarray | slice) -> np.ndarray:
+    def _internal_forces(self, x: np.ndarray, cells: np.ndarray | slice) -> np.ndarray:
         """The derivative (n, 2) [N] of the strain energy of cells."""
         subset = None if isinstance(cells, slice) else np.asarray(cells, dtype=np.int32)
         return Assembled(self.solid.integrals(STIFFNESS)).residual(x, None, subset)
