@@ -25,7 +25,7 @@ def at(scene, place):
     return reduce(lambda table, key: table[key], place, scene)
 
 
-def test_all_broken_numbers_but_parameters_may_follow_one():
+def test_all_decimal_numbers_but_parameters_may_follow_one():
     assert [place[-1] for place in numbers_in(SCENE)] == [0, 1, "radius", "size"]
 
 
