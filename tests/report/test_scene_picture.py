@@ -115,3 +115,56 @@ def test_a_picture_is_png_or_svg_and_no_foreign_file_is_replaced(tmp_path, capsy
         assert main(["check", scene, "--picture", str(tmp_path / "own.svg")]) == 0
     assert (tmp_path / "own.svg").read_text().startswith("<?xml")
     assert "ends in .png or .svg" in capsys.readouterr().err
+
+
+def test_names_keep_off_arrows_and_edges(figure):
+    """No name of the picture lies on a load's arrow, by the boxes and lines that matplotlib draws."""
+    (axes,) = figure.axes
+    FigureCanvasAgg(figure).draw()
+    to_pixels = axes.transData.transform
+    arrows = []
+    for one in axes.get_children():
+        if isinstance(one, Quiver):
+            way = np.column_stack([one.U, one.V])
+            tails = one.XY - way if one.pivot == "tip" else one.XY
+            arrows += [to_pixels(tail + np.linspace(0.0, 1.0, 50)[:, None] * by) for tail, by in zip(tails, way)]
+    assert len(arrows) > 15
+    covered = [
+        text.get_text()
+        for text in axes.texts
+        for line in arrows
+        if text.get_bbox_patch().get_window_extent().contains(*line[25]) or _inside(text, line)
+    ]
+    assert set(covered) <= {"window"}, covered
+
+
+def _inside(text, line):
+    box = text.get_bbox_patch().get_window_extent()
+    return ((line > (box.x0, box.y0)) & (line < (box.x1, box.y1))).all(axis=1).any()
+
+
+def test_a_name_goes_where_no_line_is():
+    """First the way asked for; with a line there the next one."""
+    places = []
+    for lines in ([], [np.array([[0.5, 0.5], [0.9, 0.5]])]):
+        axes = Figure(figsize=(3, 3)).add_axes((0.1, 0.1, 0.8, 0.8))
+        labels = Labels(axes)
+        labels.keep_off(lines, 2.0)
+        labels.add((0.5, 0.5), "name", "k", first=np.array([1.0, 0.0]))
+        places.append(np.array(axes.texts[0].xyann))
+    assert places[0][0] > 10 and places[0][1] == 0 and abs(places[1][1]) > 5
+
+
+def test_round_shapes_look_round_and_have_their_size(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
+    disc = '[shape]\noutline = ["a", "b"]\nvertices = { l = [-1, 0], r = [1, 0] }\n'
+    disc += 'edges = { a = { arc = ["r", "l"], bulge = 1 }, b = { arc = ["l", "r"], bulge = 1 } }\n'
+    scene = write_scene(tmp_path, HEAD + disc + STEEL + CLAMPED.replace("left", "a") + meshed(0.4))
+    assert main(["check", str(scene), "--picture", str(tmp_path / "scene.png")]) == 0
+    (axes,) = figures[0].axes
+    (edges,) = [one for one in axes.collections if isinstance(one, LineCollection) and one.get_linewidth()[0] == 0.8]
+    for line in edges.get_segments():
+        middles = 0.5 * (line[1:] + line[:-1])
+        assert np.hypot(*middles.T).min() > 0.9999
+    assert "2 × 2 m" in figures[0].get_suptitle()

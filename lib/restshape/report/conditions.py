@@ -32,10 +32,13 @@ def draw_supports(axes: Axes, scene: Scene, outline: Outline, moved: Moved, widt
                 axes.plot(*moved(place.points).T, "^", color=SUPPORT, ms=2.0 * width, zorder=6)
 
 
-def draw_loads(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: float = 2.0) -> None:
-    """Draws where loads act and which way: arrows of vectors and pressures, lines of the others."""
+def draw_loads(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: float = 2.0) -> list[np.ndarray]:
+    """Draws where loads act and which way: arrows of vectors and pressures, lines of the others.
+
+    Returns the arrows, from tail to tip (2, 2), in the unit of the axes.
+    """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    longest = ARROW * max(right - left, top - bottom)
+    longest, drawn = ARROW * max(right - left, top - bottom), []
     for (key, load), colour in zip(scene.loads.items(), load_colours(scene)):
         for name in load.on:
             place = place_of(outline, name)
@@ -44,9 +47,10 @@ def draw_loads(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: 
                 _lines(axes, place, moved, colour, width)
             vectors = load_vectors(scene, key, load, place, inside)
             if vectors is not None:
-                _arrows(axes, place, moved, vectors, longest, inside, colour)
+                drawn += _arrows(axes, place, moved, vectors, longest, inside, colour)
             elif len(place.points):
                 axes.plot(*moved(place.points).T, "D", color=colour, ms=2.5 * width, zorder=6)
+    return drawn
 
 
 def load_colours(scene: Scene) -> list[str]:
@@ -80,11 +84,11 @@ def _lines(axes: Axes, place: Place, moved: Moved, colour: str, width: float) ->
 
 def _arrows(
     axes: Axes, place: Place, moved: Moved, vectors: np.ndarray, longest: float, inside: bool, colour: str
-) -> None:
-    """Arrows that end where they push on the body, and begin where they pull."""
+) -> list[np.ndarray]:
+    """Arrows that end where they push on the body, and begin where they pull, from tail to tip (2, 2)."""
     sizes = np.linalg.norm(vectors, axis=1)
     if not sizes.max(initial=0.0):
-        return
+        return []
     at = moved(place.inside[None] if inside else place.at)
     arrows = vectors * (longest / sizes.max())
     pushes = np.zeros(len(at), dtype=bool) if inside else (vectors * place.outwards).sum(axis=1) < -1e-9 * sizes.max()
@@ -92,3 +96,5 @@ def _arrows(
     for chosen, pivot in ((pushes, "tip"), (~pushes, "tail")):
         if chosen.any():
             axes.quiver(*at[chosen].T, *arrows[chosen].T, pivot=pivot, width=0.004, headwidth=4.0, **look)
+    tails = at - np.where(pushes[:, None], arrows, 0.0)
+    return [np.stack(ends) for ends in zip(tails, tails + arrows)]

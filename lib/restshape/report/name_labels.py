@@ -1,6 +1,6 @@
-"""Names beside what they name, so that none lies on another."""
+"""Names beside what they name, so that none lies on another, and none on a line where there is room beside it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,6 +9,8 @@ LETTER, HIGH = 0.7, 1.7
 """Width of a letter and height of a line, over the size of the font."""
 NEAR = (0.0, 8.0, 17.0, 28.0, 42.0)
 """Distances from the place that are tried [points]."""
+STEP = 2.0
+"""Distance between the points of lines that names keep off [points]."""
 AROUND = np.deg2rad([60.0, 120.0, -60.0, -120.0, 0.0, 180.0, 90.0, -90.0])
 
 
@@ -23,6 +25,18 @@ class Labels:
         self._scale = np.array([wide / (right - left), high / (top - bottom)])
         self._low, self._room = np.array([left, bottom]), np.array([wide, high])
         self._taken: list[tuple[np.ndarray, np.ndarray]] = []
+        self._lines = np.empty((0, 2))
+
+    def keep_off(self, lines: Iterable[np.ndarray], wide: float = 0.0) -> None:
+        """Have names keep off lines (m, 2), of half a width [points], in the axes' own coordinates."""
+        dense = [self._lines]
+        for line in lines:
+            at = (line - self._low) * self._scale
+            along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(at, axis=0), axis=1))])
+            steps = np.linspace(0.0, along[-1], int(along[-1] / STEP) + 2)
+            found = np.column_stack([np.interp(steps, along, at[:, k]) for k in (0, 1)])
+            dense += [found + shift for shift in ([0.0, 0.0], [wide, 0.0], [-wide, 0.0], [0.0, wide], [0.0, -wide])]
+        self._lines = np.concatenate(dense)
 
     def add(
         self,
@@ -67,10 +81,19 @@ class Labels:
         ways = [first, *ways] if first is not None else ways
         shifts = [np.zeros(2)] if on_it else []
         shifts += [way * (np.abs(way) @ half + 2.0 + distance) for distance in NEAR for way in ways]
-        for shift in shifts:
-            low, high = at + shift - half, at + shift + half
-            inside = (low >= -4.0).all() and (high <= self._room + 4.0).all()
-            if inside and not any((low < top).all() and (high > bottom).all() for bottom, top in self._taken):
-                self._taken.append((low, high))
-                return shift
-        return np.zeros(2)
+        free = [shift for shift in shifts if self._is_free(at + shift - half, at + shift + half)]
+        if not free:
+            return np.zeros(2)
+        # The first that lies on the fewest points of lines.
+        shift = free[int(np.argmin([self._covered(at + shift - half, at + shift + half) for shift in free]))]
+        self._taken.append((at + shift - half, at + shift + half))
+        return shift
+
+    def _is_free(self, low: np.ndarray, high: np.ndarray) -> bool:
+        """Whether a box is inside the axes and on no other name."""
+        inside = (low >= -4.0).all() and (high <= self._room + 4.0).all()
+        return bool(inside) and not any((low < top).all() and (high > bottom).all() for bottom, top in self._taken)
+
+    def _covered(self, low: np.ndarray, high: np.ndarray) -> int:
+        """How many points of lines a box covers."""
+        return int(((self._lines > low) & (self._lines < high)).all(axis=1).sum())

@@ -2,6 +2,7 @@
 
 # More than 15 modules: whatever a scene may hold is drawn here.
 
+from collections.abc import Iterable
 from pathlib import Path
 from textwrap import shorten, wrap
 
@@ -29,6 +30,10 @@ WIDE, TALL = 7.6, 7.0
 LEFT, BELOW, RIGHT, LINE, LETTER = 0.85, 0.6, 0.25, 0.165, 0.078
 ROOM = 0.16
 """Around the shape for arrows and names, over its size."""
+CHORD = 2e-5
+"""How far curves are drawn from themselves, over the size of the shape."""
+HEAD = 4.0
+"""Half the width of the head of an arrow [points]."""
 MOST_NAMES = 40
 """Names of a kind; of more those alone that the scene uses."""
 REGION, NAME, POINT = "#f2e3c6", "#555555", "#7a3e9d"
@@ -71,18 +76,18 @@ def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> No
     _body(axes, outline, factor)
     axes.add_collection(LineCollection([factor * goal for goal in goals], colors=GOAL, linewidths=1.3), autolim=False)
     draw_supports(axes, scene, outline, moved)
-    draw_loads(axes, scene, outline, moved)
-    name_entities(axes, outline, moved, used)
+    arrows = draw_loads(axes, scene, outline, moved)
+    name_entities(axes, outline, moved, used, [*arrows, *(factor * goal for goal in goals)])
     _write_legend(figure, legend, wide, high_figure)
     save_picture(figure, path)
 
 
 def _title(scene: Scene, outline: Outline, factor: float, unit: str, room: int) -> list[str]:
     """The scene's name, its size, and how fine its mesh is to be."""
-    width, height = factor * np.subtract(*outline.bounds()[::-1])
+    width, height = factor * np.ptp(np.concatenate([smooth(outline, e) for e in range(len(outline.edges))]), axis=0)
     name = shorten(scene.title or scene.path.name, room, placeholder=" …")
     mesh = f"mesh size {factor * scene.mesh.size:.4g} {unit}, order {scene.mesh.order}" if scene.mesh.size else ""
-    size = f"{width:.6g} × {height:.6g} {unit}, area {outline.area():.4g} m²"
+    size = f"{width:.4g} × {height:.4g} {unit}, area {outline.area():.4g} m²"
     return [name, *wrap(", ".join(filter(None, (size, mesh, "before any solve"))), room)]
 
 
@@ -97,7 +102,7 @@ def _body(axes: Axes, outline: Outline, factor: float) -> None:
     for loop in (loop for loop in outline.loops if loop.kind == "region"):
         corners = factor * loop_points(outline, loop.edges)
         axes.fill(*corners.T, facecolor=REGION, edgecolor="none", zorder=2)
-    edges = [factor * outline.polyline(edge) for edge in range(len(outline.edges))]
+    edges = [factor * smooth(outline, edge) for edge in range(len(outline.edges))]
     axes.add_collection(LineCollection(edges, colors=INK, linewidths=0.8, zorder=5), autolim=False)
     loose = outline.points[list(outline.embedded)]
     axes.plot(*(factor * loose).T, ".", color=POINT, ms=5, zorder=6)
@@ -105,10 +110,17 @@ def _body(axes: Axes, outline: Outline, factor: float) -> None:
 
 def loop_points(outline: Outline, edges: tuple[tuple[int, bool], ...]) -> np.ndarray:
     """Points (m, 2) around a loop [m], the first one not repeated."""
-    return np.concatenate([outline.polyline(edge)[:: 1 if forward else -1][:-1] for edge, forward in edges])
+    return np.concatenate([smooth(outline, edge)[:: 1 if forward else -1][:-1] for edge, forward in edges])
 
 
-def name_entities(axes: Axes, outline: Outline, moved: Moved, used: set[str], size: float = 7.5) -> None:
+def smooth(outline: Outline, edge: int) -> np.ndarray:
+    """Points (m, 2) along an edge [m] whose chords nobody sees."""
+    return outline.polyline(edge, CHORD * outline.size)
+
+
+def name_entities(
+    axes: Axes, outline: Outline, moved: Moved, used: set[str], drawn: Iterable[np.ndarray] = (), size: float = 7.5
+) -> None:
     """Writes the names of regions, holes, edges and vertices beside them.
 
     Args:
@@ -116,9 +128,12 @@ def name_entities(axes: Axes, outline: Outline, moved: Moved, used: set[str], si
         outline: whose entities they are.
         moved: where places at rest are drawn.
         used: names that are written in any case.
+        drawn: lines (m, 2) besides edges that names keep off, such as arrows.
         size: of the font.
     """
     labels = Labels(axes)
+    labels.keep_off(moved(outline.polyline(edge)) for edge in range(len(outline.edges)))
+    labels.keep_off(drawn, HEAD)
     for kind, colour in (("region", INK), ("hole", INK), ("edge", NAME), ("vertex", POINT)):
         names = outline.names(kind)
         # Parts of round loops are named after these.
