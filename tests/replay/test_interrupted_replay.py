@@ -85,7 +85,7 @@ def test_ctrl_c(tmp_path, start_restshape, words):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.parametrize("number", [pytest.param(signal.SIGKILL, marks=pytest.mark.weekly), signal.SIGTERM])
 def test_the_solver_is_killed(tmp_path, start_restshape, words, number):
     process = start_restshape(*words)
     wait_for_frames(process)
@@ -124,7 +124,7 @@ def test_a_full_disk(tmp_path, start_restshape, words):
 
 @pytest.mark.slow
 @pytest.mark.mpi
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("number", [pytest.param(signal.SIGINT, marks=pytest.mark.weekly), signal.SIGKILL])
 def test_one_of_two_ranks_ends(tmp_path, start_restshape, words, number):
     process = start_restshape(*words, ranks=2)
     wait_for_frames(process)
@@ -138,7 +138,7 @@ def test_one_of_two_ranks_ends(tmp_path, start_restshape, words, number):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [pytest.param(signal.SIGINT, marks=pytest.mark.weekly), signal.SIGTERM])
 def test_a_signal_to_one_rank_ends_all_after_the_same_frame(tmp_path, start_restshape, words, number):
     process = start_restshape(*words, ranks=2)
     wait_for_frames(process)

@@ -85,7 +85,7 @@ def test_ctrl_c_to_the_whole_group(tmp_path):
     assert recording.status == "interrupted" and recording.n >= len(run.handed) > 50
 
 
-@pytest.mark.parametrize("wait", [0.31, 0.52, 0.73])
+@pytest.mark.parametrize("wait", [0.31, *(pytest.param(wait, marks=pytest.mark.weekly) for wait in (0.52, 0.73))])
 def test_both_are_killed(tmp_path, wait):
     run = Run(tmp_path / "a.vtkhdf")
     time.sleep(wait)

@@ -79,5 +79,5 @@ CASES: dict[str, Case] = {
     "touching": Case(touching),
     "overloaded": Case(overloaded),
     "lifted": Case(lifted),
-    "long_replay": Case(long_replay, share=0.01),
+    "long_replay": Case(long_replay, share=0.01, weekly=("auto",)),
 }

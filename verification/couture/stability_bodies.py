@@ -139,7 +139,7 @@ def sharp_rim(trial: Trial) -> Iterator[Statement]:
 
 CASES = {
     "deep": Case(deep),
-    "swollen": Case(swollen),
+    "swollen": Case(swollen, weekly=("auto",)),
     "gone": Case(gone),
     "thin_bar": Case(thin_bar, weekly=("auto",)),
     "too_thin": Case(too_thin),

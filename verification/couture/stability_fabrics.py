@@ -150,7 +150,7 @@ CASES = {
     "limp": Case(limp),
     "limp_in_part": Case(limp_in_part),
     "one_pin": Case(one_pin, exempt={"thesis": "motion alone comes to rest in other folds"}),
-    "contrast": Case(contrast),
+    "contrast": Case(contrast, weekly=("auto",)),
     "unequal_weights": Case(unequal_weights),
     "thinnest": Case(thinnest),
 }

@@ -118,7 +118,7 @@ def without_weight(trial: Trial) -> Iterator[Statement]:
 
 
 CASES = {
-    "scattered": Case(scattered, exempt={"thesis": FOLDED}, share=0.34),
+    "scattered": Case(scattered, exempt={"thesis": FOLDED}, share=0.34, weekly=("auto",)),
     "crumpled_on_a_ball": Case(crumpled_on_a_ball),
     "textile": Case(textile, weekly=("auto",)),
     "thin_plate": Case(thin_plate),

@@ -24,7 +24,7 @@ def ways(tmp_path_factory):
     scene = tmp_path_factory.mktemp("bridge") / "bridge.toml"
     text = SCENE.read_text(encoding="utf-8")
     assert SIZE in text
-    scene.write_text(text.replace(SIZE, 'size = "700 mm"'), encoding="utf-8")
+    scene.write_text(text.replace(SIZE, 'size = "400 mm"'), encoding="utf-8")
     with pytest.MonkeyPatch.context() as changed:
         changed.setattr("restshape_verification.bridge.study.SCENE", scene)
         return study()
@@ -46,6 +46,7 @@ def test_the_session_uses_all_tools_and_nothing_is_refused():
 
 
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_both_ways_agree_where_both_know(ways):
     always, asked = ways["every frame"], ways["on demand"]
     np.testing.assert_array_equal(always.t, asked.t)
@@ -66,6 +67,7 @@ def test_the_best_area_counts_designs_that_hold_only():
     assert way.best.tolist() == [9, 9, 7, 7] and way.analysed == 3 and way.milliseconds == 3
 
 
+@pytest.mark.weekly
 def test_the_picture_is_drawn(ways, tmp_path):
     draw_score(tmp_path / "study.png", ways, 18e6)
     assert (tmp_path / "study.png").stat().st_size > 20_000

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, TypeVar
 
@@ -107,15 +107,16 @@ class Expression:
         """The parameters that it names, in alphabetical order."""
         return sorted(self.names.difference(COORDINATES, CONSTANTS))
 
-    def missing(self, parameters: Iterable[str], coordinates: Sequence[str] = COORDINATES) -> tuple[str, str] | None:
+    def missing(self, parameters: Collection[str], coordinates: Sequence[str] = COORDINATES) -> tuple[str, str] | None:
         """A name in the formula that is neither a coordinate nor a parameter, and what may have been meant; or None."""
-        known = [*coordinates, *CONSTANTS, *parameters]
-        for name in sorted(self.names.difference(known)):
-            near = get_close_matches(name, known, n=1)
+        for name in sorted(self.names):
+            if name in coordinates or name in CONSTANTS or name in parameters:
+                continue
+            near = get_close_matches(name, [*coordinates, *CONSTANTS, *parameters], n=1)
             return name, f"did you mean {near[0]!r}?" if near else ""
         return None
 
-    def unknown(self, parameters: Iterable[str], coordinates: Sequence[str] = COORDINATES) -> ExpressionError | None:
+    def unknown(self, parameters: Collection[str], coordinates: Sequence[str] = COORDINATES) -> ExpressionError | None:
         """The error of what the formula names although it is neither a coordinate nor a parameter; or None."""
         missing = self.missing(parameters, coordinates)
         if missing is None:
@@ -161,7 +162,8 @@ class Expression:
         unknown = self.unknown(parameters)
         if unknown:
             raise unknown
-        values = {name: np.float64(value) for name, value in {**CONSTANTS, **parameters}.items()}
+        named = ((name, parameters.get(name, CONSTANTS.get(name))) for name in self.names.difference(COORDINATES))
+        values = {name: np.float64(value) for name, value in named}
         with np.errstate(all="ignore"):
             return eval(self._code, {"__builtins__": {}}, {**functions, **self._numbers, **values, "x": x, "y": y})
 

@@ -136,7 +136,7 @@ def _formula(name: str, text: str, known: Table, source: Source) -> Expression:
         formula = Expression(text)
         if formula.names_places:
             raise ExpressionError(f"a parameter is one number: {text!r} cannot name x or y", "use other parameters")
-        if unknown := formula.unknown(dict.fromkeys(known, 0.0), ()):
+        if unknown := formula.unknown(known, ()):
             raise unknown
     except ValueProblem as error:
         raise source.error(("parameters", name), error.what, error.do) from error
