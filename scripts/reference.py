@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from restshape.cli.schema import scene_schema, script_schema
+from restshape.scene.application_registry import checked_applications
 from restshape.scene.edit_script import EVENTS
-from restshape.scene.registered import checked_applications
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference.md"
 HEAD = """# Reference: every key of scenes and edit scripts

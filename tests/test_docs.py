@@ -12,9 +12,9 @@ from schema_check import fits
 from restshape.application import applications
 from restshape.cli.schema import scene_schema
 from restshape.errors import UserError
+from restshape.scene.application_registry import installed_physics
 from restshape.scene.load import load_scene
 from restshape.scene.model import ShapeSpec
-from restshape.scene.registered import installed_physics
 from restshape.scene.scene_parameters import Parameters, read_parameters
 from restshape.scene.scene_type import any_scene_type, scene_type
 from restshape.scene.source import Source

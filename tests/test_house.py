@@ -18,7 +18,7 @@ def test_the_library_names_no_application_and_no_plank():
 
 
 def test_the_library_reads_no_settings_but_those_that_its_own_physics_declare():
-    from restshape.scene.registered import checked_applications, installed_physics
+    from restshape.scene.application_registry import checked_applications, installed_physics
 
     declared = {
         name

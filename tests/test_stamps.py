@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from restshape.outputs.drawn import SOURCE, fingerprint
 from restshape.outputs.kinds import SoundFile, mark_sound
+from restshape.outputs.picture_files import SOURCE, fingerprint
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))

@@ -21,7 +21,7 @@ from restshape_apps.furniture.small_pieces import toppling
 
 from restshape.errors import UserError
 from restshape.guidance.combination_search import Combination, Limits
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import counted
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 

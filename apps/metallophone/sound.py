@@ -8,8 +8,8 @@ import numpy as np
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import mark_sound
-from restshape.outputs.whole import replacing
 
 PEAK = 0.9
 """Of the largest number that a WAV file holds."""

@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import TABLE_MARK, TableFile
-from restshape.outputs.whole import write_whole
 
 HIGHEST = 25.0
 """Frequency of the last term of the sum [Hz]."""

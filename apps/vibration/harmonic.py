@@ -15,8 +15,8 @@ from restshape_apps.vibration.stage import add_structure, structure
 
 from restshape.cli.options import print_table, write_json
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import TABLE_MARK, PictureFile, TableFile
-from restshape.outputs.whole import write_whole
 
 
 def table(found: Sweep) -> str:

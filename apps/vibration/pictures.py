@@ -9,7 +9,7 @@ import numpy as np
 from restshape_apps.vibration.harmonic_sweep import Sweep
 
 from restshape.analysis.response_spectrum import ResponseSpectrum
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.physics.elasticity.ground_record import GroundRecord
 from restshape.report.style import INK, LEVELS, new_figure

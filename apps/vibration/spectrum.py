@@ -15,8 +15,8 @@ import numpy as np
 from restshape.analysis.response_spectrum import ResponseSpectrum, response_spectrum
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import TABLE_MARK, PictureFile, TableFile
-from restshape.outputs.whole import write_whole
 from restshape.physics.elasticity.ground_record import GroundRecord, read_record
 
 SHOWN = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)

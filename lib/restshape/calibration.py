@@ -7,7 +7,7 @@ from pathlib import Path
 
 from restshape.bounds import CALIBRATION_BYTES
 from restshape.errors import UserError
-from restshape.outputs.whole import write_whole
+from restshape.outputs.atomic_files import write_whole
 
 FORMAT = "restshape-calibration"
 NOMINAL = Path(__file__).with_name("nominal.json")

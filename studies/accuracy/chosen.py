@@ -24,9 +24,9 @@ from tomlkit.exceptions import TOMLKitError
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import SCENE_MARK, SceneFile
-from restshape.outputs.whole import write_whole
 from restshape.scene.load import load_scene, parse_override
 from restshape.scene.permits import allow
 

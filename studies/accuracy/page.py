@@ -13,10 +13,10 @@ from restshape_studies.accuracy.setting import shown
 from restshape_studies.accuracy.study import Study
 from restshape_studies.pictures.work_precision import draw_work_precision
 
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import PageFile
 from restshape.outputs.si_numbers import si
-from restshape.outputs.whole import write_whole
 
 Row = dict[str, Any]
 Lines = Sequence[Sequence[str]]

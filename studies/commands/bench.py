@@ -25,10 +25,10 @@ from restshape.cli.options import add_json, add_set, require_mesh, write_json
 from restshape.cli.shipped import script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import writable
 from restshape.outputs.claims import refuse_foreign
-from restshape.outputs.drawn import STAMP, drawn_from, fingerprint
 from restshape.outputs.kinds import PictureFile
-from restshape.outputs.whole import writable
+from restshape.outputs.picture_files import STAMP, drawn_from, fingerprint
 
 PLACE = 5
 MANY = ("several", "unscripted")

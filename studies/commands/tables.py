@@ -7,9 +7,9 @@ from typing import Any
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import PageFile
 from restshape.outputs.si_numbers import counted
-from restshape.outputs.whole import write_whole
 from restshape.surroundings import start_petsc
 
 PLACE = 6

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.report.style import FAINT, GOAL, INK, new_figure
 
 COLOURS = ("#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#222222")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.report.style import FAINT, INK, new_figure
 
 WAYS = {

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.report.style import FAINT, INK, new_figure
 
 COLOURS = {"rebuild": "#999933", "refactor": "#88ccee", "thesis": "#cc6677", "auto": "#332288"}

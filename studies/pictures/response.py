@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.report.style import FAINT, INK, LEVELS, REFUSED, new_figure
 

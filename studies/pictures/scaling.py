@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.report.style import FAINT, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, new_figure
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.lines import Line2D
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.report.style import INK, new_figure
 
 ORDERS = {1: "#0072b2", 2: "#d55e00"}

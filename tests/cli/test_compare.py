@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
 
-from restshape.comparison.compared import compared as compared_results
 from restshape.comparison.header_differences import header_differences
 from restshape.comparison.result import read_result
+from restshape.comparison.result_comparison import compared as compared_results
 from restshape.comparison.series_difference import series_difference
 from restshape.outputs.si_numbers import si
 

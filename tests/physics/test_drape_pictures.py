@@ -271,7 +271,7 @@ def test_moved_bodies_count_as_values(recording):
 def test_the_timeline_marks_frames_that_are_not_converged(recording, tmp_path, monkeypatch):
 
     figures = []
-    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
     draw_timeline(recording(0.0, 0.0, 0.0, rests=(1, 0, 0)), tmp_path / "a.png")
     band = figures[0].axes[1].patches[0]
     assert (band.get_x(), band.get_width()) == (0.5, 2.0)
@@ -309,7 +309,7 @@ def test_sides_have_two_numbers_or_more():
 def test_a_sheet_holds_its_labels_and_each_frame_its_own_pattern(tmp_path, monkeypatch):
 
     figures = []
-    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
     X, cells = grid()
     path = tmp_path / "cloth.vtkhdf"
     with Recorder.start(path, {"title": "square", "app": "cloth"}, {}) as recorder:

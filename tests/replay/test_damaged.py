@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from plates import record_plate
 
 from restshape.errors import UserError, printable
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.replay.good_frames import salvage
 from restshape.replay.recording import Recording, ranges
 from restshape.report.scenery import goals_of

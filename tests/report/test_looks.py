@@ -9,7 +9,7 @@ from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, PULLED, STEEL, across, drag
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.outputs.drawn import SOURCE
+from restshape.outputs.picture_files import SOURCE
 from restshape.replay.recording import Recording
 from restshape.report.overlay import Overlay, follow, rebuilt_frames
 from restshape.report.scenery import scenery

@@ -190,7 +190,7 @@ def test_predicted_frames_are_hollow_in_the_timeline(tmp_path, monkeypatch):
     edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.53, 0.5), 5)))
     out, figures = tmp_path / "a.vtkhdf", []
     call = ["replay", str(scene), "--edits", str(edits), "--out", str(out)]
-    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
     for words, hollow in (["--predict", "linear"], [2.0, 3.0, 4.0, 5.0, 6.0]), ([], []):
         assert main([*call, *words]) == 0
         with Recording(out) as recording:

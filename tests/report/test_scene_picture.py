@@ -40,7 +40,7 @@ SCENE = HEAD + BLOCK.format(width=2, height=1) + HOLE + STEEL + CLAMPED + LOADS 
 @pytest.fixture
 def figure(tmp_path, monkeypatch):
     figures = []
-    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
     assert main(["check", str(write_scene(tmp_path, SCENE)), "--picture", str(tmp_path / "scene.png")]) == 0
     return figures[0]
 

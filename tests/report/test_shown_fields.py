@@ -214,7 +214,7 @@ def test_error_estimates_and_quantities_share_one_recovery(tmp_path):
 
 def test_quantities_over_the_edit_have_gaps_limits_and_marks(recorded, tmp_path, monkeypatch):
     figures = []
-    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
     assert draw_quantities(recorded, tmp_path / "quantities.png")
     panels = {axes.get_title(loc="left"): axes for axes in figures[0].axes}
     assert list(panels) == ["peak", "stretch", marked("whole", {"whole": 0.7}), "across"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from restshape.outputs import drawn
+from restshape.outputs import picture_files
 from restshape.replay.columns import columns
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
@@ -30,8 +30,10 @@ def record(path, own):
 
 def test_lines_are_the_recorded_values_over_simulated_time(tmp_path, monkeypatch):
     figures = []
-    saved = drawn.write_figure
-    monkeypatch.setattr(drawn, "write_figure", lambda figure, *a: (figures.append(figure), saved(figure, *a))[1])
+    saved = picture_files.write_figure
+    monkeypatch.setattr(
+        picture_files, "write_figure", lambda figure, *a: (figures.append(figure), saved(figure, *a))[1]
+    )
     with record(tmp_path / "a.vtkhdf", {"time": float}) as recording:
         assert draw_history(recording, tmp_path / "history.png")
         times = recording.table["time"]

@@ -9,7 +9,7 @@ import pytest
 
 from restshape import application as installed
 from restshape.application import Application
-from restshape.scene.registered import checked_applications
+from restshape.scene.application_registry import checked_applications
 
 DATA = Path(__file__).parents[1] / "data"
 

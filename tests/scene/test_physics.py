@@ -11,13 +11,13 @@ from restshape.application import Application, Editing
 from restshape.cli.options import require_mesh
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
+from restshape.scene.application_registry import checked_applications
 from restshape.scene.edit_script import load_script
 from restshape.scene.effect import Effect
 from restshape.scene.event_line import EventLine
 from restshape.scene.load import load_scene, revise
 from restshape.scene.physics import Physics, Section
 from restshape.scene.quantity import QuantityKind
-from restshape.scene.registered import checked_applications
 from restshape.scene.solver import DEFINITE, SolverPlan, System
 from restshape.scene.values import Strict, number_of, value_of
 

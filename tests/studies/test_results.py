@@ -12,7 +12,7 @@ from restshape_studies.thesis import thesis_table
 from restshape_studies.verification import Verification, verifications
 
 from restshape.cli.main import main
-from restshape.outputs.drawn import SOURCE, fingerprint
+from restshape.outputs.picture_files import SOURCE, fingerprint
 
 ROOT = Path(__file__).parents[2]
 THESIS = ROOT / "results" / "THESIS.md"
@@ -85,7 +85,7 @@ def test_a_redrawn_picture_says_which_data_it_shows_and_other_data_say_otherwise
 
 def test_rows_of_policies_have_dots_on_their_axis_and_no_bars(tmp_path, monkeypatch):
     figures = []
-    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
     data = json.loads((ROOT / "results" / "bench-reuse.json").read_text(encoding="utf-8"))
     data.pop("stamp", None)
     draw_policies(data, tmp_path / "a.png")

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, ScalarFormatter
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 
 Rows = Sequence[Mapping[str, Any]]

@@ -12,8 +12,8 @@ from restshape.analysis.harmonic import harmonic_response
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import CsvFile, PictureFile
-from restshape.outputs.whole import write_whole
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.scene.edit_script import load_script

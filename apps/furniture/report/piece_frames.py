@@ -22,7 +22,7 @@ from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.errors import UserError
 from restshape.guidance.ranges import Ranges
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import HOLDS
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of

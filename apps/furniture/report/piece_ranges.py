@@ -16,7 +16,7 @@ from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.report.guided import doubt_causes, found, grabbed, only_limits
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT, status_colour
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import FAINT, INK, REFUSED, new_figure

@@ -15,7 +15,7 @@ from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_she
 from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import REFUSED, new_figure

@@ -22,16 +22,16 @@ from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
 from restshape.outputs.si_numbers import si
+from restshape.scene.application_registry import checked_applications
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.descriptions import keys_in_words, listing
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.given_numbers import GivenNumber, given_numbers
+from restshape.scene.key_aliases import notes
 from restshape.scene.model import Scene
 from restshape.scene.physics import Rows
 from restshape.scene.plain_values import table_in
 from restshape.scene.plan import Plan, as_written, plan
-from restshape.scene.registered import checked_applications
-from restshape.scene.renamed import notes
 from restshape.scene.scene_type import joined_sections
 from restshape.shape.build import outline_from_spec
 from restshape.shape.imported_shape import imported_shape

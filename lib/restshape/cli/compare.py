@@ -15,8 +15,8 @@ from restshape.outputs.kinds import PICTURES, PictureFile
 from restshape.outputs.si_numbers import counted, si
 
 if TYPE_CHECKING:
-    from restshape.comparison.compared import Compared
     from restshape.comparison.result import Result
+    from restshape.comparison.result_comparison import Compared
     from restshape.comparison.series_difference import SeriesDifference
 
 SUMMARY = "two results beside each other: how they were made, quantities, times, fields"
@@ -46,8 +46,8 @@ def run(args: argparse.Namespace) -> int:
         raise UserError("a tolerance is 0 or greater", f"--tolerance {args.tolerance:g}", "--tolerance 1e-6")
     if args.out and args.out.suffix not in PICTURES:
         raise UserError("a picture's name ends in .png or .svg", f"--out {args.out}", f"--out {args.out}.png")
-    from restshape.comparison.compared import compared
     from restshape.comparison.result import read_result
+    from restshape.comparison.result_comparison import compared
 
     with closing(read_result(args.first)) as first, closing(read_result(args.second)) as second:
         for one in (first, second):
@@ -136,7 +136,7 @@ def _print_list(title: str, values: list[int] | list[str]) -> None:
 
 def _sentence(args: argparse.Namespace, found: Compared) -> str:
     """What the comparison comes to."""
-    from restshape.comparison.compared import SAME_BITS, SAME_VALUES, WITHIN
+    from restshape.comparison.result_comparison import SAME_BITS, SAME_VALUES, WITHIN
 
     return {
         SAME_BITS: "the same bits, times left out" + (f": {found.hashes[0]}" if found.hashes else ""),
@@ -152,7 +152,7 @@ def _draw(path: PictureFile, first: Result, second: Result, found: Compared) -> 
         UserError: it cannot be written.
     """
     from restshape.comparison.comparison_picture import draw_comparison
-    from restshape.outputs.drawn import drawn_from, fingerprint
+    from restshape.outputs.picture_files import drawn_from, fingerprint
 
     try:
         with drawn_from(fingerprint(found.plain())):

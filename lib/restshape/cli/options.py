@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from restshape.application import application
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError, printable
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.claims import command_files, refuse_outputs
 from restshape.outputs.kinds import JsonFile
-from restshape.outputs.whole import write_whole
 from restshape.scene.permits import allow, trust_scripts
 from restshape.scene.plain_values import named_files
 

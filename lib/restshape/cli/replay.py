@@ -28,7 +28,7 @@ from restshape.outputs.kinds import CsvFile, RecordingFile
 from restshape.outputs.si_numbers import counted
 from restshape.policy import GUESSES, POLICIES, policy
 from restshape.replay.level_names import LEVEL_NAMES
-from restshape.scene.renamed import notes
+from restshape.scene.key_aliases import notes
 from restshape.surroundings import start_petsc
 
 if TYPE_CHECKING:

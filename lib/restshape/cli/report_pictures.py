@@ -26,7 +26,7 @@ def draw_report(
         UserError: an option does not suit the recording, or a picture cannot be written.
     """
     from restshape.cli.progress import progress
-    from restshape.outputs.drawn import counting, drawn_from
+    from restshape.outputs.picture_files import counting, drawn_from
     from restshape.report.field import own_pictures, shown_field
     from restshape.report.style import resolution
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 from restshape.application import applications
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import SchemaFile
-from restshape.outputs.whole import write_whole
 
 SUMMARY = "write the JSON schema of a scene or of a line of an edit script"
 
@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
 
 def scene_schema() -> dict[str, Any]:
     """The JSON schema of a scene, with the effects of all installed applications."""
-    from restshape.scene.registered import checked_applications, installed_physics
+    from restshape.scene.application_registry import checked_applications, installed_physics
     from restshape.scene.scene_type import any_scene_type
 
     schema = any_scene_type(installed_physics(checked_applications().values())).model_json_schema()
@@ -69,8 +69,8 @@ def script_schema() -> dict[str, Any]:
     """The JSON schema of one line of an edit script: the header, or an event of any installed application."""
     from pydantic import Field, TypeAdapter
 
+    from restshape.scene.application_registry import checked_applications
     from restshape.scene.edit_script import Event, Header, events_of
-    from restshape.scene.registered import checked_applications
 
     lines = Header | Event
     for app in checked_applications().values():

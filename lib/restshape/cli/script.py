@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from restshape.application import application, applications
 from restshape.cli.options import add_scene, read_scene, write_json
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import ScriptFile, signed
 from restshape.outputs.si_numbers import counted
-from restshape.outputs.whole import write_whole
 
 if TYPE_CHECKING:
     from restshape.scene.model import Scene

@@ -128,8 +128,8 @@ def _run_all(
 def _print_notes(scene: Scene) -> None:
     """Print what makes the answers of a scene bad, and names of its keys today."""
     from restshape.application import application
+    from restshape.scene.key_aliases import notes
     from restshape.scene.plan import plan
-    from restshape.scene.renamed import notes
 
     for note in (*plan(scene, application(scene.app)).warnings, *notes(scene.raw)):
         print(f"note: {note}", file=sys.stderr)
@@ -200,7 +200,7 @@ def _write(
         if len(failed) > 5:
             print(f"  ... and {len(failed) - 5} more: see --csv or --json", file=sys.stderr)
     if args.out and sweep.scene:
-        from restshape.outputs.drawn import drawn_from, fingerprint
+        from restshape.outputs.picture_files import drawn_from, fingerprint
         from restshape.variation.sweep_picture import draw_sweep
 
         try:

@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.figure import SubFigure
 from matplotlib.ticker import MaxNLocator
 
-from restshape.comparison.compared import Compared
 from restshape.comparison.result import Result
+from restshape.comparison.result_comparison import Compared
 from restshape.errors import UserError
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.replay.recording import Recording
 from restshape.replay.singular_notes import marked

@@ -9,8 +9,8 @@ import ezdxf
 import numpy as np
 from ezdxf import units
 
+from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.outputs.whole import replacing
 from restshape.shape.bsplines import cubic_of
 from restshape.shape.curves import arc_centre
 from restshape.shape.outline import Loop, Outline

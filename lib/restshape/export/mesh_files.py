@@ -10,8 +10,8 @@ import meshio
 import numpy as np
 
 from restshape.export.frame_mesh import FrameMesh
+from restshape.outputs.atomic_files import replacing, write_whole
 from restshape.outputs.kinds import EXPORT_HEADS, EXPORT_MARK
-from restshape.outputs.whole import replacing, write_whole
 
 AXES = "xyz"
 

@@ -11,8 +11,8 @@ from restshape.application import application
 from restshape.errors import UserError
 from restshape.export.edited_frame import row_of, scene_of, script_of
 from restshape.export.toml_scene import toml_text
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.outputs.whole import write_whole
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.scene.edit_script import Script

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import replacing, write_whole
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.outputs.whole import replacing, write_whole
 from restshape.shape.bsplines import cubic_of
 from restshape.shape.geo_model import gmsh_model
 from restshape.shape.outline import Loop, Outline

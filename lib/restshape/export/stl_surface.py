@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from restshape.export.frame_mesh import FrameMesh
+from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.outputs.whole import replacing
 
 MM = 1e3
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -7,8 +7,8 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.outputs.whole import write_whole
 from restshape.shape.bsplines import beziers_of
 from restshape.shape.outline import Outline
 

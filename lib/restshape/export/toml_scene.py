@@ -10,8 +10,8 @@ from tomlkit.items import InlineTable, Item
 from restshape.export.edited_frame import EditedFrame, plain_scene
 from restshape.export.kept_formulas import with_formulas
 from restshape.export.shape_tables import shape_tables
+from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.outputs.whole import write_whole
 from restshape.scene.load import remade
 from restshape.scene.plain_values import Table
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import writable
 from restshape.outputs.kinds import OutputFile
-from restshape.outputs.whole import writable
 
 Identity = tuple[int, int] | str
 

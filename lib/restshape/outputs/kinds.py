@@ -172,7 +172,7 @@ class PictureFile(OutputFile):
     what = "a picture that restshape drew"
 
     def known(self, head: bytes) -> bool:
-        """Whether `outputs.drawn` has marked it."""
+        """Whether `outputs.picture_files` has marked it."""
         if head.startswith(b"<?xml"):
             return b"<dc:title>" + PICTURE_MARK.encode() in head
         return head.startswith(b"\x89PNG\r\n\x1a\n") and b"tEXtSoftware\0" + PICTURE_MARK.encode() in head

@@ -6,7 +6,7 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-from restshape.outputs.whole import LONGEST
+from restshape.outputs.atomic_files import LONGEST
 
 WORDS = b"restshape writes a recording\n"
 """Content of a lock's file."""

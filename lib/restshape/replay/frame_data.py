@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 
-from restshape.replay.growing import Growing
+from restshape.replay.growable_array import Growing
 
 STATUS = "constraint_status"
 STATUSES = (b"holds", b"uncertain", b"fails")

@@ -20,11 +20,11 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 
+from restshape.outputs.atomic_files import new_part
 from restshape.outputs.kinds import RecordingFile
 from restshape.outputs.locks import Lock
-from restshape.outputs.whole import new_part
 from restshape.replay.frame_data import FrameData
-from restshape.replay.growing import Growing
+from restshape.replay.growable_array import Growing
 
 VERSION = (2, 0)
 FORMAT = 1

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from restshape.errors import UserError
-from restshape.outputs.drawn import count_picture
+from restshape.outputs.picture_files import count_picture
 from restshape.replay.recording import Recording
 from restshape.report.conditions import LOADS, SUPPORT
 from restshape.report.drawing import Drawing

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.drawing import Drawing
 from restshape.report.happenings import failure, frame_words

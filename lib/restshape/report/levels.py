@@ -5,7 +5,7 @@ from textwrap import shorten
 
 import numpy as np
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import counted
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name

@@ -6,7 +6,7 @@ from textwrap import shorten
 import numpy as np
 from matplotlib.axes import Axes
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.replay.columns import error_column, jump_column
 from restshape.replay.recording import Recording

@@ -8,8 +8,8 @@ import numpy as np
 
 from restshape.application import applications
 from restshape.replay.recording import Recording
+from restshape.scene.key_aliases import by_todays_names
 from restshape.scene.quantity import CORE, Quantity, QuantityKind
-from restshape.scene.renamed import by_todays_names
 from restshape.scene.units import UnitError, quantity
 
 LIMITS = ("min", "max")

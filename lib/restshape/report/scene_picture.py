@@ -15,7 +15,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Curve
 
 from restshape.application import application
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.report.conditions import SUPPORT, Moved, draw_loads, draw_supports, load_colours
 from restshape.report.entity_outlines import place_of

@@ -6,7 +6,7 @@ from textwrap import shorten, wrap
 import numpy as np
 from matplotlib.axes import Axes
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.replay.columns import SIMULATED
 from restshape.replay.recording import Recording

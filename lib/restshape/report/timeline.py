@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name

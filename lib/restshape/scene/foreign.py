@@ -2,9 +2,9 @@
 
 from restshape.application import Application
 from restshape.errors import UserError
+from restshape.scene.application_registry import checked_applications
 from restshape.scene.declared_keys import declared_keys, known_keys, names_of, written_keys
 from restshape.scene.plain_values import Table, table_in
-from restshape.scene.registered import checked_applications
 from restshape.scene.source import Source
 
 

@@ -10,8 +10,8 @@ from pydantic import BaseModel
 
 from restshape.errors import UserError, ValueProblem
 from restshape.scene.expressions import Expression
+from restshape.scene.key_aliases import OLD_NAMES
 from restshape.scene.model import Scene
-from restshape.scene.renamed import OLD_NAMES
 from restshape.scene.source import split_key
 from restshape.scene.units import SYMBOLS, reads_as_quantity
 from restshape.scene.values import Measured, annotation_of, dimension_of

@@ -10,13 +10,13 @@ from pydantic import ValidationError
 from restshape import bounds
 from restshape.application import Application, application
 from restshape.errors import UserError
+from restshape.scene.application_registry import checked_applications, installed_physics, refuse_clashes_of
 from restshape.scene.checks import check_scene
 from restshape.scene.foreign import refuse_foreign
+from restshape.scene.key_aliases import other_name
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
 from restshape.scene.plain_values import Table, excess
 from restshape.scene.plan import plan
-from restshape.scene.registered import checked_applications, installed_physics, refuse_clashes_of
-from restshape.scene.renamed import other_name
 from restshape.scene.scene_parameters import read_parameters
 from restshape.scene.scene_type import joined_sections, scene_type
 from restshape.scene.source import Source, read_text, split_key, suggestion

@@ -13,7 +13,7 @@ from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, mod
 from restshape.outputs.si_numbers import si
 from restshape.scene.annotations import Definition, extended, optional
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.renamed import OLD_NAMES, by_todays_names
+from restshape.scene.key_aliases import OLD_NAMES, by_todays_names
 from restshape.scene.units import SYMBOLS, UnitError, article, reads_as_quantity
 from restshape.scene.values import Strict, only_one, read_number
 

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from restshape.errors import UserError, printable
-from restshape.scene.renamed import other_name
+from restshape.scene.key_aliases import other_name
 
 KEY = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 DOTTED = rf"{KEY}(?:\s*\.\s*{KEY})*"

@@ -22,8 +22,8 @@ from pydantic_core import CoreSchema, core_schema
 from restshape.bounds import NAME_CHARACTERS
 from restshape.scene.annotations import annotated
 from restshape.scene.expressions import Expression, NoFormula, Value
+from restshape.scene.key_aliases import OLD_NAMES, by_todays_names
 from restshape.scene.key_descriptions import Described
-from restshape.scene.renamed import OLD_NAMES, by_todays_names
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")

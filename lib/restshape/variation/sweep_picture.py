@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import counted, scaled_unit
 from restshape.replay.constraints import recorded_limits
 from restshape.replay.rounding import without_rounding

@@ -18,7 +18,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from restshape.outputs.drawn import save_picture
+from restshape.outputs.picture_files import save_picture
 from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, drape_scenery
 from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recording import Recording

@@ -28,7 +28,7 @@ from restshape.physics.cloth.relaxation.binding import bind
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_comparison import compare_cold
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions, Watch
-from restshape.physics.cloth.relaxation.relaxing import relax
+from restshape.physics.cloth.relaxation.relaxation_run import relax
 from restshape.physics.cloth.relaxation.row import Row
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.scene.model import Scene

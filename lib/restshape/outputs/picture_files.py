@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from restshape import __version__
+from restshape.outputs.atomic_files import replacing
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import PICTURE_MARK, PictureFile
-from restshape.outputs.whole import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
