@@ -157,7 +157,7 @@ def test_a_name_goes_where_no_line_is():
 
 def test_round_shapes_look_round_and_have_their_size(tmp_path, monkeypatch):
     figures = []
-    monkeypatch.setattr("restshape.outputs.drawn.write_figure", lambda figure, *_: figures.append(figure))
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
     disc = '[shape]\noutline = ["a", "b"]\nvertices = { l = [-1, 0], r = [1, 0] }\n'
     disc += 'edges = { a = { arc = ["r", "l"], bulge = 1 }, b = { arc = ["l", "r"], bulge = 1 } }\n'
     scene = write_scene(tmp_path, HEAD + disc + STEEL + CLAMPED.replace("left", "a") + meshed(0.4))
