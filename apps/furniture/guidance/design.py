@@ -16,8 +16,9 @@ from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.clear_range import clear_ranges, complement
 from restshape_apps.furniture.guidance.connecting import connections
 from restshape_apps.furniture.guidance.doubts import depends, doubts
+from restshape_apps.furniture.guidance.farthest import FARTHEST
 from restshape_apps.furniture.guidance.force_space import durability_space
-from restshape_apps.furniture.guidance.preferences import kept_modes, locked
+from restshape_apps.furniture.guidance.preferences import farthest_move, kept_modes, locked
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.ranked import ranked
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
@@ -81,6 +82,7 @@ class Guidance:
         freedoms: of the design that a suggestion changes at most.
         keep: what no suggestion changes, as in `[effects.guidance]`.
         quantities: of the scene, whose limits suggestions are to obey.
+        farthest: how far a suggestion moves any corner of a plank at most, in parts of the piece's longest side.
     """
 
     ranges: bool = True
@@ -88,6 +90,7 @@ class Guidance:
     freedoms: int = 3
     keep: tuple[str, ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
+    farthest: float = FARTHEST
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,7 +271,9 @@ class Design:
                 found = [*found[: max(most - len(added), 0)], *added]
         unlocked = [one for one in _distinct(self.piece, found) if self._unlocked(one)]
         why = f"what would mend it changes what is kept: {', '.join(self.guidance.keep)}" if found else why
-        judged = [self._with_doubt(self._with_rest(one)) for one in unlocked]
+        near = [one for one in unlocked if self._near(self.after(one))]
+        why = self._why_far(min(unlocked, key=self._move)) if unlocked else why
+        judged = [self._with_doubt(self._with_rest(one)) for one in near]
         shown = ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
         self.furniture.test()
         return SuggestionList(tuple(shown), tried, tested, perf_counter() - start, "" if shown else why)
@@ -281,13 +286,30 @@ class Design:
         """Whether a suggestion keeps what is locked."""
         return locked(self.piece, self.after(one), self.guidance.keep)
 
+    def _near(self, after: Piece) -> bool:
+        """Whether a change moves no corner too far."""
+        return farthest_move(self.piece, after) <= self.guidance.farthest * self.piece.size
+
+    def _move(self, one: Suggestion) -> float:
+        """How far [m] a suggestion moves the corner that goes farthest."""
+        return farthest_move(self.piece, self.after(one))
+
+    def _why_far(self, nearest: Suggestion) -> str:
+        """Why nothing is shown where all would move things too far."""
+        share, far = self._move(nearest) / self.piece.size, amounts.amount(self._move(nearest), "m")
+        what = f"what would mend it moves a corner by {far} or more, {share:.2g} of the piece"
+        return f"{what}, and effects.guidance.farthest is {self.guidance.farthest:g}: draw a plank between, or raise it"
+
     def _combined(self, most: int) -> list[Combinations]:
         """Searches for combinations, first of those that keep the piece level and symmetric, until some are found."""
         searches, count = [], 0
         for modes in kept_modes(self.furniture, self.guidance.keep):
             searches.append(suggest(self.furniture, self.guidance.freedoms, most, modes=modes))
-            # What holds in part only keeps nothing worth keeping.
-            count += sum(one.valid for one in searches[-1].found)
+            # What holds in part only, or far from here, keeps nothing worth keeping.
+            count += sum(
+                one.valid and self._near(self.furniture.moved(one.t * one.direction)) for one in searches[-1].found
+            )
+            self.furniture.test()
             if count:
                 break
         return searches
@@ -314,10 +336,13 @@ class Design:
         low, high = one.span
         clear = self._clear(one) if one.direction is not None and high > low else []
         clear = [(left, right) for left, right in clear if right - left >= CLEAR * (high - low)]
+        doubtful = replace(one, doubt=shorten("; ".join(phrases(found)), REST, placeholder=" ..."))
         if not clear:
-            return replace(one, doubt=shorten("; ".join(phrases(found)), REST, placeholder=" ..."))
+            return doubtful
         left, right = min(clear, key=lambda ends: min(abs(end - one.t) for end in ends))
         t = left + REPRESENTED * (right - left)
+        if not self._near(self.furniture.moved(t * one.direction)):
+            return doubtful
         words = amounts.in_words(self.piece, t * one.direction)
         return replace(one, t=t, span=(left, right), words=words, beyond=(False, one.beyond[1] and right >= high))
 

@@ -77,6 +77,15 @@ def _obeyed(before: Piece, after: Piece, name: str, what: str) -> bool:
     return not len(old) or abs(highest - float(old[:, 2].max())) <= room
 
 
+def farthest_move(before: Piece, after: Piece) -> float:
+    """How far [m] the corner moves that goes farthest; planks that are added move nothing."""
+    moves = (
+        float(np.linalg.norm(new.corners() - old.corners(), axis=1).max())
+        for old, new in zip(before.planks, after.planks)
+    )
+    return max(moves, default=0.0)
+
+
 def way_of_material(before: Piece, after: Piece) -> float:
     """How far material goes [m]: mean distance that corners of planks move, by their volumes; an added plank counts as
     moved by the piece's size."""

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
+from restshape_apps.furniture.guidance.farthest import FARTHEST
 from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.scene.furniture import RANGES_BYTES, REDUNDANT_BYTES, SUGGESTIONS_BYTES
 
@@ -11,7 +12,7 @@ from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.source import suggestion
-from restshape.scene.values import Strict, Whole, number_of
+from restshape.scene.values import Number, Strict, Whole, number_of
 
 OF_EACH_CASE = ("bending", "ranges", "suggestions")
 """What looks at every case of loads. Without any load a piece is tested all the same: none of them drives it alone."""
@@ -94,12 +95,14 @@ class Guide(Strict):
         freedoms: of the design that one of them changes at most.
         keep: what none of them changes: "symmetry", "level", "height" of the piece; "PLANK level", "PLANK height", or
             "PLANK place" of a plank.
+        farthest: how far one of them moves any corner of a plank at most, in parts of the piece's longest side.
     """
 
     ranges: bool = True
     suggestions: Annotated[Whole, Field(ge=0, le=8)] = 8
     freedoms: Annotated[Whole, Field(ge=1, le=5)] = MANY
     keep: list[str] = []
+    farthest: Annotated[Number, Field(gt=0, le=10)] = FARTHEST
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys, with a warning of how many combinations there are of more freedoms than usual.

@@ -350,7 +350,8 @@ class PlankSession(ScriptSession):
         asked = plan(self.scene, self._application).settings("guidance")
         if not asked:
             return Guidance(quantities=self.scene.quantities)
-        return Guidance(asked.ranges, asked.suggestions, asked.freedoms, tuple(asked.keep), self.scene.quantities)
+        keep, quantities = tuple(asked.keep), self.scene.quantities
+        return Guidance(asked.ranges, asked.suggestions, asked.freedoms, keep, quantities, asked.farthest)
 
     def _rest(self) -> np.ndarray:
         return np.zeros((len(self.design.piece.planks), 8))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.connecting import connections
-from restshape_apps.furniture.guidance.design import Design
+from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.physics.furniture import APART, Furniture
 from restshape_apps.furniture.pieces import chair, shelf_1
 from restshape_apps.furniture.shape.planks import Foot, Piece, Plank, parts_of
@@ -59,7 +59,7 @@ def test_a_part_of_two_planks_moves_as_a_whole():
 
 
 def test_designs_in_parts_have_them_as_suggestions():
-    suggestion_list = Design(away(chair(), "stretcher", (0.0, 0.6, 0.0))).suggestion_list
+    suggestion_list = Design(away(chair(), "stretcher", (0.0, 0.6, 0.0)), Guidance(farthest=1.0)).suggestion_list
     assert suggestion_list.found[0].valid and suggestion_list.found[0].piece is not None and not suggestion_list.why
     empty = Design(chair()).suggestion_list
     assert not empty.found

@@ -198,14 +198,15 @@ def test_what_is_near_a_drawn_plank_is_reported(play):
     frames = play(leg)
     assert frames[-1].note == "joined: leg on top, leg on the floor"
     assert plank(frames[-1], "leg").end(0)[2] == pytest.approx(0.0, abs=1e-12)
-    away = play(SHELF | {"from": [-0.2, 3, 1], "to": [0.2, 3, 1]})[-1]
+    far = SHELF | {"from": [-0.2, 3, 1], "to": [0.2, 3, 1]}
+    away = play(far)[-1]
     assert "joined to nothing" in away.note
     # From its end at (-0.2, 2.9, 1) to the upper corner of the left leg at (-0.49, 0.15, 0.5).
     gap = (
         f"shelf -x is {1e3 * np.hypot(np.hypot(0.29, 2.75), 0.5):.0f} mm from left, beyond the reach of 15 mm of joints"
     )
     assert away.design.furniture.test().words[0] == f"in two parts: top with 2 more, shelf ({gap})"
-    frames = play(SHELF | {"from": [-0.2, 3, 1], "to": [0.2, 3, 1]}, {"do": "choose", "number": 1})
+    frames = play(far, {"do": "set", "key": "effects.guidance.farthest", "value": 5}, {"do": "choose", "number": 1})
     assert frames[-1].change == "shape" and not frames[-1].design.furniture.test().flaws & APART
 
 

@@ -77,20 +77,20 @@ def limited(tmp_path, most: float):
 
 def test_limits_of_quantities_are_obeyed_first(tmp_path) -> None:
     piece = drawn("table")
-    every = Design(piece, Guidance()).suggestion_list.found
+    every = Design(piece, Guidance(farthest=1.0)).suggestion_list.found
     # The last one depends on joints.
     assert [bool(one.doubt) for one in every] == [False] * (len(every) - 1) + [True]
     pieces = [one.piece or Furniture(piece).moved(one.t * one.direction) for one in every]
     heavy = [float(Furniture(one).geometry().mass.sum()) for one in pieces]
     between = 0.5 * (min(heavy) + max(heavy))
-    found = Design(piece, Guidance(quantities=limited(tmp_path, between))).suggestion_list.found
+    found = Design(piece, Guidance(farthest=1.0, quantities=limited(tmp_path, between))).suggestion_list.found
     doubts = [bool(one.doubt) for one in found]
     assert any(doubts) and not all(doubts) and doubts == sorted(doubts)
     assert sum("mass is" in one.doubt for one in found) == sum(mass > between for mass in heavy)
 
 
 def test_a_suggestion_that_depends_on_joints_is_last_and_says_so() -> None:
-    design = Design(drawn("table"), Guidance())
+    design = Design(drawn("table"), Guidance(farthest=1.0))
     found = design.suggestion_list.found
     for one in found:
         assert bool(depends(design.after(one))) == ("depends on joints" in one.doubt)

@@ -1,0 +1,75 @@
+"""How far suggestions move things: within a share of the piece that scenes may set."""
+
+import pytest
+from restshape_apps.furniture.guidance.design import Design, Guidance
+from restshape_apps.furniture.guidance.farthest import FARTHEST
+from restshape_apps.furniture.guidance.preferences import farthest_move
+from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.pieces import drawn
+from restshape_apps.furniture.shape.plank_scene import piece_of
+from restshape_apps.furniture.shape.planks import parts_of
+
+from restshape.application import application
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
+from restshape.scene.plan import plan
+
+STOOL = """
+format = "restshape-scene"
+version = 1
+app = "furniture"
+title = "step stool whose lower step stands 170 mm before the upper one"
+
+[wood]
+name = "pine"
+thickness = "18 mm"
+
+[planks]
+lside = { from = [0.2, -0.2, 0], to = [0.2, -0.2, 0.42], width = [0.22, 0, 0] }
+rside = { from = [0.2, 0.2, 0], to = [0.2, 0.2, 0.42], width = [0.22, 0, 0] }
+upper = { from = [0.2, -0.22, 0.43], to = [0.2, 0.22, 0.43], width = [0.24, 0, 0] }
+lcheek = { from = [0, -0.2, 0], to = [0, -0.2, 0.2], width = [0.15, 0, 0] }
+rcheek = { from = [0, 0.2, 0], to = [0, 0.2, 0.2], width = [0.15, 0, 0] }
+lower = { from = [0, -0.22, 0.21], to = [0, 0.22, 0.21], width = [0.15, 0, 0] }
+
+[effects]
+gravity = {}
+guidance = {}
+"""
+
+
+def move(design: Design, one) -> float:
+    """How far the corner goes that goes farthest, in parts of the piece."""
+    return farthest_move(design.piece, design.after(one)) / design.piece.size
+
+
+@pytest.mark.parametrize("name", ["table", "bookshelf", "scales", "shelf-2"])
+def test_no_suggestion_goes_farther_and_some_would(name: str) -> None:
+    design, free = (Design(drawn(name), Guidance(farthest=share)) for share in (FARTHEST, 10.0))
+    found, every = design.suggestion_list.found, free.suggestion_list.found
+    assert found and max(move(design, one) for one in found) <= FARTHEST
+    assert max(move(free, one) for one in every) > FARTHEST
+    # What is near is shown all the same, in the same order.
+    assert [one.words for one in every if move(free, one) <= FARTHEST] == [one.words for one in found][: len(every)]
+
+
+def test_a_piece_in_parts_far_apart_is_not_pushed_together(tmp_path) -> None:
+    path = tmp_path / "stool.toml"
+    path.write_text(STOOL)
+    piece = Furniture(piece_of(load_scene(path))).moved()
+    assert len(parts_of(piece)) == 2
+    none = Design(piece).suggestion_list
+    assert not none.found and "effects.guidance.farthest is 0.2" in none.why and "draw a plank between" in none.why
+    some = Design(piece, Guidance(farthest=1.5))
+    least = min(move(some, one) for one in some.suggestion_list.found)
+    assert least > 0.5 and f"{least:.2g} of the piece" in none.why
+
+
+def test_scenes_set_it_and_none_of_no_way_is_taken(tmp_path) -> None:
+    path = tmp_path / "stool.toml"
+    path.write_text(STOOL.replace("guidance = {}", "guidance = { farthest = 0.5 }"))
+    scene = load_scene(path)
+    assert plan(scene, application(scene.app)).settings("guidance").farthest == 0.5
+    path.write_text(STOOL.replace("guidance = {}", "guidance = { farthest = 0 }"))
+    with pytest.raises(UserError, match="farthest"):
+        load_scene(path)
