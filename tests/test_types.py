@@ -80,6 +80,7 @@ def check(tmp_path_factory):
 
 @pytest.mark.cli
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_types_agree(check):
     found = check()
     assert found.returncode == 0, found.stdout + found.stderr
@@ -87,6 +88,7 @@ def test_types_agree(check):
 
 @pytest.mark.cli
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_each_analysis_is_one_of_its_problem(check, tmp_path):
     program = tmp_path / "analyses.py"
     program.write_text(ANALYSES + EACH_IS_AN_ANALYSIS)
@@ -96,6 +98,7 @@ def test_each_analysis_is_one_of_its_problem(check, tmp_path):
 
 @pytest.mark.cli
 @pytest.mark.slow
+@pytest.mark.weekly
 def test_the_type_checker_finds_what_is_wrong(check, tmp_path):
     program, first = tmp_path / "wrong.py", len(ANALYSES.splitlines()) + 1
     program.write_text(ANALYSES + "\n".join(line for line, _ in WRONG) + "\n")

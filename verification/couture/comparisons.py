@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.each_week import each_week
 from restshape_studies.validation.case import OWN, Case, Check
 from restshape_verification.couture.validation_buckling import BLADE, critical, of_width
 from restshape_verification.couture.validation_cantilever import bent
@@ -70,6 +71,7 @@ def repeated(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
+@each_week()
 def folds(comm: PETSc.Comm) -> list[Check]:
     """Cloth on a ball on two nested meshes: its folds are others on each, its energy is nearly the same."""
     rows = [
