@@ -147,3 +147,9 @@ def test_strains_of_a_linear_displacement_are_exact(large, order):
     expected = 0.5 * (H + H.T) + (0.5 * H.T @ H if large else 0.0)
     plane = [expected[0, 0], expected[1, 1], expected[0, 1]]
     np.testing.assert_allclose(found, np.broadcast_to([*plane, -0.5 * (plane[0] + plane[1])], (1, 2, 4)), atol=1e-15)
+
+
+def test_fields_of_modes_are_refused_with_the_reason(tmp_path):
+    scene = plate().replace('app = "plane"', 'app = "modes"').replace("[effects.solid]", "[effects.modal]")
+    with pytest.raises(UserError, match="the amplitude of a mode is arbitrary"):
+        load_scene(write_scene(tmp_path, scene), ['recording.fields=["stress"]'])

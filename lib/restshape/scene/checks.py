@@ -34,7 +34,8 @@ def _check_recording(scene: Scene, application: Application, source: Source) -> 
     known = sorted({name for physics in application.physics for name in physics.requested})
     for name in scene.recording.fields:
         if name not in known:
-            what = f"the application {application.name!r} has no fields {name!r} to record"
+            why = "; ".join(physics.none_requested for physics in application.physics if physics.none_requested)
+            what = f"the application {application.name!r} has no fields {name!r} to record{why and f': {why}'}"
             raise source.error(("recording", "fields"), what, suggestion(name, known) or "leave it out")
 
 

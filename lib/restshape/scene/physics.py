@@ -174,6 +174,7 @@ class Physics:
         derived: parts that follow from a scene without being named, by name.
         invariants: what cannot change during an edit.
         requested: what recordings hold besides where ``recording.fields`` names it: for people, by name.
+        none_requested: why there is no such field, for people; where there is one, or nothing to say, empty.
         pictured: fields of recordings that pictures show, by name, the most important first.
         value_drags: events of the hand by which values change where it holds no part of a shape, such as a body.
         true_scale: names of effects under which pictures show deformations as they are, not exaggerated.
@@ -208,6 +209,7 @@ class Physics:
     derived: Mapping[str, DerivedEffect] = field(default_factory=dict)
     invariants: tuple[Invariant, ...] = ()
     requested: Mapping[str, str] = field(default_factory=dict)
+    none_requested: str = ""
     pictured: Mapping[str, PictureField] = field(default_factory=dict)
     value_drags: tuple[str, ...] = ()
     true_scale: tuple[str, ...] = ()

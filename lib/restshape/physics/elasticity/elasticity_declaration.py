@@ -175,6 +175,7 @@ FREE_VIBRATIONS = Physics(
     derived={"in_plane_modes": IN_PLANE_MODES, "grain": GRAIN, "regions": REGIONS},
     orders=(2, 1),
     mesh_keys=("layers",),
+    none_requested="the amplitude of a mode is arbitrary, and so are its stresses and strains",
     check=check_vibrations,
     check_shape="restshape.physics.elasticity.outline_checks:check_thickness",
     inspect_shape="restshape.physics.elasticity.inspection:inspect_vibrating",
