@@ -1,6 +1,16 @@
-"""Materials that scenes may name: their values come from what the physics of a scene know."""
+"""Materials that scenes may name: one library with sources, of which each physics knows those it has values of."""
 
+import tomllib
 from collections.abc import Collection, Mapping
+from importlib.resources import files
+
+LIBRARY: dict[str, dict[str, object]] = tomllib.loads((files(__package__) / "materials.toml").read_text("utf-8"))
+"""Keys of a material by its name, as a scene would hold them, and the source of their values."""
+
+
+def library(*keys: str) -> dict[str, dict[str, object]]:
+    """The materials of the library that have one of these keys."""
+    return {name: values for name, values in LIBRARY.items() if not values.keys().isdisjoint(keys)}
 
 
 def named(raw: object, known: Mapping[str, Mapping[str, object]], keys: Collection[str]) -> object:

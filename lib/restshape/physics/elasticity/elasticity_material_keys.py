@@ -1,20 +1,17 @@
 """What elasticity wants to know of a material, and materials that it knows by name."""
 
-import tomllib
-from importlib.resources import files
 from typing import Annotated, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
 from restshape.scene.expressions import Expression, Value
+from restshape.scene.materials import library
 from restshape.scene.model import Material
 from restshape.scene.units import UnitError
 from restshape.scene.values import Strict, number_of, value_of
 
-ELASTIC_MATERIALS: dict[str, dict[str, object]] = tomllib.loads(
-    (files(__package__) / "elastic_materials.toml").read_text("utf-8")
-)
-"""Keys of a material by its name, as a scene would hold them, and the source of their values."""
+ELASTIC_MATERIALS = library("E", "orthotropic")
+"""Materials whose stiffness is known, by name."""
 
 
 def _refuse_flat(value: Value) -> Value:

@@ -8,6 +8,7 @@ from pydantic import Field
 from restshape.scene.derived_effects import On
 from restshape.scene.effect import Effect, StartOnly
 from restshape.scene.load_kind import AREAS, CURVES, LoadKind
+from restshape.scene.materials import library
 from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Invariant, Physics, PictureField
 from restshape.scene.quantity import QuantityKind
@@ -86,7 +87,7 @@ HEAT = Physics(
     summary="conduction of heat in the plane, steady and in time",
     solver=heat_plan,
     material=ThermalMaterial,
-    materials={"aluminium": {"conductivity": 167.0, "specific_heat": 896.0, "rho": "2700 kg/m^3"}},
+    materials=library("conductivity"),
     boundary={"temperature": "temperature"},
     loads={
         "source": LoadKind(value_of(HEAT_SOURCE), AREAS, "heat [W/m^3] set free inside"),
@@ -98,9 +99,7 @@ HEAT = Physics(
         "heat_flow": QuantityKind(Literal[True], "power", "sum", summary="heat that leaves by an edge", on=CURVES),
     },
     effects={
-        "storage": Effect(
-            Storage, "heat that is stored: the temperature in time", fixed=True, transient=True, kernels=("heat_cap",)
-        ),
+        "storage": Effect(Storage, "the temperature in time", fixed=True, transient=True, kernels=("heat_cap",)),
     },
     invariants=(Invariant(convections, "where convection acts cannot change", "set its film to 0 instead"),),
     pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},
