@@ -26,5 +26,10 @@ verification = Verification(
             "put a board between two weak brackets",
             "restshape_verification.furniture.between_brackets",
         ),
+        Command(
+            "furniture-times",
+            "print how long furniture takes, and what is missed",
+            "restshape_verification.furniture.times_command",
+        ),
     ),
 )

@@ -12,6 +12,7 @@ from restshape.export.step_body import write_step
 from restshape.export.stl_surface import write_stl
 from restshape.export.svg_drawing import write_svg
 from restshape.export.toml_scene import write_toml
+from restshape.shape.outline import Outline
 
 FLAT = "without thickness: the materials give none, or not all the same"
 
@@ -34,14 +35,21 @@ def write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path
         return [f"left out, for they share edges with the outline: {', '.join(left)}"] if left else []
     elif kind == "svg":
         write_svg(frame.outline, out)
+        return _points_left_out(frame.outline, "a drawing in SVG")
     elif kind == "step":
         thickness = thickness_of(frame.scene)
         write_step(frame.outline, thickness, out)
-        return [f"a face {FLAT}"] if thickness is None else []
+        return ([f"a face {FLAT}"] if thickness is None else []) + _points_left_out(frame.outline, "a body in STEP")
     else:
         assert mesh is not None, "a surface is that of a mesh"
         return write_mesh(kind, mesh, out, thickness_of(frame.scene))
     return []
+
+
+def _points_left_out(outline: Outline, what: str) -> list[str]:
+    """A note of points inside that a format has no place for."""
+    names = [outline.vertex_names[v] for v in outline.embedded]
+    return [f"left out, for {what} has no points: {', '.join(names)}"] if names else []
 
 
 def write_mesh(kind: str, mesh: FrameMesh, out: Path, thickness: float | None = None) -> list[str]:

@@ -1,7 +1,4 @@
-"""Prints how long furniture takes: suggestions, equilibrium, ranges in a drag; and how many suggestions are missed.
-
-python scripts/furniture_times.py [--json FILE]
-"""
+"""How long furniture takes: suggestions, equilibrium, ranges in a drag; and how many suggestions are missed."""
 
 import argparse
 import json
@@ -23,6 +20,7 @@ from restshape_verification.furniture.times import (
     timed,
 )
 
+from restshape.cli.options import add_json, write_json
 from restshape.guidance.force_space import forecast
 
 Numbers = dict[str, float | Time | tuple[int, ...]]
@@ -80,14 +78,27 @@ def shown(value: float | Time | tuple[int, ...]) -> str:
     return " / ".join(map(str, value)) if isinstance(value, tuple) else f"{value:.4g}"
 
 
-def main() -> None:
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
     """Prints all numbers."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", help="write the numbers to this file too")
-    arguments = parser.parse_args()
     report: dict[str, Numbers] = {name: numbers_of(column) for name, column in COLUMNS.items()}
     report["a bookshelf with 224 freedoms"] = large_search()
     report["forecast of 4 of 224"] = vars(forecast(224, 4))
+    report |= missed()
+    for name, numbers in report.items():
+        print(name)
+        print("   ", ", ".join(f"{key} {shown(value)}" for key, value in numbers.items()))
+    write_json(args, json.loads(json.dumps(report, default=asdict)))
+    return 0
+
+
+def missed() -> dict[str, Numbers]:
+    """How many suggestions that a grid finds are missed by searches, by piece and search."""
+    report: dict[str, Numbers] = {}
     for name, make in (SMALL | LARGER).items():
         grid = Grid.of(make(), POINTS if name in SMALL else POINTS[:2])
         searches = {
@@ -97,13 +108,4 @@ def main() -> None:
         }
         for words, found in searches.items():
             report[f"grid: {name}, {words}"] = {"there": found.there, "missed": found.missed, "rate": found.rate}
-    for name, numbers in report.items():
-        print(name)
-        print("   ", ", ".join(f"{key} {shown(value)}" for key, value in numbers.items()))
-    if arguments.json:
-        with open(arguments.json, "w") as file:
-            json.dump(report, file, indent=1, default=asdict)
-
-
-if __name__ == "__main__":
-    main()
+    return report
