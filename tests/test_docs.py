@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,45 @@ def test_cells_of_tables_fit_two_lines(page):
         if line.startswith("|"):
             cells = [re.sub(r"<img[^>]*>|\]\([^)]*\)", "", cell).strip() for cell in re.split(r"(?<!\\)\|", line)]
             assert max(map(len, cells)) <= CELL, line
+
+
+WORDS = 45
+"""In a sentence at most."""
+
+
+def sentences(page: Path) -> Iterator[str]:
+    """The sentences of paragraphs and of items of lists; code and formulas as one word, links as their text."""
+    text = re.sub(r"\$\$.*?\$\$", "x", prose(page), flags=re.S)
+    # Tables and headings end a paragraph; of a key of the reference, what it is counts, not its type.
+    text = re.sub(r"^ *(\||#).*$", "", text, flags=re.M)
+    text = re.sub(r"^ *(?:[-*]|\d+\.) (?:`\w+` \((?:\[[^]]*\]\([^)]*\)|[^()])*\):)?", "\n\n", text, flags=re.M)
+    for paragraph in re.split(r"\n\s*\n", text):
+        plain = re.sub(r"!?\[([^]]*)\]\([^)]*\)", r"\1", " ".join(paragraph.split()))
+        plain = re.sub(r"`[^`]*`|\$[^$]*\$|<[^>]*>", "x", plain)
+        yield from re.split(r"(?<=[.!?])[*)\"]*\s+(?=\W*[A-Zx0-9])", plain)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_sentences_are_short(page):
+    long = {one: len(one.split()) for one in sentences(page) if len(one.split()) > WORDS}
+    assert not long, "\n".join(f"{count} words: {one}" for one, count in long.items())
+
+
+def test_sentences_are_found(tmp_path):
+    page = tmp_path / "page.md"
+    lines = ("# A heading. With two", "One two", "three ([a link](x.md)): four. `Five six` is", "$a b$. Six", "")
+    rest = (
+        "| a | cell. Of |",
+        "- item one; item",
+        "  two. Three",
+        "- `key` (text or [table](#a)): four",
+        "```",
+        "c. D",
+        "```",
+    )
+    page.write_text("\n".join((*lines, *rest)), encoding="utf-8")
+    found = [one for one in sentences(page) if one.strip()]
+    assert found == ["One two three (a link): four.", "x is x.", "Six", "item one; item two.", "Three", "four"]
 
 
 def test_source_files_that_pages_name_exist():

@@ -132,8 +132,8 @@ class DrapeKeys(Strict):
             both over free nodes: another name of solve.tolerance, which it is where left out, or 1e-4 without either.
         strategy: "kinetic", steps in time that restart at each peak of the kinetic energy; "rayleigh", steps with
             Rayleigh damping; "newton", with a line search on the energy; "stabilised", the same with the stabilised
-            tangent; "cg", nonlinear conjugate gradients; "auto" takes kinetic damping with a soft membrane where cloth
-            restarts, then quasi-Newton steps, then Newton's method.
+            tangent; "cg", nonlinear conjugate gradients. The default, "auto", takes kinetic damping with a soft
+            membrane where cloth restarts, then quasi-Newton steps, then Newton's method.
         steps: most steps in a frame.
         levels: how many of the nested meshes of mesh.levels, the finest among them, lead a cold start to
             equilibrium, from coarse to fine; left out, all.
