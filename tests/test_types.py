@@ -80,7 +80,6 @@ def check(tmp_path_factory):
 
 @pytest.mark.cli
 @pytest.mark.slow
-@pytest.mark.weekly
 def test_types_agree(check):
     found = check()
     assert found.returncode == 0, found.stdout + found.stderr
