@@ -143,7 +143,7 @@ def test_check_shows_values_of_supports_and_loads(folder, capsys):
     change(folder / "plate.toml", 'traction = ["P*(1 + y)", 0]', 'force = [0, "-2 kN"]')
     assert main(["check", str(folder / "plate.toml")]) == 0
     printed = capsys.readouterr().out
-    assert "y = 20 µm" in printed and "force (0, -2000) N" in printed
+    assert "y = 20 µm" in printed and "force (0, -2) kN" in printed
 
 
 @pytest.mark.parametrize(("key", "size"), [("mesh.size", "10 um"), ("mesh.near.window", "1 nm")])

@@ -68,7 +68,7 @@ def test_supports_and_legend(figure):
     (line,) = thick[0].get_segments()
     assert np.allclose(line[:, 0], 0.0) and np.ptp(line[:, 1]) == 1.0
     words = [text.get_text().replace("\n", " ") for text in figure.texts]
-    assert "load weight on top: force (0, -3000) N" in words and "load push on window: pressure 2 MPa" in words
+    assert "load weight on top: force (0, -3) kN" in words and "load push on window: pressure 2 MPa" in words
     assert any(word.startswith("support") and "x = 0 and y = 0" in word for word in words)
     colours = [line.get_color() for line in figure.get_children() if isinstance(line, Line2D)]
     assert {*colours} <= {SUPPORT, *COLOURS}

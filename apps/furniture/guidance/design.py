@@ -16,7 +16,7 @@ from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.clear_range import clear_ranges, complement
 from restshape_apps.furniture.guidance.connecting import connections
 from restshape_apps.furniture.guidance.doubts import depends, doubts
-from restshape_apps.furniture.guidance.farthest import FARTHEST
+from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
 from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.guidance.preferences import farthest_move, kept_modes, locked
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
@@ -82,7 +82,8 @@ class Guidance:
         freedoms: of the design that a suggestion changes at most.
         keep: what no suggestion changes, as in `[effects.guidance]`.
         quantities: of the scene, whose limits suggestions are to obey.
-        farthest: how far a suggestion moves any corner of a plank at most, in parts of the piece's longest side.
+        farthest: how far a suggestion moves any corner of a plank at most, in parts of the piece's longest side; None:
+            `NEAR` where something as near holds, else `FARTHEST`.
     """
 
     ranges: bool = True
@@ -90,7 +91,7 @@ class Guidance:
     freedoms: int = 3
     keep: tuple[str, ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
-    farthest: float = FARTHEST
+    farthest: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,7 +272,7 @@ class Design:
                 found = [*found[: max(most - len(added), 0)], *added]
         unlocked = [one for one in _distinct(self.piece, found) if self._unlocked(one)]
         why = f"what would mend it changes what is kept: {', '.join(self.guidance.keep)}" if found else why
-        near = [one for one in unlocked if self._near(self.after(one))]
+        near = self._nearest([one for one in unlocked if self._near(self.after(one))])
         why = self._why_far(min(unlocked, key=self._move)) if unlocked else why
         judged = [self._with_doubt(self._with_rest(one)) for one in near]
         shown = ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
@@ -288,7 +289,17 @@ class Design:
 
     def _near(self, after: Piece) -> bool:
         """Whether a change moves no corner too far."""
-        return farthest_move(self.piece, after) <= self.guidance.farthest * self.piece.size
+        return farthest_move(self.piece, after) <= self._farthest * self.piece.size
+
+    @property
+    def _farthest(self) -> float:
+        """How far a corner may be moved, in parts of the piece."""
+        return FARTHEST if self.guidance.farthest is None else self.guidance.farthest
+
+    def _nearest(self, found: list[Suggestion]) -> list[Suggestion]:
+        """Those that stay near, where one of them holds and the scene says nothing of how far they may go."""
+        near = [one for one in found if self._move(one) <= NEAR * self.piece.size]
+        return near if self.guidance.farthest is None and any(one.valid for one in near) else found
 
     def _move(self, one: Suggestion) -> float:
         """How far [m] a suggestion moves the corner that goes farthest."""
@@ -298,7 +309,7 @@ class Design:
         """Why nothing is shown where all would move things too far."""
         share, far = self._move(nearest) / self.piece.size, amounts.amount(self._move(nearest), "m")
         what = f"what would mend it moves a corner by {far} or more, {share:.2g} of the piece"
-        return f"{what}, and effects.guidance.farthest is {self.guidance.farthest:g}: draw a plank between, or raise it"
+        return f"{what}, and effects.guidance.farthest is {self._farthest:g}: draw a plank between, or raise it"
 
     def _combined(self, most: int) -> list[Combinations]:
         """Searches for combinations, first of those that keep the piece level and symmetric, until some are found."""
@@ -341,7 +352,8 @@ class Design:
             return doubtful
         left, right = min(clear, key=lambda ends: min(abs(end - one.t) for end in ends))
         t = left + REPRESENTED * (right - left)
-        if not self._near(self.furniture.moved(t * one.direction)):
+        room = max(self._move(one), (self.guidance.farthest or NEAR) * self.piece.size)
+        if farthest_move(self.piece, self.furniture.moved(t * one.direction)) > room:
             return doubtful
         words = amounts.in_words(self.piece, t * one.direction)
         return replace(one, t=t, span=(left, right), words=words, beyond=(False, one.beyond[1] and right >= high))

@@ -4,7 +4,6 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
-from restshape_apps.furniture.guidance.farthest import FARTHEST
 from restshape_apps.furniture.physics.fasteners import fastener, wood
 from restshape_apps.furniture.scene.furniture import RANGES_BYTES, REDUNDANT_BYTES, SUGGESTIONS_BYTES
 
@@ -95,14 +94,15 @@ class Guide(Strict):
         freedoms: of the design that one of them changes at most.
         keep: what none of them changes: "symmetry", "level", "height" of the piece; "PLANK level", "PLANK height", or
             "PLANK place" of a plank.
-        farthest: how far one of them moves any corner of a plank at most, in parts of the piece's longest side.
+        farthest: how far one of them moves any corner of a plank at most, in parts of the piece's longest side; without
+            it 0.2 where something as near holds, else 0.5.
     """
 
     ranges: bool = True
     suggestions: Annotated[Whole, Field(ge=0, le=8)] = 8
     freedoms: Annotated[Whole, Field(ge=1, le=5)] = MANY
     keep: list[str] = []
-    farthest: Annotated[Number, Field(gt=0, le=10)] = FARTHEST
+    farthest: Annotated[Number, Field(gt=0, le=10)] | None = None
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys, with a warning of how many combinations there are of more freedoms than usual.

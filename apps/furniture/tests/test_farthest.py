@@ -2,7 +2,7 @@
 
 import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
-from restshape_apps.furniture.guidance.farthest import FARTHEST
+from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
 from restshape_apps.furniture.guidance.preferences import farthest_move
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import drawn
@@ -45,12 +45,12 @@ def move(design: Design, one) -> float:
 
 @pytest.mark.parametrize("name", ["table", "bookshelf", "scales", "shelf-2"])
 def test_no_suggestion_goes_farther_and_some_would(name: str) -> None:
-    design, free = (Design(drawn(name), Guidance(farthest=share)) for share in (FARTHEST, 10.0))
+    design, free = (Design(drawn(name), Guidance(farthest=share)) for share in (None, 10.0))
     found, every = design.suggestion_list.found, free.suggestion_list.found
-    assert found and max(move(design, one) for one in found) <= FARTHEST
-    assert max(move(free, one) for one in every) > FARTHEST
+    assert found and max(move(design, one) for one in found) <= NEAR
+    assert max(move(free, one) for one in every) > NEAR
     # What is near is shown all the same, in the same order.
-    assert [one.words for one in every if move(free, one) <= FARTHEST] == [one.words for one in found][: len(every)]
+    assert [one.words for one in every if move(free, one) <= NEAR] == [one.words for one in found][: len(every)]
 
 
 def test_a_piece_in_parts_far_apart_is_not_pushed_together(tmp_path) -> None:
@@ -59,17 +59,17 @@ def test_a_piece_in_parts_far_apart_is_not_pushed_together(tmp_path) -> None:
     piece = Furniture(piece_of(load_scene(path))).moved()
     assert len(parts_of(piece)) == 2
     none = Design(piece).suggestion_list
-    assert not none.found and "effects.guidance.farthest is 0.2" in none.why and "draw a plank between" in none.why
+    assert not none.found and "effects.guidance.farthest is 0.5" in none.why and "draw a plank between" in none.why
     some = Design(piece, Guidance(farthest=1.5))
     least = min(move(some, one) for one in some.suggestion_list.found)
-    assert least > 0.5 and f"{least:.2g} of the piece" in none.why
+    assert least > FARTHEST and f"{least:.2g} of the piece" in none.why
 
 
 def test_scenes_set_it_and_none_of_no_way_is_taken(tmp_path) -> None:
     path = tmp_path / "stool.toml"
-    path.write_text(STOOL.replace("guidance = {}", "guidance = { farthest = 0.5 }"))
+    path.write_text(STOOL.replace("guidance = {}", "guidance = { farthest = 0.3 }"))
     scene = load_scene(path)
-    assert plan(scene, application(scene.app)).settings("guidance").farthest == 0.5
+    assert plan(scene, application(scene.app)).settings("guidance").farthest == 0.3
     path.write_text(STOOL.replace("guidance = {}", "guidance = { farthest = 0 }"))
     with pytest.raises(UserError, match="farthest"):
         load_scene(path)

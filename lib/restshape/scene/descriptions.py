@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from pydantic import BaseModel
 
-from restshape.outputs.si_numbers import si
+from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.scene.expressions import COORDINATES, Expression
 from restshape.scene.units import SYMBOLS, in_si
 from restshape.scene.values import annotation_of, dimension_of
@@ -32,7 +32,7 @@ def _value(formula: Expression, parameters: Mapping[str, float]) -> str:
 
 
 def with_symbol(value: object, dimension: object, parameters: Mapping[str, float] | None = None) -> str:
-    """A value, as in `listing`, with the SI unit of its dimension.
+    """A value, as in `listing`, with the SI unit of its dimension; numbers with the prefix that suits the largest.
 
     A formula that has units of its own is without, unless its value stands beside it.
     """
@@ -41,6 +41,9 @@ def with_symbol(value: object, dimension: object, parameters: Mapping[str, float
     formulas = [part.text for part in parts if isinstance(part, Expression)]
     if symbol and isinstance(value, float | int):
         return si(value, symbol, 6)
+    if symbol and not isinstance(value, str) and all(isinstance(part, float | int) for part in parts):
+        factor, scaled = scaled_unit(max(map(abs, parts), default=0.0), symbol)
+        return f"{listing([factor * part for part in parts])} {scaled}"
     shown = listing(value, parameters)
     valued = parameters is not None and shown != listing(value)
     if not symbol or (any(in_si(text) != text for text in formulas) and not valued):
