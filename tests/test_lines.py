@@ -30,13 +30,13 @@ def test_each_file_counts_in_one_area(lines):
     now = {
         "lib/restshape/fem/space.py": 1,
         "lib/kernels/fem/dual.hpp": 2,
-        "apps/solid/__init__.py": 4,
-        "apps/furniture/kernels/planks.cpp": 8,
-        "apps/solid/tests/test_solid.py": 16,
+        "apps/one/__init__.py": 4,
+        "apps/other/kernels/planks.cpp": 8,
+        "apps/one/tests/test_one.py": 16,
         "tests/fem/test_space.py": 32,
         "conftest.py": 64,
         "studies/thesis.py": 128,
-        "verification/solid/large.py": 256,
+        "verification/one/large.py": 256,
         "setup.py": 512,
     }
     expected = {"lib": 1, "kernels": 2, "apps": 4, "apps, C++": 8, "tests": 112, "studies": 128, "verification": 256}
@@ -47,8 +47,8 @@ def test_files_that_moved_count_as_what_they_became(lines):
     early = {
         "lib/restshape/accuracy/study.py": 1,
         "lib/restshape/cli/bench_order.py": 2,
-        "apps/solid/validation.py": 4,
-        "apps/metallophone/sound.py": 8,
+        "apps/one/validation.py": 4,
+        "apps/other/sound.py": 8,
         "lib/restshape/cli/replay.py": 16,
     }
     assert lines.by_area(early) == {"studies": 3, "verification": 4, "apps": 8, "lib": 16}
@@ -61,7 +61,7 @@ def test_rooms_are_folders_and_those_of_physics_by_themselves(lines):
             "lib/restshape/physics/cloth/relaxation/row.py": 2,
             "lib/restshape/physics/__init__.py": 4,
             "lib/restshape/errors.py": 8,
-            "apps/solid/__init__.py": 16,
+            "apps/one/__init__.py": 16,
         }
     )
     rooms = {
