@@ -24,7 +24,7 @@ from restshape.outputs.kinds import PICTURES
 from restshape.outputs.si_numbers import si
 from restshape.scene.application_registry import checked_applications
 from restshape.scene.condition_words import load_words, support_words
-from restshape.scene.descriptions import keys_in_words, listing
+from restshape.scene.descriptions import keys_in_words, listing, with_symbol
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.given_numbers import GivenNumber, given_numbers
 from restshape.scene.key_aliases import notes
@@ -231,7 +231,8 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
     rows.append(("area", f"{outline.area():.6g} m^2"))
     (x, y), (width, height) = outline.bounds()[0], np.subtract(*outline.bounds()[::-1])
-    rows.append(("bounding box", f"{width:.6g} m x {height:.6g} m, lower left corner ({x:.6g}, {y:.6g}) m"))
+    corner = with_symbol((float(x), float(y)), "length")
+    rows.append(("bounding box", f"{si(width, 'm', 6)} x {si(height, 'm', 6)}, lower left corner {corner}"))
     known = scene.parameters
     rows += [(f"parameter {name}", _parameter(scene, name)) for name in known]
     rows += [(f"material {name}", keys_in_words(m, (), known)) for name, m in scene.material.items()]
