@@ -24,6 +24,9 @@ MARKED_BY = {".png": "Software", ".svg": "Creator"}
 STAMP = "stamp"
 """Key of a JSON file of results that says of which code it is."""
 
+PACKED = 3
+"""Effort of zlib for a PNG: smooth colours come out as small as with 6, its own choice, in half the time."""
+
 SOURCE = "Source"
 """Key of a picture's metadata, in PNG and in SVG."""
 _source: ContextVar[str] = ContextVar("source", default="")
@@ -93,7 +96,7 @@ def write_figure(figure: Figure, path: Path, metadata: dict[str, str] | None) ->
         # `savefig` would go through all of it once more, to make the layout that drawing makes too.
         from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-        FigureCanvasAgg(figure).print_png(path, metadata=metadata)
+        FigureCanvasAgg(figure).print_png(path, metadata=metadata, pil_kwargs={"compress_level": PACKED})
     else:
         figure.savefig(path, metadata=metadata)
 
