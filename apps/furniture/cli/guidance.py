@@ -66,7 +66,7 @@ def _print_redundant(rows: Sequence[Mapping[str, Any]]) -> None:
         return
     joints = [(name, f"{low:.3g}", f"{high:.3g}") for name, low, high in json.loads(last["redundant"]) if high >= MUCH]
     if joints:
-        heads = ("joint", "least utilisation", "largest utilisation")
+        heads = ("joint", "min utilisation", "max utilisation")
         title = f"redundant joints in frame {last['index']}, over the ratios of compliance"
         print_table(title, heads, joints[:NAMED], right=heads[1:])
 
