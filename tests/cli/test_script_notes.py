@@ -1,10 +1,12 @@
 """What is odd about a script is reported before it is replayed under many settings."""
 
 from small_scenes import across, drag, plate, write_scene, write_script
+from vibrating import SHAKEN, dynamics, tower
 
 from restshape.cli.main import main
 from restshape.cli.script_notes import note_script
-from restshape.scene.edit_script import load_script
+from restshape.cli.start_notes import AT_REST, start_notes
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 
 
@@ -39,3 +41,12 @@ def test_a_replay_without_its_script_says_where_one_is(tmp_path, capsys):
     script.write_text(f'{{"format": "restshape-edits", "version": 1, "scene": "{scene.name}", "units": "m"}}\n')
     assert main(["replay", str(scene)]) == 0
     assert f"its edits: {script}" in capsys.readouterr().err
+
+
+def test_a_replay_of_motion_without_a_script_says_where_time_begins(tmp_path):
+    scene = load_scene(tower(tmp_path, SHAKEN, dynamics()))
+    assert AT_REST in start_notes(scene, Script.empty(scene))
+    lasting = write_script(tmp_path, [{"do": "idle", "frames": 2}])
+    assert AT_REST not in start_notes(scene, load_script(lasting, scene))
+    still = load_scene(write_scene(tmp_path, plate(0.3)))
+    assert AT_REST not in start_notes(still, Script.empty(still))

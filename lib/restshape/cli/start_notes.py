@@ -8,6 +8,11 @@ from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 
+AT_REST = 'time begins after the first frame, the only one: let it go on by events {"do": "idle", "frames": 20}'
+    'time begins after the first frame, and there is no other: let it go on by events {"do": "idle", "frames": 20}'
+)
+"""Of motion and heat in time without a script."""
+
 
 def start_notes(scene: Scene, script: Script) -> list[str]:
     """What effects and the script warn of, a line each, and how many more warnings `restshape check` has.
@@ -18,6 +23,8 @@ def start_notes(scene: Scene, script: Script) -> list[str]:
     app = application(scene.app)
     effects = plan(scene, app)
     own = [*effects.warnings, *script.warnings]
+    if app.transient(scene) and not script.events:
+        own.append(AT_REST)
     try:
         data, _, outline = app.editing.checked(scene, effects)
     except (ReplayProblem, UserError):
