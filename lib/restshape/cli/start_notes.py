@@ -9,8 +9,6 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 
 AT_REST = 'time begins after the first frame, the only one: let it go on by events {"do": "idle", "frames": 20}'
-    'time begins after the first frame, and there is no other: let it go on by events {"do": "idle", "frames": 20}'
-)
 """Of motion and heat in time without a script."""
 
 
