@@ -7,7 +7,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from plates import record_plate
 
 from restshape.errors import UserError, printable
@@ -15,6 +14,7 @@ from restshape.outputs.picture_files import save_picture
 from restshape.replay.good_frames import salvage
 from restshape.replay.recording import Recording, ranges
 from restshape.report.scenery import goals_of
+from restshape.report.style import new_figure
 
 
 @pytest.fixture(scope="module")
@@ -210,7 +210,7 @@ def test_a_goal_that_is_none_is_damage(damaged):
 
 
 def test_texts_are_drawn_and_printed_as_they_are(tmp_path):
-    figure = Figure()
+    figure = new_figure(4.0, 3.0)
     axes = figure.add_subplot()
     axes.set(title="$\\frac{1}$", yscale="log", ylim=(1, 1e3))
     save_picture(figure, tmp_path / "a.png")
