@@ -6,6 +6,8 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+import pytest
+
 LIBRARY = Path(__file__).parents[1] / "lib" / "restshape"
 KERNELS = Path(__file__).parents[1] / "lib" / "kernels"
 WORDS = re.compile(r"restshape_apps|plank|furnitur|fastener|\bnails?\b", re.IGNORECASE)
@@ -88,6 +90,7 @@ def excused(kind: ast.ClassDef, lines: list[str]) -> bool:
     return any(EXCUSED_ATTRIBUTES.match(line) for line in lines[max(first - 2, 0) : kind.end_lineno])
 
 
+@pytest.mark.slow
 def test_no_class_and_no_module_knows_too_much_without_saying_why():
     paths = [path for room in ROOMS for path in room.rglob("*.py") if "tests" not in path.parts[-3:]]
     texts = {path: path.read_text(encoding="utf-8") for path in paths}
@@ -116,6 +119,7 @@ def doubled(names: Iterable[tuple[str, Path]]) -> dict[str, list[str]]:
     return {name: paths for name, paths in found.items() if len(paths) > 1}
 
 
+@pytest.mark.slow
 def test_no_two_classes_of_the_library_have_the_same_name():
     kinds = (
         (node.name, path)
@@ -183,6 +187,7 @@ CAPABILITIES = {"Differentiable", "Extreme"}
 """What functions of a state can do besides: it is asked of them."""
 
 
+@pytest.mark.slow
 def test_nothing_is_dispatched_on_classes_of_analyses_meshes_and_spaces():
     """What differs between them is a method of theirs, or a member of a protocol."""
     kinds = {

@@ -24,6 +24,7 @@ def mutants():
     del sys.modules[spec.name]
 
 
+@pytest.mark.slow
 def test_every_fault_fits_its_file_and_names_a_test(mutants):
     known = mutants.mutants()
     assert len(known) >= LEAST
@@ -32,6 +33,7 @@ def test_every_fault_fits_its_file_and_names_a_test(mutants):
     assert [(one.name, problem) for one in known if (problem := one.problem(ROOT))] == []
 
 
+@pytest.mark.slow
 def test_no_fault_waits_for_a_test_of_a_week(mutants):
     for one in mutants.mutants():
         path, *_, name = one.test.split("::")

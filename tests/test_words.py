@@ -111,6 +111,7 @@ def retired(where: str, text: str) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_no_retired_word_is_a_name_or_in_a_message():
     found = [
         one for path in sources() for one in retired(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8"))

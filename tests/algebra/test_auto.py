@@ -308,6 +308,7 @@ def test_projected_guesses_save_iterations(tmp_path):
 # --- whole replays ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["icc", "ilu", "gamg"])
 def test_a_forced_preconditioner_has_parity(tmp_path, command, kind):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)

@@ -30,6 +30,7 @@ def solved(mat: PETSc.Mat, b: PETSc.Vec, kind: str, prefix: str) -> tuple[float,
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [0.08, 0.035])
 def test_fill_and_iterations(tmp_path, size):
     made = make_replay(write_scene(tmp_path, plate(size)), overrides=["mesh.order=2"])

@@ -63,6 +63,7 @@ def test_inertia_counts_eigenvalues_below_a_shift():
         assert pencil.below(0.5 * (values[k - 1] + values[k])) == k + 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["plane", "tet4", "tet10", "plate"])
 def test_modes_are_those_of_a_dense_solver(model):
     analysis = solved(model)

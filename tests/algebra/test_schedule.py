@@ -61,6 +61,7 @@ def test_equal_steps_are_refreshed_equally_often():
     assert refreshes == list(range(0, 36, 6)) and cost == 6 * (18 + 15)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(PETSc.COMM_WORLD.size > 1, reason="one rank")
 def test_cost_in_hindsight_of_a_drag_that_goes_one_way(tmp_path):
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (1.2, 0.5), 60)))

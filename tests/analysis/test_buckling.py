@@ -99,6 +99,7 @@ def test_nothing_is_left_out_and_modes_are_orthonormal(tmp_path):
     assert analysis.residual_norm() < 1e-8
 
 
+@pytest.mark.slow
 def test_incompressible_column(tmp_path):
     """Mean dilatation in plane strain: E / (1 - nu^2) takes the place of E."""
     text = column(height=0.04, size=0.005, nu=0.4999, model="plane_strain")

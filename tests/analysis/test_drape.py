@@ -120,6 +120,7 @@ def test_the_same_bytes_twice(tmp_path):
     assert first.x.tobytes() == second.x.tobytes()
 
 
+@pytest.mark.slow
 def test_nested_meshes_lead_to_rest(tmp_path):
     scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.1", "mesh.levels=3"))
     found = solved(scene)
@@ -139,6 +140,7 @@ def test_what_is_not_converged_says_so(tmp_path):
     assert found.residual_norm() == pytest.approx(found.state.report.residual, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_anchors_go_with_their_body(tmp_path):
     """Cloth that sticks to a ball goes along with it, wherever it goes."""
     scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.15", "effects.cloth.bending=hinge"))
@@ -334,6 +336,7 @@ friction = 0.3
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("centre", "begins"), [(-0.05, ""), (-0.03, "10"), (0.0, "40")])
 def test_cloth_that_begins_inside_a_body_is_reported(tmp_path, centre, begins):
     scene = cloth(tmp_path, CONTACT, TABLE.replace("CENTRE", str(centre)), overrides=("mesh.size=0.08",))

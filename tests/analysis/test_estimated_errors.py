@@ -68,6 +68,7 @@ def test_a_grain_without_direction_changes_nothing(tmp_path, model):
     assert found[1] == pytest.approx(found[0], rel=1e-5) and found[0] > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["plane_stress", "solid", "plate"])
 def test_a_region_of_the_same_material_changes_little(tmp_path, model):
     """The mesh is another one, and patches end at the border; without a border in the material nothing else differs."""

@@ -41,6 +41,7 @@ def test_a_small_motion_is_linear(tmp_path, damped, settings):
         np.testing.assert_allclose(found, wanted, atol=1e-4 * np.abs(wanted).max())
 
 
+@pytest.mark.slow
 def test_energy_is_the_work_of_gravity(tmp_path):
     # The sum of kinetic and strain energy less the work of the weight stays 0 to the order of the step squared.
     found = []
@@ -65,6 +66,7 @@ def test_a_step_too_long_is_refused(tmp_path):
     assert np.isfinite(made.analysis.x).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edited", [False, True])
 def test_energy_gained_little_by_little_is_refused(tmp_path, edited):
     # A side of the tower is dragged by very little in each frame, or nothing is.
@@ -94,6 +96,7 @@ def test_energy_gained_little_by_little_is_refused(tmp_path, edited):
     assert np.ptp(np.array(gains)[last:]) < 1e-3 * largest[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", POLICIES)
 def test_reuse_equals_a_cold_step(tmp_path, name):
     events = drag("window", (0.5, 1.4), across((0.5, 1.4), (0.45, 0.9), 8))

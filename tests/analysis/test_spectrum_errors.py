@@ -16,6 +16,7 @@ def spectrum(scene, names, *overrides):
     return {name: (row[f"q_{name}"], row[f"{name}_error"]) for name in names}
 
 
+@pytest.mark.slow
 def test_frequencies(tmp_path):
     """Of the second order, which meets its error: by rank, and by the number of a mode; in hertz."""
     scene = tmp_path / "bar.toml"

@@ -150,6 +150,7 @@ def test_lowest_modes_of_a_bar_that_stretches(tmp_path):
     assert modes.T @ (mass @ modes) == pytest.approx(np.eye(2), abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", ["auto", "thesis", "refactor", "rebuild"])
 @pytest.mark.parametrize("steps", [1, 3, 20])
 def test_parity_with_cold_solves(tmp_path, policy, steps):

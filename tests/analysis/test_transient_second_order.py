@@ -48,6 +48,7 @@ def idle_of(replay, frames: int) -> None:
         analysis.solve(Frame(replay.moving.field_mesh, none, None, analysis.state.scene, (None, (0.0, 0.0))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("relocation", ["harmonic", "laplacian"])
 def test_reuse_equals_rebuild_under_an_edit(tmp_path, relocation):
     scene = tower(tmp_path, SHAKEN, DAMPED, dynamics(0.01, 4), window=True)

@@ -109,6 +109,7 @@ FAR = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(FAR))
 def test_an_edit_that_goes_too_far_is_a_refused_frame_and_the_replay_goes_on(command, tmp_path, name):
     scene = write_scene(tmp_path, PLATE)

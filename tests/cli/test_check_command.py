@@ -106,6 +106,7 @@ def test_a_script_of_another_scene_is_a_warning(tmp_path, capsys):
 SHIPPED = [scene for app in applications().values() for scene in app.scenes()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", SHIPPED, ids=lambda path: path.name)
 def test_every_scene_that_ships_is_right_and_so_is_its_script(scene):
     script = scene.parents[1] / "edits" / f"{scene.stem}.jsonl"

@@ -45,6 +45,7 @@ def compared(command, folder, *words):
     return ended.returncode, json.loads((folder / "compared.json").read_text()), ended.stdout
 
 
+@pytest.mark.slow
 def test_a_repeated_replay_has_the_same_bits(command, tmp_path, replayed, dragged):
     scene, script = dragged
     (first, one), (second, other) = (replayed(scene, name, "--edits", script) for name in "ab")
@@ -58,6 +59,7 @@ def test_a_repeated_replay_has_the_same_bits(command, tmp_path, replayed, dragge
     assert code == 0 and found["outcome"] == "same values"
 
 
+@pytest.mark.slow
 def test_another_value_is_found_and_its_difference_is_that_of_the_closed_form(command, tmp_path, replayed):
     """Of a bar that stretches by traction times length over the modulus."""
     scene = write_scene(tmp_path, BAR)
@@ -81,6 +83,7 @@ def test_another_value_is_found_and_its_difference_is_that_of_the_closed_form(co
     assert compared(command, tmp_path, first, second, "--tolerance", 0.19)[:1] == (1,)
 
 
+@pytest.mark.slow
 def test_fields_on_other_meshes_are_sampled(command, tmp_path, replayed):
     """Linear elements hold the even stretch on both meshes: nothing is lost between them."""
     scene = write_scene(tmp_path, BAR)
@@ -179,6 +182,7 @@ def test_a_header_differs_in_dotted_keys(tmp_path):
     assert [tuple(one) for one in header_differences(*results)] == [("policy", "auto", "thesis")]
 
 
+@pytest.mark.slow
 def test_json_files_say_how_they_were_made(command, tmp_path, replayed):
     scene = write_scene(tmp_path, BAR, "bar.toml")
     (recording, one), (_, other) = replayed(scene, "a"), replayed(scene, "b", "--set", "mesh.size=0.125")
@@ -190,6 +194,7 @@ def test_json_files_say_how_they_were_made(command, tmp_path, replayed):
     assert not compared(command, tmp_path, one, recording)[1]["ms"]
 
 
+@pytest.mark.slow
 def test_tables_have_units(command, tmp_path, replayed):
     scene = write_scene(tmp_path, BAR, "bar.toml")
     (first, _), (second, _) = replayed(scene, "a"), replayed(scene, "b", "--set", "material.steel.E=1e11")

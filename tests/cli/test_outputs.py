@@ -159,6 +159,7 @@ def begin(path: Path) -> Recorder:
     raise AssertionError("the first frame is not safe after 5 s")
 
 
+@pytest.mark.slow
 def test_a_second_run_is_refused_at_its_start_and_a_lock_left_by_a_killed_one_is_free(tmp_path):
     path = tmp_path / "a.vtkhdf"
     recorder = begin(path)
@@ -174,6 +175,7 @@ def test_a_second_run_is_refused_at_its_start_and_a_lock_left_by_a_killed_one_is
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.slow
 def test_a_recording_removed_meanwhile_is_reported(tmp_path):
     path = tmp_path / "a.vtkhdf"
     recorder = begin(path)
@@ -188,6 +190,7 @@ def test_a_recording_removed_meanwhile_is_reported(tmp_path):
     assert path.read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_parts_and_locks_follow_no_links(tmp_path):
     (tmp_path / "mine").write_text("mine")
     (tmp_path / "a.vtkhdf.part").symlink_to(tmp_path / "mine")

@@ -108,6 +108,7 @@ def test_a_coarse_first_frame_is_silent_unless_it_takes_long(tmp_path):
         assert len(found) >= said and bool(found) == bool(said), found
 
 
+@pytest.mark.slow
 def test_a_report_says_how_many_pictures_are_drawn(tmp_path, monkeypatch, capsys):
     scene = write_scene(tmp_path, plate(0.3))
     script = write_script(tmp_path, drag("window", (0.5, 0.5), [(0.52, 0.5), (0.54, 0.5)]))

@@ -5,7 +5,7 @@ from vibrating import SHAKEN, dynamics, tower
 
 from restshape.cli.main import main
 from restshape.cli.script_notes import note_script
-from restshape.cli.start_notes import WITHOUT_A_SCRIPT, start_notes
+from restshape.cli.start_notes import UNMOVED, start_notes
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 
@@ -45,8 +45,8 @@ def test_a_replay_without_its_script_says_where_one_is(tmp_path, capsys):
 
 def test_a_replay_of_motion_without_a_script_says_where_time_begins(tmp_path):
     scene = load_scene(tower(tmp_path, SHAKEN, dynamics()))
-    assert WITHOUT_A_SCRIPT in start_notes(scene, Script.empty(scene))
+    assert UNMOVED in start_notes(scene, Script.empty(scene))
     lasting = write_script(tmp_path, [{"do": "idle", "frames": 2}])
-    assert WITHOUT_A_SCRIPT not in start_notes(scene, load_script(lasting, scene))
+    assert UNMOVED not in start_notes(scene, load_script(lasting, scene))
     still = load_scene(write_scene(tmp_path, plate(0.3)))
-    assert WITHOUT_A_SCRIPT not in start_notes(still, Script.empty(still))
+    assert UNMOVED not in start_notes(still, Script.empty(still))

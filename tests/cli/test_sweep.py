@@ -63,6 +63,7 @@ def test_keys_give_their_product_and_settings_of_the_mesh_a_new_mesh(command, tm
     assert [one["level"] for one in runs] == [3, 0, 3, 0]
 
 
+@pytest.mark.slow
 def test_a_sweep_of_an_edit_gives_what_replays_give(command, tmp_path):
     """Also after an edit that moves the shape: each run begins on the mesh of a replay of its own."""
     scene = write_scene(tmp_path, plate(size=0.25))
@@ -159,6 +160,7 @@ def test_nonlinear_runs_continue_unless_they_shall_start_from_rest(command, tmp_
     assert values_of(on, "stretch") == pytest.approx(values_of(from_rest, "stretch"), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_value_without_a_result_leaves_the_others(command, tmp_path):
     scene = write_scene(tmp_path, BAR)
     ended = command("sweep", scene, "--set", "material.steel.E=200e9,-1,oops,100e9", "--csv", "a.csv", "--out", "a.png")
@@ -185,6 +187,7 @@ def test_a_first_shape_without_a_solution_is_one_run_without_a_result(command, t
     assert runs[2]["quantities"] == runs[0]["quantities"]
 
 
+@pytest.mark.slow
 def test_limits_are_held_against_each_run(command, tmp_path):
     scene = write_scene(tmp_path, BAR.replace('at = "right", reduce = "mean" }', 'at = "right", max = "1.5 mm" }'))
     runs = runs_of(command, tmp_path, scene, "--set", "material.steel.E=200e9,100e9", "--out", "limits.svg")

@@ -154,6 +154,7 @@ def test_a_mesh_without_end_is_not_begun(folder, capsys, command, key, size):
     assert f"plate.toml: {key}" in shown_text and "triangles" in shown_text and "a larger size" in shown_text
 
 
+@pytest.mark.slow
 def test_a_hole_goes_with_its_mesh_size_and_comes_back_with_it(folder, command):
     lines = [{"do": "delete", "on": "window"}, {"do": "undo"}]
     header = (folder / "plate.jsonl").read_text().splitlines()[0]

@@ -166,6 +166,7 @@ def test_an_svg_is_read_back_by_the_program(outline, tmp_path):
         assert lengths[1] == pytest.approx(lengths[0], rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thickness", [None, 0.02])
 def test_a_step_file_is_read_back_by_the_program(outline, thickness, tmp_path):
     write_step(outline, thickness, tmp_path / "plate.step")
@@ -198,6 +199,7 @@ def step_area(outline: Outline, thickness: float | None, folder) -> tuple[float,
         gmsh.model.remove()
 
 
+@pytest.mark.slow
 def test_a_step_face_and_solid_have_the_area_of_the_shape(outline, tmp_path, capfd):
     area, mass = step_area(outline, None, tmp_path)
     assert 1e-6 * area == pytest.approx(outline.area(), rel=1e-9)

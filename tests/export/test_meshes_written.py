@@ -69,6 +69,7 @@ def volume(corners: np.ndarray) -> float:
     return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6.0
 
 
+@pytest.mark.slow
 def test_an_stl_is_closed_and_has_the_volume_of_the_mesh(folder, recording):
     export(folder, "--as", "stl")
     corners = triangles(folder / "plate.stl")
@@ -143,6 +144,7 @@ def test_a_solve_that_failed_keeps_the_shape_before_it(folder, monkeypatch):
     assert window[0] == pytest.approx(0.6) and window[1] == pytest.approx(0.55)
 
 
+@pytest.mark.slow
 def test_nothing_of_the_users_is_replaced(folder, capsys):
     (folder / "mine.dxf").write_text("mine")
     words = ["export", str(folder / "plate.vtkhdf"), "--as", "dxf", "--out", str(folder / "mine.dxf")]
@@ -162,6 +164,7 @@ def test_nothing_of_the_users_is_replaced(folder, capsys):
         assert why in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_cloth_is_flat_in_drawings_and_in_space_in_meshes(tmp_path, capsys):
     scene = write_cloth(tmp_path, BALL + CONTACT)
     recorded = tmp_path / "cloth.vtkhdf"

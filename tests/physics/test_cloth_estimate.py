@@ -162,6 +162,7 @@ def test_nodes_that_move_are_followed():
     np.testing.assert_allclose(found[:, 2], np.tile([2.0, 0.0, 0.0], (len(found), 1)), atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "size", "levels", "more", "bounds"),
     [

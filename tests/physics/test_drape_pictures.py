@@ -196,6 +196,7 @@ def test_a_body_beyond_the_box_is_cut():
     assert covered(ABOVE, *long, window, 400, (LOW, HIGH)) == pytest.approx(4.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_cloth_from_above_covers_its_area_and_hides_the_ball(recording):
     pixels = drawn(recording(0.0), ABOVE, (-0.5, 1.5, -0.5, 1.5), 200, 200)
     assert pixels.shape == (200, 200, 3)
@@ -207,6 +208,7 @@ def test_cloth_from_above_covers_its_area_and_hides_the_ball(recording):
     assert np.ptp(pixels[np.abs(away - 0.295) < 0.01], axis=0).max() > 0.1
 
 
+@pytest.mark.slow
 def test_a_ball_above_the_cloth_is_translucent(recording):
     pixels = drawn(recording(-0.85), ABOVE, UNIT, 200, 200)
     away = np.hypot(*(np.indices((200, 200)) + 0.5 - 100)) / 200
@@ -217,6 +219,7 @@ def test_a_ball_above_the_cloth_is_translucent(recording):
     assert (pixels[away < 0.25, 2] < BODY[2]).all()
 
 
+@pytest.mark.slow
 def test_the_ball_is_where_the_frame_has_it(recording):
     cloth = recording(-0.85, -0.85, -0.85)
     first, last = (drawn(cloth, ABOVE, (0.0, 1.2, 0.0, 1.0), 240, 200, i)[100, :200] for i in (0, 2))
@@ -268,6 +271,7 @@ def test_moved_bodies_count_as_values(recording):
     assert rows["values"] == 2 and rows["idle"] == 0
 
 
+@pytest.mark.slow
 def test_the_timeline_marks_frames_that_are_not_converged(recording, tmp_path, monkeypatch):
 
     figures = []
@@ -278,6 +282,7 @@ def test_the_timeline_marks_frames_that_are_not_converged(recording, tmp_path, m
     assert "not converged (2)" in [text.get_text() for text in figures[0].legends[0].get_texts()]
 
 
+@pytest.mark.slow
 def test_plates_and_solids_are_no_cloth(tmp_path):
     record_plate(tmp_path / "plate.vtkhdf", frames=2)
     with Recording(tmp_path / "plate.vtkhdf") as plate:
@@ -306,6 +311,7 @@ def test_sides_have_two_numbers_or_more():
         assert round(steps[0] / 10 ** np.floor(np.log10(steps[0]) + 1e-9), 6) in (1, 2, 5)
 
 
+@pytest.mark.slow
 def test_a_sheet_holds_its_labels_and_each_frame_its_own_pattern(tmp_path, monkeypatch):
 
     figures = []

@@ -40,6 +40,7 @@ def test_second_order_bar(length):
     assert np.all(ours > np.array(BARS[length]) * (1 - 1e-4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", BARS)
 def test_bending_of_a_second_order_bar_of_one_layer(length):
     ours = frequencies(bar(length, 2, 1, 0.005), "linear_elastic", LAME)

@@ -118,6 +118,7 @@ def test_area_and_energy_of_a_region(tmp_path):
     assert row["q_energy"] == pytest.approx(0.5 * 1e9 * 1e-6 * 0.16 * 0.01, rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", ["auto", "refactor", "thesis"])
 def test_supports_that_only_carry_the_body_elsewhere_leave_it_unstrained(policy):
     scene = Path(__file__).parents[1] / "scenes" / "plate.toml"

@@ -226,6 +226,7 @@ def test_bar_twists_like_a_solid_at_any_size(length, size):
     assert np.abs(bare / BARS[length] - 1).max() > 0.009
 
 
+@pytest.mark.slow
 def test_layer_along_free_sides_vanishes_as_triangles_resolve_it():
     """A thick free square, whose sides twist in a third of its thickness: the same with and without, when fine."""
     gaps = []
@@ -236,6 +237,7 @@ def test_layer_along_free_sides_vanishes_as_triangles_resolve_it():
     assert gaps[0] > 4 * gaps[1] > 16 * gaps[2] > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grain", [None, 0.0, 0.7, np.pi / 2])
 def test_coarse_plates_with_a_layer_are_near_those_that_resolve_it(grain):
     """A thick square, or a wooden bar with its grain aslant; the fine triangles are a third as wide as the layer."""

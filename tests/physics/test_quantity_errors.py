@@ -97,6 +97,7 @@ def test_the_dual_of_a_quantity_gives_its_value(tmp_path):
     assert (z * tangent_product(problem, x, x)).sum() == pytest.approx(analysis.observe()["stretch"], rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "size"), [(1, 0.06), (2, 0.12)])
 def test_effectivity_against_a_fine_mesh(tmp_path, order, size):
     """Estimate over true error; the force at the only support is known exactly by equilibrium."""

@@ -321,6 +321,7 @@ def test_polylines_of_smooth_curves_have_no_corners(tmp_path, points, singular):
     assert found == ({f"s3, point {k}" for k in range(1, points)} if singular else set())
 
 
+@pytest.mark.slow
 def test_materials_that_meet_at_a_free_edge_or_in_a_corner(tmp_path, command):
     text = STRIP.replace("NEAR", "0.2")
     scene = load_scene(write_scene(tmp_path, text))
@@ -339,6 +340,7 @@ def test_materials_that_meet_at_a_free_edge_or_in_a_corner(tmp_path, command):
     assert "uncertain" in (tmp_path / "a.csv").read_text()
 
 
+@pytest.mark.slow
 def test_meshes_show_the_exponent_of_two_materials(tmp_path):
     sizes, values = [0.01, 0.005, 0.0025, 0.00125], []
     for size in sizes:

@@ -48,6 +48,7 @@ def polynomial(X: np.ndarray, degree: int) -> np.ndarray:
     return np.stack(terms, axis=-1) @ np.random.default_rng(2).normal(size=(len(terms), 6))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "size"), [(1, 14.0), (1, 4.95), (1, 4.949), (2, 14.0), (2, 9.9), (2, 5.88)])
 def test_polynomials_of_the_cells_order_are_exact_at_all_nodes(order, size):
     """At corners with few cells too, which take what their neighbours know."""
@@ -57,6 +58,7 @@ def test_polynomials_of_the_cells_order_are_exact_at_all_nodes(order, size):
     assert np.abs(found - exact).max() < 1e-7 * np.abs(exact).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "size"), [(1, 14.0), (1, 7.0), (1, 4.95), (1, 4.949), (2, 14.0), (2, 9.9), (2, 7.0)])
 def test_weights_of_samples_are_bounded_at_all_nodes(order, size):
     """Corners whose cells lie nearly in a plane, or have their samples nearly on a quadric, had weights of hundreds."""

@@ -34,6 +34,7 @@ def test_reuse_equals_rebuild(tmp_path, order):
     assert max(row["residual"] for row in rows) < 2e-8
 
 
+@pytest.mark.slow
 def test_old_factors_serve(tmp_path):
     events = drag("top", (0.5, 0.05), across((0.5, 0.05), (0.5, 0.04), 60))
     text = column(size=0.02).replace("tolerance = 1e-9", "tolerance = 1e-6")
@@ -42,6 +43,7 @@ def test_old_factors_serve(tmp_path):
     assert np.mean([row["iterations"] for row in rows]) < 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["thesis", "refactor", "rebuild"])
 def test_policies_agree(tmp_path, name):
     scene, script = write_scene(tmp_path, WIDE), write_script(tmp_path, [*THINNER, *SET])

@@ -44,6 +44,7 @@ def same_frames(path: Path, known: list, numbers: list[int]) -> None:
             assert recording.table["iterations"][i] == frame["iterations"]
 
 
+@pytest.mark.slow
 def test_a_report_says_which_frames_are_good_and_salvage_writes_them(command, valid, damaged):
     with h5py.File(damaged, "r+") as file:
         row = file["restshape/table"][3]

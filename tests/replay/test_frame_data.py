@@ -64,6 +64,7 @@ def recorded(tmp_path_factory):
         return out, list(csv.DictReader(lines)), json.loads(result.read_text())
 
 
+@pytest.mark.slow
 def test_vtk_reads_quantities_and_flags_of_each_frame(recorded):
     path, rows, _ = recorded
     found = of_vtk(path)
@@ -75,6 +76,7 @@ def test_vtk_reads_quantities_and_flags_of_each_frame(recorded):
     assert len(set(found["time"])) == 4
 
 
+@pytest.mark.slow
 def test_the_constraint_status_is_a_number(tmp_path):
     events = [
         {"do": "set", "key": "loads.pull.traction", "value": [1e12, 0]},

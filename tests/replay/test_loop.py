@@ -75,6 +75,7 @@ POINT = plate().replace(PULLED, '[loads.pull]\non = "c"\nforce = ["S*sqrt(limit 
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [FORMULA, POINT], ids=["traction", "force"])
 @pytest.mark.parametrize("policy", ["auto", "rebuild"])
 def test_frames_without_solution_on_new_meshes_are_taken_back(tmp_path, text, policy):

@@ -83,6 +83,7 @@ def test_they_change_no_frame_and_can_be_left_out(tmp_path):
     assert "energy_jump" in columns_of(load_scene(scene), app)
 
 
+@pytest.mark.slow
 def test_a_limit_that_a_jump_of_the_mesh_passes_is_uncertain(tmp_path):
     """On the old mesh the quantity holds, on the new one of the same shape it fails: neither is known."""
     script = write_script(tmp_path, FINE)
@@ -131,6 +132,7 @@ def test_summary_has_the_largest(tmp_path):
     json.dumps(found, allow_nan=False)
 
 
+@pytest.mark.slow
 def test_reports_mark_large_ones(tmp_path, monkeypatch):
     scene, script = write_scene(tmp_path, plate(0.2)), write_script(tmp_path, FINE)
     replay = make_replay(scene, script, overrides=ASKED)
@@ -163,6 +165,7 @@ MOVING = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "effects", ["", "[effects.large_deformation]\n", "[effects.damping]\nalpha = 3\nbeta = 1e-4\n"]
 )
@@ -192,6 +195,7 @@ def test_motion_jumps_where_the_mesh_changes(tmp_path):
             assert 0.0 < abs(row["strain_jump"]) < 0.02 * max(row["q_strain"] for row in rows)
 
 
+@pytest.mark.slow
 def test_motion_that_an_old_mesh_does_not_bear_is_compared_on_the_shape_before(tmp_path):
     """Of second order a new mesh comes where a placement is invalid: the state before is brought to the new mesh."""
     made = make_replay(write_scene(tmp_path, MOVING), write_script(tmp_path, SHAKEN), overrides=["mesh.order=2"])

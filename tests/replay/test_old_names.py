@@ -44,6 +44,7 @@ def read(path):
     return *found, json.loads(data.read_text())
 
 
+@pytest.mark.slow
 def test_all_is_read_by_the_names_of_today(recording, capsys):
     path, expected, (_, table, fields, limits, report) = recording
     old_names, *found = read(path)

@@ -94,6 +94,7 @@ def test_a_sweep_after_edits_starts_from_the_shape_of_its_scene(command, tmp_pat
     assert ends == [pytest.approx((area(width), area(0.36)), rel=1e-12) for width in (0.30, 0.36, 0.33)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("body", "key", "value"), [(PLATE, "width", "36 cm"), (BRACKET, "depth", "28 cm")])
 def test_frames_of_a_parameter_agree_with_cold_solves(command, tmp_path, body, key, value):
     edits = script(

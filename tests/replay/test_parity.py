@@ -152,6 +152,7 @@ class LosesCells:
         self.core.patch(block, changed[1:])
 
 
+@pytest.mark.slow
 def test_a_pattern_that_misses_flips_is_noticed(tmp_path, monkeypatch):
     whole = _kernels.Operator
     monkeypatch.setattr(

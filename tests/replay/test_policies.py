@@ -24,6 +24,7 @@ def moving(rows):
     return [row for row in rows if row["event"] == "drag"]
 
 
+@pytest.mark.slow
 def test_rebuild_makes_a_new_mesh_in_each_frame(rows):
     assert {row["level"] for row in moving(rows["rebuild"])} == {3}
 

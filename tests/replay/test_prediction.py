@@ -74,6 +74,7 @@ def test_quantities_and_residual_are_those_of_what_is_shown(tmp_path):
     assert rows[-1]["residual"] < 1e-10 and rows[1]["residual"] < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_frames_that_flip_or_remesh_are_solved_and_predicted_from(tmp_path, kind):
     (rows, shown), (true, exact) = both(tmp_path, LONG, KINDS[kind])
@@ -119,6 +120,7 @@ def test_a_first_frame_that_goes_far_is_solved(tmp_path, monkeypatch):
     assert rows[2]["note"].startswith(DOUBTED) and distance(shown[2], exact[2]) < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", ["auto", "refactor"])
 def test_parity_holds_in_solved_frames(tmp_path, policy):
     script = write_script(tmp_path, LONG)

@@ -140,6 +140,7 @@ def test_an_unwritable_folder_is_reported_before_the_run(tmp_path):
         Recorder.start(tmp_path / "a.vtkhdf", {}, {})
 
 
+@pytest.mark.slow
 def test_a_full_disk_stops_the_replay_and_keeps_what_was_safe(tmp_path):
     path = tmp_path / "a.vtkhdf"
     rng = np.random.default_rng(0)
@@ -168,6 +169,7 @@ def earlier(tmp_path):
     return tmp_path / "a.vtkhdf", (tmp_path / "a.vtkhdf").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_run_without_frames_leaves_an_earlier_recording(earlier):
     path, data = earlier
     recorder = Recorder.start(path, {}, {})
@@ -193,6 +195,7 @@ def test_a_recorder_killed_before_its_first_frame_leaves_an_earlier_recording(ea
     assert [p.name for p in path.parent.iterdir()] == [path.name]
 
 
+@pytest.mark.slow
 def test_a_disk_full_before_the_first_frame_leaves_an_earlier_recording(earlier):
     path, data = earlier
     recorder = Recorder.start(path, {}, {})

@@ -100,6 +100,7 @@ def test_three_dimensional_second_order_cells(tmp_path):
         assert file["VTKHDF/Types"][0] == 24
 
 
+@pytest.mark.slow
 def test_header_is_kept_and_grows(tmp_path):
     header = {"scene": 'title = "é"\n' * 100000, "ranks": 1, "calibration": {"spmv": 1e-9}}
     with Recorder.start(tmp_path / "a.vtkhdf", header, {}) as recorder:

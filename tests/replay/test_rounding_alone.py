@@ -39,6 +39,7 @@ def test_loads_have_a_scale_by_unit(tmp_path):
     assert load_scales(scene) == {"Pa": PULL}
 
 
+@pytest.mark.slow
 def test_a_reaction_that_symmetry_makes_zero_is_printed_as_zero(command, tmp_path):
     """Of a symmetric pull the reaction across is 0, and its jumps are no share of anything."""
     scene = write_scene(tmp_path, BAR)

@@ -67,6 +67,7 @@ def test_linear_displacements_are_exact_with_curved_sides(tmp_path, name):
         assert row["unknowns"] == 2 * len(mesh.X)
 
 
+@pytest.mark.slow
 def test_guesses_follow_the_nodes_of_flipped_edges(tmp_path, monkeypatch):
     def residuals():
         """Residuals of the last solution as a guess, over the right side, in frames with flips."""

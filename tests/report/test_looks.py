@@ -39,6 +39,7 @@ def overlaid(recorded, *things):
     return recording, common, Overlay(recording, common, range(recording.n), things)
 
 
+@pytest.mark.slow
 def test_the_hand_is_where_the_script_has_it(recorded):
     with Recording(recorded) as recording:
         frames = rebuilt_frames(recording, range(recording.n))

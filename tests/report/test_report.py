@@ -54,6 +54,7 @@ def test_levels_and_quantities_are_those_recorded(plate):
         assert quantity_table(recording) == [{"quantity": "tip", **expected, "unit": ""}]
 
 
+@pytest.mark.slow
 def test_replay_and_report_have_one_name_for_a_level_and_for_a_column(tmp_path, command):
     events = [{"do": "idle"}, {"do": "set", "key": "loads.pull.traction", "value": [2e8, 1e8]}]
     files = write_scene(tmp_path, small_scenes.plate(0.3)), write_script(tmp_path, events)

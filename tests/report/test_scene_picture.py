@@ -77,6 +77,7 @@ def test_supports_and_legend(figure):
     assert "2 × 1 m" in figure.get_suptitle() and "mesh size 0.2 m" in figure.get_suptitle()
 
 
+@pytest.mark.slow
 def test_every_name_is_written_once_and_none_on_another(figure):
     (axes,) = figure.axes
     names = [text.get_text() for text in axes.texts]
@@ -105,6 +106,7 @@ def test_outwards_is_away_from_the_body(tmp_path):
         np.testing.assert_allclose(place_of(outline, name).outwards, np.tile(way, (7, 1)), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_picture_is_png_or_svg_and_no_foreign_file_is_replaced(tmp_path, capsys):
     scene = str(write_scene(tmp_path, SCENE))
     assert main(["check", scene, "--picture", str(tmp_path / "a.txt")]) == 2

@@ -61,6 +61,7 @@ def recorded(request, tmp_path_factory):
         yield recording
 
 
+@pytest.mark.slow
 def test_quantities_are_in_the_field_that_is_shown(recorded):
     field = shown_field(recorded)
     assert field.name == "von_mises"

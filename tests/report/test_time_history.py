@@ -28,6 +28,7 @@ def record(path, own):
     return Recording(path)
 
 
+@pytest.mark.slow
 def test_lines_are_the_recorded_values_over_simulated_time(tmp_path, monkeypatch):
     figures = []
     saved = picture_files.write_figure

@@ -18,6 +18,7 @@ SCRIPT = (DATA / "plate.jsonl").read_text()
 quiet = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
+@pytest.mark.slow
 @quiet
 @given(st.lists(splices, min_size=1, max_size=3))
 def test_spliced_scene(tmp_path, changes):

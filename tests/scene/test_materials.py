@@ -79,6 +79,7 @@ def test_what_is_refused(keys, what):
         material(**keys)
 
 
+@pytest.mark.slow
 def test_bound_of_the_ratios_is_that_of_the_energy():
     """Of random constants those are refused whose compliance is not positive definite, and no others."""
     rng = np.random.default_rng(1)

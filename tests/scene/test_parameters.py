@@ -33,6 +33,7 @@ def test_a_circle_of_parameters_is_reported_by_its_chain(tmp_path):
     assert chain[0] == chain[-1] and sorted(chain[1:]) == ["height", "r", "width"]
 
 
+@pytest.mark.slow
 def test_a_long_chain_of_parameters_is_read(tmp_path):
     lines = "\n".join(f'p{i} = "p{i + 1}"' for i in range(3000))
     body = PLATE.replace("[parameters]", f"[parameters]\n{lines}\np3000 = 0.25")

@@ -1,12 +1,14 @@
 """A hole dragged as a whole: it keeps its form, and stays where it was rather than leave the plate."""
 
 import numpy as np
+import pytest
 from plain_check import fault
 from shape_scenes import scene_and_script
 
 from restshape.shape.session import EditSession
 
 
+@pytest.mark.slow
 def test_a_hole_moves_as_a_whole_and_does_not_leave_the_plate(tmp_path):
     path = [[0.6 + 0.1 * i, 0.5] for i in range(20)]
     events = [

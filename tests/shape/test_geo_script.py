@@ -52,6 +52,7 @@ Line Loop(1) = {1:4}; Plane Surface(1) = {1}; Physical Line("round", 3) = {2}; P
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [HOLES, CUT, SPLINED], ids=["holes", "cut", "splined"])
 def test_what_is_read_is_what_gmsh_reads(tmp_path, text):
     path = tmp_path / "x.geo"
@@ -86,6 +87,7 @@ BOUNDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(BOUNDS))
 def test_bounds_are_reported_with_their_line(tmp_path, monkeypatch, name):
     text, why = BOUNDS[name]

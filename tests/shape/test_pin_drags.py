@@ -167,6 +167,7 @@ def test_lines_of_text_drag_pins_in_space(tmp_path):
     assert main(["script", str(path), "edge left by 0 0 1 in 2 frames"]) == 2
 
 
+@pytest.mark.slow
 def test_cloth_follows_a_dragged_pin_as_it_follows_a_set_one(tmp_path):
     """Bit for bit, with the pinned corner where the hand is."""
     other = PIN.replace("supports.pin", "supports.other").replace('"a"', '"d"')

@@ -109,6 +109,7 @@ def test_a_b_spline_keeps_its_area(tmp_path):
     assert 1e6 * outline.area() == pytest.approx(30 * (10 + 40 + 30 + 10) / 4, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_file_is_read_in_a_process_of_its_own(tmp_path):
     write(tmp_path / "plate.stp", plate)
     found = imported_shape(ShapeSpec(file="plate.stp"), tmp_path)
@@ -116,6 +117,7 @@ def test_a_file_is_read_in_a_process_of_its_own(tmp_path):
     assert len(found.tables["edges"]) == 6
 
 
+@pytest.mark.slow
 def test_what_is_no_plate_is_refused(tmp_path):
     (tmp_path / "none.step").write_text("nonsense")
     with pytest.raises(UserError, match="no STEP file"):

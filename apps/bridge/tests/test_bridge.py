@@ -38,6 +38,7 @@ def test_the_scripts_differ_in_when_the_analysis_runs_and_in_nothing_else():
     assert headers[0] == headers[1]
 
 
+@pytest.mark.slow
 def test_the_session_uses_all_tools_and_nothing_is_refused():
     scene = load_scene(SCENE)
     frames = list(EditSession(scene, load_script(WAYS["on demand"], scene)).frames())
@@ -83,6 +84,7 @@ def test_weight_and_banks_are_in_balance():
     assert found["score"] == pytest.approx(outline.area(), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_template_runs(command, tmp_path):
     assert command("new", "bridge", str(tmp_path / "mine")).returncode == 0
     scene, edits = tmp_path / "mine" / "scene.toml", tmp_path / "mine" / "edits.jsonl"

@@ -57,6 +57,7 @@ def from_nothing(outline, *overrides):
     return next(made.frames())
 
 
+@pytest.mark.slow
 def test_the_session_brings_the_mean_distance_below_one_percent_of_the_length(session):
     _, rows, outline = session
     assert rows[-1]["q_miss"] < 0.01 * LENGTH < rows[0]["q_miss"]
@@ -86,6 +87,7 @@ def test_a_dragged_mesh_is_as_good_as_a_new_one_of_as_many_triangles(session):
         assert rows[-1][name] == pytest.approx(cold[name], abs=0.1 * wrong)
 
 
+@pytest.mark.slow
 def test_the_template_runs(command, tmp_path):
     assert command("new", "cantilever", str(tmp_path / "mine")).returncode == 0
     scene, edits = tmp_path / "mine" / "scene.toml", tmp_path / "mine" / "edits.jsonl"

@@ -187,6 +187,7 @@ def test_a_descent_does_not_remember_another_one():
     descent.destroy()
 
 
+@pytest.mark.slow
 def test_nodes_go_no_farther_than_bodies_are_small(tmp_path):
     """A ball that shrinks to a tenth lets nodes go a tenth as far in one step."""
     events = [{"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.01}]

@@ -34,6 +34,7 @@ def test_the_napkin(tmp_path, monkeypatch):
     assert main(drawn[1:]) == 0 and Path("napkin.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_the_strip(tmp_path):
     rows = re.findall(r"^\| `(\w+)` \| (\d+) \| (-[\d.]+) \|$", PAGE, re.M)
     assert [kind for kind, *_ in rows] == ["morley", "hinge", "nonlinear"]

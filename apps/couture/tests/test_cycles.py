@@ -11,6 +11,7 @@ def courses():
     return cycles.study(['mesh.size="50 mm"'], STEPS, 2 * STEPS)
 
 
+@pytest.mark.slow
 def test_either_cause_alone_keeps_the_cloth_moving(courses):
     for name, manner in cycles.MANNERS.items():
         course = courses[name]

@@ -9,6 +9,7 @@ from small_scenes import make_replay, rows_of
 G = 9.80665
 
 
+@pytest.mark.slow
 def test_an_arm_is_drawn_connected_overloaded_and_mended() -> None:
     seen = []
     replay = make_replay(SCENES / "bench.toml", SCENES.parent / "edits" / "bench.jsonl")

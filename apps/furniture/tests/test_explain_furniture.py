@@ -38,6 +38,7 @@ def test_every_effect_that_can_be_left_out_is_priced(found):
     assert found["nails"]["required"] and found["guidance"]["required"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OPTIONAL)
 def test_a_scene_without_quantities_can_do_without_each(name):
     app = application("furniture")

@@ -43,6 +43,7 @@ def move(design: Design, one) -> float:
     return farthest_move(design.piece, design.after(one)) / design.piece.size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["table", "bookshelf", "scales", "shelf-2"])
 def test_no_suggestion_goes_farther_and_some_would(name: str) -> None:
     design, free = (Design(drawn(name), Guidance(farthest=share)) for share in (None, 10.0))

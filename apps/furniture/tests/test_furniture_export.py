@@ -16,6 +16,7 @@ from restshape.scene.load import load_scene
 ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
+@pytest.mark.slow
 def test_the_surface_of_planks_holds_their_volume(tmp_path, capsys):
     scene, recorded = applications()["furniture"].folder / "scenes" / "table.toml", tmp_path / "table.vtkhdf"
     assert main(["replay", str(scene), "--out", str(recorded)]) == 0

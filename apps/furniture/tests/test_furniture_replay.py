@@ -145,6 +145,7 @@ EVENTS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["auto", "rebuild"])
 def test_every_event_gives_what_a_model_from_nothing_gives(tmp_path, name):
     replay = make_replay(write_bench(tmp_path), write_edits(tmp_path, *EVENTS), name)
@@ -170,6 +171,7 @@ def test_every_event_gives_what_a_model_from_nothing_gives(tmp_path, name):
     assert seen == {event["do"] for event in EVENTS} | {"start"}
 
 
+@pytest.mark.slow
 def test_reuse_changes_no_number(tmp_path):
     rows = [replayed(tmp_path, *EVENTS, name=name)[1] for name in ("auto", "rebuild")]
     for one, other in zip(*rows):
@@ -207,6 +209,7 @@ def test_the_scripts_that_ship_replay_and_hold_parity(tmp_path, name):
     assert found["constraint_status"]["holds"] > 0
 
 
+@pytest.mark.slow
 def test_a_recording_holds_boxes_and_the_use_of_each_plank(tmp_path):
     vtk = pytest.importorskip("vtk")
     path = tmp_path / "bench.vtkhdf"
@@ -284,6 +287,7 @@ def test_studies_of_meshes_refuse_what_has_none(tmp_path, capsys, words):
     assert "has no mesh" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_on_demand_only_frames_that_are_asked_for_are_judged(tmp_path):
     scene, path = write_bench(tmp_path), tmp_path / "run.vtkhdf"
     edits = write_edits(tmp_path, *slide(-0.7, 3), {"do": "release"}, {"do": "analyse"}, analysis="on demand")

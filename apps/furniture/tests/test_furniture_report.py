@@ -57,6 +57,7 @@ def space(axes) -> SpaceImage:
     return found
 
 
+@pytest.mark.slow
 def test_pictures_are_those_of_furniture(recorded):
     printed = recorded[1]
     names = [picture.rpartition("/")[2] for picture in printed["pictures"]]
@@ -109,6 +110,7 @@ def test_a_frame_shows_the_range_in_the_colour_of_the_constraint_status(recorded
     assert all(axes.get_xlim() == start.get_xlim() and axes.get_ylim() == start.get_ylim() for axes in (valid, fallen))
 
 
+@pytest.mark.slow
 def test_the_band_is_the_range_and_dots_are_red_where_the_piece_does_not_hold(recorded, tmp_path, monkeypatch):
     made = figures(monkeypatch, piece_ranges)
     with Recording(recorded[0]) as recording:
@@ -129,6 +131,7 @@ def test_the_band_is_the_range_and_dots_are_red_where_the_piece_does_not_hold(re
     assert red == [word == "fails" for word in table["constraint_status"]]
 
 
+@pytest.mark.slow
 def test_suggestions_show_arrows_and_end_states(recorded, tmp_path, monkeypatch):
     made = figures(monkeypatch, piece_suggestions)
     with Recording(recorded[0]) as recording:
@@ -198,6 +201,7 @@ def test_limits_alone_fail_where_the_piece_has_no_flaw(status, flaws, alone):
     assert only_limits({"constraint_status": status, "flaws": flaws}) is alone
 
 
+@pytest.mark.slow
 def test_a_recording_without_findings_is_drawn_and_reported_by_its_text(recorded, tmp_path, capsys):
     with Recording(recorded[0]) as recording:
         for name in ("findings", "valid_ranges"):

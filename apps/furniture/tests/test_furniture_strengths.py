@@ -25,6 +25,7 @@ def tabled(lines: list[str]) -> dict[str, list[str]]:
     return {first: others for first, *others in rows}
 
 
+@pytest.mark.slow
 def test_the_page_has_the_tables_that_are_printed(capsys) -> None:
     assert main(["fasteners"]) == 0
     page, bears = tabled(PAGE), tabled(capsys.readouterr().out.splitlines())
@@ -43,6 +44,7 @@ def test_the_page_has_the_tables_that_are_printed(capsys) -> None:
         assert number in reported and number in rest, number
 
 
+@pytest.mark.slow
 def test_rows_are_written_for_programs(tmp_path) -> None:
     for command, count in (("fasteners", 15), ("pliant-joints", 75), ("between-brackets", 60)):
         out = tmp_path / "rows.json"

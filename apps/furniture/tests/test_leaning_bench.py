@@ -34,6 +34,7 @@ def replayed(tmp_path_factory):
     return recording, json.loads(found.read_text())
 
 
+@pytest.mark.slow
 def test_the_status_is_uncertain_and_names_the_joint(replayed):
     _, found = replayed
     status, frames = found["constraint_status"], found["guidance"]["frames"]
@@ -52,6 +53,7 @@ def test_ranges_are_doubtful_where_the_piece_is(replayed):
     assert any(low <= at <= high for low, high in frame["doubtful"])
 
 
+@pytest.mark.slow
 def test_the_report_says_so_in_words_and_in_colour(replayed, tmp_path, capsys, monkeypatch):
     recording, _ = replayed
     made, new = [], piece_frames.new_figure

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 from furniture_scenes import BENCH, write_bench
 from old_recordings import make_old
 
@@ -28,6 +29,7 @@ def reported(path):
     return json.loads(data.read_text())
 
 
+@pytest.mark.slow
 def test_an_old_recording_is_read_by_the_names_of_today(tmp_path, capsys):
     path = tmp_path / "bench.vtkhdf"
     assert main(["replay", str(write_bench(tmp_path, BENCH + QUANTITIES)), "--out", str(path)]) == 0

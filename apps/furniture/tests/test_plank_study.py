@@ -57,6 +57,7 @@ def study(tmp_path_factory):
     return found
 
 
+@pytest.mark.slow
 def test_ends_are_as_exact_as_they_are_asked_to_be(study):
     assert [row["tolerance"] for row in study.ends] == list(ENDS)
     for row in study.ends:

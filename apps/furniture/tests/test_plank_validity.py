@@ -97,6 +97,7 @@ def cut(plank: Plank) -> list[list[float]]:
     return rows
 
 
+@pytest.mark.slow
 def test_ends_that_are_cut_along_the_floor_overlap_as_in_a_linear_program() -> None:
     rng, seen = np.random.default_rng(4), []
     for _ in range(200):

@@ -162,6 +162,7 @@ def test_support_planks_come_with_their_mirror_images(tmp_path) -> None:
         assert preserved(design.piece, one.piece) == (True, True) and Furniture(one.piece).test().valid
 
 
+@pytest.mark.slow
 def test_a_lone_plank_comes_after_what_keeps_symmetry(tmp_path) -> None:
     design = Design(read(tmp_path, COFFEE_TABLE), Guidance())
     (prop,) = searched(weak(design.piece), 1, 36, (), False)

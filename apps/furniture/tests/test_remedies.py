@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.doubts import depends
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
@@ -97,6 +98,7 @@ def test_a_suggestion_that_depends_on_joints_is_last_and_says_so() -> None:
     assert "depends on joints: the utilisation of leg-1 on top" in found[-1].doubt and not found[0].doubt
 
 
+@pytest.mark.slow
 def test_a_suggestion_is_shown_where_it_obeys_a_limit(tmp_path) -> None:
     # Where it first holds the seat still sags too much; a wider one, within the range in which it holds, does not.
     path = tmp_path / "bench.toml"

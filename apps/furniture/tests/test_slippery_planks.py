@@ -49,6 +49,7 @@ def near_the_limit(newtons: float) -> Piece:
     return replace(table(), pushes=(Load("shove", 0, (0.3, -0.4, 0.5), (newtons, 0.0, 0.0)),))
 
 
+@pytest.mark.slow
 def test_what_springs_decide_is_reported(tmp_path) -> None:
     # The push is 98 % of what friction bears in all; it is the springs of no contact law that this is left to.
     furniture = Furniture(near_the_limit(200.0))

@@ -182,6 +182,7 @@ def test_lines_are_axes_of_the_room_or_directions() -> None:
     assert along(np.array([0.6, 0.0, -0.8])) == along(np.array([-0.6, 0.0, 0.8])) == "along (-0.6, 0, 0.8)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cantilever", "table", "shelf-1", "bookshelf", "turned"])
 def test_a_support_plank_can_be_drawn_again_from_its_words(name) -> None:
     piece = PIECES["cantilever" if name == "turned" else name]()

@@ -46,6 +46,7 @@ def test_rays_are_those_of_the_enumeration_that_leaves_out_nothing(make) -> None
         assert found[key][1] == pytest.approx([enters, leaves], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_rays_in_a_random_force_space_are_those_of_the_enumeration() -> None:
     rng = np.random.default_rng(11)
     for trial in range(6):
@@ -97,6 +98,7 @@ def test_suggestions_are_those_of_the_enumeration_that_leaves_out_nothing(make) 
         assert expected
 
 
+@pytest.mark.slow
 def test_what_the_full_test_rejects_bars_nothing() -> None:
     # A pair whose ray enters the box and fails must not take with it the triples that hold it.
     furniture, modes = model(table())
@@ -244,6 +246,7 @@ def test_the_floor_counts_as_a_plank_that_a_support_stands_on() -> None:
     assert Furniture(found.piece).test().valid
 
 
+@pytest.mark.slow
 def test_a_support_plank_relieves_its_joint_and_overloads_none() -> None:
     piece = bookshelf_20()
     before, furniture = weak(piece), Furniture(piece)

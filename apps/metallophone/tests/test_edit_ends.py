@@ -36,6 +36,7 @@ def played(scene: Path, edits: Path, predict: str = "none", when_idle: Callable[
     return rows
 
 
+@pytest.mark.slow
 def test_an_undo_that_ends_a_script_is_counted(tmp_path):
     """The lowest tine is not coupled to that which the solver follows: only a count finds it again."""
     scene = kalimba(tmp_path, [0.030, 0.0299, 0.0298, 0.0297, 0.0296, 0.031])

@@ -45,6 +45,7 @@ def test_report_draws_a_recording_of_modes(command, tmp_path):
     assert list(tmp_path.glob("bar-report/*.png"))
 
 
+@pytest.mark.slow
 def test_pictures_are_drawn(tmp_path):
     words = [str(SCENES / "fish.toml"), "--set", "effects.modal.modes=2", "--set", 'mesh.size="12 mm"']
     modes, rasp = tmp_path / "modes.png", tmp_path / "rasp.png"

@@ -2,9 +2,11 @@
 
 from itertools import islice
 
+import pytest
 from modal import EDITS, replay
 
 
+@pytest.mark.slow
 def test_spare_modes_that_have_not_converged_draw_no_factor_up():
     """Where a search ends with far values among its spare ones, the next factor would lie above hundreds of modes."""
     solid = ["effects.modal.modes=5", "mesh.order=2", "mesh.layers=1", 'mesh.size="10 mm"']

@@ -69,6 +69,7 @@ def frequencies_at(folder, bar, words, key, value):
     return replay.analysis.frequencies
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("key", "value"), [("parameters.length", 0.1), ("parameters.width", 0.03)])
 def test_the_remainder_of_a_derivative_is_of_second_order(tmp_path, bar, model, key, value):
@@ -87,6 +88,7 @@ def test_the_remainder_of_a_derivative_is_of_second_order(tmp_path, bar, model, 
     assert np.all((ratios > 3.6) & (ratios < 4.4)), ratios
 
 
+@pytest.mark.slow
 def test_similar_bars_have_frequencies_by_the_inverse_of_their_size(bar):
     """All lengths are formulas of one: f is proportional to its inverse, whatever the mesh."""
     analysis = first_frame(bar, MODELS["tet10"]).analysis

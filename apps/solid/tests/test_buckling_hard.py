@@ -52,6 +52,7 @@ def dense(analysis) -> float:
     )
 
 
+@pytest.mark.slow
 def test_a_mast_that_becomes_the_weakest_is_seen_when_the_hand_rests(tmp_path, frames=4):
     """The last of five, the thickest, is dragged thinner than the others, of which it knows nothing."""
     text, side = masts([0.05, 0.052, 0.054, 0.056, 0.11])

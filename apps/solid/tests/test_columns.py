@@ -23,6 +23,7 @@ def test_a_load_put_on_at_once(tmp_path, share):
     assert negative(made.analysis) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.95, 1.05])
 def test_a_load_that_follows_in_part(tmp_path, share, following=1 / 3):
     # A share f < 1/2 of the force N turns with the top: at the limit cos(k L) = f / (f - 1), k^2 = N / (E I).
@@ -45,6 +46,7 @@ def test_a_load_that_follows_in_part(tmp_path, share, following=1 / 3):
         assert abs(K - K.T).max() > 1e-4 * abs(K).max()
 
 
+@pytest.mark.slow
 def test_what_is_shown_after_a_drag_beyond_the_limit_stands(tmp_path):
     # At 0.8 times Euler's load a column stands up to the length 1 / sqrt(0.8) = 1.118.
     script = write_script(tmp_path, drag("top", (DEPTH / 2, 1.0), across((DEPTH / 2, 1.0), (DEPTH / 2, 1.4), 5)))

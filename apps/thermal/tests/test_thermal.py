@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 from counted_replays import begin_log, kernels, watched
 from restshape_apps.thermal import application
 
@@ -22,6 +23,7 @@ def test_two_ranks_give_what_one_gives(on_ranks, tmp_path):
     assert found[0]["levels"]["1"] > 0
 
 
+@pytest.mark.slow
 def test_the_sink_loses_what_the_chip_gives_in_every_frame(command, tmp_path):
     done = command("replay", SCENE, "--edits", EDITS, "--set", "solve.tolerance=1e-9", "--json", "out.json")
     assert done.returncode == 0, done.stderr
@@ -30,6 +32,7 @@ def test_the_sink_loses_what_the_chip_gives_in_every_frame(command, tmp_path):
     np.testing.assert_allclose(quantities["air_heat"], 60.0, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_storage_that_no_scene_asks_for_is_absent():
     begin_log()
     stored = 'effects.storage={time_step="10 s", initial="300 K"}'

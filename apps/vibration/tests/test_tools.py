@@ -36,6 +36,7 @@ def motion(tmp_path_factory):
     return rows[:, 0], rows[:, 1].max()
 
 
+@pytest.mark.slow
 def test_adding_modes_in_time_gives_the_time_history(shape, motion):
     """6 modes, each exact in time, against Newmark's method, which lengthens periods by (w dt)^2 / 12 = 0.1 %."""
     from restshape.analysis.response_spectrum import oscillator_motions
@@ -47,6 +48,7 @@ def test_adding_modes_in_time_gives_the_time_history(shape, motion):
     assert np.abs(history[:1201:10] - motion[0]).max() < 0.03 * motion[1]
 
 
+@pytest.mark.slow
 def test_combinations_come_near_the_peak_of_the_time_history(shape, motion):
     """SRSS and CQC are estimates by random vibration; here, where one mode leads, they are within 10 %."""
     found = modes.peaks(shape, present_modes(shape.analysis, 6), read_record(RECORD))["drift"]

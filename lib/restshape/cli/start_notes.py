@@ -8,7 +8,7 @@ from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 
-WITHOUT_A_SCRIPT = 'time begins after the first frame, the only one: let it go on by events {"do": "idle", "frames": 20}'
+UNMOVED = 'time begins after the first frame, the only one: let it go on by events {"do": "idle", "frames": 20}'
 """Of motion and heat in time without a script."""
 
 
@@ -22,7 +22,7 @@ def start_notes(scene: Scene, script: Script) -> list[str]:
     effects = plan(scene, app)
     own = [*effects.warnings, *script.warnings]
     if app.transient(scene) and not script.events:
-        own.append(WITHOUT_A_SCRIPT)
+        own.append(UNMOVED)
     try:
         data, _, outline = app.editing.checked(scene, effects)
     except (ReplayProblem, UserError):

@@ -290,6 +290,7 @@ def test_one_size_for_real(tmp_path):
     assert found["memory_mb"] > 20
 
 
+@pytest.mark.slow
 def test_pictures_are_written_with_holes_in_the_data(tmp_path):
     times = {"p50": 1.0, "p95": 30.0, "p99": 40.0}
     still = dict.fromkeys(times, 0.0)

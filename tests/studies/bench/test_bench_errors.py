@@ -10,6 +10,7 @@ from small_scenes import across, drag, plate, write_scene, write_script
 from restshape.cli.main import main
 
 
+@pytest.mark.slow
 def test_effectivity_is_estimate_over_error(tmp_path):
     found = study(write_scene(tmp_path, plate(0.12)), (), (1.0,), lambda words: None)
     points = found["points"]

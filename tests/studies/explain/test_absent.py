@@ -186,6 +186,7 @@ def called(rows):
     return {f"{name}.{purpose}" for row in rows for name, purposes in row["calls"].items() for purpose in purposes}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("app", "effect"), list(CASES))
 def test_off_is_absent_and_on_is_not(tmp_path, app, effect):
     given = CASES[app, effect]

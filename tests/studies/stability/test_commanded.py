@@ -33,6 +33,7 @@ def test_what_a_command_writes_is_read(tmp_path, example):
     assert "7 frames, 1 refused, not 7, 0" in command_problem(tmp_path, example, "", 7, 0)
 
 
+@pytest.mark.slow
 def test_refusals_as_a_whole_and_in_the_middle(tmp_path, example):
     torn = Example("plane", example.scene, example.edits + '{"t": 9, "do": "fly"}\n', "auto", "none", written=True)
     torn.write(tmp_path)

@@ -66,6 +66,7 @@ def test_numbers_too_long_for_python_and_depths_too_large_for_it_are_in_the_text
     has("nested", "[" * 5000)
 
 
+@pytest.mark.slow
 def test_samples_are_read_as_they_are_and_damage_changes_them(tmp_path):
     readers = {".geo": read_geo, ".dxf": read_dxf, ".svg": lambda path: read_svg(path, {})}
     for name, (ending, data) in samples().items():

@@ -37,6 +37,7 @@ def until(condition, seconds=30.0):
     return True
 
 
+@pytest.mark.slow
 def test_a_process_that_waits_or_computes_is_silent_for_too_long(start):
     begin = time.monotonic()
     waiting = Silence(start(["sleep", "60"]), 0.3)
@@ -47,6 +48,7 @@ def test_a_process_that_waits_or_computes_is_silent_for_too_long(start):
     assert until(computing.over) and processor_time(busy) > 0.25
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(queue_time(os.getpid()) is None, reason="the system does not report queues")
 def test_a_process_that_others_keep_from_the_processor_is_not(start, monkeypatch):
     """Three share one processor: each computes for about a third of the time, and waits for it the rest."""
