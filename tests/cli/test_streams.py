@@ -15,7 +15,7 @@ from restshape.cli.main import main
 from restshape.cli.signals import ending_signals, exit_code, interrupt_if_asked
 from restshape.replay.recording import Recording
 
-FRAMES = 40_000
+FRAMES = 6_000
 
 
 def write_long(folder, frames):

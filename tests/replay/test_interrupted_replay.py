@@ -13,7 +13,7 @@ from small_scenes import drag, plate, write_scene, write_script
 from restshape.outputs.si_numbers import counted
 from restshape.replay.recording import Recording
 
-FRAMES = 15_000
+FRAMES = 5_000
 
 
 @pytest.fixture
