@@ -11,6 +11,9 @@ from restshape import _kernels
 Block = np.ndarray | tuple[np.ndarray, np.ndarray]
 """Cells (m, k) int32; a pair where the nodes of unknowns are others than those of X: cells, and dofs (m, kd) int32."""
 
+MatrixTerm = tuple[int, _kernels.Element, np.ndarray, np.ndarray, np.ndarray, float, *tuple[float | np.ndarray, ...]]
+"""Block, element, X, x, parameters, coefficient[, residual factor[, nodal coefficients]] of a term of a matrix."""
+
 
 class Operator:
     """A PETSc matrix over the nodes of a mesh whose pattern is set once a topology and patched after flips.
@@ -63,14 +66,14 @@ class Operator:
         self.version += 1
         self.core.patch(block, changed)
 
-    def keep(self, terms: list[tuple]) -> None:
+    def keep(self, terms: Sequence[MatrixTerm]) -> None:
         """Note the matrix of terms that stay, for `assemble` to start from; flips and new constraints forget it."""
         self.core.begin()
         self._add(terms, None)
         self.core.keep()
         self.core.end()
 
-    def assemble(self, terms: list[tuple], rhs: np.ndarray | None, kept: bool = False) -> PETSc.Mat:
+    def assemble(self, terms: Sequence[MatrixTerm], rhs: np.ndarray | None, kept: bool = False) -> PETSc.Mat:
         """The matrix of a sum of terms (block, element, X, x, params, coefficient[, factor]).
 
         rhs (n * f,), where given, loses the terms' residuals at x times the factor, by default the coefficient. With
@@ -88,7 +91,7 @@ class Operator:
                 self.mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return self.mat
 
-    def _add(self, terms: list[tuple], rhs: np.ndarray | None) -> None:
+    def _add(self, terms: Sequence[MatrixTerm], rhs: np.ndarray | None) -> None:
         for _, group in groupby(terms, key=lambda term: (term[0], id(term[2]))):
             parts = list(group)
             block, _, X, *_ = parts[0]

@@ -150,7 +150,9 @@ class Analysis(Protocol[P_co]):
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state."""
 
-    def observed_on(self, frame: Frame, before: object, solved: object, earlier: bool) -> dict[str, float]:
+    def observed_on(
+        self, frame: Frame, before: State[Problem] | None, solved: State[Problem], earlier: bool
+    ) -> dict[str, float]:
         """The quantities of a frame on another mesh of its shape, by an analysis that has solved nothing yet.
 
         Args:
@@ -193,7 +195,7 @@ class Timeless:
     """An analysis whose frames stand each for itself: none goes on in time from the one before."""
 
     def observed_on(
-        self: Analysis[Problem], frame: Frame, before: object, solved: object, earlier: bool
+        self: Analysis[Problem], frame: Frame, before: State[Problem] | None, solved: State[Problem], earlier: bool
     ) -> dict[str, float]:
         """The quantities of a frame on another mesh of its shape; see `Analysis.observed_on`."""
         self.solve(frame)

@@ -13,6 +13,7 @@ from restshape.analysis.buckling_matrices import products
 from restshape.analysis.correction import correction, largest_values, preconditioner
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.steady import SteadyAnalysis
+from restshape.fem.problem import PrestressedProblem
 from restshape.sensitivity.load_factor_derivative import SolvedBuckling, buckling_derivative
 
 
@@ -23,7 +24,7 @@ class Buckling(SolvedBuckling, Protocol):
         prebuckling: finds the equilibrium.
     """
 
-    prebuckling: SteadyAnalysis
+    prebuckling: SteadyAnalysis[PrestressedProblem]
 
 
 class BucklingPrediction:

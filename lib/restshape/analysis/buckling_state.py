@@ -83,7 +83,7 @@ class BucklingState:
         return float(found[k - 1]) if k <= len(found) else float("inf")
 
 
-def most_load_factor(prebuckling: SteadyState) -> float:
+def most_load_factor(prebuckling: SteadyState[PrestressedProblem]) -> float:
     """The load factor at which the mean strain is 1: linear elasticity knows nothing beyond; infinite without load.
 
     The square of the mean strain is twice the strain energy over the stiffness of the body.

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.operator import Operator
+from restshape.algebra.operator import MatrixTerm, Operator
 from restshape.fem.problem import STIFFNESS
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.time_integration import Scheme, TimeState
@@ -124,7 +124,7 @@ class EffectiveSystem:
         return self._products.force(self.mat, self.solution, self.right.ravel()[self.rows])
 
 
-def _block(term: tuple) -> int:
+def _block(term: MatrixTerm) -> int:
     return term[0]
 
 

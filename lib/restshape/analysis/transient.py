@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from restshape.algebra.gathering import gather_matrix, gather_vector, matrix_difference
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
-from restshape.analysis.analysis import Comparison, Context, RowValues
+from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.correction import preconditioner
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
@@ -26,7 +26,7 @@ from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.error_estimate import RecoveryEstimate
-from restshape.fem.problem import MASS, STIFFNESS, Fields, TransientProblem
+from restshape.fem.problem import MASS, STIFFNESS, Fields, Problem, TransientProblem
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
 from restshape.fem.time_integration import IntegrationChanges, TimeIntegration, TimeState
@@ -127,7 +127,9 @@ class TransientAnalysis:
         """Let the next steps be others: changes of the `TimeIntegration`, until the scene's settings are read again."""
         self.state = replace(self.state, in_time=replace(self.state.integration, **changes))
 
-    def observed_on(self, frame: Frame, before: object, solved: object, earlier: bool) -> dict[str, float]:
+    def observed_on(
+        self, frame: Frame, before: State[Problem] | None, solved: State[Problem], earlier: bool
+    ) -> dict[str, float]:
         """The quantities of a frame on another mesh of its shape; see `Analysis.observed_on`.
 
         On the mesh before a change the frame's steps are taken once more, from the state before them; a state of the

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from restshape import _kernels
+from restshape.algebra.operator import MatrixTerm
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +87,11 @@ class Integral:
         found = self.element.energy(self.X, x, self.entities, self.parameters, *self._columns)
         return found if self.factor == 1.0 else self.factor * found
 
-    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> tuple:
+    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> MatrixTerm:
         """The integral at x (n, f) as a term of `algebra.operator.Operator.assemble`."""
+        assert self.block is not None, "without a block there is no tangent"
         coefficient = coefficient * self.factor
-        given: tuple = () if residual_factor is None else (residual_factor,)
+        given: tuple[float | np.ndarray, ...] = () if residual_factor is None else (residual_factor,)
         if self.coefficients is not None:
             given = (coefficient if residual_factor is None else residual_factor, self.coefficients)
         return (self.block, self.element, self.X, x, self.parameters, coefficient, *given)
@@ -139,5 +141,5 @@ class Term(Protocol):
     def energies(self, x: np.ndarray) -> np.ndarray:
         """As `Integral.energies`."""
 
-    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> tuple:
+    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> MatrixTerm:
         """As `Integral.term`."""

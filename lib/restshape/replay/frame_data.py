@@ -18,7 +18,7 @@ LEFT_OUT = frozenset(
 CHUNK = 128
 
 
-def plotted(row: np.dtype) -> list[str]:
+def plotted(row: np.dtype[np.void]) -> list[str]:
     """The columns of a row that are field data: numbers of what is simulated, and flags."""
     names = [name for name in row.names or () if row[name].kind in "iuf" and name not in LEFT_OUT]
     found = [name for name in names if not name.startswith("ms") and not name.endswith("_jump")]
@@ -35,7 +35,7 @@ class FrameData:
     Source: VTKHDF file format, "Temporal data": `Steps/FieldDataOffsets`.
     """
 
-    def __init__(self, root: h5py.Group, steps: h5py.Group, row: np.dtype) -> None:
+    def __init__(self, root: h5py.Group, steps: h5py.Group, row: np.dtype[np.void]) -> None:
         data, offsets = root.create_group("FieldData"), steps.create_group("FieldDataOffsets")
         self._values = {
             name: Growing(data, name, "f8" if row[name].kind == "f" else "i8", chunk=CHUNK) for name in plotted(row)

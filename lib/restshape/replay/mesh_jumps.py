@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from restshape.algebra.stages import Stages
-from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.analysis import Analysis, Context, State
 from restshape.analysis.frame import Frame
 from restshape.analysis.row_values import number
 from restshape.errors import ReplayProblem, UserError
@@ -67,7 +67,7 @@ class MeshJumps:
             what = "what the mesh alone does cannot be estimated in such scenes, which have several answers"
             raise scene.located(UserError(what, "solve.jumps", "leave it out"))
         self._last: tuple[Scene | None, dict[str, float]] = (None, {})
-        self._before: object = None
+        self._before: State[Problem] | None = None
         self._others: tuple[OtherMesh, ...] = ()
 
     def note(self, moving: MovingMesh, mesh_update: MeshUpdate) -> None:

@@ -55,7 +55,9 @@ class Recorder:
         result: after `close`: frames, bytes, status, cpu_s, lag_s, batches, stalls.
     """
 
-    def __init__(self, path: Path, ring: rings.Ring, process: subprocess.Popen, pipes: tuple[int, int, int]) -> None:
+    def __init__(
+        self, path: Path, ring: rings.Ring, process: subprocess.Popen[bytes], pipes: tuple[int, int, int]
+    ) -> None:
         self.path = path
         self.frames = self.stalls = 0
         self.stalled_s = 0.0

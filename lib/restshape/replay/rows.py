@@ -21,7 +21,7 @@ TEXT_BYTES = 480
 _CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8": "q", "u8": "Q", "f4": "f", "f8": "d"}
 
 
-def row_dtype(columns: Mapping[str, npt.DTypeLike]) -> np.dtype:
+def row_dtype(columns: Mapping[str, npt.DTypeLike]) -> np.dtype[np.void]:
     """The packed little-endian record type of a row; ``str`` becomes UTF-8 text of at most 480 bytes.
 
     Args:
@@ -30,7 +30,7 @@ def row_dtype(columns: Mapping[str, npt.DTypeLike]) -> np.dtype:
     return np.dtype([(name, _column_dtype(name, kind)) for name, kind in columns.items()])
 
 
-def _column_dtype(name: str, kind: npt.DTypeLike) -> np.dtype:
+def _column_dtype(name: str, kind: npt.DTypeLike) -> np.dtype[np.generic]:
     if kind is str or kind == "str":
         return np.dtype(f"S{TEXT_BYTES}")
     dtype = np.dtype(kind).newbyteorder("<")
@@ -67,7 +67,7 @@ class RowPacker:
         dtype: as `row_dtype` gives it.
     """
 
-    def __init__(self, dtype: np.dtype) -> None:
+    def __init__(self, dtype: np.dtype[np.void]) -> None:
         self.size = dtype.itemsize
         self._names = set(dtype.names or ())
         self._defaults = [(name, self._default(dtype[name])) for name in dtype.names or ()]
@@ -77,7 +77,7 @@ class RowPacker:
         self._struct = struct.Struct("<" + "".join(codes))
 
     @staticmethod
-    def _default(dtype: np.dtype) -> str | float:
+    def _default(dtype: np.dtype[np.generic]) -> str | float:
         if dtype.kind == "S":
             return ""
         return float("nan") if dtype.kind == "f" else (-1 if dtype.kind == "i" else 0)

@@ -82,7 +82,7 @@ class VtkHdfWriter:
         OSError: the file cannot be made.
     """
 
-    def __init__(self, path: Path, header: Mapping[str, object], row_dtype: np.dtype) -> None:
+    def __init__(self, path: Path, header: Mapping[str, object], row_dtype: np.dtype[np.void]) -> None:
         self.path = path
         self.frames = 0
         self._header = dict(header)

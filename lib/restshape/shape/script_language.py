@@ -133,7 +133,7 @@ class LineInterpreter:
         held = begin_space_grab(outline, scene, name, None)
         return held.origin if held is not None else tuple(outline.centroid(outline.entity(name)).tolist())
 
-    def _drag(self, match: re.Match) -> list[Table]:
+    def _drag(self, match: re.Match[str]) -> list[Table]:
         count = 2 if match["dz"] is None else 3
         start = self._place(match["on"])[:count]
         if len(start) < count:
@@ -141,7 +141,7 @@ class LineInterpreter:
             raise UserError(what, match.string, "leave the third length out")
         return self._moved({"do": "press", "on": match["on"], "at": list(start)}, start, match)
 
-    def _pull(self, match: re.Match) -> list[Table]:
+    def _pull(self, match: re.Match[str]) -> list[Table]:
         outline, pins = self._session.outline, _pins(match)
         at = None if match["x"] is None else (length(match["x"]), length(match["y"]))
         # Where the curve itself is, so that it does not jump to the cursor.
@@ -150,7 +150,7 @@ class LineInterpreter:
         hold = {"do": "pull", "on": match["on"], "at": list(start)}
         return self._moved(hold | ({} if pins is None else {"pins": pins}), start, match)
 
-    def _moved(self, hold: Table, start: tuple[float, ...], match: re.Match) -> list[Table]:
+    def _moved(self, hold: Table, start: tuple[float, ...], match: re.Match[str]) -> list[Table]:
         """Taking hold, a drag and letting go."""
         frames = _frames(match)
         step = tuple(length(match[key]) for key in ("dx", "dy", "dz")[: len(start)])
@@ -165,39 +165,39 @@ class LineInterpreter:
         self._seed += 1
         return [hold, {"do": "drag", "path": [list(p) for p in path]}, {"do": "release"}]
 
-    def _smooth(self, match: re.Match) -> list[Table]:
+    def _smooth(self, match: re.Match[str]) -> list[Table]:
         pins = _pins(match)
         event = {"do": "smooth", "on": match["on"], "strength": float(match["strength"])}
         return [_turned(match, event | ({} if pins is None else {"pins": pins}))]
 
-    def _rotate(self, match: re.Match) -> list[Table]:
+    def _rotate(self, match: re.Match[str]) -> list[Table]:
         return [_turned(match, {"do": "rotate", "on": match["on"], "by": quantity(match["by"], "angle")})]
 
-    def _scale(self, match: re.Match) -> list[Table]:
+    def _scale(self, match: re.Match[str]) -> list[Table]:
         return [_turned(match, {"do": "scale", "on": match["on"], "factor": float(match["factor"])})]
 
-    def _arc(self, match: re.Match) -> list[Table]:
+    def _arc(self, match: re.Match[str]) -> list[Table]:
         return [_turned(match, {"do": "arc", "on": match["on"], "bulge": float(match["bulge"])})]
 
-    def _insert(self, match: re.Match) -> list[Table]:
+    def _insert(self, match: re.Match[str]) -> list[Table]:
         return [{"do": "insert", "on": match["on"], "name": match["name"], "s": float(match["s"])}]
 
-    def _hole(self, match: re.Match) -> list[Table]:
+    def _hole(self, match: re.Match[str]) -> list[Table]:
         center = [length(match["x"]), length(match["y"])]
         return [{"do": "hole", "name": match["name"], "center": center, "radius": length(match["radius"])}]
 
-    def _delete(self, match: re.Match) -> list[Table]:
+    def _delete(self, match: re.Match[str]) -> list[Table]:
         return [{"do": "delete", "on": match["on"]}]
 
-    def _set(self, match: re.Match) -> list[Table]:
+    def _set(self, match: re.Match[str]) -> list[Table]:
         _, value = parse_override(f"{match['key']}={match['value']}")
         frames = _frames(match)
         return [{"do": "set", "key": match["key"], "value": value} | ({"frames": frames} if frames > 1 else {})]
 
-    def _idle(self, match: re.Match) -> list[Table]:
+    def _idle(self, match: re.Match[str]) -> list[Table]:
         return [{"do": "idle", "frames": int(match["frames"])}]
 
-    def _plain(self, match: re.Match) -> list[Table]:
+    def _plain(self, match: re.Match[str]) -> list[Table]:
         return [{"do": match["do"]}]
 
 
@@ -209,14 +209,14 @@ def length(text: str) -> float:
         return quantity(text, "length")
 
 
-def _turned(match: re.Match, event: Table) -> Table:
+def _turned(match: re.Match[str], event: Table) -> Table:
     """The event with centre and number of frames, where the text has them."""
     if match.groupdict().get("ax"):
         event["about"] = [length(match["ax"]), length(match["ay"])]
     return {**event, "frames": _frames(match)}
 
 
-def _pins(match: re.Match) -> list[str | tuple[float, float]] | None:
+def _pins(match: re.Match[str]) -> list[str | tuple[float, float]] | None:
     """The pins of a text: names of vertices, and places [m]; None without any."""
     if not match["pins"]:
         return None
@@ -224,7 +224,7 @@ def _pins(match: re.Match) -> list[str | tuple[float, float]] | None:
     return [(length(pin["px"]), length(pin["py"])) if pin["px"] else pin["vertex"] for pin in found]
 
 
-def _frames(match: re.Match) -> int:
+def _frames(match: re.Match[str]) -> int:
     """How many frames the text asks for, one if it does not say.
 
     Raises:
@@ -247,7 +247,7 @@ def _style(text: str) -> tuple[str, int]:
 
 
 STYLES = r"(?P<styles>(?:\s*,\s*(?:straight|hand-like|jerk|pause\s+\d+))*)"
-Rule = tuple[re.Pattern, Callable[[LineInterpreter, re.Match], list[Table]]]
+Rule = tuple[re.Pattern[str], Callable[[LineInterpreter, re.Match[str]], list[Table]]]
 RULES: list[Rule] = [
     (re.compile(pattern), make)
     for pattern, make in (

@@ -115,7 +115,7 @@ def beyond_reach(does: str, what: str, outline: Outline) -> str:
     return f"this would {does} {what}, {far}: check the units"
 
 
-def describe(outline: Outline, found: tuple) -> str:
+def describe(outline: Outline, found: tuple[str, int, int, float, float]) -> str:
     """The sentence for a finding (what, i, j, x, y) of the kernel."""
     what, i, j, x, y = found
     # Rounding makes 1e-17 of what is 0.

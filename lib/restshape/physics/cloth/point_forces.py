@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.algebra.operator import MatrixTerm
 from restshape.fem import elements
 from restshape.fem.integral import Integral
 from restshape.physics.cloth.contact import POTENTIAL, Contact
@@ -43,7 +44,7 @@ class PointForces:
         """The energy (1,) [J] of contact at x (n, 3)."""
         return np.array([self.contact.potential(x[self.entities[:, 0]])[0] if self.contact else 0.0])
 
-    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> tuple:
+    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> MatrixTerm:
         """The points at x (n, 3) as a term of `algebra.operator.Operator.assemble`."""
         return self._at(x).term(x, coefficient, residual_factor)
 
