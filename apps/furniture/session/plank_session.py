@@ -51,6 +51,9 @@ class PlankSession(ScriptSession):
         UserError: the scene's piece cannot be had.
     """
 
+    outline = None
+    """Planks have none."""
+
     def __init__(self, scene: Scene, script: Script, application: Application | None = None) -> None:
         super().__init__(scene, script, application)
         try:

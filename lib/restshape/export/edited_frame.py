@@ -76,7 +76,8 @@ def frame_of_recording(recording: Recording, row: int) -> EditedFrame:
         if why and not frame.refused and frame.change != "none":
             session.rollback()
         if frame.index == wanted:
-            outline = cast(Outline, getattr(session, "outline"))  # noqa: B009
+            outline = session.outline
+            assert outline is not None, "shapeless scenes are refused"
             return EditedFrame(row, recording.n, frame.t, session.scene, outline, why or frame.refused or "")
     what = f"its script ends before frame {wanted}"
     raise UserError(what, str(recording.path), "replay the scene again, and export the new recording")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from restshape.fem.problem import Problem
     from restshape.scene.model import Scene
     from restshape.shape.protocol import Session
-    from restshape.shape.session import EditSession
 
 
 def singular_quantities(scene: Scene, application: Application, session: Session) -> dict[str, float]:
     """Quantities without a limit under refinement on the first shape, with the exponent lambda of displacements."""
     found: dict[str, float] = {}
+    outline = session.outline
     for physics in application.physics:
-        if physics.inspect_shape:
+        if physics.inspect_shape and outline is not None:
             try:
-                found |= physics.inspected(scene, cast("EditSession", session).outline).singular
+                found |= physics.inspected(scene, outline).singular
             except ReplayProblem:
                 # The first frame says what is wrong with the shape.
                 continue

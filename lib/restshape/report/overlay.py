@@ -127,6 +127,8 @@ def rebuilt_frames(recording: Recording, wanted: Sequence[int]) -> dict[int, Edi
     text, name = header.get("script_text", ""), path.with_name(Path(header.get("script") or "script").name)
     script = read_script(text, name, scene, keep_good=True) if text else Script.empty(scene)
     session, stopped, left = session_of(scene, script), refused(recording), set(map(int, wanted))
+    if session.outline is None:
+        raise UserError("what is recorded has no outline", str(path), "leave --show out")
     found: dict[int, EditFrame] = {}
     for frame in session.frames():
         if frame.index >= recording.n or not left:
@@ -150,8 +152,6 @@ def _checked(recording: Recording, frame: EditFrame) -> EditFrame:
     """
     from scipy.spatial import cKDTree
 
-    if getattr(frame, "outline", None) is None:
-        raise UserError("what is recorded has no outline", str(recording.path), "leave --show out")
     outline, X = frame.outline, recording.points(frame.index)
     on_edges = sorted({end for edge in outline.edges for end in (edge.start, edge.end)})
     far = cKDTree(X).query(outline.points[on_edges])[0].max()

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Protocol
 
 from restshape.scene.model import Scene
+from restshape.shape.outline import Outline
 from restshape.shape.script_session import ScriptFrame
 
 
@@ -21,6 +22,10 @@ class Session(Protocol):
 
     @property
     def grabbed(self) -> object: ...
+
+    @property
+    def outline(self) -> Outline | None:
+        """The shape as the events so far have left it; None where what is edited has no outline."""
 
     def frames(self) -> Iterator[ScriptFrame]:
         """The frames of all events, the first before any."""

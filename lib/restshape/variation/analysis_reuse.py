@@ -1,6 +1,6 @@
 """Whether the analysis of a scene may go on to another scene."""
 
-from restshape.application import SHAPES, Application
+from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
@@ -14,7 +14,7 @@ def can_follow(old: Scene, new: Scene, app: Application, continued: bool) -> boo
 
     Its equations determine the solution alone, not the way to it: they are linear, or give eigenvalues.
     """
-    if app.editing.replayed != SHAPES.replayed or any(app.transient(scene) for scene in (old, new)):
+    if any(app.transient(scene) for scene in (old, new)):
         return False
     if not continued and plan(new, app).solver.equations == "nonlinear":
         return False

@@ -16,7 +16,6 @@ from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene, ShapeSpec
 from restshape.shape.outline import Outline
-from restshape.shape.session import EditSession
 from restshape.variation.analysis_reuse import can_follow
 from restshape.variation.following_session import FollowingSession, Standing
 from restshape.variation.sweep_request import SweepRequest
@@ -116,21 +115,22 @@ class Sweep:
         app = application(scene.app)
         replay = Replay(scene, script, app, chosen, PETSc.COMM_WORLD, self.request.calibration)
         self._moved, self._start = False, None
-        if isinstance(replay.session, EditSession):
-            self._start = scene.shape, replay.session.outline
+        if (outline := replay.session.outline) is not None:
+            self._start = scene.shape, outline
         return replay
 
     def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
         """Has the replay of the last run go on to this scene; false where it cannot."""
         app, last = application(scene.app), replay.session
-        if not isinstance(last, EditSession) or not can_follow(last.scene, scene, app, self.request.continued):
+        outline = last.outline
+        if outline is None or not can_follow(last.scene, scene, app, self.request.continued):
             return False
         imported = scene.mesh.file is not None
         # A mesh file is read by a replay of its own alone.
         if imported and (self._moved or scene.mesh != last.scene.mesh):
             return False
         known = self._start[1] if self._start and (imported or scene.shape == self._start[0]) else None
-        before = Standing(last.outline, last.scene, self._moved)
+        before = Standing(outline, last.scene, self._moved)
         try:
             session = FollowingSession(scene, script, app, before, self.request.edits is not None, known)
             if imported and session.first_change != "values":
