@@ -22,7 +22,7 @@ def tried():
     """Of a batch that is drawn and of one that is damaged."""
     with pytest.MonkeyPatch.context() as changed:
         changed.setattr("restshape_studies.stability.fuzz.BATCH", dict.fromkeys(KINDS, 12))
-        return fuzz(24, 1, APPS)
+        return fuzz(24, 4, APPS)
 
 
 @pytest.mark.slow
