@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, cast, overload
@@ -328,8 +328,21 @@ def _function(path: str) -> Callable[..., object]:
 
 @cache
 def applications() -> dict[str, Application]:
-    """All installed applications by name."""
-    return {entry.name: entry.load() for entry in sorted(entry_points(group="restshape.applications"))}
+    """All installed applications by name.
+
+    Raises:
+        UserError: one of them cannot be imported.
+    """
+    return {entry.name: _loaded(entry) for entry in sorted(entry_points(group="restshape.applications"))}
+
+
+def _loaded(entry: EntryPoint) -> Application:
+    """An installed application, imported now."""
+    try:
+        return cast("Application", entry.load())
+    except Exception as error:
+        what = f"the application {entry.name!r} cannot be imported: {type(error).__name__}: {error}"
+        raise UserError(what, entry.value, "mend it, or uninstall its package") from error
 
 
 def brought_commands() -> dict[str, tuple[Command, ...]]:

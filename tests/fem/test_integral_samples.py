@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.operator import Operator
 from restshape.fem.assembled import Assembled
-from restshape.fem.elements import OSEEN
+from restshape.fem.elements import OSEEN, TRACTION
 from restshape.fem.integral import Integral
 
 X = np.array([[0.0, 0.0], [1.0, 0.1], [0.9, 1.2], [-0.1, 0.8]])
@@ -41,6 +41,13 @@ def test_stress_of_a_stretch():
     points = np.array([[0.2, 0.3], [0.5, 0.1]])
     for stress in (integral(X).stress(stretch), *integral(X).stress(stretch, points).swapaxes(0, 1)):
         np.testing.assert_allclose(stress[:, :3], [[0.04, 0.02, 0.0]] * 2, atol=1e-15)
+
+
+@pytest.mark.parametrize("block", [0, 1, None])
+def test_an_element_without_a_tangent_has_no_block(block):
+    facets = np.array([[0, 1]], dtype=np.int32)
+    X = np.array([[0.0, 0.0], [1.0, 0.0]])
+    assert Integral(TRACTION["edge2"], X, facets, np.zeros(7), block=block).block is None
 
 
 SEAM = np.array([[0, 1, 1], [0, 1, 0]], dtype=np.int32)

@@ -1,12 +1,14 @@
 """Tables, events and kinds of quantities that a physics adds to scenes: read, checked, reported."""
 
 from dataclasses import replace
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Annotated, Literal
 
 import pytest
 from pydantic import Field
 
+from restshape import application as installed
 from restshape.application import Application, Editing
 from restshape.cli.options import require_mesh
 from restshape.cli.schema import scene_schema, script_schema
@@ -203,6 +205,22 @@ def test_check_reports_a_key_of_two_applications(tmp_path, install, command):
     assert load_scene(path).app == "hanging"
     done = command("check", path)
     assert done.returncode == 2 and "'hemp.give', and 'added0' does too" in done.stderr
+
+
+def test_an_application_that_cannot_be_imported_is_named(monkeypatch, install, command):
+    install(HANGING)
+    broken = EntryPoint("broken", "no_such_package:application", "restshape.applications")
+    monkeypatch.setattr(installed, "entry_points", lambda group: [broken])
+    installed.applications.cache_clear()
+    done = command("list")
+    assert done.returncode == 2 and "no_such_package:application" in done.stderr
+    assert "the application 'broken' cannot be imported: ModuleNotFoundError" in done.stderr
+
+
+def test_an_application_without_a_template_says_so(tmp_path, install, command):
+    install(HANGING)
+    done = command("new", "hanging", "here")
+    assert done.returncode == 2 and "'hanging' has no template" in done.stderr and not (tmp_path / "here").exists()
 
 
 def test_an_application_takes_some_effects_of_its_physics_and_may_need_more_than_they_do():

@@ -5,7 +5,31 @@ import math
 import pytest
 
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import si
 from restshape.scene.units import DIMENSIONS, EXAMPLES, UnitError, length_unit, quantity, reads_as_quantity, unit
+
+
+@pytest.mark.parametrize("power", range(-12, 13, 3))
+def test_what_is_printed_with_a_prefix_can_be_written(power):
+    printed = si(3.5 * 10.0**power, "Pa")
+    assert quantity(printed, "pressure") == pytest.approx(3.5 * 10.0**power, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("made", "of"),
+    [
+        ("C", "A s"),
+        ("V", "W/A"),
+        ("ohm", "V/A"),
+        ("F", "C/V"),
+        ("Wb", "V s"),
+        ("V A", "W"),
+        ("C V", "J"),
+        ("F ohm", "s"),
+    ],
+)
+def test_electrical_units_are_those_of_the_si(made, of):
+    assert unit(made) == unit(of)
 
 
 @pytest.mark.parametrize(

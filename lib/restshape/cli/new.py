@@ -19,6 +19,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Writes the two files, never over others."""
     template = application(args.app, "APP").folder / "template"
+    lacking = [name for name in FILES if not (template / name).is_file()]
+    if lacking:
+        what = f"the application {args.app!r} has no template: {template / lacking[0]} is not there"
+        raise UserError(what, "APP", "begin with a scene of it, which `restshape list` names")
     texts = {name: (template / name).read_text(encoding="utf-8") for name in FILES}
     for name in FILES:
         if (args.dir / name).exists():

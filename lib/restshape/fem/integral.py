@@ -20,7 +20,8 @@ class Integral:
         entities: (m, k) int32 nodes of each cell, facet or point.
         parameters: (p,) the same everywhere, or (m, p); the element's `parameters` name the columns.
         factor: of the residual, and with it of tangent and energy.
-        block: of the operator that the entities were registered as; None where they have no tangent.
+        block: of the operator that the entities were registered as; None, whatever is given, where the element has no
+            tangent.
         rate: gives the rates, shaped like the parameters, with which they change when nodes move with rates (n, d), as
             far as the residual is linear in them; None where they are constant.
         coefficients: (n, c) nodal coefficients [their units are the element's], such as a velocity that carries; None
@@ -41,6 +42,10 @@ class Integral:
     coefficients: np.ndarray | None = None
     dofs: np.ndarray | None = None
     coefficient_rate: Callable[[np.ndarray], np.ndarray] | None = None
+
+    def __post_init__(self) -> None:
+        if not self.element.has_tangent:
+            object.__setattr__(self, "block", None)
 
     @property
     def _columns(self) -> tuple[np.ndarray | None, np.ndarray | None]:

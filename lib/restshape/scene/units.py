@@ -83,7 +83,8 @@ SYMBOLS = {
 }
 """SI units of dimensions, as they are shown."""
 
-PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
+PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2}
+PREFIXES |= {"k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 
 PREFIXED: dict[str, tuple[float, Powers]] = {
     "m": (1.0, DIMENSIONS["length"]),
@@ -96,6 +97,11 @@ PREFIXED: dict[str, tuple[float, Powers]] = {
     "W": (1.0, DIMENSIONS["power"]),
     "A": (1.0, DIMENSIONS["current"]),
     "mol": (1.0, DIMENSIONS["amount"]),
+    "C": (1.0, (0, 0, 1, 0, 0, 1, 0)),
+    "V": (1.0, (2, 1, -3, 0, 0, -1, 0)),
+    "ohm": (1.0, (2, 1, -3, 0, 0, -2, 0)),
+    "F": (1.0, (-2, -1, 4, 0, 0, 2, 0)),
+    "Wb": (1.0, (2, 1, -2, 0, 0, -1, 0)),
 }
 
 PLAIN: dict[str, tuple[float, Powers]] = {
