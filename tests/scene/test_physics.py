@@ -209,12 +209,12 @@ def test_check_reports_a_key_of_two_applications(tmp_path, install, command):
 
 def test_an_application_that_cannot_be_imported_is_named(monkeypatch, install, command):
     install(HANGING)
-    broken = EntryPoint("broken", "no_such_package:application", "restshape.applications")
-    monkeypatch.setattr(installed, "entry_points", lambda group: [broken])
+    lost = EntryPoint("lost", "no_such_package:application", "restshape.applications")
+    monkeypatch.setattr(installed, "entry_points", lambda group: [lost])
     installed.applications.cache_clear()
     done = command("list")
     assert done.returncode == 2 and "no_such_package:application" in done.stderr
-    assert "the application 'broken' cannot be imported: ModuleNotFoundError" in done.stderr
+    assert "the application 'lost' cannot be imported: ModuleNotFoundError" in done.stderr
 
 
 def test_an_application_without_a_template_says_so(tmp_path, install, command):
