@@ -184,15 +184,21 @@ class Iterations:
     """
 
     def __init__(self, growth: float) -> None:
-        self.sums = [0.0] * 5
+        self.sums = (0.0, 0.0, 0.0, 0.0, 0.0)
         for _ in range(PRIOR_SOLVES // 2):
             self.count(0.0, 1.0)
             self.count(PRIOR_AGE, 1.0 + growth * PRIOR_AGE)
 
     def count(self, age: float, iterations: float) -> None:
         """Take in a solve."""
-        for k, value in enumerate((1.0, age, age * age, iterations, age * iterations)):
-            self.sums[k] += value
+        one, ages, squares, all_iterations, products = self.sums
+        self.sums = (
+            one + 1.0,
+            ages + age,
+            squares + age * age,
+            all_iterations + iterations,
+            products + age * iterations,
+        )
 
     def line(self) -> tuple[float, float]:
         """Iterations at age 0, and how many each solve of age adds; neither is negative."""

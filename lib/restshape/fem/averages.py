@@ -66,11 +66,11 @@ def facet_weights(X: np.ndarray, facets: np.ndarray) -> np.ndarray:
 def cell_weights(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Areas [m^2] that stand for the nodes of triangles (m, 3), or (m, 6), whose corners count nothing."""
     P = X[cells]
+    if cells.shape[1] == 3:
+        thirds = _cross(P[:, 1] - P[:, 0], P[:, 2] - P[:, 0]) / 6.0
+        return np.broadcast_to(thirds[:, None], cells.shape)
     sides = np.roll(P[:, :3], -1, axis=1) - P[:, :3]
     weights = np.zeros(cells.shape)
-    if cells.shape[1] == 3:
-        weights[:] = _cross(sides[:, 0], sides[:, 1])[:, None] / 6.0
-        return weights
     for k in range(3):
         # At the middle of a side: the tangents along it and towards the corner beyond.
         first, second, beyond = k, (k + 1) % 3, (k + 2) % 3

@@ -44,6 +44,7 @@ class Dirichlet:
         values: (n, f) prescribed values, 0 elsewhere.
         constrained: (k,) indices of the prescribed ones among all n f unknowns.
         varies: whether a value changes when nodes move.
+        nonzero: whether a prescribed value is not 0.
     """
 
     def __init__(
@@ -55,11 +56,7 @@ class Dirichlet:
             self.mask[condition.nodes, condition.component] = 1
         self.constrained = np.flatnonzero(self.mask.ravel())
         self.varies = any(varies(condition.value) for condition in self.conditions)
-
-    @property
-    def nonzero(self) -> bool:
-        """Whether a prescribed value is not 0."""
-        return bool(np.any(self.values))
+        self.nonzero = False
 
     def evaluate(self, X: np.ndarray) -> None:
         """Set `values` for nodes X (n, d) [m].
@@ -75,6 +72,7 @@ class Dirichlet:
             self._check_agreement(condition, values, given[nodes, column], X)
             given[nodes, column] = values
         np.copyto(self.values, np.nan_to_num(given))
+        self.nonzero = bool(np.any(self.values))
 
     def rate(self, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
         """Rates (n, f) of the prescribed values where nodes X (n, d) [m] move with dX (n, d); 0 elsewhere."""

@@ -95,14 +95,14 @@ class HeatConduction(TransientProblem):
         if kind == kinds.FOLLOWERS:
             return []
         if kind == kinds.LOADS:
-            return [one.integral() for one in self.surfaces if not one.block]
+            return [one.integral for one in self.surfaces if not one.block]
         if kind in (kinds.MASS, kinds.LUMPED, kinds.CONSISTENT):
             return [self._capacity(f"{self.plan.settings('storage').capacity} mass" if kind == kinds.MASS else kind)]
         inside = kind == kinds.INTERNAL
         rate = self._source_rate if inside and self.sources.varies else None
         params, element = self.params if inside else self.bare, CONDUCTION[self.space.cell_type]
         conducted = Integral(element, self.space.X, self.space.cells, params, rate=rate)
-        return [conducted, *(one.integral(ambient=inside) for one in self.surfaces if one.block)]
+        return [conducted, *((one.integral if inside else one.linear) for one in self.surfaces if one.block)]
 
     def _capacity(self, kind: str) -> Integral:
         capacity = by_cell(self.materials[:, 1:].prod(axis=1)[:, None], self.space.cell_region)

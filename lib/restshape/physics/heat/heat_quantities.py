@@ -50,7 +50,7 @@ def _outflow(problem: SteadyProblem, surfaces: Sequence[SurfaceHeat], capacity: 
     def value(x: np.ndarray, *motion: Motion) -> float:
         out = np.zeros_like(x)
         for part, chosen in own:
-            part.integral().add_residual(x, out, chosen)
+            part.integral.add_residual(x, out, chosen)
         if not len(fixed.nodes):
             return out.sum()
         cells = cells_around(problem.space, fixed.nodes)
@@ -60,4 +60,4 @@ def _outflow(problem: SteadyProblem, surfaces: Sequence[SurfaceHeat], capacity: 
             balance = unconstrained_residual(problem, x, cells) + (capacity.apply(motion[0].v) if capacity else 0.0)
         return out.sum() - fixed.parts() @ balance[fixed.nodes, 0]
 
-    return Differentiable(value, flow_derivative(problem, fixed, [(p.integral(ambient=False), c) for p, c in own]))
+    return Differentiable(value, flow_derivative(problem, fixed, [(p.linear, c) for p, c in own]))

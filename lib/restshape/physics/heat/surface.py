@@ -23,6 +23,7 @@ class SurfaceHeat:
 
     Attributes:
         index: (nf,) of the space's facets; facets: (nf, 2) or (nf, 3) their nodes; varies: whether values move too.
+        integral: heat that leaves by the facets; linear: without the ambient, so that it is linear in the temperature.
     """
 
     def __init__(self, name: str, scene: Scene, space: Space, thickness: np.ndarray, block: int) -> None:
@@ -39,13 +40,12 @@ class SurfaceHeat:
 
     def update(self) -> None:
         """Evaluate the flux, or film and ambient temperature, on the facets as they lie."""
-        self._params = self._rows(*(self._samples.ends_of(value, self.space.X) for value in self._values))
+        params = self._rows(*(self._samples.ends_of(value, self.space.X) for value in self._values))
+        self.integral, self.linear = (self._integral(params, np.array([w, w, 1.0, 1.0, 1.0])) for w in (1.0, 0.0))
 
-    def integral(self, ambient: bool = True) -> Integral:
-        """Heat that leaves by the facets; without the ambient where it shall be linear in the temperature."""
-        kept = np.array([ambient, ambient, 1.0, 1.0, 1.0])
+    def _integral(self, params: np.ndarray, kept: np.ndarray) -> Integral:
         rate = (lambda dX: self._rates(dX) * kept) if self.varies else None
-        return Integral(self._element, self.space.X, self.facets, self._params * kept, block=self.block, rate=rate)
+        return Integral(self._element, self.space.X, self.facets, params * kept, block=self.block, rate=rate)
 
     def _rates(self, dX: np.ndarray) -> np.ndarray:
         return self._rows(*(self._samples.end_rates_of(value, self.space.X, dX) for value in self._values))
