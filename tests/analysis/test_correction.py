@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from petsc4py import PETSc
 from scipy.sparse import diags
 from scipy.sparse.linalg import splu
 from small_scenes import across, drag, make_replay, write_scene, write_script
 
 from restshape.analysis import time_error
-from restshape.analysis.correction import DELAY, MOST, conjugate_steps, largest_values
+from restshape.analysis.correction import DELAY, MOST, conjugate_steps, gathered, largest_values
 
 BUILDING = Path(__file__).parents[1] / "scenes" / "building.toml"
 COARSE = ("mesh.size=0.8", "effects.dynamics.steps=10")
@@ -82,6 +83,17 @@ def test_steps_that_are_not_enough_give_no_number():
     found = conjugate_steps(lambda d: values * d, lambda r: r, np.ones(500))
     assert np.isnan(found).all()
     assert np.isnan(largest_values(np.full((3, 3), np.nan), np.eye(3), 2)).tolist() == [True, True]
+
+
+def test_products_with_petsc_stay_what_they_are():
+    """A later product uses the same vectors, and changes neither an earlier one nor what either is of."""
+    rng = np.random.default_rng(1)
+    dense, once, again = rng.standard_normal((5, 5)), np.arange(5.0), rng.standard_normal(5)
+    matrix = PETSc.Mat().createDense((5, 5), array=dense, comm=PETSc.COMM_SELF)
+    product = gathered(matrix.mult, slice(0, 5), PETSc.COMM_SELF)
+    products = [product(once), product(again), product(once)]
+    np.testing.assert_allclose(products, [dense @ once, dense @ again, dense @ once], atol=1e-14)
+    assert once.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
 
 
 STIFF_INSIDE = """format = "restshape-scene"

@@ -96,17 +96,23 @@ def gathered(apply: Callable[[PETSc.Vec, PETSc.Vec], None], rows: slice, comm: P
     Args:
         apply: from the first to the second vector.
         rows: this rank's.
-        comm: of the vectors.
+        comm: of the vectors, which are made once: n is the same at each call.
     """
+    vectors: tuple[PETSc.Vec, ...] = ()
 
     def whole(r: np.ndarray) -> np.ndarray:
-        full, size = np.zeros_like(r), (rows.stop - rows.start, len(r))
-        source, target = (PETSc.Vec().createWithArray(array[rows], size=size, comm=comm) for array in (r, full))
-        apply(source, target)
-        gather_vector(full, rows, comm)
-        source.destroy()
-        target.destroy()
-        return full
+        nonlocal vectors
+        full = np.empty_like(r)
+        own = [array[rows] for array in (r, full)]
+        if not vectors:
+            size = (rows.stop - rows.start, len(r))
+            vectors = tuple(PETSc.Vec().createWithArray(array.copy(), size=size, comm=comm) for array in own)
+        for vector, array in zip(vectors, own, strict=True):
+            vector.placeArray(array)
+        apply(*vectors)
+        for vector in vectors:
+            vector.resetArray()
+        return gather_vector(full, rows, comm)
 
     return whole
 

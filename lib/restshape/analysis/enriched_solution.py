@@ -1,6 +1,7 @@
 """Solutions on the next richer space, by few steps on the preconditioner that is kept of the space itself."""
 
 import numpy as np
+import scipy.sparse as sp
 
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
@@ -30,6 +31,10 @@ class EnrichedSystem:
     def __init__(self, enrichment: Enrichment, solver: LinearSolver, system: LinearSystem, backend: str | None) -> None:
         self.enrichment, self._solver, self._coarse = enrichment, solver, system
         self._system = LinearSystem(system.comm, enrichment.problem, backend, solver.traits)
+        # For arrays (n f,): products with one vector are several times faster than with one a field.
+        fields = sp.identity(enrichment.problem.boundary.values.shape[1])
+        self._up = sp.kron(enrichment.over.prolongation, fields, format="csr")
+        self._down = self._up.T.tocsr()
 
     def solution(self, x: np.ndarray, free: np.ndarray) -> np.ndarray:
         """The unknowns (m, f), to 1 % of what they are away from those of the space, in the energy norm.
@@ -50,20 +55,17 @@ class EnrichedSystem:
         diagonal[system.rows] = matrix.getDiagonal().array
         gather_vector(diagonal, system.rows, system.comm)
         product = gathered(matrix.mult, system.rows, system.comm)
-        missing = conjugate_steps(product, self._two_levels(diagonal.reshape(start.shape), free), residual.ravel())
+        missing = conjugate_steps(product, self._two_levels(diagonal, free), residual.ravel())
         return start + missing.reshape(start.shape)
 
     def _two_levels(self, diagonal: np.ndarray, free: np.ndarray) -> Operation:
-        """About the inverse of the richer matrix of this diagonal (m, f), for arrays (m f,)."""
+        """About the inverse of the richer matrix of this diagonal (m f,), for arrays (m f,); free (n, f)."""
         kept = preconditioner(self._solver, self._coarse.rows)
-        up, boundary = self.enrichment.over.prolongation, self.enrichment.problem.boundary
-        down = up.T.tocsr()
+        up, down, boundary, free = self._up, self._down, self.enrichment.problem.boundary, free.ravel()
 
         def apply(r: np.ndarray) -> np.ndarray:
-            r = r.reshape(diagonal.shape)
-            coarse = kept((free * (down @ r)).ravel()).reshape(free.shape)
-            found = r / diagonal + up @ (free * coarse)
+            found = r / diagonal + up @ (free * kept(free * (down @ r)))
             boundary.zero(found)
-            return found.ravel()
+            return found
 
         return apply
