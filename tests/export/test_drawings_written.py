@@ -55,15 +55,20 @@ def test_a_dxf_holds_curves_as_they_are_and_layers_by_name(outline, tmp_path):
     drawing = ezdxf.readfile(tmp_path / "plate.dxf")
     assert drawing.header["$INSUNITS"] == 4
     loops: dict[str, list] = {}
-    kinds = {}
+    kinds, points = {}, {}
     for entity in drawing.modelspace():
         layer = entity.dxf.layer
         if entity.dxftype() == "POINT":
-            assert layer == "gauge" and tuple(entity.dxf.location)[:2] == (1000.0, 800.0)
+            points[layer] = np.array(tuple(entity.dxf.location)[:2])
             continue
         own = "outline" if layer in ("bottom", "right", "top.1", "top.2", "left") else layer
         loops.setdefault(own, []).extend(of_dxf(entity))
         kinds.setdefault(layer, set()).add(entity.dxftype())
+    round_ones = {v for e in drawn_as_circles(outline) for v in (outline.edges[e].start, outline.edges[e].end)}
+    assert set(points) == {name for v, name in enumerate(outline.vertex_names) if v not in round_ones}
+    for name, place in points.items():
+        np.testing.assert_allclose(place, 1e3 * outline.points[outline.entity(name).vertices[0]], atol=1e-12)
+    np.testing.assert_array_equal(points["gauge"], (1000.0, 800.0))
     names = ("bottom", "right", "top.1", "top.2", "left", "window", "bore", "slot", "region_core")
     forms = ("ARC", "ARC", "SPLINE", "SPLINE", "LWPOLYLINE", "CIRCLE", "CIRCLE", "LINE", "CIRCLE")
     assert kinds == {name: {form} for name, form in zip(names, forms)}
@@ -71,6 +76,46 @@ def test_a_dxf_holds_curves_as_they_are_and_layers_by_name(outline, tmp_path):
     found = areas["outline"] - areas["window"] - areas["bore"] - areas["slot"]
     assert 1e-6 * found == pytest.approx(outline.area(), rel=1e-9)
     assert areas["window"] == pytest.approx(np.pi * 200.0**2, rel=1e-9)
+
+
+def drawn_as_circles(outline: Outline) -> set[int]:
+    """Edges of the loops that the scene drew as circles."""
+    return {e for name in ("window", "bore", "core") for e in outline.entity(name).edges}
+
+
+def test_names_of_points_come_back_from_a_dxf(outline, tmp_path):
+    write_dxf(outline, tmp_path / "plate.dxf")
+    back = outline_from_spec(ShapeSpec(file="plate.dxf"), tmp_path)
+    round_ones = {v for e in drawn_as_circles(outline) for v in (outline.edges[e].start, outline.edges[e].end)}
+    kept = [name for v, name in enumerate(outline.vertex_names) if v not in round_ones]
+    assert len(kept) > 4 and set(kept) <= set(back.vertex_names)
+    for name in kept:
+        (i,), (j,) = back.entity(name).vertices, outline.entity(name).vertices
+        np.testing.assert_allclose(back.points[i], outline.points[j], atol=1e-9)
+    assert [back.vertex_names[v] for v in back.embedded] == [outline.vertex_names[v] for v in outline.embedded]
+
+
+def test_points_of_a_drawing_that_name_nothing_are_left_out(tmp_path):
+    drawing = ezdxf.new("R2010", units=ezdxf.units.MM)
+    space = drawing.modelspace()
+    corners = [(0, 0), (100, 0), (100, 50), (0, 50)]
+    for i, a in enumerate(corners):
+        space.add_line(a, corners[(i + 1) % 4], dxfattribs={"layer": f"side{i}"})
+    space.add_circle((30, 25), 10, dxfattribs={"layer": "bore"})
+    places = {"foot": (0, 0), "gauge": (70, 25), "p2": (100, 50), "in_bore": (31, 25), "far": (500, 0), "near": (50, 0)}
+    for name, place in places.items():
+        space.add_point(place, dxfattribs={"layer": name})
+    for place in ((60, 10), (61, 12)):
+        space.add_point(place, dxfattribs={"layer": "grid"})
+    space.add_point((100, 0), dxfattribs={"layer": "side1"})
+    drawing.saveas(tmp_path / "marked.dxf")
+    outline = outline_from_spec(ShapeSpec(file="marked.dxf"), tmp_path)
+    assert {"foot", "gauge", "p2"} <= set(outline.vertex_names)
+    assert not {"in_bore", "far", "near", "grid", "side1"} & set(outline.vertex_names)
+    assert [outline.vertex_names[v] for v in outline.embedded] == ["gauge"]
+    np.testing.assert_allclose(outline.points[outline.entity("p2").vertices[0]], (0.1, 0.05), atol=1e-12)
+    alone = outline_from_spec(ShapeSpec(file="marked.dxf", layers={f"side{i}": f"s{i}" for i in range(4)}), tmp_path)
+    assert not {"foot", "gauge"} & set(alone.vertex_names) and not alone.loops[1:]
 
 
 def test_a_dxf_is_read_back_by_the_program(outline, tmp_path):

@@ -175,3 +175,27 @@ def test_a_vertex_that_pokes_through_an_arc_of_its_neighbours_is_seen(place, gap
         return
     with pytest.raises(UserError, match=r"edge round would cross edge (there|back)"):
         shape(**tables)
+
+
+@pytest.mark.parametrize("first", [0.1, 1.3, np.pi / 2, 4.0])
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_the_box_of_a_disc_is_its_diameter(first, turn):
+    centre, radius = np.array([0.3, -0.2]), 1.7
+    at = first + turn * np.array([0.0, 1.0, 2.1, 3.5, 4.4, 5.5])
+    points = (centre + radius * np.stack([np.cos(at), np.sin(at)], axis=1)).tolist()
+    vertices = dict(zip("abc", points[::2]))
+    edges = {name: {"arc": [*name], "through": on} for name, on in zip(("ab", "bc", "ca"), points[1::2])}
+    disc = shape(vertices=vertices, edges=edges, outline=[*edges])
+    np.testing.assert_allclose(disc.bounds(), [centre - radius, centre + radius], atol=1e-14)
+
+
+def test_the_box_of_an_arc_and_a_spline_is_exact():
+    outline = plate()
+    lower, upper = outline.bounds()
+    assert upper[0] == pytest.approx(2.2, abs=1e-15)
+    spline = outline.edges[2]
+    cubic = CubicSpline(spline.knots, outline.points[outline.layout.controls[2]], bc_type="natural")
+    tops = [cubic(s)[1] for s in cubic.derivative().roots()[1] if 0.0 <= s <= 1.0]
+    assert upper[1] == pytest.approx(max(tops), abs=1e-14)
+    assert upper[1] > np.max(outline.points[:, 1]) + 1e-4
+    np.testing.assert_allclose(lower, [-0.05, 0.0], atol=1e-15)

@@ -28,8 +28,8 @@ def write_dxf(outline: Outline, path: Path) -> list[str]:
 
     LINE, ARC, CIRCLE (a round hole or region), SPLINE (the B-spline of degree 3 that the edge is), LWPOLYLINE
     (polylines, and arcs that are almost straight) and POINT. Layers have the names of the edges of the outline, of
-    holes and of points; those of regions begin with ``region``. Regions with edges of the outline are left out: in a
-    drawing each curve bounds one area.
+    holes, of points and of vertices that are not those of a CIRCLE; those of regions begin with
+    ``region``. Regions with edges of the outline are left out: in a drawing each curve bounds one area.
 
     Raises:
         OSError: it cannot be written.
@@ -37,14 +37,16 @@ def write_dxf(outline: Outline, path: Path) -> list[str]:
     drawing = ezdxf.new("R2010", units=units.MM)
     drawing.header.custom_vars.append("Writer", EXPORT_MARK)
     space, drawn, left = drawing.modelspace(), set(), []
+    named = dict.fromkeys(outline.embedded)
     for loop in outline.loops:
         edges = {e for e, _ in loop.edges}
         if edges & drawn:
             left.append(loop.name)
             continue
         drawn |= edges
-        _draw_loop(space, outline, loop)
-    for v in outline.embedded:
+        if not _draw_loop(space, outline, loop):
+            named.update(dict.fromkeys(v for e in edges for v in (outline.edges[e].start, outline.edges[e].end)))
+    for v in named:
         space.add_point(MM * outline.points[v], dxfattribs={"layer": outline.vertex_names[v]})
     for layer in dict.fromkeys(entity.dxf.layer for entity in space):
         drawing.layers.add(layer)
@@ -53,17 +55,18 @@ def write_dxf(outline: Outline, path: Path) -> list[str]:
     return left
 
 
-def _draw_loop(space: Any, outline: Outline, loop: Loop) -> None:
-    """Draws a loop: an edge an entity, or a circle."""
+def _draw_loop(space: Any, outline: Outline, loop: Loop) -> bool:
+    """Draws a loop: an edge an entity, or a circle; whether it is a circle."""
     layer = loop.name
     if loop.kind == "region" and not layer.lower().startswith("region"):
         layer = f"region_{layer}"
     circle = circle_of(outline, loop) if loop.kind != "outline" else None
     if circle is not None:
         space.add_circle(MM * circle[0], MM * circle[1], dxfattribs={"layer": layer})
-        return
+        return True
     for e, _ in loop.edges:
         _draw_edge(space, outline, e, {"layer": outline.edges[e].name if loop.kind == "outline" else layer})
+    return False
 
 
 def circle_of(outline: Outline, loop: Loop) -> tuple[np.ndarray, float] | None:

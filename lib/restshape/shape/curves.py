@@ -135,6 +135,34 @@ def spline_weight_rates(knots: tuple[float, ...], ends: tuple[str, str], s: np.n
     return rates
 
 
+def spline_extremes(knots: tuple[float, ...], ends: tuple[str, str], points: np.ndarray) -> np.ndarray:
+    """Parameters (m,) between 0 and 1 at which a coordinate of a spline through points (n, 2) may be extreme.
+
+    The rate of a coordinate is a quadratic in each span; parameters outside of the span of their root are left out.
+    """
+    u, second = np.array(knots), second_derivatives(knots, ends) @ points
+    h = np.diff(u)[:, None]
+    scale = h**2 / 6.0
+    low, high = second[:-1], second[1:]
+    a, half, c = 3.0 * scale * (high - low), 3.0 * scale * low, np.diff(points, axis=0) - scale * (2.0 * low + high)
+    # Roots of a b^2 + 2 half b + c without cancellation.
+    q = -(half + np.where(half < 0.0, -1.0, 1.0) * np.sqrt(np.maximum(half**2 - a * c, 0.0)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        roots = np.stack([q / a, c / q])
+    inside = (roots > 0.0) & (roots < 1.0)
+    return (u[:-1, None] + h * np.where(inside, roots, 0.0))[inside]
+
+
+def arc_extremes(bulge: float, chord: np.ndarray) -> np.ndarray:
+    """Parameters (m,) between 0 and 1 at which the tangent of an arc over a chord (2,) points along an axis."""
+    half, middle, right = 2.0 * np.arctan(bulge), np.arctan2(chord[1], chord[0]), 0.5 * np.pi
+    if abs(half) < 1e-9:
+        return np.zeros(0)
+    first, last = sorted((middle - half, middle + half))
+    along = right * np.arange(np.ceil(first / right), np.floor(last / right) + 1.0)
+    return np.clip(0.5 * ((along - middle) / half + 1.0), 0.0, 1.0)
+
+
 def polyline_weights(knots: tuple[float, ...], s: np.ndarray) -> np.ndarray:
     """Weights (m, n) of the n corners at the parameters s (m,)."""
     u = np.array(knots)

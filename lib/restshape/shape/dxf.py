@@ -23,7 +23,7 @@ from restshape.shape.layer_names import name_of, refuse_layers
 from restshape.shape.loose_curve import Curve, LooseCurves, gathered
 
 NO_NAME = ("0", "Defpoints")
-IGNORED = ("TEXT", "MTEXT", "DIMENSION", "POINT", "LEADER", "ATTDEF", "ATTRIB", "VIEWPORT")
+IGNORED = ("TEXT", "MTEXT", "DIMENSION", "LEADER", "ATTDEF", "ATTRIB", "VIEWPORT")
 READ = "LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE, POLYLINE, SPLINE, or an INSERT of a block of them"
 NO_UNIT = "the drawing has no unit ($INSUNITS), and is read in millimetres"
 FULL_TURN = 2.0 * np.pi
@@ -37,7 +37,8 @@ def read_dxf(path: Path, layers: Mapping[str, str] | None = None) -> LooseCurves
     LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE, POLYLINE and SPLINE in model space, and in blocks that INSERTs put there.
     Layers name edges, holes and groups; a loop on a layer ``region...`` is a region. Lines, arcs and cubic SPLINEs
     without weights whose inner knots are simple are exact; a SPLINE with fit points interpolates them; ELLIPSEs and all
-    other SPLINEs become splines within `fitted_spline.WITHIN`. Texts, dimensions and points are ignored.
+    other SPLINEs become splines within `fitted_spline.WITHIN`. A POINT that has a layer for itself has its name. Texts,
+    dimensions and all other points are ignored.
 
     Args:
         path: the file.
@@ -56,11 +57,24 @@ def read_dxf(path: Path, layers: Mapping[str, str] | None = None) -> LooseCurves
             for entity, layer in placed(drawing.modelspace(), drawing.blocks, path.name)
             if entity.dxftype() not in IGNORED
         ]
+        points = _points(there)
+        there = [(entity, layer) for entity, layer in there if entity.dxftype() != "POINT" or layer in points]
         refuse_layers(layers, dict.fromkeys(layer for _, layer in there), path.name)
         label = {layer: layers.get(layer) or ("" if layer in NO_NAME else name_of(layer)) for _, layer in there}
-        read = ((entity, layer) for entity, layer in there if not layers or layer in layers)
-        curves = gathered((_curves_of(one, layer, label[layer], scale, path) for one, layer in read), path.name)
-    return LooseCurves(curves, doubt="" if unit else NO_UNIT)
+        read = [(entity, layer) for entity, layer in there if not layers or layer in layers]
+        drawn = ((entity, layer) for entity, layer in read if layer not in points)
+        curves = gathered((_curves_of(one, layer, label[layer], scale, path) for one, layer in drawn), path.name)
+        named = {label[layer]: scale * points[layer] for _, layer in read if layer in points}
+    return LooseCurves(curves, doubt="" if unit else NO_UNIT, points=named)
+
+
+def _points(there: list[tuple[Any, str]]) -> dict[str, np.ndarray]:
+    """The POINTs (2,) that have a layer for themselves, by layer, in units of the drawing."""
+    kinds: dict[str, list[Any]] = {}
+    for entity, layer in there:
+        kinds.setdefault(layer, []).append(entity)
+    alone = {layer: found[0] for layer, found in kinds.items() if len(found) == 1 and layer not in NO_NAME}
+    return {layer: _plane([one.dxf.location])[0] for layer, one in alone.items() if one.dxftype() == "POINT"}
 
 
 @contextmanager

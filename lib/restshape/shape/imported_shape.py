@@ -74,7 +74,7 @@ def _read(
     """
     found = _readers(state[2])[path.suffix.lower()](path, dict(layers))
     _check(found.curves, path)
-    tables, gaps = shape_data(found.curves, path.name, tolerance)
+    tables, gaps = shape_data(found.curves, path.name, tolerance, found.points)
     return ImportedShape(tables, tuple(gaps), found.notes, found.doubt)
 
 

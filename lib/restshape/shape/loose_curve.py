@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -44,11 +44,13 @@ class LooseCurves:
         curves: in metres.
         notes: what was chosen of the file.
         doubt: what the file does not say of its unit, and what is taken; "": it says its unit.
+        points: (2,) by name [m]: of vertices where they lie at ends of curves, else inside of the material.
     """
 
     curves: list[Curve]
     notes: tuple[str, ...] = ()
     doubt: str = ""
+    points: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 def gathered(parts: Iterable[list[Curve]], where: str) -> list[Curve]:

@@ -322,9 +322,18 @@ class Outline:
         return self.layout.swept_area(signed)(self.points, self.bulges)
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner (2,) of the box around the shape; curves count as their straight pieces."""
-        chains = np.concatenate([self.polyline(e, 1e-4 * (self.size or 1.0)) for e in range(len(self.edges))])
-        return chains.min(axis=0), chains.max(axis=0)
+        """Lower and upper corner (2,) of the box around the shape, exact for every kind of edge."""
+        found = np.concatenate([self.point(e, self._extremes(e)) for e in range(len(self.edges))])
+        return found.min(axis=0), found.max(axis=0)
+
+    def _extremes(self, edge: int) -> np.ndarray:
+        """Parameters of an edge of which some are those of its lowest, highest, leftmost and rightmost points."""
+        found, own = self.edges[edge], self.points[self.layout.controls[edge]]
+        if found.kind == "spline":
+            return np.concatenate([found.knots, curves.spline_extremes(found.knots, found.ends, own)])
+        if found.kind == "arc":
+            return np.concatenate([found.knots, curves.arc_extremes(float(self.bulges[edge]), own[1] - own[0])])
+        return np.array(found.knots)
 
     def centroid(self, entity: Entity) -> np.ndarray:
         """Mean (2,) of the control points of an entity [m]."""

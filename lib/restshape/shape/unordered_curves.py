@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from restshape.shape import curves
 from restshape.shape.closed_splines import cut_closed
 from restshape.shape.gaps import Gap, Joints, closed, joints
 from restshape.shape.loose_curve import Curve
+from restshape.shape.named_points import points_inside, vertex_names
 
 
 @dataclass
@@ -23,16 +24,20 @@ class ClosedCurve:
     area: float = 0.0
 
 
-def shape_data(loose_curves: list[Curve], where: str, tolerance: float = 0.0) -> tuple[Table, list[Gap]]:
+def shape_data(
+    loose_curves: list[Curve], where: str, tolerance: float = 0.0, points: Mapping[str, np.ndarray] | None = None
+) -> tuple[Table, list[Gap]]:
     """Loose curves as the plain tables of a ``[shape]``: the largest loop is the outline, others holes or regions.
 
     An edge alone on its layer has the layer's name; several get ``LAYER-1``, ``LAYER-2`` ... and a group LAYER. A loop
-    that has a layer for itself has the layer's name, and is a region where the curves say so.
+    that has a layer for itself has the layer's name, and is a region where the curves say so. A point where curves meet
+    names that vertex; one inside of the material is a point of the shape; others, and repeated names, are left out.
 
     Args:
         loose_curves: the curves.
         where: the file, for messages.
         tolerance: the largest gap between two open ends that is closed [m].
+        points: (2,) by name [m].
 
     Returns:
         The tables, and the gaps that were closed, the largest first.
@@ -54,17 +59,21 @@ def shape_data(loose_curves: list[Curve], where: str, tolerance: float = 0.0) ->
     rings.sort(key=lambda ring: -ring.area)
     loops = _loop_names(loose_curves, rings)
     names, groups = _edge_names(loose_curves, set(loops))
-    vertex = [f"p{i + 1}" for i in range(len(corners))]
-    while set(vertex) & {*names, *loops, *groups}:
-        vertex = [f"p{name}" for name in vertex]
+    taken = {*names, *loops, *groups}
+    named = vertex_names(points or {}, corners, size, taken)
+    vertex = _vertex_names(named, len(corners), taken)
     edges = {
         names[i]: _edge_data(curve, vertex[ends[i][0]], vertex[ends[i][1]]) for i, curve in enumerate(loose_curves)
     }
     holes: Table = {}
     regions: Table = {}
+    inner: set[int] = set()
     for name, ring in zip(loops[1:], rings[1:]):
         filled = any(loose_curves[i].region is not None for i, _ in ring.chain)
+        inner.update(i for i, _ in ring.chain if filled)
         (regions if filled else holes)[name] = {"loop": [names[i] for i, _ in ring.chain]}
+    border, others = ([curve for i, curve in enumerate(loose_curves) if (i in inner) is part] for part in (False, True))
+    left = {name: point for name, point in (points or {}).items() if name not in {*taken, *vertex}}
     tables: Table = {
         "vertices": {v: _pair(p) for v, p in zip(vertex, corners)},
         "edges": edges,
@@ -72,8 +81,19 @@ def shape_data(loose_curves: list[Curve], where: str, tolerance: float = 0.0) ->
         "holes": holes,
         "regions": regions,
         "groups": groups,
+        "points": points_inside(left, border, others, size),
     }
     return tables, sorted(own_gaps + gaps, key=lambda gap: -gap.size)
+
+
+def _vertex_names(named: Mapping[int, str], count: int, taken: set[str]) -> list[str]:
+    """Names of all vertices: those that are named by their places, others p1, p2, ... with as many p as it takes."""
+    plain = [named.get(i, f"p{i + 1}") for i in range(count)]
+    letters = "p"
+    while len(set(plain)) < count or set(plain) & taken:
+        letters += "p"
+        plain = [named.get(i, f"{letters}{i + 1}") for i in range(count)]
+    return plain
 
 
 def _pair(p: np.ndarray) -> list[float]:
