@@ -11,6 +11,7 @@ from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -43,4 +44,5 @@ def replay(
     read = load_scene(SCENES / scene, overrides)
     script = load_script(edits, read)
     app = application(read.app)
-    return Replay(read, script, app, policy(name, guess), PETSc.COMM_WORLD, Calibration.load(), predict=predict)
+    request = Request(read, script, app, policy(name, guess), Calibration.load(), predict=predict)
+    return Replay(request, PETSc.COMM_WORLD)

@@ -17,11 +17,13 @@ from restshape.errors import UserError
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from restshape.mesh.follower import Follower
     from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.event_line import EventLine
     from restshape.scene.model import Scene
     from restshape.scene.physics import Physics
     from restshape.scene.source import Source
+    from restshape.shape.protocol import Session
 
 VERIFICATION = "restshape.verification"
 """Group of entry points of what verifies applications, by their names; each has `commands`, as an application has."""
@@ -86,13 +88,14 @@ class Editing:
         """The plain tables of a scene that has the shape of a frame, whose maker is imported now."""
         return cast("Mapping[str, object]", _function(self.restated)(frame))
 
-    def make_session(self, scene: Scene, *script_application: object) -> object:
+    def make_session(self, scene: Scene, *script_application: object) -> Session:
         """The session, whose maker is imported now."""
-        return _function(self.session)(scene, *script_application)
+        return cast("Session", _function(self.session)(scene, *script_application))
 
-    def start(self, scene: Scene, *script_application_policy_communicator: object) -> object:
+    def start(self, scene: Scene, *script_application_policy_communicator: object) -> tuple[Session, Follower]:
         """The session and what follows its frames."""
-        return _function(self.replayed)(scene, *script_application_policy_communicator)
+        found = _function(self.replayed)(scene, *script_application_policy_communicator)
+        return cast("tuple[Session, Follower]", found)
 
     def shared_events(self) -> Mapping[str, type[EventLine]]:
         """The events of its scripts by name, besides those that physics add."""

@@ -23,12 +23,12 @@ from restshape.algebra.gathering import clean_up
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
+from restshape.analysis.made_analysis import made_analysis
 from restshape.errors import ReplayProblem, UserError
 from restshape.policy import Policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.load import revise
-from restshape.scene.plan import plan
 
 Row = dict[str, Any]
 
@@ -170,7 +170,7 @@ def quantity_parts(whole: Sampled, u: Sampled, tight: Sampled, direct: Sampled) 
 
 def _timed(request: Request, frames: list[int], total: int, whole: bool) -> tuple[dict[int, State], dict, Row]:
     """States of the sampled frames of the setting's own replay, its refusals, and its times."""
-    replay = Replay.of(request, PETSc.COMM_WORLD)
+    replay = Replay(request, PETSc.COMM_WORLD)
     moving, _ = changing(request.scene, request.script, total)
     some = spread(moving, frames, TIMED)
     alike = request.policy.solver == "direct" and not request.application.transient(request.scene) and not whole
@@ -266,10 +266,8 @@ class Afresh:
         if scale.continues:
             scene = revise(scene, "solve.tolerance", max(scale.tightest, FARTHER * scene.solve.tolerance))
         policy = replace(replay.policy, solver="direct")
-        make = self.request.application.make_analysis()
-        planned = plan(scene, self.request.application)
         context = Context(replay.comm, policy, self.request.calibration, Stages())
-        analysis = make(scene, planned, context)
+        analysis = made_analysis(scene, self.request.application, context)
         if scale.continues:
             analysis.start_from(kept)
         none = np.empty(0, dtype=np.int32)
@@ -295,7 +293,7 @@ def _sparse(request: Request, frames: list[int], leap: bool, every: bool) -> Rep
         leap: leave out all other frames, meshes and all.
         every: solve for all frames, for each one hangs on those before.
     """
-    replay = Replay.of(request, PETSc.COMM_WORLD)
+    replay = Replay(request, PETSc.COMM_WORLD)
     chosen: Callable[[int], bool] = (lambda index: True) if every else set(frames).__contains__
     replay.session = SparseSession(replay.session, chosen, frames[-1], leap and not every)
     return replay

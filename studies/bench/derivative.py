@@ -35,7 +35,7 @@ class LinearisedScene:
     """
 
     def __init__(self, request: Request) -> None:
-        replay = Replay.of(replace(request, predict="linear"), PETSc.COMM_WORLD)
+        replay = Replay(replace(request, predict="linear"), PETSc.COMM_WORLD)
         self.replay, self.analysis = replay, replay.analysis
         self.scene, self.script = request.scene, request.script
         frames = replay.frames()

@@ -94,7 +94,7 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         raise UserError(
             "the scene has no cloth that reaches equilibrium", str(request.scene.path), "name one of couture"
         )
-    replay = Replay.of(request, PETSc.COMM_WORLD)
+    replay = Replay(request, PETSc.COMM_WORLD)
     analysis = cast(RelaxationAnalysis, replay.analysis)
     counts = EventCounts(tuple(COUNTED.values()))
     begun, trace, over = process_time(), Trace(analysis, seconds), ""

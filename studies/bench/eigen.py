@@ -149,7 +149,7 @@ def measure(request: Request) -> Row:
     """
     if plan(request.scene, request.application).solver.equations != "eigenvalues":
         raise UserError("the scene has no eigenproblem", str(request.scene.path), "choose one with [effects.modal]")
-    replay = Replay.of(request, PETSc.COMM_WORLD)
+    replay = Replay(request, PETSc.COMM_WORLD)
     contest, size = Contest(request), None
     for row in replay.frames():
         analysis = replay.analysis

@@ -14,10 +14,10 @@ from restshape.algebra.stages import Stages
 from restshape.analysis import enriched_solution, quantity_errors
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
+from restshape.analysis.made_analysis import made_analysis
 from restshape.analysis.quantity_errors import SteadyQuantityErrors
 from restshape.application import application
 from restshape.replay.loop import Replay
-from restshape.scene.plan import plan
 
 EVERY = 10
 """Frames from one solve with nothing kept to the next."""
@@ -27,7 +27,7 @@ def cold_seconds(replay: Replay) -> float:
     """Processor time of the frame's solve with new pattern, matrix and factor, on its mesh."""
     scene, app = replay.session.scene, application(replay.session.scene.app)
     context = Context(replay.comm, replay.policy, replay.analysis.context.calibration, Stages())
-    analysis = app.make_analysis()(scene, plan(scene, app), context)
+    analysis = made_analysis(scene, app, context)
     begin = process_time()
     analysis.solve(Frame(replay.moving.field_mesh, np.empty(0, dtype=np.int32), None, scene, (None, (0.0, 0.0))))
     return process_time() - begin
@@ -39,7 +39,7 @@ def measured(scene: Path, edits: Path, names: Sequence[str], given: Sequence[str
     `NAME products` is how often a matrix was multiplied for its dual solution, or for that on the richer space.
     """
     replay = make_replay(scene, edits, overrides=given)
-    replay.estimating = False
+    replay.errors.estimating = False
     products = [0]
     steps = quantity_errors.conjugate_steps
 

@@ -67,7 +67,7 @@ def measure(request: Request, window: int = WINDOW) -> dict[str, Any]:
 
     Returns: run, best [s], ratio; schedule (frames refreshed), refreshes and iterations, each of run and best; frames.
     """
-    replay = Replay.of(request, PETSc.COMM_WORLD)
+    replay = Replay(request, PETSc.COMM_WORLD)
     segments = _replay(replay)
     run = best = 0.0
     schedule: dict[str, list[int]] = {"run": [], "best": []}

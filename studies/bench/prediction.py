@@ -90,7 +90,7 @@ def measure(request: Request) -> Row:
         frequencies, each over its own; quantities: name -> error over the solved value of the same frame; each for all
         predicted frames; at: part of the farthest way -> largest error up to there.
     """
-    ahead, behind = (Replay.of(replace(request, predict=kind), PETSc.COMM_WORLD) for kind in ("linear", "none"))
+    ahead, behind = (Replay(replace(request, predict=kind), PETSc.COMM_WORLD) for kind in ("linear", "none"))
     way, error = [], []
     names = [f"q_{name}" for name in request.scene.quantities]
     quantities: dict[str, list[tuple[float, float]]] = {name: [] for name in names}

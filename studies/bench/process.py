@@ -52,9 +52,9 @@ def play(job: Job, report: Any) -> None:
     asked = request(job)
     if job.count:
         PETSc.Log.begin()
-    replay = Replay.of(asked, PETSc.COMM_WORLD)
+    replay = Replay(asked, PETSc.COMM_WORLD)
     # Estimates are made beside the frames, but leave little of the next one's data in the caches.
-    replay.estimating = False
+    replay.errors.estimating = False
     counts = EventCounts() if job.count else None
     left = {int(level): number for level, number in job.enough.items()}
     for row in islice(replay.frames(), job.frames):

@@ -22,7 +22,7 @@ from restshape.mesh import moving
 from restshape.replay import loop
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
-from restshape.shape.session import EditFrame
+from restshape.shape.script_frame import ScriptFrame
 
 KEPT = (
     "index",
@@ -53,14 +53,13 @@ def processor_time() -> Iterator[None]:
             module.perf_counter = clock
 
 
-# More than 15 attributes: those of a replay, and its counts.
 class Counted(Replay):
     """A replay whose rows hold the calls of kernels since these were last set to 0.
 
     `calls` are those of the frame, `calls_beside` those of what is measured off its time.
     """
 
-    def _record(self, edit: EditFrame, row: Row, end: float) -> None:
+    def _record(self, edit: ScriptFrame, row: Row, end: float) -> None:
         row["calls"] = _kernels.calls()
         super()._record(edit, row, end)
         row["calls_beside"] = difference(_kernels.calls(), row["calls"])
@@ -124,4 +123,4 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None,
 def _frames(asked: Request, names: Sequence[str]) -> Iterator[Row]:
     """The frames of a replay of the scene without these effects."""
     scene = without(asked.scene, asked.application, names)
-    return Counted.of(replace(asked, scene=scene), PETSc.COMM_WORLD).frames()
+    return Counted(replace(asked, scene=scene), PETSc.COMM_WORLD).frames()

@@ -30,6 +30,7 @@ from restshape.errors import UserError
 from restshape.policy import policy
 from restshape.replay.columns import columns_of
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.replay.summary import summarise
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -122,7 +123,7 @@ def _play(folder: Path, example: Example, played: Played) -> None:
     app = application(scene.app)
     script = load_script(folder / EDITS, scene, keep_good=True)
     chosen, known = policy(example.policy), Calibration.load()
-    replay = Replay(scene, script, app, chosen, PETSc.COMM_WORLD, known, predict=example.predict)
+    replay = Replay(Request(scene, script, app, chosen, known, predict=example.predict), PETSc.COMM_WORLD)
     check = verification(app.name).load_frame_check()
     names = set(columns_of(scene, app))
     rows = []
@@ -134,7 +135,7 @@ def _play(folder: Path, example: Example, played: Played) -> None:
             return
         if unknown := set(row) - names:
             raise Fault(f"frame {row['index']}: no column is known for {sorted(unknown)}")
-        if replay.known and not row["refused"]:
+        if replay.solver.known and not row["refused"]:
             _check(check, replay, row)
     summary = summarise(rows, example.policy, 1)
     json.dumps({key: value for key, value in summary.items() if key != "rows"}, allow_nan=False)

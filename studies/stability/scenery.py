@@ -12,6 +12,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import Policy, policy
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 
@@ -140,7 +141,8 @@ def make_replay(
     edits = load_script(script, read) if script else Script.empty(read)
     chosen: Policy = replace(policy(name), **changed)
     known = calibration or Calibration.load()
-    return Replay(read, edits, application(read.app), chosen, PETSc.COMM_WORLD, known, recorder, predict)
+    request = Request(read, edits, application(read.app), chosen, known, predict=predict)
+    return Replay(request, PETSc.COMM_WORLD, recorder)
 
 
 def rows_of(replay: Replay, look: Callable[[dict[str, Any]], None] = lambda row: None) -> list[dict[str, Any]]:

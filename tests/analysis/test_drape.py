@@ -19,6 +19,7 @@ from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAna
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
@@ -37,7 +38,7 @@ def analysis_of(scene, name="auto"):
 
 def replay_of(scene, script=None):
     made = script or Script.empty(scene)
-    return Replay(scene, made, application("cloth"), policy("auto"), PETSc.COMM_SELF, Calibration.load())
+    return Replay(Request(scene, made, application("cloth"), policy("auto"), Calibration.load()), PETSc.COMM_SELF)
 
 
 def solved(scene, name="auto", mesh=None):

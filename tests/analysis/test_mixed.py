@@ -12,6 +12,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -26,7 +27,8 @@ def replay_of(folder, events, name="auto", predict="none", settings=()):
     scene = load_scene(write_scene(folder, PATCH), [*SETTINGS, *settings])
     flowing = replace(application(scene.app), analysis="stokes:stokes_analysis")
     script = load_script(write_script(folder, events), scene)
-    return Replay(scene, script, flowing, policy(name), PETSc.COMM_SELF, Calibration.load(), None, predict)
+    request = Request(scene, script, flowing, policy(name), Calibration.load(), predict=predict)
+    return Replay(request, PETSc.COMM_SELF)
 
 
 def velocity_error(analysis) -> float:

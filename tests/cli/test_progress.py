@@ -93,15 +93,15 @@ def test_a_coarse_first_frame_is_silent_unless_it_takes_long(tmp_path):
     from restshape.policy import policy
     from restshape.replay.first_steps import FirstSteps
     from restshape.replay.loop import Replay
+    from restshape.replay.request import Request
     from restshape.scene.edit_script import Script
     from restshape.scene.load import load_scene
 
     scene = load_scene(write_scene(tmp_path, plate(0.3)), [])
     for now, said in ((0.0, 0), (3.0, 3)):
         found, clock = [], Clock()
-        replay = Replay(
-            scene, Script.empty(scene), application(scene.app), policy("auto"), PETSc.COMM_WORLD, Calibration.load()
-        )
+        request = Request(scene, Script.empty(scene), application(scene.app), policy("auto"), Calibration.load())
+        replay = Replay(request, PETSc.COMM_WORLD)
         FirstSteps(replay, found.append, clock)
         clock.now = now
         next(replay.frames())

@@ -69,7 +69,9 @@ def test_estimates_change_nothing(tmp_path, monkeypatch):
     for _ in range(2):
         replay = make_replay(scene, script, predict="linear")
         found.append([(replay.analysis.x.tobytes(), row["iterations"], row["pc_age"]) for row in replay.frames()])
-        monkeypatch.setattr("restshape.replay.loop.Replay._estimates", lambda self, row: dict.fromkeys(ESTIMATES, 0.0))
+        monkeypatch.setattr(
+            "restshape.replay.frame_errors.FrameErrors._estimates", lambda *_: dict.fromkeys(ESTIMATES, 0.0)
+        )
     assert found[0] == found[1]
 
 
@@ -83,7 +85,9 @@ def test_estimates_of_modes_change_nothing(monkeypatch):
                 for row in replay.frames()
             ]
         )
-        monkeypatch.setattr("restshape.replay.loop.Replay._estimates", lambda self, row: dict.fromkeys(ESTIMATES, 0.0))
+        monkeypatch.setattr(
+            "restshape.replay.frame_errors.FrameErrors._estimates", lambda *_: dict.fromkeys(ESTIMATES, 0.0)
+        )
     assert found[0] == found[1]
 
 

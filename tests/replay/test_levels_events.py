@@ -51,7 +51,7 @@ def counted(folder, name, **changed):
     """The rows of a drag, each with what happened in it."""
     made = make_replay(write_scene(folder, plate(0.07)), write_script(folder, EVENTS), name, **changed)
     # What is counted is the frame alone, without what is measured beside it.
-    made.estimating = False
+    made.errors.estimating = False
     rows, before = [], counts()
 
     def look(row):

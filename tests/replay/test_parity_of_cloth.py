@@ -13,6 +13,7 @@ from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.parity import ENTRIES, Parity
+from restshape.replay.request import Request
 from restshape.scene.edit_script import Script
 from restshape.scene.load import revise
 
@@ -22,7 +23,8 @@ HUNG = (PIN, PIN.replace("pin", "other").replace('"a"', '"d"'))
 def relaxed(folder, *parts):
     """A replay of a cloth of which the first frame is relaxed."""
     scene = cloth(folder, *parts)
-    made = Replay(scene, Script.empty(scene), application("cloth"), policy("auto"), PETSc.COMM_SELF, Calibration.load())
+    request = Request(scene, Script.empty(scene), application("cloth"), policy("auto"), Calibration.load())
+    made = Replay(request, PETSc.COMM_SELF)
     next(made.frames())
     return made
 

@@ -12,6 +12,7 @@ from restshape_studies.validation.case import OWN, Case, Check
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
+from restshape.analysis.made_analysis import made_analysis
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.moving import MovingMesh
@@ -20,7 +21,6 @@ from restshape.replay.constraints import HOLDS, constraint_status, limits_of
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.model import Scene
-from restshape.scene.plan import plan
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame, EditSession
 
@@ -43,7 +43,7 @@ def solved(scene: Scene, outline: Outline, comm: PETSc.Comm) -> dict[str, float]
     moving = MovingMesh(outline, scene.mesh, ranks=comm.size)
     moving.update(EditFrame(0, 0.0, 0, "start", "start", None, (0.0, 0.0), scene, None, outline))
     context = Context(comm, policy("auto"), Calibration.load(), Stages())
-    analysis = app.make_analysis()(scene, plan(scene, app), context)
+    analysis = made_analysis(scene, app, context)
     mesh = moving.field_mesh
     cells = np.arange(len(mesh.cells), dtype=np.int32)
     analysis.solve(Frame(mesh, cells, None, scene, (None, (0.0, 0.0))))

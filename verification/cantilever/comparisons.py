@@ -7,6 +7,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -19,7 +20,7 @@ def missed(comm: PETSc.Comm, *overrides: str) -> float:
     """The mean distance [m] from the goal at the end of the session."""
     scene = load_scene(SCENE, overrides)
     script = load_script(EDITS, scene)
-    replay = Replay(scene, script, application(scene.app), policy("auto"), comm, Calibration.load())
+    replay = Replay(Request(scene, script, application(scene.app), policy("auto"), Calibration.load()), comm)
     return [row["q_miss"] for row in replay.frames()][-1]
 
 

@@ -12,6 +12,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -39,7 +40,7 @@ def sag(overrides: Sequence[str], comm: PETSc.Comm) -> float:
     """Of the chain at d/l = 0.9, where the script's fifth frame has it [m]."""
     scene = load_scene(SCENES / "catenary.toml", overrides)
     script = load_script(EDITS / "catenary.jsonl", scene)
-    replay = Replay(scene, script, application(scene.app), policy("auto"), comm, Calibration.load())
+    replay = Replay(Request(scene, script, application(scene.app), policy("auto"), Calibration.load()), comm)
     return float(next(islice(replay.frames(), 4, None))["q_sag"])
 
 

@@ -16,6 +16,7 @@ from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import CsvFile, PictureFile
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -78,7 +79,7 @@ def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), na
     """
     scene = load_scene(SCENE, overrides)
     script = load_script(EDITS, scene)
-    replay = Replay(scene, script, application(scene.app), policy(name), comm, Calibration.load())
+    replay = Replay(Request(scene, script, application(scene.app), policy(name), Calibration.load()), comm)
     start, path, amplitude, slow = None, [], [], []
     for row in replay.frames():
         outline = replay.moving.mesh.outline

@@ -49,6 +49,14 @@ class MovingBoards:
         """Planks have no mesh in the plane."""
         return float("nan")
 
+    def other_meshes(self, old: Boards | None) -> tuple[()]:
+        """None: planks are no mesh of which there could be another one."""
+        return ()
+
+    @property
+    def linear_motion(self) -> None:
+        """None: forces of feet and joints are not linear in the hand."""
+
     def solved(self) -> None:
         """Nothing: planks have no edges that flip."""
 

@@ -8,7 +8,7 @@ import numpy as np
 from restshape_apps.furniture.guidance.design import Design, DesignDirection
 
 from restshape.scene.model import Scene
-from restshape.shape.script_session import ScriptFrame
+from restshape.shape.script_frame import ScriptFrame
 
 State = tuple[Design, Scene]
 
@@ -18,14 +18,10 @@ class PlankFrame(ScriptFrame):
     """One frame of a session of furniture; its gesture is the parameter under the hand, at c[0] from its start.
 
     Args:
-        analysed: whether the script asks for a solution of this frame.
-        edit_ended: no hand holds a plank, and the event is at its end.
         design: the piece that the edit began with; gamma: (n, 8) its design parameters now.
         note: what was left out of the edit, or came with it.
     """
 
-    analysed: bool
-    edit_ended: bool
     design: Design
     gamma: np.ndarray
     note: str = ""

@@ -97,7 +97,10 @@ class PlankSession(ScriptSession):
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> PlankFrame:
         edit_ended = self._grab is None and (last or step.change == "start")
         contents = (step.change, self.design_direction, (self.part, 0.0), self.scene, step.refused)
-        return PlankFrame(*when, *contents, analysed, edit_ended, self.design, self.gamma, step.note)
+        frame = PlankFrame(
+            *when, *contents, self.design, self.gamma, step.note, analysed=analysed, edit_ended=edit_ended
+        )
+        return frame
 
     def _state(self) -> State:
         return self.design, self.scene

@@ -31,7 +31,7 @@ def motion(tmp_path_factory):
     """The time history of the roof of the frame that nobody edits, every 0.1 s, and its peak."""
     script = write_script(tmp_path_factory.mktemp("motion"), [{"do": "idle", "frames": 120}])
     replay = make_replay(FRAME, script, overrides=[*COARSE, "solve.tolerance=1e-9"])
-    replay.estimating = False
+    replay.errors.estimating = False
     rows = np.array([(row["q_drift"], row["q_largest_drift"]) for row in replay.frames()])
     return rows[:, 0], rows[:, 1].max()
 

@@ -19,7 +19,7 @@ from restshape.scene.edit_script import Script
 from restshape.scene.load import remade
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table
-from restshape.shape.script_session import ScriptFrame
+from restshape.shape.script_frame import ScriptFrame
 
 
 @dataclass(frozen=True)

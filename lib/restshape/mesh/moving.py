@@ -218,6 +218,11 @@ class MovingMesh:
         return self.space.motion(self.Psi) if self.space else self.Psi
 
     @property
+    def linear_motion(self) -> np.ndarray | None:
+        """The same; None where springs relax the nodes, which then do not follow the hand linearly."""
+        return None if self.relocation == "laplacian" else self.field_motion
+
+    @property
     def _generated(self) -> Generated:
         return made(self.state.generated)
 

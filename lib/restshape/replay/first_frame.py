@@ -10,6 +10,7 @@ from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
@@ -25,7 +26,8 @@ def first_frame(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PE
     """
     scene = load_scene(path, overrides)
     chosen = policy(scene.solve.policy)
-    replay = Replay(scene, Script.empty(scene), application(scene.app), chosen, comm, Calibration.load())
+    request = Request(scene, Script.empty(scene), application(scene.app), chosen, Calibration.load())
+    replay = Replay(request, comm)
     list(replay.frames())
     return replay
 
@@ -43,7 +45,7 @@ def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
     """
     script = load_script(edits, scene) if edits else Script.empty(scene)
     chosen = policy(scene.solve.policy)
-    replay = Replay(scene, script, application(scene.app), chosen, PETSc.COMM_WORLD, Calibration.load())
+    replay = Replay(Request(scene, script, application(scene.app), chosen, Calibration.load()), PETSc.COMM_WORLD)
     last = -1
     for last, _ in enumerate(replay.frames()):
         if last == frame:

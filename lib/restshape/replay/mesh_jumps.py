@@ -5,27 +5,27 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Analysis, Context, State
 from restshape.analysis.frame import Frame
+from restshape.analysis.made_analysis import made_analysis
 from restshape.analysis.row_values import number
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.replay.columns import jump_column, jumps_wanted
-from restshape.scene.plan import plan
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
     from restshape.application import Application
     from restshape.mesh.advance import MeshUpdate
+    from restshape.mesh.follower import Follower
     from restshape.mesh.moved_meshes import OtherMesh
-    from restshape.mesh.moving import MovingMesh
     from restshape.scene.model import Scene
-    from restshape.shape.session import EditFrame
+    from restshape.shape.script_frame import ScriptFrame
 
 log = logging.getLogger(__name__)
 
@@ -70,12 +70,12 @@ class MeshJumps:
         self._before: State[Problem] | None = None
         self._others: tuple[OtherMesh, ...] = ()
 
-    def note(self, moving: MovingMesh, mesh_update: MeshUpdate) -> None:
+    def note(self, moving: Follower, mesh_update: MeshUpdate) -> None:
         """Keep what a frame's mesh is to be compared with, before the next frame changes it."""
         self._others = moving.other_meshes(mesh_update.old_mesh) if self.wanted and mesh_update.level > 1 else ()
         self._before = self.analysis.state if self._others else None
 
-    def __call__(self, edit: EditFrame, row: RowValues) -> RowValues:
+    def __call__(self, edit: ScriptFrame, row: RowValues) -> RowValues:
         """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared."""
         if not self.wanted:
             return {}
@@ -96,9 +96,7 @@ class MeshJumps:
         cells = np.arange(len(other.mesh.cells), dtype=np.int32)
         frame = Frame(other.mesh, cells, None, scene, (None, (0.0, 0.0)))
         try:
-            analysis = cast(
-                Analysis[Problem], self.application.make_analysis()(scene, plan(scene, self.application), context)
-            )
+            analysis = made_analysis(scene, self.application, context)
             with quiet_solvers():
                 found = analysis.observed_on(frame, self._before, self.analysis.state, other.before)
         except (ReplayProblem, UserError):

@@ -46,7 +46,7 @@ class Parity:
             return {}
         if row["predicted"]:
             return self._predicted()
-        if not self.replay.solved:
+        if not self.replay.solver.solved:
             self.left_out["unsolved"] += 1
             return {}
         try:

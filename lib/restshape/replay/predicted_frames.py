@@ -1,6 +1,7 @@
 """Which frames of a replay are predicted, and from where."""
 
 import logging
+from math import nan
 
 import numpy as np
 
@@ -9,11 +10,11 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.first_use import made as known
 from restshape.mesh.advance import MeshUpdate
-from restshape.mesh.moving import MovingMesh
+from restshape.mesh.follower import Follower
 from restshape.policy import Policy
 from restshape.sensitivity.linear_prediction import Prediction
 from restshape.shape.protocol import Session
-from restshape.shape.session import EditFrame
+from restshape.shape.script_frame import ScriptFrame
 
 log = logging.getLogger("restshape.replay")
 
@@ -46,7 +47,7 @@ class PredictedFrames:
     Source: docs/theory/design-derivative.md.
     """
 
-    def __init__(self, analysis: Analysis[Problem], moving: MovingMesh, session: Session, policy: Policy) -> None:
+    def __init__(self, analysis: Analysis[Problem], moving: Follower, session: Session, policy: Policy) -> None:
         if analysis.predictor is None:
             raise UserError(analysis.why_not, "--predict linear", "leave it out")
         if policy.regenerate:
@@ -62,6 +63,7 @@ class PredictedFrames:
         self.active = False
         self.note = ""
         self._before: np.ndarray | None = None
+        self._expected: np.ndarray | None = None
         self._c = (0.0, 0.0)
         self._estimate: tuple[float, float] | None = None
         self._doubt = ""
@@ -72,14 +74,16 @@ class PredictedFrames:
         start = self.made.c if self.made is not None else self._c
         return float(np.hypot(self._c[0] - start[0], self._c[1] - start[1]))
 
-    @property
-    def predicted(self) -> np.ndarray | None:
-        """The prediction that the analysis holds, for `Predictor.error` after the next solve; None: there is none."""
-        return self.predictor.prediction
+    def error(self) -> float:
+        """The relative distance from the solution of the prediction that the frame's solve started from.
 
-    def show(self, edit: EditFrame, mesh_update: MeshUpdate) -> bool:
+        Not a number where it did not, or the nodes of the prediction are no longer those of the solution.
+        """
+        return nan if self._expected is None else self.predictor.error(self._expected)
+
+    def show(self, edit: ScriptFrame, mesh_update: MeshUpdate) -> bool:
         """Whether a frame is shown without a solve; the analysis then holds its predicted values."""
-        made = self.made
+        made, self._expected = self.made, None
         if made is None or edit.gesture is not made.gesture or mesh_update.level > 1 or edit.do == "analyse":
             return False
         if edit.change == "move":
@@ -109,12 +113,18 @@ class PredictedFrames:
         log.info("Frame %s", self._doubt)
         return False
 
-    def start(self, edit: EditFrame) -> None:
-        """Let the solve of a frame start at its prediction, where there is one."""
+    def start(self, edit: ScriptFrame, stays: bool) -> None:
+        """Let the solve of a frame start at its prediction, where there is one.
+
+        Args:
+            edit: the frame.
+            stays: its nodes are those of the frame before, so that its solution can be compared with the prediction.
+        """
         self._before = None
         if self.made is not None and edit.change == "move" and edit.gesture is self.made.gesture:
             self._before = self.predictor.values()
             self.predictor.set_values(self.made(edit.c))
+        self._expected = self.predictor.prediction if stays else None
 
     def rollback(self) -> None:
         """Show again what was shown before the last frame, whose solve has failed."""
@@ -122,7 +132,7 @@ class PredictedFrames:
             self.predictor.set_values(self._before)
         self.note, self._doubt, self._before = "", "", None
 
-    def set_expansion_point(self, edit: EditFrame, idle: bool) -> None:
+    def set_expansion_point(self, edit: ScriptFrame, idle: bool) -> None:
         """Take a frame that has been solved to predict the next ones from.
 
         Args:
@@ -142,14 +152,15 @@ class PredictedFrames:
                 self.note = ARC
                 log.info("%4d Frames %s", edit.index, self.note)
             return
-        if self.moving.relocation == "laplacian":
-            self.note = SPRINGS
-            log.info("%4d Frames %s", edit.index, self.note)
-            return
         try:
-            s = self.predictor.derivative(self.moving.field_motion, edit.scene.solve.tolerance)
+            motion = self.moving.linear_motion
+            s = None if motion is None else self.predictor.derivative(motion, edit.scene.solve.tolerance)
         except ReplayProblem as problem:
             self.note = f"not predicted: {problem}"
+            log.info("%4d Frames %s", edit.index, self.note)
+            return
+        if s is None:
+            self.note = SPRINGS
             log.info("%4d Frames %s", edit.index, self.note)
             return
         log.info("%4d Expansion point of the frames that follow", edit.index)

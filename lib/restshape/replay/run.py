@@ -49,7 +49,7 @@ def run_replay(
     comm = PETSc.COMM_WORLD
     first = comm.rank == 0
     replay = _replay(request, recorder)
-    singular = replay.singular
+    singular = replay.errors.singular
     if recorder:
         recorder.add_header(_surroundings(comm) | {"singular": singular})
     check = Parity(replay) if parity else None
@@ -86,7 +86,7 @@ def run_replay(
 def _replay(request: Request, recorder: Recorder | None) -> Replay:
     """The replay, with its solvers set up."""
     try:
-        return Replay.of(request, PETSc.COMM_WORLD, recorder)
+        return Replay(request, PETSc.COMM_WORLD, recorder)
     except PETSc.Error as error:
         if not request.petsc:
             raise

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
-from restshape.shape.script_session import ScriptFrame
+from restshape.shape.script_frame import ScriptFrame
 
 
 class Session(Protocol):

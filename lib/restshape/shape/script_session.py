@@ -17,6 +17,7 @@ from restshape.scene.event_line import Analyse, EventLine, Idle, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.source import split_key
 from restshape.shape.gesture import Gesture
+from restshape.shape.script_frame import ScriptFrame
 
 FRAME_TIME = 1.0 / 60.0
 """Edit time of a frame [s] where the script leaves room for it."""
@@ -31,34 +32,6 @@ STILL = (0.0, 0.0)
 Edited = TypeVar("Edited")
 State = tuple[Edited, Scene]
 """What an undo brings back: what is edited, and the scene."""
-
-
-@dataclass(slots=True)
-class ScriptFrame:
-    """One frame of a session.
-
-    Args:
-        index: from 0.
-        t: edit time [s].
-        line: of the script, 0 for the start.
-        do: the event's kind, "start" for frame 0.
-        change: "start", "none", "move" (along the gesture), "shape" (another layout, or other parts), "values"
-            (materials, loads, ...) or "mesh" (mesh settings).
-        gesture: the motion of a "move", given already at the press; None where there is none.
-        c: its coefficients.
-        scene: what else holds.
-        refused: why the event changed nothing; None when it was carried out.
-    """
-
-    index: int
-    t: float
-    line: int
-    do: str
-    change: str
-    gesture: Gesture | None
-    c: tuple[float, float]
-    scene: Scene
-    refused: str | None
 
 
 @dataclass(slots=True)

@@ -47,7 +47,8 @@ from restshape.shape.outline import Entity, Outline
 from restshape.shape.pin_drag import begin_space_grab
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
-from restshape.shape.script_session import STILL, GrabbedStep, ScriptFrame, ScriptSession, State, Step
+from restshape.shape.script_frame import ScriptFrame
+from restshape.shape.script_session import STILL, GrabbedStep, ScriptSession, State, Step
 from restshape.shape.space_grab import SpaceGrab
 from restshape.shape.validity import MotionCheck, beyond_reach, problem
 
@@ -61,18 +62,13 @@ Coefficients = Callable[[float], tuple[float, float]]
 
 @dataclass(slots=True)
 class EditFrame(ScriptFrame):
-    """One frame of a session of shapes.
+    """One frame of a session of shapes, which always has an outline.
 
     Args:
-        outline: the valid shape of this frame.
-        analysed: whether the script asks for a solution of this frame.
-        edit_ended: nothing moves in it, or it is the last one of an event while no hand holds the shape.
         hand: what the hand holds, and where it is [m]; None where it holds nothing.
     """
 
     outline: Outline
-    analysed: bool = True
-    edit_ended: bool = False
     hand: tuple[str, tuple[float, float]] | None = None
 
 
@@ -128,9 +124,9 @@ class EditSession(ScriptSession[Outline]):
             self.scene,
             step.refused,
             self.outline,
-            analysed,
-            edit_ended,
             hand,
+            analysed=analysed,
+            edit_ended=edit_ended,
         )
 
     def _carried_out(self, event: EventLine) -> Iterator[Step]:

@@ -10,8 +10,9 @@ from petsc4py import PETSc
 from restshape.analysis.row_values import whole
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.policy import Policy, policy
+from restshape.policy import policy
 from restshape.replay.loop import Replay
+from restshape.replay.request import Request
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene, ShapeSpec
@@ -90,7 +91,7 @@ class Sweep:
             run.status, run.why = UNSOLVED, _plain(error)
             return False
         self._replay = replay
-        self.singular = replay.singular | self.singular
+        self.singular = replay.errors.singular | self.singular
         return True
 
     def _read(self, run: SweptRun) -> tuple[Scene, Script]:
@@ -111,13 +112,16 @@ class Sweep:
         Raises:
             UserError: the scene cannot be simulated.
         """
-        chosen: Policy = policy(self.request.policy or scene.solve.policy, self.request.guess)
-        app = application(scene.app)
-        replay = Replay(scene, script, app, chosen, PETSc.COMM_WORLD, self.request.calibration)
+        replay = Replay(self._asked(scene, script), PETSc.COMM_WORLD)
         self._moved, self._start = False, None
         if (outline := replay.session.outline) is not None:
             self._start = scene.shape, outline
         return replay
+
+    def _asked(self, scene: Scene, script: Script) -> Request:
+        """What the replay of a run is asked for."""
+        chosen = policy(self.request.policy or scene.solve.policy, self.request.guess)
+        return Request(scene, script, application(scene.app), chosen, self.request.calibration)
 
     def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
         """Has the replay of the last run go on to this scene; false where it cannot."""
@@ -135,7 +139,7 @@ class Sweep:
             session = FollowingSession(scene, script, app, before, self.request.edits is not None, known)
             if imported and session.first_change != "values":
                 return False
-            replay.follow(session, scene, app)
+            replay.follow(session, self._asked(scene, script))
         except UserError:
             # A replay of its own says what is wrong.
             return False

@@ -1,0 +1,87 @@
+"""What is known of the errors of frames, measured off their time."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import TYPE_CHECKING
+
+from restshape.analysis.analysis import Context
+from restshape.replay.columns import ESTIMATES
+from restshape.replay.constraints import limits_of
+from restshape.replay.error_columns import QuantityErrorColumns, singular_quantities
+from restshape.replay.mesh_jumps import MeshJumps
+from restshape.replay.uncertain_limits import UncertainLimits
+
+if TYPE_CHECKING:
+    from petsc4py import PETSc
+
+    from restshape.algebra.stages import Stages
+    from restshape.analysis.row_values import RowValues
+    from restshape.replay.replay_parts import ReplayParts
+    from restshape.replay.request import Request
+    from restshape.shape.protocol import Session
+    from restshape.shape.script_frame import ScriptFrame
+
+
+class FrameErrors:
+    """Estimates the errors of each frame of a replay, and of its quantities.
+
+    Args:
+        request: of the replay.
+        comm: of the replay; stages: likewise.
+        parts: of the replay.
+
+    Raises:
+        UserError: errors, or jumps, of quantities cannot be estimated.
+
+    Attributes:
+        estimating: errors are estimated beside each frame.
+        singular: quantities without a limit under refinement on the first shape, with the exponent of displacements.
+        jumps: of quantities where the mesh changes.
+    """
+
+    def __init__(self, request: Request, comm: PETSc.Comm, stages: Stages, parts: ReplayParts) -> None:
+        self.analysis, self.prediction = parts.analysis, parts.prediction
+        self.estimating = True
+        self.follow(parts.session, request)
+        context = Context(comm, request.policy, request.calibration, stages)
+        self.jumps = MeshJumps(request.scene, request.application, parts.analysis, context)
+
+    def follow(self, session: Session, request: Request) -> None:
+        """Goes on with another session.
+
+        Raises:
+            UserError: errors of quantities cannot be estimated.
+        """
+        scene, application = request.scene, request.application
+        self.singular = singular_quantities(scene, application, session)
+        self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.singular)
+        self.uncertain_limits = UncertainLimits(limits_of(scene.quantities), self.singular)
+
+    def add_to(self, row: RowValues, edit: ScriptFrame, answered: bool) -> None:
+        """Put a frame's errors into its row.
+
+        Args:
+            row: of the frame; edit: the frame.
+            answered: it shows an answer of its own.
+        """
+        row.update(self._estimates(row, answered))
+        if self.estimating and answered:
+            row.update(self.quantity_errors(row))
+            row.update(self.jumps(edit, row))
+            row.update(self.uncertain_limits(row))
+
+    def _estimates(self, row: RowValues, answered: bool) -> dict[str, float]:
+        """What is known of the error of the frame's answer; not numbers where it has none of its own."""
+        found = dict.fromkeys(ESTIMATES, nan)
+        if not answered or not (self.estimating or row["predicted"]):
+            return found
+        errors = self.analysis.errors()
+        if self.prediction and row["predicted"]:
+            self.prediction.estimated(errors.get("estimate", nan))
+        if not self.estimating:
+            return found
+        found.update(errors)
+        if self.prediction:
+            found["prediction_error"] = self.prediction.error()
+        return found

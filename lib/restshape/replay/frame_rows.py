@@ -1,0 +1,94 @@
+"""The rows of frames: what all applications report of each, and what one of them adds."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import TYPE_CHECKING
+
+from restshape.analysis.row_values import findings_in
+from restshape.fem.observer import areas
+from restshape.findings import encode_findings
+from restshape.replay.constraints import (
+    constraint_status,
+    formatted_constraint,
+    joined,
+    limits_of,
+    violated_constraints,
+)
+from restshape.replay.rows import without_values
+
+if TYPE_CHECKING:
+    from restshape.algebra.linear_report import LinearReport
+    from restshape.analysis.row_values import RowValues
+    from restshape.mesh.advance import MeshUpdate
+    from restshape.replay.frame_solver import FrameSolver
+    from restshape.scene.model import Scene
+    from restshape.shape.script_frame import ScriptFrame
+
+
+class FrameRows:
+    """Makes the row of each frame, but for its times and what is measured off its time.
+
+    Args:
+        solver: of the frames.
+        scene: whose quantities have limits.
+    """
+
+    def __init__(self, solver: FrameSolver, scene: Scene) -> None:
+        self.solver, self.analysis, self.prediction = solver, solver.analysis, solver.prediction
+        self.limits = limits_of(scene.quantities)
+
+    def observed(self, scene: Scene, refused: str) -> dict[str, float]:
+        """The quantities of a frame; no numbers in a refused one, whose last solution is of another shape."""
+        if refused:
+            return dict.fromkeys(scene.quantities, nan)
+        if self.solver.known:
+            return self.analysis.observe()
+        return areas(self.solver.moving.field_mesh, scene.quantities)
+
+    def __call__(
+        self,
+        edit: ScriptFrame,
+        mesh_update: MeshUpdate,
+        report: LinearReport,
+        quantities: dict[str, float],
+        refused: str,
+    ) -> RowValues:
+        """The row of a frame.
+
+        Args:
+            edit: the frame; mesh_update: what it did to the mesh; report: what its solve did.
+            quantities: of `observed`.
+            refused: why it shows the last solution; empty where it has one.
+        """
+        solver = self.solver
+        violated = violated_constraints(self.limits, quantities) if quantities else ()
+        row: RowValues = {
+            "index": edit.index,
+            "t": edit.t,
+            "line": edit.line,
+            "event": edit.do,
+            "level": mesh_update.level,
+            "flips": mesh_update.flips,
+            "min_quality": mesh_update.min_quality,
+            "pc_age": report.age,
+            "pc_rebuilt": int(report.refreshed),
+            "iterations": report.iterations,
+            "newton": report.newton,
+            "preconditioner": report.preconditioner,
+            "unknowns": self.analysis.unknowns,
+            "elements": len(solver.space.cells if solver.known else solver.moving.mesh.cells),
+            "note": self.prediction.note if self.prediction else "",
+            "constraint_status": constraint_status(self.limits, quantities),
+            "violated_constraints": "; ".join(map(formatted_constraint, violated)),
+            "findings": violated,
+            **{f"q_{name}": value for name, value in quantities.items()},
+            "predicted": int(solver.predicted),
+            "refused": refused,
+            "stale": int(bool(refused)),
+        }
+        if solver.known:
+            own = self.analysis.row()
+            row.update(joined(row, without_values(own) if refused else own))
+        row["findings"] = encode_findings(findings_in(row))
+        return row

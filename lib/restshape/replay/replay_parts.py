@@ -1,0 +1,55 @@
+"""The parts of a replay: session, mesh, analysis and prediction, which know nothing of each other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from restshape.analysis.analysis import Context
+from restshape.analysis.made_analysis import made_analysis
+from restshape.errors import UserError
+from restshape.replay.predicted_frames import PredictedFrames
+
+if TYPE_CHECKING:
+    from petsc4py import PETSc
+
+    from restshape.algebra.stages import Stages
+    from restshape.analysis.analysis import Analysis
+    from restshape.fem.problem import Problem
+    from restshape.mesh.follower import Follower
+    from restshape.replay.request import Request
+    from restshape.shape.protocol import Session
+
+
+class ReplayParts(NamedTuple):
+    """What a replay goes from frame to frame with.
+
+    Args:
+        session: gives the frames; moving: follows them; analysis: solves them.
+        prediction: shows some of them without a solve; None: all are solved.
+    """
+
+    session: Session
+    moving: Follower
+    analysis: Analysis[Problem]
+    prediction: PredictedFrames | None
+
+
+def replay_parts(request: Request, comm: PETSc.Comm, stages: Stages) -> ReplayParts:
+    """The parts of the replay that is asked for.
+
+    Args:
+        request: what is to be replayed.
+        comm: whose ranks share mesh and algebra.
+        stages: takes the time of each stage.
+
+    Raises:
+        UserError: no valid first shape, or what is to be predicted cannot be.
+    """
+    scene, application, policy = request.scene, request.application, request.policy
+    session, moving = application.editing.start(scene, request.script, application, policy, comm)
+    analysis = made_analysis(scene, application, Context(comm, policy, request.calibration, stages))
+    if request.predict != "linear":
+        return ReplayParts(session, moving, analysis, None)
+    if request.script.header.analysis != "every frame":
+        raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")
+    return ReplayParts(session, moving, analysis, PredictedFrames(analysis, moving, session, policy))
