@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape import _kernels
-from restshape.mesh.lagrange_space import LagrangeSpace, quadratic_basis
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.quadratic_basis import quadratic_basis
 
 SLOPES = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
 """Of the three basis functions of a first-order triangle, with respect to reference coordinates."""

@@ -4,8 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from restshape.mesh.lagrange_space import LagrangeSpace, quadratic_basis
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.quadrature import DEGREE_4, collapsed
 
 Field = Callable[[np.ndarray], np.ndarray]

@@ -7,9 +7,10 @@ from test_moving import Hand, plate
 
 from restshape import _kernels
 from restshape.mesh.generate import generate
-from restshape.mesh.lagrange_space import MIN_JACOBIAN, LagrangeSpace, interpolated, quadratic_basis
+from restshape.mesh.lagrange_space import MIN_JACOBIAN, LagrangeSpace, interpolated
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import MovingMesh
+from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.transfer import Transfer, transfer

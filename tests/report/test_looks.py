@@ -11,7 +11,7 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.outputs.picture_files import SOURCE
 from restshape.replay.recording import Recording
-from restshape.report.overlay import Overlay, follow, rebuilt_frames
+from restshape.report.scene_overlay import Overlay, follow, rebuilt_frames
 from restshape.report.scenery import scenery
 from restshape.report.survey import known_displacement
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from clear_figures import check_figure
 from PIL import Image
 
 from restshape.outputs import picture_files
@@ -38,6 +39,7 @@ def test_lines_are_the_recorded_values_over_simulated_time(tmp_path, monkeypatch
     with record(tmp_path / "a.vtkhdf", {"time": float}) as recording:
         assert draw_history(recording, tmp_path / "history.png")
         times = recording.table["time"]
+    check_figure(figures[0])
     axes = figures[0].axes[0]
     (line,) = (one for one in axes.get_lines() if len(one.get_xdata()) == 12)
     np.testing.assert_allclose(line.get_xdata(), times)

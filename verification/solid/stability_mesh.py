@@ -7,7 +7,7 @@ from restshape_studies.stability.case import Case, Row, Statement, Trial, above,
 from restshape_studies.stability.scenery import CLAMPED, PULLED, QUANTITIES, STEEL, across, block, drag, meshed, rows_of
 from restshape_verification.solid.hard_scenes import HEAD, plate
 
-from restshape.mesh.lagrange_space import quadratic_basis
+from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.policy import POLICIES
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity

@@ -5,8 +5,8 @@ from typing import cast
 import numpy as np
 
 from restshape.fem.mass import MassMatrix
-from restshape.mesh.lagrange_space import quadratic_basis
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.quadrature import DEGREE_4
 from restshape.mesh.transfer import Transfer
 

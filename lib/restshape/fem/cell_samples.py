@@ -9,7 +9,7 @@ from restshape import _kernels
 from restshape.fem.entity_sets import cells_on
 from restshape.fem.nodal_values import Nodal, varies
 from restshape.fem.space import Space
-from restshape.mesh.lagrange_space import quadratic_basis
+from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.scene.expressions import Value
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from restshape.fem.facets import facet_basis
 from restshape.fem.observer import REDUCTIONS, Function
 from restshape.fem.space import PlaneSpace
-from restshape.mesh.lagrange_space import quadratic_basis
+from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.scene.model import Quantity
 
 PARTS = 10

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.mesh.lagrange_space import LagrangeSpace, quadratic_basis
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.nested import NestedMesh
+from restshape.mesh.quadratic_basis import quadratic_basis
 
 if TYPE_CHECKING:
     import scipy.sparse as sp

@@ -25,6 +25,8 @@ from restshape.replay.vtkhdf import FORMAT, PARTS, checksum
 from restshape.scene.plain_values import Table
 
 _ATTEMPTS, _PAUSE = 20, 0.05
+ARRAYS = ("Points", "Connectivity", "Types", "Offsets")
+"""Of all frames, in which each has a place."""
 
 
 class FieldInfo(NamedTuple):
@@ -95,10 +97,10 @@ class Recording:
         raise UserError("this recording is still being written", str(self.path), "wait for its replay to end")
 
     def _read_frame_index(self) -> None:
-        own, self._root = self._file["restshape"], self._file["VTKHDF"]
+        own, root = self._file["restshape"], self._file["VTKHDF"]
         if own.attrs["format"] != FORMAT:
             raise ValueError(f"format {own.attrs['format']}, this program reads {FORMAT}")
-        steps = self._root["Steps"]
+        steps = root["Steps"]
         self.n = int(steps.attrs["NSteps"])
         data = bytes(own["header"][()])
         if "header_checksum" in own.attrs and int(own.attrs["header_checksum"]) != zlib.crc32(data):
@@ -119,13 +121,14 @@ class Recording:
         self.old_names = {new: old for new, old in ALIASES.items() if new in self.table and new not in stored}
         places = {name: item for name, item in steps.items() if isinstance(item, h5py.Dataset)}
         self._steps = {name: place[: self.n].reshape(-1) for name, place in places.items()}
-        self._parts = {name: self._root[name][()] for name in PARTS}
+        self._parts = {name: root[name][()] for name in PARTS}
+        self._data = {name: root[name] for name in ARRAYS if name in root}
         if "Values" not in self._steps or min(map(len, (self._rows, *self._steps.values()))) < self.n:
             raise ValueError("frames are missing")
         self.fields: dict[str, FieldInfo] = {}
         self._stored: dict[str, StoredField] = {}
         for group, where in (("PointData", "point_data"), ("CellData", "cell_data")):
-            for name, dataset in sorted(self._root[group].items(), key=lambda item: item[1].attrs["order"]):
+            for name, dataset in sorted(root[group].items(), key=lambda item: item[1].attrs["order"]):
                 attributes = dataset.attrs
                 ((today, _),) = renamed({name: name}).items()
                 self.fields[today] = FieldInfo(where, int(attributes["components"]), int(attributes["first_frame"]))
@@ -148,12 +151,12 @@ class Recording:
             ids % np.maximum(cells, 1)
         ).any():
             raise ValueError("cells have no known number of nodes")
-        refuse_bad_places(self._steps["ConnectivityIdOffsets"], ids, len(self._root["Connectivity"]), "cells")
-        refuse_bad_places(self._steps["CellOffsets"], cells, len(self._root["Types"]), "cells")
-        if self.n and (self._root["Points"].ndim != 2 or self._root["Points"].shape[1] != 3):
+        refuse_bad_places(self._steps["ConnectivityIdOffsets"], ids, len(self._data["Connectivity"]), "cells")
+        refuse_bad_places(self._steps["CellOffsets"], cells, len(self._data["Types"]), "cells")
+        if self.n and (self._data["Points"].ndim != 2 or self._data["Points"].shape[1] != 3):
             raise ValueError("points have no three components")
         if self.n:
-            refuse_bad_places(self._steps["PointOffsets"], points, len(self._root["Points"]), "points")
+            refuse_bad_places(self._steps["PointOffsets"], points, len(self._data["Points"]), "points")
         for name, (dataset, starts) in self._stored.items():
             info = self.fields[name]
             if len(starts) < self.n or not 0 <= info.first_frame <= self.n:
@@ -205,12 +208,12 @@ class Recording:
         i = self._frame(i)
         part = self.topology(i)
         start, count = self._steps["ConnectivityIdOffsets"][i], self._parts["NumberOfConnectivityIds"][part]
-        flat = self._root["Connectivity"][start : start + count]
+        flat = self._data["Connectivity"][start : start + count]
         return flat.astype(np.int32).reshape(self._parts["NumberOfCells"][part], -1)
 
     def cell_type(self, i: int) -> int:
         """VTK's number for the cells of frame i."""
-        return int(self._root["Types"][self._steps["CellOffsets"][self._frame(i)]])
+        return int(self._data["Types"][self._steps["CellOffsets"][self._frame(i)]])
 
     @property
     def rows(self) -> np.ndarray:
@@ -221,7 +224,7 @@ class Recording:
         """The (n, dimension) rest positions of frame i [m]."""
         i = self._frame(i)
         start, count = self._steps["PointOffsets"][i], self._parts["NumberOfPoints"][self.topology(i)]
-        return np.ascontiguousarray(self._root["Points"][start : start + count, : self.dimension])
+        return np.ascontiguousarray(self._data["Points"][start : start + count, : self.dimension])
 
     def mesh(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Rest positions (n, dimension) [m] and cells (ne, nodes) of frame i."""
@@ -252,10 +255,11 @@ class Recording:
         for i in range(self.n):
             try:
                 part = self.topology(i)
+                points, cells = self.mesh(i)
                 if part not in topologies:
-                    topologies[part] = checksum(0, self.cells(i).tobytes(), [])
-                arrays = [self.points(i), *(self.field(i, k) for k, f in self.fields.items() if f.first_frame <= i)]
-                good = bool(np.isfinite(arrays[0]).all()) and self._cells_fit(i) and self._cells_are_typed(i)
+                    topologies[part] = checksum(0, cells.tobytes(), [])
+                arrays = [points, *(self.field(i, k) for k, f in self.fields.items() if f.first_frame <= i)]
+                good = bool(np.isfinite(points).all()) and _fit(cells, points) and self._are_typed(i, cells)
                 code = checksum(topologies[part], self._rows[i].tobytes()[:-4], arrays)
             except (OSError, ValueError, IndexError, RuntimeError):
                 code, good = -1, False
@@ -263,18 +267,13 @@ class Recording:
                 damaged.append(i)
         return damaged
 
-    def _cells_fit(self, i: int) -> bool:
-        """Whether the cells of frame i refer to points that it has."""
-        cells = self.cells(i)
-        return not cells.size or (cells.min() >= 0 and int(cells.max()) < len(self.points(i)))
-
-    def _cells_are_typed(self, i: int) -> bool:
+    def _are_typed(self, i: int, cells: np.ndarray) -> bool:
         """Whether VTK's types and offsets of the cells of frame i are those of cells with so many nodes."""
         part, start = self.topology(i), self._steps["CellOffsets"][i]
-        count, width = self.cells(i).shape
-        types = self._root["Types"][start : start + count]
+        count, width = cells.shape
+        types = self._data["Types"][start : start + count]
         # Each topology has one offset more than cells.
-        offsets = self._root["Offsets"][start + part : start + part + count + 1]
+        offsets = self._data["Offsets"][start + part : start + part + count + 1]
         return bool((types == CELL_TYPES[width]).all()) and np.array_equal(offsets, np.arange(count + 1) * width)
 
     def _frame(self, i: int) -> int:
@@ -291,6 +290,11 @@ class Recording:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _fit(cells: np.ndarray, points: np.ndarray) -> bool:
+    """Whether cells refer to points that are there."""
+    return not cells.size or (cells.min() >= 0 and int(cells.max()) < len(points))
 
 
 def _column(values: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Time a level, stacked by stage: the thesis's figure 4.2 for any recording."""
 
+from math import ceil
 from pathlib import Path
 from textwrap import shorten
 
@@ -9,8 +10,12 @@ from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import counted
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
+from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import FAINT, INK, LEVEL_NAMES, STAGES, new_figure
 from restshape.report.tables import column, level_table
+
+COLUMNS = 6
+"""Of the legend."""
 
 
 def stage_shares(recording: Recording, level: int) -> dict[str, float]:
@@ -53,5 +58,6 @@ def draw_levels(recording: Recording, path: Path) -> None:
     figure.suptitle(f"{name}: time a level, stages by their share of it", x=0.01, ha="left", color=INK)
     if drawn:
         order = [name for name in STAGES if name in drawn]
-        figure.legend([drawn[name] for name in order], order, loc="outside lower center", ncols=6)
+        figure.legend([drawn[name] for name in order], order, loc="lower center", ncols=COLUMNS)
+    stack_panels(figure, [axes], [1], [0.0], ceil(len(drawn) / COLUMNS))
     save_picture(figure, path)

@@ -14,6 +14,7 @@ from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
 from restshape.report.frames import scene_name
 from restshape.report.recorded_quantities import limits_of, quantity_units
+from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import GOAL, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure
 from restshape.report.tables import column, quantity_scales, refused, singular
 from restshape.scene.quantity import limit_digits
@@ -21,6 +22,8 @@ from restshape.scene.quantity import limit_digits
 JUMP = jump_column("")
 EACH, FRAMED = 1.35, 1.3
 """Height of a panel, and of what is around them [inch]."""
+NAMED = 0.24
+"""Height of the name above a panel [inch]."""
 LEAST_SPAN = 1e-4
 """Least span of an axis, over the size of its values."""
 BAND = "#c6dbef"
@@ -60,8 +63,8 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     left_out = f", {len(names) - MOST} more quantities are not shown" if len(names) > MOST else ""
     title = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{title}: {recording.summary}{left_out}", x=0.01, ha="left", color=INK)
-    _legend(panels[0], recording, bool(limits), stopped)
-    figure.align_ylabels()
+    legend = _legend(panels[0], recording, bool(limits), stopped)
+    stack_panels(figure, panels, [1] * len(shown), [NAMED] * len(shown), legend)
     save_picture(figure, path)
     return True
 
@@ -137,8 +140,8 @@ def _shade(axes: Axes, frames: np.ndarray) -> None:
         axes.axvspan(run[0] - 0.5, run[-1] + 0.5, color=REFUSED, alpha=0.18, linewidth=0, zorder=0)
 
 
-def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray) -> None:
-    """The legend below all panels: of what occurs."""
+def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray) -> int:
+    """The legend below all panels, of what occurs; its lines."""
     level = column(recording, "level")
     names = [key[2:] for key in recording.table if key.startswith("q_")]
     if any(np.isfinite(column(recording, error_column(name))).any() for name in names):
@@ -154,4 +157,5 @@ def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray
         axes.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3, label=f"refused ({stopped.sum()}), no value")
     handles, names = axes.get_legend_handles_labels()
     if names:
-        axes.figure.legend(handles, names, loc="outside lower center", ncols=len(names))
+        axes.figure.legend(handles, names, loc="lower center", ncols=len(names))
+    return 1 if names else 0

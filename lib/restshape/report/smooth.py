@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from restshape.mesh.lagrange_space import quadratic_basis
+from restshape.mesh.quadratic_basis import quadratic_basis
 
 ENOUGH = 6000
 """Small triangles of a picture at least, where cells are few."""

@@ -13,11 +13,14 @@ from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.quantity_panels import draw_limits, least_span
 from restshape.report.recorded_quantities import limits_of, quantity_units
+from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import INK, LEVELS, new_figure
 from restshape.report.tables import column, refused
 
 EACH, AROUND = 1.5, 1.6
 """Height of a panel, and of what is around them [inch]."""
+EDITS, GAP, RIGHT = 0.45, 0.2, 0.2
+"""Height of the axis of edit times, room between panels, and for half of its last number [inch]."""
 MOST = 8
 """Quantities in a picture."""
 LETTERS = 18
@@ -56,8 +59,9 @@ def draw_history(recording: Recording, path: Path) -> bool:
     figure.suptitle(f"{title}: {recording.summary}, a value every {step}{left_out}", x=0.01, ha="left", color=INK)
     if edited:
         panels[0].fill_between([], [], [], color=EDITED, label="shape or values edited")
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center")
-    figure.align_ylabels()
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center")
+    above = [EDITS, *[GAP] * (len(shown) - 1)]
+    stack_panels(figure, panels, [1] * len(shown), above, int(bool(edited)), RIGHT)
     save_picture(figure, path)
     return True
 

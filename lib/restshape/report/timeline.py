@@ -1,5 +1,6 @@
 """Level, time and iterations against the frame."""
 
+from math import ceil
 from pathlib import Path
 from textwrap import shorten
 
@@ -11,6 +12,7 @@ from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
+from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
 from restshape.report.tables import column, jumped, predicted, refused, with_values
 
@@ -18,6 +20,8 @@ STATUS_MARKS = {UNCERTAIN: ("limit within the error", "d", RESTLESS), FAILS: ("l
 """By constraint status: its name in the legend, its mark, its colour."""
 LARGE_JUMP = 0.005
 """Jumps of a quantity where the mesh changes are marked from this share of its value on."""
+COLUMNS, GAP = 4, 0.12
+"""Of the legend; between panels [inch]."""
 NARROW, WIDE = 5.0, 100.0
 """Below the first ratio of the times their axis is linear, from the second on decades alone have labels."""
 
@@ -69,8 +73,8 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         handles.append(levels.axvspan(np.nan, np.nan, color=RESTLESS, alpha=0.3))
         names.append(f"not converged ({restless.sum()})")
     handles, names = handles + list(statuses.values()), names + list(statuses)
-    figure.legend(handles, names, loc="outside lower center", ncols=min(len(names), 4))
-    figure.align_ylabels()
+    figure.legend(handles, names, loc="lower center", ncols=min(len(names), COLUMNS))
+    stack_panels(figure, panels, shown, [0.0, *[GAP] * (len(panels) - 1)], ceil(len(names) / COLUMNS))
     save_picture(figure, path)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.mesh.lagrange_space import quadratic_basis
+from restshape.mesh.quadratic_basis import quadratic_basis
 
 CENTROID = np.full((1, 2), 1.0 / 3.0)
 CORNERS = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
