@@ -90,11 +90,20 @@ def excused(kind: ast.ClassDef, lines: list[str]) -> bool:
     return any(EXCUSED_ATTRIBUTES.match(line) for line in lines[max(first - 2, 0) : kind.end_lineno])
 
 
+Trees = dict[Path, ast.Module]
+
+
+@pytest.fixture(scope="module")
+def trees() -> Trees:
+    """The library's files, parsed."""
+    return {path: ast.parse(path.read_text(encoding="utf-8")) for path in LIBRARY.rglob("*.py")}
+
+
 @pytest.mark.slow
-def test_no_class_and_no_module_knows_too_much_without_saying_why():
+def test_no_class_and_no_module_knows_too_much_without_saying_why(trees):
     paths = [path for room in ROOMS for path in room.rglob("*.py") if "tests" not in path.parts[-3:]]
     texts = {path: path.read_text(encoding="utf-8") for path in paths}
-    trees = {path: ast.parse(text) for path, text in texts.items()}
+    trees = {path: trees.get(path) or ast.parse(text) for path, text in texts.items()}
     known = {name: kind for tree in reversed(trees.values()) for name, kind in classes_of(tree).items()}
     for path, tree in trees.items():
         assert len(imported(tree)) <= MOST or EXCUSED_MODULES.search(texts[path]), path
@@ -120,13 +129,8 @@ def doubled(names: Iterable[tuple[str, Path]]) -> dict[str, list[str]]:
 
 
 @pytest.mark.slow
-def test_no_two_classes_of_the_library_have_the_same_name():
-    kinds = (
-        (node.name, path)
-        for path in LIBRARY.rglob("*.py")
-        for node in ast.parse(path.read_text(encoding="utf-8")).body
-        if isinstance(node, ast.ClassDef)
-    )
+def test_no_two_classes_of_the_library_have_the_same_name(trees):
+    kinds = ((node.name, path) for path, tree in trees.items() for node in tree.body if isinstance(node, ast.ClassDef))
     assert not doubled(kinds)
 
 
@@ -188,19 +192,19 @@ CAPABILITIES = {"Differentiable", "Extreme"}
 
 
 @pytest.mark.slow
-def test_nothing_is_dispatched_on_classes_of_analyses_meshes_and_spaces():
+def test_nothing_is_dispatched_on_classes_of_analyses_meshes_and_spaces(trees):
     """What differs between them is a method of theirs, or a member of a protocol."""
     kinds = {
         node.name
-        for room in CLASSES
-        for path in (LIBRARY / room).rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for path, tree in trees.items()
+        if path.relative_to(LIBRARY).parts[0] in CLASSES
+        for node in ast.walk(tree)
         if isinstance(node, ast.ClassDef)
     } - CAPABILITIES
     asked = [
         f"{path.relative_to(LIBRARY)}:{node.lineno}: {ast.unparse(node)}"
-        for path in LIBRARY.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for path, tree in trees.items()
+        for node in ast.walk(tree)
         if isinstance(node, ast.Call)
         and name_of(node.func) in ("isinstance", "issubclass")
         and kinds & {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
