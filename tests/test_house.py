@@ -186,13 +186,13 @@ def test_elements_are_symbols():
     assert found == [], "take them from restshape.fem.elements"
 
 
-CLASSES = ("analysis", "mesh", "fem")
+CLASSES = ("analysis", "mesh", "fem", "shape")
 CAPABILITIES = {"Differentiable", "Extreme"}
 """What functions of a state can do besides: it is asked of them."""
 
 
 @pytest.mark.slow
-def test_nothing_is_dispatched_on_classes_of_analyses_meshes_and_spaces(trees):
+def test_nothing_is_dispatched_on_classes_of_analyses_meshes_spaces_and_shapes(trees):
     """What differs between them is a method of theirs, or a member of a protocol."""
     kinds = {
         node.name

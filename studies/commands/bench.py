@@ -130,7 +130,7 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
     scripted = kind.scenes != "unscripted"
     if scripted and args.edits and len(args.scenes) != 1:
         raise UserError("a script belongs to one scene", "--edits", "name one scene")
-    meshed = [app for app in applications().values() if app.editing.mesh]
+    meshed = [app for app in applications().values() if app.editing.has_mesh]
     installed = [path for app in meshed for path in app.scenes() if script_of(path) or not scripted]
     paths = args.scenes or installed
     stems = [path.stem for path in paths]

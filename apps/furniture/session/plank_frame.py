@@ -13,6 +13,7 @@ from restshape.shape.script_frame import ScriptFrame
 State = tuple[Design, Scene]
 
 
+# More than 15 attributes: those of a frame of any session, and the piece that it shows.
 @dataclass(slots=True)
 class PlankFrame(ScriptFrame):
     """One frame of a session of furniture; its gesture is the parameter under the hand, at c[0] from its start.

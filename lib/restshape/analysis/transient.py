@@ -136,6 +136,7 @@ class TransientAnalysis:
         shape before is brought to the new mesh.
         """
         self.solve(frame)
+        # Both states are those of an analysis of this kind.
         start = cast(TransientState, before)
         if start is None or start.bound is None:
             return {}

@@ -97,7 +97,7 @@ def require_mesh(scene: Scene, why: str) -> None:
     Raises:
         UserError: its application needs none, and the command has no meaning for it, as `why` reports.
     """
-    if application(scene.app).editing.mesh is None:
+    if not application(scene.app).editing.has_mesh:
         do = "name a scene of another application; restshape replay reports times and residuals of this one"
         raise UserError(f"a scene of {scene.app!r} has no mesh: {why}", str(scene.path), do)
 

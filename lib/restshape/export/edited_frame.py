@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 from restshape.application import application
 from restshape.errors import UserError
@@ -17,7 +16,6 @@ from restshape.scene.load import recorded_scene
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table, table_in
 from restshape.shape.outline import Outline
-from restshape.shape.session import EditFrame
 
 
 @dataclass(frozen=True)
@@ -51,9 +49,10 @@ def frame_of_script(scene: Scene, script: Script, number: int) -> EditedFrame:
     """
     refuse_shapeless(scene)
     imported = None if scene.mesh.file is None else read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit)[1]
-    frames = list(cast(Iterator[EditFrame], session_of(scene, script, imported).frames()))
+    frames = list(session_of(scene, script, imported).frames())
     row = row_of(number, len(frames), "the script")
     frame = frames[row]
+    assert frame.outline is not None, "shapeless scenes are refused"
     return EditedFrame(row, len(frames), frame.t, frame.scene, frame.outline, frame.refused or "")
 
 
@@ -71,7 +70,7 @@ def frame_of_recording(recording: Recording, row: int) -> EditedFrame:
     session = session_of(scene, script_of(recording, scene))
     refused = dict(zip(map(int, recording.table["index"]), _texts(recording, "refused")))
     wanted = int(recording.table["index"][row])
-    for frame in cast(Iterator[EditFrame], session.frames()):
+    for frame in session.frames():
         why = refused.get(frame.index, "")
         if why and not frame.refused and frame.change != "none":
             session.rollback()
@@ -133,7 +132,7 @@ def refuse_shapeless(scene: Scene) -> None:
     Raises:
         UserError: it is one.
     """
-    if application(scene.app).editing.mesh is None:
+    if not application(scene.app).editing.has_outline:
         what = f"a scene of {scene.app!r} has no outline, so that there is no drawing or scene of one"
         raise UserError(what, str(scene.path), "export it as toml, or a recording of it as stl, vtu or csv")
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 from restshape.application import application
 from restshape.errors import UserError
@@ -58,7 +57,7 @@ def restates(scene: Scene) -> bool:
 
 def restated_of_script(scene: Scene, script: Script, number: int) -> RestatedFrame:
     """A frame of a script; arguments and errors as of `frame_of_script`."""
-    frames = list(cast(Iterator[ScriptFrame], session_of(scene, script).frames()))
+    frames = list(session_of(scene, script).frames())
     row = row_of(number, len(frames), "the script")
     return _restated(frames[row], row, len(frames), "")
 
@@ -69,7 +68,7 @@ def restated_of_recording(recording: Recording, row: int) -> RestatedFrame:
     session = session_of(scene, script_of(recording, scene))
     refused = dict(zip(map(int, recording.table["index"]), map(str, recording.table["refused"])))
     wanted = int(recording.table["index"][row])
-    for frame in cast(Iterator[ScriptFrame], session.frames()):
+    for frame in session.frames():
         why = refused.get(frame.index, "")
         if why and not frame.refused and frame.change != "none":
             session.rollback()

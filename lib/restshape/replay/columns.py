@@ -69,12 +69,12 @@ def jump_column(quantity: str) -> str:
 
 def estimated_quantities(scene: Scene, application: Application) -> list[str]:
     """Quantities of which errors are estimated where its analysis can."""
-    return [name for name, one in scene.quantities.items() if one.wants_error] if application.editing.mesh else []
+    return [name for name, one in scene.quantities.items() if one.wants_error] if application.editing.has_mesh else []
 
 
 def jumps_wanted(scene: Scene, application: Application) -> bool:
     """Whether frames report what changes of the mesh alone do to quantities."""
-    has_mesh = application.editing.mesh is not None
+    has_mesh = application.editing.has_mesh
     return scene.solve.jumps is not False and has_mesh and all(one.mesh_jumps for one in application.physics)
 
 

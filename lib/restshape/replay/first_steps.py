@@ -7,7 +7,6 @@ from time import monotonic
 
 from restshape.mesh.sizing import expected_triangles
 from restshape.replay.loop import Replay
-from restshape.shape.outline import Outline
 
 FINE = 10_000
 """Triangles from which on a first frame is expected to take so long that people wonder."""
@@ -40,8 +39,8 @@ class FirstSteps:
 
     def _expected(self) -> float:
         """About how many triangles are made first; 0 where none are, or so few that nobody has asked for a size."""
-        outline, mesh = getattr(self._replay.session, "outline", None), self._replay.session.scene.mesh
-        if not isinstance(outline, Outline) or mesh.file or not mesh.size:
+        outline, mesh = self._replay.session.outline, self._replay.session.scene.mesh
+        if outline is None or mesh.file or not mesh.size:
             return 0.0
         return expected_triangles(outline, mesh.size, mesh.near)[0]
 

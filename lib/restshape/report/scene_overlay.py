@@ -4,7 +4,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -22,7 +22,7 @@ from restshape.report.survey import known_displacement
 from restshape.report.tables import refused
 from restshape.scene.edit_script import Script, read_script
 from restshape.scene.load import recorded_scene
-from restshape.shape.session import EditFrame
+from restshape.shape.script_frame import ScriptFrame
 
 SAME = 1e-6
 """How far vertices that are rebuilt may be from nodes of the recording, over the size of the shape."""
@@ -94,7 +94,7 @@ def _along(field: np.ndarray, sides: np.ndarray) -> np.ndarray:
     return (a[:, None] + SAMPLES[None, :, None] * (b - a)[:, None]).reshape(-1, 2)
 
 
-def rebuilt_frames(recording: Recording, wanted: Sequence[int]) -> dict[int, EditFrame]:
+def rebuilt_frames(recording: Recording, wanted: Sequence[int]) -> dict[int, ScriptFrame]:
     """Frames of the recorded session: scene, outline and hand of each that is wanted.
 
     Raises:
@@ -111,7 +111,7 @@ def rebuilt_frames(recording: Recording, wanted: Sequence[int]) -> dict[int, Edi
     session, stopped, left = session_of(scene, script), refused(recording), set(map(int, wanted))
     if session.outline is None:
         raise UserError("what is recorded has no outline", str(path), "leave --show out")
-    found: dict[int, EditFrame] = {}
+    found: dict[int, ScriptFrame] = {}
     for frame in session.frames():
         if frame.index >= recording.n or not left:
             break
@@ -119,14 +119,14 @@ def rebuilt_frames(recording: Recording, wanted: Sequence[int]) -> dict[int, Edi
             # It had no solution.
             session.rollback()
         if frame.index in left:
-            found[frame.index] = _checked(recording, cast(EditFrame, frame))
+            found[frame.index] = _checked(recording, frame)
             left.remove(frame.index)
     if left:
         raise UserError("its scene and its script make fewer frames now", str(path), "record it again")
     return found
 
 
-def _checked(recording: Recording, frame: EditFrame) -> EditFrame:
+def _checked(recording: Recording, frame: ScriptFrame) -> ScriptFrame:
     """The frame, if its vertices are nodes of the recorded one.
 
     Raises:
@@ -134,6 +134,7 @@ def _checked(recording: Recording, frame: EditFrame) -> EditFrame:
     """
     from scipy.spatial import cKDTree
 
+    assert frame.outline is not None, "what has no outline is refused"
     outline, X = frame.outline, recording.points(frame.index)
     on_edges = sorted({end for edge in outline.edges for end in (edge.start, edge.end)})
     far = cKDTree(X).query(outline.points[on_edges])[0].max()

@@ -219,13 +219,11 @@ class Outline:
         some = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
         raise UserError(f"the shape has no entity named {name!r}", do=f"did you mean {near[0]!r}?" if near else some)
 
-    def control_points(self, entities: Iterable[Entity] | Entity) -> np.ndarray:
+    def control_points(self, entity: Entity) -> np.ndarray:
         """Sorted indices of the control points that a drag of an entity moves: ends and inner points of edges too."""
-        chosen: set[int] = set()
-        for entity in [entities] if isinstance(entities, Entity) else entities:
-            chosen.update(entity.vertices)
-            for e in entity.edges:
-                chosen.update(self.layout.controls[e].tolist())
+        chosen = set(entity.vertices)
+        for e in entity.edges:
+            chosen.update(self.layout.controls[e].tolist())
         return np.array(sorted(chosen), dtype=np.int32)
 
     def point(self, edge: int, s: np.ndarray | float, points: np.ndarray | None = None) -> np.ndarray:

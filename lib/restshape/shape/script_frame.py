@@ -27,6 +27,7 @@ class ScriptFrame:
         outline: the valid shape of this frame; None where what is edited has no outline.
         analysed: whether the script asks for a solution of this frame.
         edit_ended: nothing moves in it, or it is the last one of an event while no hand holds the shape.
+        hand: what the hand holds of an outline or beside it, and where it is [m]; None where it holds nothing there.
     """
 
     index: int
@@ -41,3 +42,4 @@ class ScriptFrame:
     outline: Outline | None = field(default=None, kw_only=True)
     analysed: bool = field(default=True, kw_only=True)
     edit_ended: bool = field(default=False, kw_only=True)
+    hand: tuple[str, tuple[float, float]] | None = field(default=None, kw_only=True)

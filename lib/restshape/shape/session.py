@@ -49,8 +49,9 @@ from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
 from restshape.shape.script_frame import ScriptFrame
 from restshape.shape.script_session import STILL, GrabbedStep, ScriptSession, State, Step
+from restshape.shape.shape_grab import ShapeGrab
 from restshape.shape.space_grab import SpaceGrab
-from restshape.shape.validity import MotionCheck, beyond_reach, problem
+from restshape.shape.validity import MotionCheck, problem, too_far
 
 OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")
 """Events on parts of the shape, never on bodies."""
@@ -62,28 +63,9 @@ Coefficients = Callable[[float], tuple[float, float]]
 
 @dataclass(slots=True)
 class EditFrame(ScriptFrame):
-    """One frame of a session of shapes, which always has an outline.
-
-    Args:
-        hand: what the hand holds, and where it is [m]; None where it holds nothing.
-    """
+    """One frame of a session of shapes, which always has an outline."""
 
     outline: Outline
-    hand: tuple[str, tuple[float, float]] | None = None
-
-
-@dataclass(slots=True)
-class Grab:
-    """What the hand holds: gesture, where it took hold, the state before, a name, and how far it may surely go [m]."""
-
-    gesture: Gesture
-    check: MotionCheck
-    origin: tuple[float, float]
-    cursor: tuple[float, float]
-    before: State[Outline]
-    c: tuple[float, float] = STILL
-    name: str = ""
-    reach: float = 0.0
 
 
 class EditSession(ScriptSession[Outline]):
@@ -106,7 +88,7 @@ class EditSession(ScriptSession[Outline]):
         self.outline = outline if outline is not None else outline_from_spec(scene.shape, scene.folder)
         refuse_lost_names(scene, self.outline)
         self._columns = self._application.own_columns(scene)
-        self._grab: Grab | SpaceGrab | None = None
+        self._grab: ShapeGrab | SpaceGrab | None = None
         self._mark()
 
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> EditFrame:
@@ -124,9 +106,9 @@ class EditSession(ScriptSession[Outline]):
             self.scene,
             step.refused,
             self.outline,
-            hand,
             analysed=analysed,
             edit_ended=edit_ended,
+            hand=hand,
         )
 
     def _carried_out(self, event: EventLine) -> Iterator[Step]:
@@ -183,45 +165,23 @@ class EditSession(ScriptSession[Outline]):
     def _take(self, gesture: Gesture, origin: tuple[float, float], name: str) -> Step:
         """The hand takes hold, the cursor being at the origin."""
         check, before = MotionCheck(self.outline, gesture), (self.outline, self.scene)
-        self._grab = Grab(gesture, check, origin, origin, before, name=name, reach=REACH * self.outline.size)
+        self._grab = ShapeGrab(gesture, check, origin, origin, before, name=name, reach=REACH * self.outline.size)
         return Step("none", gesture=gesture)
 
     def _do_drag(self, event: Drag) -> Iterator[Step]:
-        grab, path = self._grab, event.path if event.path is not None else [event.to] if event.to is not None else []
+        grab, to = self._grab, [] if event.to is None else [event.to]
         if grab is None:
             yield from self._refused(event.frame_count, "nothing is grabbed")
             return
-        if isinstance(grab, SpaceGrab):
-            path = grab.through(path)
-        elif any(len(point) > 2 for point in path):
-            why = UserError(f"{grab.name} is a part of the shape, which has no z", do="leave z out")
+        try:
+            path = grab.through(to if event.path is None else event.path)
+        except UserError as why:
             yield from self._refused(event.frame_count, why)
             return
         if event.frames is not None and event.frames != len(path):
             path = resampled(tuple(grab.cursor), path, event.frames)
         for point in path:
-            yield self._move_in_space(grab, point) if isinstance(grab, SpaceGrab) else self._move_to(grab, point)
-
-    def _move_in_space(self, grab: SpaceGrab, point: tuple[float, ...]) -> Step:
-        c = grab.way_to(point)
-        if c == grab.c:
-            return Step("none")
-        step = self._revised(lambda: grab.moved(self.scene, c))
-        grab.c = grab.c if step.refused else c
-        return step
-
-    def _move_to(self, grab: Grab, point: tuple[float, ...]) -> Step:
-        grab.cursor = (point[0], point[1])
-        c = (point[0] - grab.origin[0], point[1] - grab.origin[1])
-        if c == grab.c:
-            return Step("none", **self._grabbed())
-        far = _too_far(self.outline, c) if max(map(abs, c)) > grab.reach else None
-        wrong = far or grab.check.problem(c)
-        if wrong is not None:
-            return Step("none", wrong, gesture=grab.gesture, c=grab.c)
-        grab.c = c
-        self.outline = self.outline.moved(grab.gesture.points(c))
-        return Step("move", gesture=grab.gesture, c=c)
+            yield grab.dragged(self, point)
 
     def _do_release(self, event: Release) -> Iterator[Step]:
         grab, self._grab = self._grab, None
@@ -276,7 +236,7 @@ class EditSession(ScriptSession[Outline]):
             wanted = self.outline.moved(gesture.points(c))
             way = float(np.abs(wanted.points - before[0].points).max())
             # Curves that bend are resampled: the samples of the motion are those of the shape before it.
-            wrong = _too_far(wanted, (way, 0.0)) or check.problem(c) or problem(wanted)
+            wrong = too_far(wanted, (way, 0.0)) or check.problem(c) or problem(wanted)
             if wrong is not None:
                 yield Step("none", wrong, gesture=gesture, c=reached)
                 continue
@@ -345,15 +305,20 @@ class EditSession(ScriptSession[Outline]):
         """Scenes of the part of an event that is done, a frame each; all of them are undone at once."""
         before, follower = self._state(), ShapeFollower(self.outline, self.scene)
         for i in range(1, frames + 1):
-            yield self._revised(partial(revised, i / frames), partial(follower, part=i / frames, whole=revised))
+            yield self.revised(partial(revised, i / frames), partial(follower, part=i / frames, whole=revised))
         if self._grab is None:
             self._remember(before)
 
-    def _revised(self, revised: Callable[[], Scene], follow: Follow | None = None) -> Step:
-        """One frame of an edit that changes the scene, and of the shape what parameters give of it."""
+    def revised(self, wanted: Callable[[], Scene], follow: Follow | None = None) -> Step:
+        """One frame of an edit that changes the scene, and of the shape what parameters give of it.
+
+        Args:
+            wanted: gives the scene.
+            follow: goes along with the shape; None: it stays.
+        """
         before = self._state()
         try:
-            self.scene = revised()
+            self.scene = wanted()
             refuse_lost_names(self.scene, self.outline)
             refuse_switched(before[1], self.scene, self._application)
             self._refuse_fixed_changes(before[1])
@@ -433,11 +398,4 @@ class EditSession(ScriptSession[Outline]):
         return "values" if old.mesh == new.mesh and effects[0] == effects[1] else "mesh"
 
     def _grabbed(self) -> GrabbedStep:
-        grab = self._grab
-        return {"gesture": grab.gesture, "c": grab.c} if isinstance(grab, Grab) else {}
-
-
-def _too_far(outline: Outline, way: tuple[float, float]) -> str | None:
-    """Why parts of a shape cannot go that way (x, y) [m] in one edit; None where they can."""
-    far = max(map(abs, way))
-    return None if far <= REACH * outline.size else beyond_reach("move the shape by", f"{far:.3g} m", outline)
+        return {} if self._grab is None else self._grab.still()

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
 from restshape.scene.model import Scene
+from restshape.shape.script_session import GrabbedStep, Step
 
 if TYPE_CHECKING:
     from restshape.shape.gesture import Gesture
@@ -18,6 +19,16 @@ if TYPE_CHECKING:
 
 Place = tuple[float, float, float]
 STILL: Place = (0.0, 0.0, 0.0)
+
+
+class Draggable(Protocol):
+    """What the hand changes: a session of shapes."""
+
+    outline: Outline
+    scene: Scene
+
+    def revised(self, wanted: Callable[[], Scene]) -> Step:
+        """One frame of an edit that changes the scene."""
 
 
 @dataclass(slots=True)
@@ -47,10 +58,23 @@ class SpaceGrab(ABC):
             UserError: it is there no more, or cannot go that way.
         """
 
-    def through(self, path: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
+    def through(self, path: Sequence[tuple[float, ...]]) -> Sequence[tuple[float, ...]]:
         """Points (2 or 3) [m] that the cursor goes through, in space: without a height it keeps that of before."""
         places = accumulate(path, lambda before, point: in_space(point, before), initial=self.cursor)
         return [tuple(place) for place in places][1:]
+
+    def still(self) -> GrabbedStep:
+        """Nothing: what is held in space has no gesture of the shape."""
+        return {}
+
+    def dragged(self, session: Draggable, point: tuple[float, ...]) -> Step:
+        """The frame in which the cursor goes to a point [m]."""
+        c = self.way_to(point)
+        if c == self.c:
+            return Step("none")
+        step = session.revised(lambda: self.moved(session.scene, c))
+        self.c = self.c if step.refused else c
+        return step
 
     def way_to(self, point: tuple[float, ...]) -> Place:
         """Take the cursor to a point [m]; the way from the origin."""

@@ -115,6 +115,12 @@ def beyond_reach(does: str, what: str, outline: Outline) -> str:
     return f"this would {does} {what}, {far}: check the units"
 
 
+def too_far(outline: Outline, way: tuple[float, float]) -> str | None:
+    """Why parts of a shape cannot go that way (x, y) [m] in one edit; None where they can."""
+    far = max(map(abs, way))
+    return None if far <= REACH * outline.size else beyond_reach("move the shape by", f"{far:.3g} m", outline)
+
+
 def describe(outline: Outline, found: tuple[str, int, int, float, float]) -> str:
     """The sentence for a finding (what, i, j, x, y) of the kernel."""
     what, i, j, x, y = found

@@ -1,0 +1,65 @@
+"""What the hand holds of a shape: a part of it, along a gesture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from restshape.errors import UserError
+from restshape.scene.model import Scene
+from restshape.shape.gesture import Gesture
+from restshape.shape.outline import Outline
+from restshape.shape.script_session import STILL, GrabbedStep, Step
+from restshape.shape.space_grab import Draggable
+from restshape.shape.validity import MotionCheck, too_far
+
+
+@dataclass(slots=True)
+class ShapeGrab:
+    """What the hand holds, where it took hold, and the state before.
+
+    Args:
+        gesture: that it goes along; check: what may come of it.
+        origin, cursor: where the hand took hold, and where it is [m].
+        before: shape and scene before the press.
+        c: way of the hand that has been gone [m].
+        name: of what it holds.
+        reach: how far it may surely go [m].
+    """
+
+    gesture: Gesture
+    check: MotionCheck
+    origin: tuple[float, float]
+    cursor: tuple[float, float]
+    before: tuple[Outline, Scene]
+    c: tuple[float, float] = STILL
+    name: str = ""
+    reach: float = 0.0
+
+    def through(self, path: Sequence[tuple[float, ...]]) -> Sequence[tuple[float, ...]]:
+        """Points [m] that the cursor goes through, in the plane.
+
+        Raises:
+            UserError: one of them has a height.
+        """
+        if any(len(point) > 2 for point in path):
+            raise UserError(f"{self.name} is a part of the shape, which has no z", do="leave z out")
+        return path
+
+    def still(self) -> GrabbedStep:
+        """Gesture and coefficients of a frame in which nothing moves."""
+        return {"gesture": self.gesture, "c": self.c}
+
+    def dragged(self, session: Draggable, point: tuple[float, ...]) -> Step:
+        """The frame in which the cursor goes to a point [m]."""
+        self.cursor = (point[0], point[1])
+        c = (point[0] - self.origin[0], point[1] - self.origin[1])
+        if c == self.c:
+            return Step("none", **self.still())
+        far = too_far(session.outline, c) if max(map(abs, c)) > self.reach else None
+        wrong = far or self.check.problem(c)
+        if wrong is not None:
+            return Step("none", wrong, **self.still())
+        self.c = c
+        session.outline = session.outline.moved(self.gesture.points(c))
+        return Step("move", **self.still())
