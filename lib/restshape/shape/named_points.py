@@ -17,7 +17,7 @@ PIECES = np.linspace(0.0, 1.0, 65)
 
 
 def vertex_names(
-    points: Mapping[str, np.ndarray], corners: Sequence[np.ndarray], size: float, taken: Collection[str]
+    points: Mapping[str, np.ndarray], corners: Sequence[np.ndarray] | np.ndarray, size: float, taken: Collection[str]
 ) -> dict[int, str]:
     """Names of corners at which a point lies, by their places.
 
