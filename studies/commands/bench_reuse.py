@@ -11,6 +11,7 @@ from restshape.cli.options import print_table
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import counted
 from restshape.policy import GUESSES, POLICIES
+from restshape.replay.level_names import LEVEL_NAMES, MOVES
 
 EVENTS = (
     "MatCholFctrSym",
@@ -84,7 +85,7 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     heads += ("Python, ms",)
     heads += ("iterations", "refreshes", "refused", "preconditioners")
     print_table(title, heads, [_policy_row(key, entry) for key, entry in found.items()], heads[1:-1])
-    heads = ("frames: p50, ms", "1 relocation", "2 reconnection", "3 reconstruction", "idle")
+    heads = ("frames: p50, ms", *(LEVEL_NAMES[str(level)] for level in MOVES), "idle")
     print_table("", heads, [_levels_row(key, entry) for key, entry in found.items()], heads[1:])
     stages = [stage for stage in one["stages"] if any(entry["stages"][stage] >= 0.05 for entry in found.values())]
     rows = [[key, *(f"{entry['stages'][stage]:.1f}" for stage in stages)] for key, entry in found.items()]

@@ -70,7 +70,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
 
 
 def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str, float], unit: str) -> None:
-    """One quantity: a line with gaps, marks where the mesh was reconnected or rebuilt, crosses beyond a limit."""
+    """One quantity: a line with gaps, marks at reconnections and reconstructions, crosses beyond a limit."""
     frames, level = np.arange(recording.n), column(recording, "level")
     known = values[np.isfinite(values)]
     factor, shown = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)

@@ -9,6 +9,8 @@ import matplotlib
 matplotlib.use("Agg")
 from matplotlib.figure import Figure
 
+from restshape.replay.level_names import MOVES
+
 DPI = 150
 COLOURS, SIGNED = "viridis", "RdBu_r"
 INK, FAINT, REFUSED = "#222222", "#9a9a9a", "#c0392b"
@@ -22,9 +24,7 @@ LEVEL_MARKS = {0: "o", VALUES: "D", 1: "o", 2: "^", 3: "s"}
 LEVEL_NAMES = {
     0: "idle",
     VALUES: "values changed",
-    1: "level 1, relocated",
-    2: "level 2, reconnected",
-    3: "level 3, rebuilt",
+    **{level: f"level {level}, {move}" for level, move in MOVES.items()},
 }
 STAGES = {
     "edit": "#332288",

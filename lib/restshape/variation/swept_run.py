@@ -54,7 +54,7 @@ class SweptRun:
         values: of each key as written, and `numbers` where they are some.
         status: `DONE`, `INVALID` or `UNSOLVED`, and `why` where it is not done.
         analysis: `NEW` or `REUSED`.
-        level: of reuse of the mesh in the first frame: 3 rebuilt, 2 reconnected, 1 relocated, 0 as it was.
+        level: of reuse of the mesh in the first frame: 3 reconstruction, 2 reconnection, 1 relocation, 0 as it was.
         frames, refused: how many there are, and how many of them were refused.
         violating: frames in which a quantity is beyond its limit.
         constraint_status: of the last frame.
