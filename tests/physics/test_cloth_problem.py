@@ -64,6 +64,27 @@ def test_products_are_slopes_of_forces_and_those_of_the_matrix(tmp_path, kind):
     np.testing.assert_allclose(found, product * problem.boundary.free, atol=1e-11 * scale)
 
 
+def test_design_products_are_slopes_of_forces_where_corners_move(tmp_path):
+    problem, x = problem_of(tmp_path, "none")
+    dX, dx = (np.random.default_rng(seed).uniform(-1, 1, (len(x), width)) for seed, width in ((5, 2), (6, 3)))
+    X, h = problem.mesh.X.copy(), 1e-7
+
+    def forces(step: float) -> tuple[np.ndarray, np.ndarray]:
+        problem.mesh.X[:] = X + step * dX
+        problem.update()
+        problem.contact.area = problem.lumped.area[problem.corner_number]
+        membrane, contact = ([one] for one in problem.integrals(INTERNAL))
+        return tuple(Assembled(one).residual(x + step * dx) for one in (membrane, contact))
+
+    both = [(after - before) / (2 * h) for after, before in zip(forces(h), forces(-h))]
+    forces(0.0)
+    for part, differences in zip(problem.integrals(INTERNAL), both):
+        product = Assembled([part]).design_product(x, dX, dx)
+        np.testing.assert_allclose(product, differences, atol=1e-5 * np.abs(product).max())
+    still = Assembled(problem.integrals(INTERNAL)[1:]).design_product(x, np.zeros_like(dX), dx)
+    assert np.abs(both[1] - still).max() > 1e-2 * np.abs(both[1]).max()
+
+
 def test_kinds_of_integrals(tmp_path):
     problem, x = problem_of(tmp_path, "morley")
     assert problem.integrals(MASS) == []

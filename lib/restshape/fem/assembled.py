@@ -1,13 +1,12 @@
 """The sum of integrals as a function of nodal unknowns: its residual, tangent, products and energy."""
 
 from collections.abc import Iterable, Sequence
-from typing import cast
 
 import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.operator import Operator
-from restshape.fem.integral import Integral, Term
+from restshape.fem.integral import Term
 
 
 class Assembled:
@@ -72,8 +71,7 @@ class Assembled:
     def design_product(self, x: np.ndarray, dX: np.ndarray, dx: np.ndarray | None = None) -> np.ndarray:
         """The rate (n, f) of the residual when material coordinates change with dX (n, d), and x with dx (n, f)."""
         out = np.zeros_like(x)
-        # What only behaves like an integral does not know how it depends on material coordinates.
-        for integral in cast(Sequence[Integral], self.integrals):
+        for integral in self.integrals:
             integral.add_design_product(x, dX, out, dx)
         return out
 

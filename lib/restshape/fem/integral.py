@@ -143,6 +143,9 @@ class Term(Protocol):
     def add_tangent_product(self, x: np.ndarray, d: np.ndarray, out: np.ndarray) -> None:
         """As `Integral.add_tangent_product`."""
 
+    def add_design_product(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None = None) -> None:
+        """As `Integral.add_design_product`."""
+
     def energies(self, x: np.ndarray) -> np.ndarray:
         """As `Integral.energies`."""
 

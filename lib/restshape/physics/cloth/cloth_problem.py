@@ -23,7 +23,7 @@ from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
-from restshape.physics.cloth.parameters import Lumped
+from restshape.physics.cloth.parameters import Lumped, lumped_rates
 from restshape.physics.cloth.point_forces import PointForces
 from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
@@ -222,7 +222,12 @@ class ClothProblem(SteadyProblem):
     def _points(self, inertia: float = 0.0, curved: bool = True) -> PointForces:
         numbers = self.corner_number
         entities = np.ascontiguousarray(numbers[:, None])
-        return PointForces(self.X, entities, self.contact, self.lumped.mass[numbers], inertia, curved)
+        mass = self.lumped.mass[numbers]
+        return PointForces(self.X, entities, self.contact, mass, self._area_rates, inertia, curved)
+
+    def _area_rates(self, dX: np.ndarray) -> np.ndarray:
+        """Rates (corners,) of the areas that corners stand for when nodes move with dX (n, 2)."""
+        return lumped_rates(self.X, self.membrane.corners, dX)[self.corner_number]
 
     # --- energies and forces --------------------------------------------------------------------------------------
 

@@ -104,6 +104,16 @@ class Contact:
                 return False
         return True
 
+    def force_rates(self, x: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Rates (n, 3) of forces at constant x (n, 3) when areas change with rates (n,): the penalty is linear in them.
+
+        Friction has none, for its limits are those of the last update.
+        """
+        out = np.zeros((len(x), POTENTIAL))
+        for body in self.bodies:
+            body.add_contact(x, rates, self.stiffness, self.thickness, out, False)
+        return out[:, 3:6]
+
     def potential(self, x: np.ndarray, curved: bool = True) -> tuple[float, np.ndarray]:
         """Energy [J], and the parameters (n, 12) of potential_point1 whose residual and tangent at x are its own.
 

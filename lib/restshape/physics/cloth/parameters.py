@@ -27,6 +27,15 @@ def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0
     return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=len(X))
 
 
+def lumped_rates(X: np.ndarray, corners: np.ndarray, dX: np.ndarray) -> np.ndarray:
+    """Rates (n,) of the areas that nodes at X (n, 2) [m] stand for when they move with dX (n, 2)."""
+    a, b, c = X[corners].swapaxes(0, 1)
+    da, db, dc = dX[corners].swapaxes(0, 1)
+    u, v, du, dv = b - a, c - a, db - da, dc - da
+    rates = du[:, 0] * v[:, 1] + u[:, 0] * dv[:, 1] - du[:, 1] * v[:, 0] - u[:, 1] * dv[:, 0]
+    return np.bincount(corners.ravel(), np.repeat(rates / 6.0, 3), minlength=len(X))
+
+
 @dataclass(frozen=True, eq=False)
 class Lumped:
     """What the nodes of cloth stand for.

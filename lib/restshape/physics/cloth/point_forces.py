@@ -1,5 +1,6 @@
 """Contact and inertia at the nodes of cloth, as an integral over points."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ class PointForces:
         entities: (corners, 1) int32 the node of each corner.
         contact: of the corners; None: nothing touches.
         mass: (corners,) [kg] of them; inertia: [1/s^2] that it is multiplied with on the diagonal.
+        area_rates: gives the rates (corners,) of the areas of contact when nodes move with rates (n, 2).
         curved: with the force times the curvature of the surface; without it the tangent is semidefinite.
         block: of the operator.
     """
@@ -30,6 +32,7 @@ class PointForces:
     entities: np.ndarray
     contact: Contact | None
     mass: np.ndarray
+    area_rates: Callable[[np.ndarray], np.ndarray]
     inertia: float = 0.0
     curved: bool = True
     block: int = 1
@@ -51,6 +54,14 @@ class PointForces:
     def add_tangent_product(self, x: np.ndarray, d: np.ndarray, out: np.ndarray) -> None:
         """Add (dr/dx) d, at x (n, 3) along d (n, 3), to `out` (n, 3)."""
         self._at(x).add_tangent_product(x, d, out)
+
+    def add_design_product(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None = None) -> None:
+        """Add (dr/dX) dX + (dr/dx) dx to `out` (n, 3); arguments as of `Integral.add_design_product`."""
+        if dx is not None:
+            self.add_tangent_product(x, dx, out)
+        if self.contact:
+            nodes = self.entities[:, 0]
+            out[nodes] += self.contact.force_rates(x[nodes], self.area_rates(dX))
 
     def _at(self, x: np.ndarray) -> Integral:
         """The quadratic functions that agree with contact and inertia at x (n, 3) in value, slope and curvature."""
