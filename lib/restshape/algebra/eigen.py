@@ -27,8 +27,8 @@ HISTORY = 3
 COUNT_EVERY = 20
 """Frames that are solved after which the eigenvalues are counted, at the latest, whatever else asks for it before."""
 
-ROUNDS = 4
-"""Factors at most in search of modes that a count has shown to be missing."""
+ROUNDS, LOOKS = 6, 2
+"""Searches at most for modes that a count has shown to be missing, and of these with the same factor."""
 
 MOST_SOUGHT = 12
 """Of those as many at once."""
@@ -266,6 +266,9 @@ class EigenSolver:
         if new_system and self.krylov_cost * (count + SPARE) < self.davidson_cost * count:
             return self._cold_solve(count, "another system, on which Davidson's iteration is expected to cost more")
         why = self.life.stale(new_system, price)
+        if verify and not why and self.life.age:
+            # A factor is due in any case, to count with: of these matrices it also takes the fewest iterations.
+            why = "eigenvalues are counted in this frame"
         if why:
             self._refresh(count, why)
         fresh = self.life.age == 0
@@ -334,12 +337,15 @@ class EigenSolver:
         Raises:
             ReplayProblem: some are missing even so, or do not converge.
         """
-        first, stalled = found, False
+        first, stalled, looks = found, False, 0
         for turn in range(ROUNDS):
-            shift, _ = gap(found.values, count)
-            self.fresh_below = self.pencil.factor(shift)
-            self.life.begin("eigenvalues below it are counted by its inertia")
-            missing = self._missing(found)
+            # A count stays what it is: of a factor of these matrices it also serves what has been sought since.
+            if self.life.age or looks == LOOKS or self.pencil.shift <= found.values[:count][-1]:
+                self.fresh_below = self.pencil.factor(gap(found.values, count)[0])
+                self.life.begin("eigenvalues below it are counted by its inertia")
+                looks = 0
+            looks += 1
+            shift, missing = self.pencil.shift, self._missing(found)
             if missing <= 0 and (stalled or turn == ROUNDS - 1):
                 self.floor = self._rounding(found, count)
             if missing <= 0 and apart(found, count, shift, self.reach, self._distances(found)):

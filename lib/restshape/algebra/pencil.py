@@ -73,20 +73,6 @@ class Pencil:
             self._kept.stale_pattern = True
             self._patterns = patterns
 
-    def multiplied(self, stiffness: PETSc.Mat, mass: PETSc.Mat) -> bool:
-        """Whether these matrices are multiples of those of the last solve, as their products with a random row show."""
-        x = stiffness.createVecRight()
-        x.setArray(np.random.default_rng(3).uniform(-1.0, 1.0, x.getLocalSize()))
-        for old, new in ((self.stiffness, stiffness), (self.mass, mass)):
-            before, now = old.createVecLeft(), new.createVecLeft()
-            old.mult(x, before)
-            new.mult(x, now)
-            a, b = before.getArray(), now.getArray()
-            factor = float(a @ b) / float(a @ a)
-            if factor <= 0.0 or float(np.linalg.norm(b - factor * a)) > SAME * float(np.linalg.norm(b)):
-                return False
-        return True
-
     def apply(self, matrix: PETSc.Mat, rows: np.ndarray, out: np.ndarray) -> None:
         """Write the products of a matrix with each row (k, n) to `out` (k, n)."""
         self.products += len(rows)
@@ -202,6 +188,22 @@ def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: np.ndarray,
     operation(source, target)
     source.destroy()
     target.destroy()
+
+
+def sample(stiffness: PETSc.Mat, mass: PETSc.Mat) -> np.ndarray:
+    """The products (2, n) of both matrices with the same random row, by which `multiplied` knows them."""
+    row = np.random.default_rng(3).uniform(-1.0, 1.0, stiffness.getSize()[0])
+    out = np.empty((2, len(row)))
+    for matrix, product in zip((stiffness, mass), out):
+        _through(matrix.mult, row, product)
+    return out
+
+
+def multiplied(before: np.ndarray, now: np.ndarray) -> bool:
+    """Whether matrices are multiples of others, as far as a `sample` (2, n) of both shows."""
+    factors = np.einsum("ki,ki->k", before, now) / np.einsum("ki,ki->k", before, before)
+    apart = np.linalg.norm(now - factors[:, None] * before, axis=1)
+    return bool(np.all(factors > 0.0) and np.all(apart <= SAME * np.linalg.norm(now, axis=1)))
 
 
 class Deflation:

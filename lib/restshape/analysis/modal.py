@@ -10,6 +10,7 @@ import numpy as np
 
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.pencil import multiplied, sample
 from restshape.analysis import modal_output
 from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues, Timeless
 from restshape.analysis.frame import Frame
@@ -178,7 +179,10 @@ class ModalAnalysis(Timeless):
         return LinearReport(report.iterations, report.refreshed, report.age, report.method)
 
     def _solve(self, frame: Frame, rebind: bool) -> ModalState:
-        before = self.state
+        before, pencil = self.state, self.solver.pencil
+        kept = rebind and frame.mesh is before.space and not before.interrupted and len(before.modes.values) > 0
+        # Its matrices may be assembled again in place.
+        last = sample(pencil.stiffness, pencil.mass) if kept else None
         if rebind:
             state, previous = bound(before, self.solver, frame, self.context, self.make)
         else:
@@ -188,14 +192,17 @@ class ModalAnalysis(Timeless):
             rigid = state.body.free_rigid_motions()
         # Other values on the same nodes: modes and factor of before serve. Which modes are lowest is counted again,
         # unless both matrices are multiples of what they were, so that all modes stay.
-        revalued = rebind and frame.mesh is before.space and not before.interrupted and len(previous) > 0
-        verify = revalued and not self.solver.pencil.multiplied(stiffness, mass)
+        revalued = last is not None and len(previous) > 0
+        verify = last is not None and revalued and not multiplied(last, sample(stiffness, mass))
+        if revalued and not verify:
+            # The same modes twice say nothing of where the next ones lie.
+            self.solver.history = self.solver.history[:1]
         verify = verify or frame.edit_ended or self.verified.due(frame.mesh)
         search = self._search(state)
         found = search(stiffness, mass, rigid, state.count, rebind and not revalued, verify)
         with self.context.stages("observe"):
             # In a frame of a drag the mass changes little.
-            sizes = self.solver.pencil.norms(previous) if rebind and len(previous) else np.ones(len(previous))
+            sizes = pencil.norms(previous) if rebind and len(previous) else np.ones(len(previous))
             ids = search.ids(found, state.modes.ids, previous, sizes)
         mesh = frame.mesh
         state = replace(state, scene=frame.scene, space=mesh, topology=mesh.topology, geometry=mesh.geometry)

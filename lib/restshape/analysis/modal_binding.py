@@ -37,7 +37,8 @@ def bound(
     with context.stages("pattern"):
         plan = planned(frame.scene, application(frame.scene.app))
         body = make(frame.scene, plan, frame.mesh, context.policy.lumped_mass)
-        matrices = ModalMatrices(body)
+        same = old if frame.mesh is state.space and not state.interrupted else None
+        matrices = ModalMatrices(body, before=same.matrices if same else None)
     solver.tolerance = frame.scene.solve.tolerance
     mask = body.boundary.mask
     interpolated = np.empty((0, mask.size))
@@ -46,8 +47,12 @@ def bound(
             interpolated = _on_new_mesh(old.body, before, frame) if frame.mesh is not state.space else before
         if interpolated.shape[1] != mask.size:
             interpolated = np.empty((0, mask.size))
-    interpolated = np.where(mask.ravel() == 0, interpolated, 0.0)
+    free = mask.ravel() == 0
+    interpolated = np.where(free, interpolated, 0.0)
+    # On the same nodes modes of older frames serve, too: a value that goes on as before moves modes as before.
+    older = solver.history[1:] if same and matrices.operators is same.matrices.operators else []
     solver.restart(interpolated if len(interpolated) and context.policy.transfer else None)
+    solver.history += [np.where(free, block, 0.0) for block in older if solver.history]
     modes = modal_settings(plan).modes
     found = observer(frame.scene.quantities, frame.mesh, modes)
     body_bound = BoundBody(body, matrices, found)

@@ -17,14 +17,30 @@ class ModalMatrices:
     Args:
         problem: whose integrals are linear; kept by reference.
         backend: of the operators.
+        before: of another problem, whose patterns serve this one where its cells are the same; it is of no use then.
     """
 
-    def __init__(self, problem: Eigenproblem, backend: str | None = None) -> None:
+    def __init__(
+        self, problem: Eigenproblem, backend: str | None = None, before: "ModalMatrices | None" = None
+    ) -> None:
         self.problem = problem
         offsets, mask = np.array([0, len(problem.space.X)], dtype=np.int32), problem.boundary.mask
+        self.operators: list[Operator] = []
+        if before is not None and before._serves(problem):
+            self.operators = before.operators
+            for operator in self.operators:
+                operator.set_constraints(mask)
+            return
         self.operators = [Operator(PETSc.COMM_SELF, mask.shape[1], offsets, backend) for _ in range(2)]
         for operator in self.operators:
             operator.set_topology(problem.blocks(), mask)
+
+    def _serves(self, problem: Eigenproblem) -> bool:
+        """Whether another problem has the same cells, and as many unknowns a node."""
+        if problem.boundary.mask.shape != self.problem.boundary.mask.shape:
+            return False
+        ours, others = self.problem.blocks(), problem.blocks()
+        return len(ours) == len(others) and all(map(np.array_equal, ours, others))
 
     def patch(self, changed: np.ndarray) -> None:
         """Take in cells (k,) that flips have changed."""

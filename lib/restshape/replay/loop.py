@@ -35,6 +35,7 @@ class Replay:
 
     Attributes:
         row: of the last frame.
+        measuring: residual and errors are measured beside each frame; they are not numbers where they are not.
 
     Raises:
         UserError: no valid first shape, or what is to be predicted cannot be.
@@ -50,6 +51,7 @@ class Replay:
         self.errors = FrameErrors(request, comm, self.stages, parts)
         self.recorded_topology: tuple[int, int] | None = None
         self.row: RowValues = {}
+        self.measuring = True
 
     def follow(self, session: Session, request: Request) -> None:
         """Goes on with another session, whose first frame says what changes from the last one of this session.
@@ -118,9 +120,10 @@ class Replay:
         """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
         known = self.solver.known
         answered = known and not row["refused"]
-        row["residual"] = self.analysis.residual_norm() if answered else nan
+        measured = answered and self.measuring
+        row["residual"] = self.analysis.residual_norm() if measured else nan
         row["mesh_area"] = self.moving.area()
-        self.errors.add_to(row, edit, answered)
+        self.errors.add_to(row, edit, measured)
         mesh = self.solver.space
         if self.recorder:
             version = (id(mesh), mesh.topology)

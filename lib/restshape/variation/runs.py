@@ -20,7 +20,7 @@ from restshape.shape.outline import Outline
 from restshape.variation.analysis_reuse import can_follow
 from restshape.variation.following_session import FollowingSession, Standing
 from restshape.variation.sweep_request import SweepRequest
-from restshape.variation.swept_run import DONE, INVALID, NEW, REUSED, UNSOLVED, SweptRun, quantity_columns
+from restshape.variation.swept_run import DONE, INVALID, NEW, REUSED, UNSOLVED, SweptRun, errors_count, quantity_columns
 
 
 class Sweep:
@@ -82,6 +82,7 @@ class Sweep:
         """Replays all frames of a run; false where the first one has no solution."""
         names = self.columns or []
         run.status, run.why = DONE, ""
+        replay.measuring = errors_count(self.scene)
         try:
             for row in replay.frames():
                 self._moved |= run.frames > 0 and whole(row, "level") > 0

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
+from restshape.replay.constraints import limits_of
 from restshape.replay.rounding import load_scales, scales
 
 if TYPE_CHECKING:
@@ -119,6 +120,11 @@ class SweptRun:
             for name, one in self.quantities.items()
         }
         return found
+
+
+def errors_count(scene: Scene | None) -> bool:
+    """Whether errors matter to a run, which shows none: they say whether a limit is nearer than a value is known."""
+    return bool(scene and limits_of(scene.quantities))
 
 
 def quantity_columns(scene: Scene, application: Application) -> list[str]:
