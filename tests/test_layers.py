@@ -36,6 +36,7 @@ LAYERS = (
     "early_interrupts",
     "policy",
     "calibration",
+    "declared_paths",
     "application",
     "scene",
     "shape",

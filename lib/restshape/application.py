@@ -12,6 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, cast, overload
 
+from restshape.declared_paths import declared
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ class Editing:
 
     def shared_events(self) -> Mapping[str, type[EventLine]]:
         """The events of its scripts by name, besides those that physics add."""
-        return cast("Mapping[str, type[EventLine]]", _attribute(self.events))
+        return cast("Mapping[str, type[EventLine]]", declared(self.events))
 
     def check_scene(self, scene: Scene, application: Application, source: Source) -> None:
         """Makes sure that a scene makes sense.
@@ -192,7 +193,7 @@ class Declared(Sequence["Physics"]):
 
     @cached_property
     def _found(self) -> tuple[Physics, ...]:
-        return tuple(cast("Physics", _attribute(path)) for path in self.paths)
+        return tuple(cast("Physics", declared(path)) for path in self.paths)
 
     @overload
     def __getitem__(self, index: int) -> Physics: ...
@@ -263,8 +264,8 @@ class Application:
     @cached_property
     def effects(self) -> dict[str, Effect]:
         """Every effect that its scenes may name, in its own order."""
-        declared = {name: effect for one in self.physics for name, effect in one.effects.items()}
-        taken = {name: declared[name] for name in (declared if self.takes is None else self.takes)}
+        known = {name: effect for one in self.physics for name, effect in one.effects.items()}
+        taken = {name: known[name] for name in (known if self.takes is None else self.takes)}
         return taken | {name: replace(taken[name], required=True) for name in self.needs}
 
     @cached_property
@@ -308,16 +309,20 @@ class Application:
 
     def frame_parts(self, usual: Mapping[str, str]) -> Mapping[str, str]:
         """What each part of a frame is, by its name."""
-        return cast("Mapping[str, str]", _attribute(self.explain)) if self.explain else usual
+        return cast("Mapping[str, str]", declared(self.explain)) if self.explain else usual
 
     def make_analysis(self) -> Callable[..., object]:
-        """The factory of this application's analysis, imported now."""
-        return _function(self.analysis)
+        """The factory of this application's analysis, imported now.
+
+        Raises:
+            UserError: there is none at the declared path.
+        """
+        return _function(self.analysis, f"the application {self.name!r}")
 
     def own_columns(self, scene: Scene) -> dict[str, npt.DTypeLike]:
         """Names and types of the columns that only this application has; simulated time [s] where a frame goes on."""
-        declared = [one.columns(scene) for one in self.physics if one.columns]
-        own = {name: of for columns in declared for name, of in columns.items()}
+        added = [one.columns(scene) for one in self.physics if one.columns]
+        own = {name: of for columns in added for name, of in columns.items()}
         if self.transient(scene):
             own["time"] = float
         return own
@@ -327,16 +332,9 @@ class Application:
         return sorted((self.folder / "scenes").glob("*.toml"))
 
 
-def _attribute(path: str) -> object:
-    """What a path ``module:attribute`` names, imported now."""
-    module, attribute = path.split(":")
-    found: object = getattr(import_module(module), attribute)
-    return found
-
-
-def _function(path: str) -> Callable[..., object]:
+def _function(path: str, owner: str = "an application") -> Callable[..., object]:
     """The function, or the class, that a path names."""
-    return cast("Callable[..., object]", _attribute(path))
+    return cast("Callable[..., object]", declared(path, owner))
 
 
 @cache

@@ -32,11 +32,16 @@ def test_fields_on_different_nodes_are_a_layout():
     assert OSEEN["tri6"].coefficients == ("wx", "wy") and not OSEEN["tri6"].symmetric
 
 
-def test_a_typo_is_an_import_error():
-    with pytest.raises(ImportError, match="LINEAR_ELASTICK"):
+def test_a_typo_is_an_import_error_that_names_the_nearest():
+    with pytest.raises(ImportError, match=r"LINEAR_ELASTICK: did you mean LINEAR_ELASTIC\?"):
         exec("from restshape.fem.elements import LINEAR_ELASTICK")
+    module = importlib.import_module("restshape.fem.elements")
+    with pytest.raises(ImportError, match=r"STVKK: did you mean STVK\?"):
+        _ = module.STVKK
+    with pytest.raises(ImportError, match="ZZZ; `families` gives all"):
+        _ = module.ZZZ
     with pytest.raises(AttributeError):
-        _ = importlib.import_module("restshape.fem.elements").STVKK
+        _ = module.nothing
 
 
 def test_a_missing_shape_says_which_there_are():

@@ -13,11 +13,13 @@ from restshape.application import Application, Editing
 from restshape.cli.options import require_mesh
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
+from restshape.scene import units as known_units
 from restshape.scene.application_registry import checked_applications
 from restshape.scene.edit_script import load_script
 from restshape.scene.effect import Effect
 from restshape.scene.event_line import EventLine
 from restshape.scene.load import load_scene, revise
+from restshape.scene.load_kind import LoadKind
 from restshape.scene.physics import Physics, Section
 from restshape.scene.quantity import QuantityKind
 from restshape.scene.solver import DEFINITE, SolverPlan, System
@@ -170,6 +172,34 @@ def test_two_meanings_of_one_key_are_reported_at_start_by_name(install):
         with pytest.raises(UserError) as caught:
             checked_applications()
         assert key in caught.value.what and "'second'" in caught.value.what
+
+
+def test_a_key_with_two_units_names_both_physics_and_both_units(install):
+    pull = {"loads": {"pull": LoadKind(number_of("force"), ("edge",), "a force")}}
+    lift = {"loads": {"pull": LoadKind(number_of("pressure"), ("edge",), "a pressure")}}
+    for first, second in (
+        (pull, lift),
+        ({"boundary": {"w": "force"}}, {"boundary": {"w": "pressure"}}),
+        *[({"quantities": {"pull": QuantityKind(Literal[True], one, "max")}} for one in ("force", "pressure"))],
+    ):
+        install(hanging("hanging", first, second))
+        with pytest.raises(UserError, match=r"force \[N\].* in 'added0'") as caught:
+            checked_applications()
+        assert "'added1' adds" in caught.value.what and "pressure [Pa] in 'added1'" in caught.value.what
+
+
+def test_a_dimension_of_two_units_names_both_modules():
+    units = {name: dict(getattr(known_units, name)) for name in ("DIMENSIONS", "EXAMPLES", "SYMBOLS", "DECLARED_IN")}
+    one = "from restshape.scene.units import declare_dimension\ndeclare_dimension('flow', {!r}, '1')"
+    try:
+        exec(one.format("m^3/s"), {"__name__": "water"})
+        with pytest.raises(UserError, match=r"'flow' is that of kg/s in air, and that of m\^3/s in water"):
+            exec(one.format("kg/s"), {"__name__": "air"})
+    finally:
+        for name, before in units.items():
+            table = getattr(known_units, name)
+            table.clear()
+            table.update(before)
 
 
 def hanging(name: str, *added: dict) -> Application:

@@ -1,15 +1,20 @@
 """The smallest physics of docs/add-a-physics.md: a disc in closed form, reuse, estimates, messages."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from restshape_studies.stability.scenery import across, drag, make_replay, rows_of, write_scene, write_script
-from sample_applications.film import application
+from sample_applications.film import FILM, Film, application
 
+from restshape.analysis.steady import SteadyAnalysis
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.fem.problem import Fields
 from restshape.replay.first_frame import first_frame
 from restshape.replay.parity import Parity
 from restshape.scene.load import load_scene
+from restshape.scene.physics import PictureField
 
 DISC = """
 format = "restshape-scene"
@@ -65,3 +70,53 @@ def test_reuse_recordings_and_messages_come_with_it(tmp_path, install):
     assert main(["report", str(out)]) == 0
     with pytest.raises(UserError, match="a stiffness is wanted"):
         load_scene(write_scene(tmp_path, DISC.replace("50 mN/m", "50 mPa")))
+
+
+@pytest.mark.parametrize(
+    ("path", "what", "do"),
+    [
+        ("restshape.analysis.steady:SteadyAnalysys", "has no 'SteadyAnalysys'", "did you mean 'SteadyAnalysis'?"),
+        ("restshape.analysis.stedy:SteadyAnalysis", "no module 'restshape.analysis.stedy'", "mend the path"),
+    ],
+)
+def test_a_misspelt_path_of_an_analysis_names_application_path_and_what_there_is(
+    tmp_path, install, command, path, what, do
+):
+    install(replace(application, analysis=path))
+    done = command("replay", write_scene(tmp_path, DISC))
+    assert done.returncode == 2 and f"the application 'film' names '{path}'" in done.stderr
+    assert what in done.stderr and do in done.stderr
+
+
+class Misspelt(Film):
+    """A film whose field has another name than its unknown."""
+
+    def fields(self, x: np.ndarray) -> Fields:
+        return {"heigth": x[:, 0]}, {}
+
+
+def misspelt_analysis(*arguments) -> SteadyAnalysis[Misspelt]:
+    return SteadyAnalysis(*arguments, Misspelt)
+
+
+HEIGTH = replace(FILM, pictured={"heigth": PictureField("height", "m")})
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        (
+            {"analysis": f"{__name__}:misspelt_analysis"},
+            "the problem of film gives the fields heigth ({n},), and declares height ({n},)",
+        ),
+        ({"physics": (HEIGTH,)}, "'film' declares pictures of the field 'heigth', and its problem has height"),
+    ],
+)
+def test_fields_that_are_not_declared_end_the_replay(tmp_path, install, command, changes, what):
+    install(application)
+    scene = write_scene(tmp_path, DISC)
+    n = len(first_frame(scene).analysis.space.X)
+    assert command("replay", scene).returncode == 0
+    install(replace(application, **changes))
+    done = command("replay", scene)
+    assert done.returncode == 2 and what.format(n=n) in done.stderr

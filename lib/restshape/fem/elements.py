@@ -4,6 +4,8 @@ The names are those of the compiled elements' families in capitals, so a family 
 The type checker reads them in `elements.pyi`, which `scripts/stubs.py` writes.
 """
 
+from difflib import get_close_matches
+
 from restshape import _kernels
 from restshape.fem.family import Family
 
@@ -19,3 +21,17 @@ def families() -> dict[str, Family]:
 
 
 globals().update(families())
+
+
+def __getattr__(name: str) -> Family:
+    """No family has this name.
+
+    Raises:
+        ImportError: it looks like one; the message names the nearest.
+        AttributeError: it does not.
+    """
+    if not name.isupper():
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    near = get_close_matches(name, [known for known in globals() if known.isupper()], 1)
+    hint = f": did you mean {near[0]}?" if near else "; `families` gives all of them"
+    raise ImportError(f"there is no family of elements {name}{hint}", name=__name__)

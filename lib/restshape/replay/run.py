@@ -1,12 +1,13 @@
 """Runs a whole replay and sums it up."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from petsc4py import PETSc
 
 from restshape.analysis.analysis import RowValues
 from restshape.replay.columns import columns_of
+from restshape.replay.field_names import check_field_names
 from restshape.replay.first_steps import FirstSteps
 from restshape.replay.loop import Replay
 from restshape.replay.parity import Parity
@@ -59,7 +60,7 @@ def run_replay(
     names = list(columns_of(request.scene, request.application))
     with table_of_rows(csv if first else None, names) as table:
         try:
-            for row in _frames(replay, request.petsc, say):
+            for row in _frames(replay, request, say):
                 if check:
                     row |= check()
                 tally.add(row)
@@ -99,14 +100,16 @@ def _surroundings(comm: PETSc.Comm) -> dict[str, object]:
     return {"ranks": comm.size, "petsc": version, "petsc_in_effect": petsc_options()}
 
 
-def _frames(replay: Replay, petsc: Sequence[str], say: Callable[[str], None] | None) -> Iterator[RowValues]:
+def _frames(replay: Replay, request: Request, say: Callable[[str], None] | None) -> Iterator[RowValues]:
     """The rows of all frames; where PETSc fails in the first one, what it says against the user's words."""
+    petsc = request.petsc
     frames = replay.frames()
     steps = FirstSteps(replay, say) if say else None
     try:
         first = next(frames)
         if steps:
             steps.end()
+        check_field_names(replay.analysis, replay.solver.space, request.application.physics)
         yield first
     except PETSc.Error as error:
         # On several ranks the others may not have failed.

@@ -9,6 +9,7 @@ from restshape.errors import UserError
 from restshape.scene.declared_keys import core_keys, declared_keys
 from restshape.scene.edit_script import shared_events
 from restshape.scene.physics import Physics
+from restshape.scene.units import SYMBOLS
 
 
 @cache
@@ -55,7 +56,8 @@ def refuse_clashes(physics: Iterable[Physics]) -> None:
                     _refuse(one.name, what, key, "every scene has one")
                 owner, known = owners.setdefault((what, key), (one.name, meaning))
                 if known != meaning:
-                    _refuse(one.name, what, key, f"{owner!r} does too")
+                    units = _dimensions((one.name, meaning), (owner, known))
+                    _refuse(one.name, what, key, f"{owner!r} does too{units}")
 
 
 def _refuse_clashes_within(app: Application) -> None:
@@ -71,6 +73,19 @@ def _refuse_clashes_within(app: Application) -> None:
                 owner, known = owners.setdefault((what, key), (one.name, meaning))
                 if known is not meaning:
                     _refuse(one.name, what, key, f"{owner!r} does too")
+
+
+def _dimensions(*meanings: tuple[str, object]) -> str:
+    """What two physics mean by a key, where their dimensions differ: else nothing."""
+    named = {owner: _dimension(meaning) for owner, meaning in meanings}
+    differ = all(named.values()) and len({*named.values()}) > 1
+    return ": " + ", ".join(f"{one} in {owner!r}" for owner, one in named.items()) if differ else ""
+
+
+def _dimension(meaning: object) -> str:
+    """The dimension of what a key means, with its unit; empty where it is no number."""
+    name = meaning[0] if isinstance(meaning, tuple) and meaning else meaning
+    return f"{name} [{SYMBOLS[name] or 1}]" if isinstance(name, str) and name in SYMBOLS else ""
 
 
 def _refuse(name: str, what: str, key: str, other: str) -> NoReturn:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from types import GenericAlias
 from typing import TYPE_CHECKING, Literal, cast
 
 from pydantic import BaseModel, Field
 
+from restshape.declared_paths import declared
 from restshape.scene.annotations import Definition, optional
 from restshape.scene.event_line import EventLine
 from restshape.scene.load_kind import LoadKind
@@ -34,9 +34,7 @@ Rows = list[tuple[str, str]]
 
 def imported(path: str) -> Callable[..., object]:
     """The function that a path ``module:attribute`` names, imported now."""
-    module, attribute = path.split(":")
-    found: Callable[..., object] = getattr(import_module(module), attribute)
-    return found
+    return cast("Callable[..., object]", declared(path, "a physics"))
 
 
 @dataclass(frozen=True)

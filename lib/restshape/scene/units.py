@@ -2,6 +2,7 @@
 
 import math
 import re
+import sys
 
 from restshape import bounds
 from restshape.errors import UserError, ValueProblem, quoted
@@ -83,6 +84,9 @@ SYMBOLS = {
 }
 """SI units of dimensions, as they are shown."""
 
+DECLARED_IN: dict[str, str] = dict.fromkeys(DIMENSIONS, __name__)
+"""Modules that dimensions are declared in."""
+
 PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2}
 PREFIXES |= {"k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 
@@ -160,14 +164,16 @@ def declare_dimension(name: str, unit_text: str, example: str, least: float | No
         least: the least value in SI units that there is of it; None where there is none.
 
     Raises:
-        UserError: the name stands for another dimension already.
+        UserError: the name stands for another dimension already; the message names both modules.
     """
     factor, powers = unit(unit_text)
     if factor != 1.0:
         raise UnitError(f"{unit_text!r} is no SI unit")
+    module = str(sys._getframe(1).f_globals.get("__name__"))
     if DIMENSIONS.setdefault(name, powers) != powers:
-        what = f"the dimension {name!r} is that of {unit_text}, and {in_units(DIMENSIONS[name])} has this name already"
-        raise UserError(what, do="give one of them another name")
+        what = f"the dimension {name!r} is that of {unit_text} in {module}, and that of {in_units(DIMENSIONS[name])}"
+        raise UserError(f"{what} in {DECLARED_IN[name]}", do="give one of them another name")
+    DECLARED_IN.setdefault(name, module)
     EXAMPLES.setdefault(name, f'"{example}"')
     SYMBOLS.setdefault(name, unit_text)
     if least is not None:
