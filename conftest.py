@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from functools import cache
+from functools import cache, wraps
 from importlib.metadata import entry_points
 from itertools import pairwise
 from pathlib import Path
@@ -46,6 +46,8 @@ signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
+GARBAGE = 20_000
+"""Objects after which garbage is collected: what tests make is small, and most of it goes without."""
 PROCESSES = {"restshape", "start_restshape", "outside", "two_ranks"}
 """Fixtures of tests that start processes."""
 
@@ -85,18 +87,25 @@ def pytest_collection_finish() -> None:
     """Leave what tests are made of, and what they have imported, out of the collections of garbage to come."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(GARBAGE)
 
 
 # The words of the processes that the present test has started.
 _started: list[list[str]] = []
 
 
-def _notice(event: str, args: tuple) -> None:
-    if event == "subprocess.Popen":
-        _started.append([os.fspath(word) for word in args[1]] if not isinstance(args[1], str) else [args[1]])
+_start_process = subprocess.Popen.__init__
 
 
-sys.addaudithook(_notice)
+@wraps(_start_process)
+def _notice(process: subprocess.Popen, args: object, *rest: object, **settings: object) -> None:
+    """Note the words before a process starts; an audit hook would be called at whatever is opened or imported, too."""
+    words = [args] if isinstance(args, str | os.PathLike) else list(args)
+    _started.append([os.fspath(word) for word in words])
+    _start_process(process, args, *rest, **settings)
+
+
+subprocess.Popen.__init__ = _notice
 
 
 def mark_needed(words: list[str]) -> str:
@@ -206,6 +215,15 @@ def jobs_here() -> Iterator[None]:
     from jobs_here import jobs_run_here
 
     with jobs_run_here():
+        yield
+
+
+@pytest.fixture
+def forked_examples() -> Iterator[None]:
+    """Processes that play random examples are forked."""
+    from forked import examples_forked
+
+    with examples_forked():
         yield
 
 

@@ -1,12 +1,23 @@
-"""Commands in processes of their own that begin with all imported: each starts PETSc and MPI for itself."""
+"""Processes that begin with all imported: each starts PETSc and MPI for itself."""
 
+import io
 import multiprocessing
 import os
+import runpy
 import subprocess
 import sys
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from multiprocessing.process import BaseProcess
 from pathlib import Path
+from typing import IO, Any
 
-IMPORTED = ["forked", "restshape.cli.check", "restshape.cli.replay", "restshape.cli.start_notes", "h5py"]
+import pytest
+
+COMMANDS = ["restshape.cli.check", "restshape.cli.replay", "restshape.cli.start_notes", "h5py"]
+EXAMPLES = ["restshape_studies.stability.strategies", "scipy.sparse.linalg"]
+IMPORTED = ["forked", *COMMANDS, *EXAMPLES]
 """What the process imports that all others are forked from."""
 PETSC = "petsc4py.PETSc"
 
@@ -24,11 +35,8 @@ def run_forked(
     Raises:
         TimeoutError: it was killed.
     """
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(IMPORTED)
     files = [folder.parent / f"{folder.name}.{name}" for name in ("printed", "reported")]
-    process = context.Process(target=_run, args=(words, folder, environment, files))
-    process.start()
+    process = _start(_run, words, folder, environment, files)
     process.join(seconds)
     if process.exitcode is None:
         process.kill()
@@ -38,24 +46,125 @@ def run_forked(
     return subprocess.CompletedProcess(words, process.exitcode, out, err)
 
 
+def _start(does: Callable[..., None], *args: Any) -> BaseProcess:
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(IMPORTED)
+    process = context.Process(target=does, args=args)
+    process.start()
+    return process
+
+
 def _run(words: list[str], folder: Path, environment: dict[str, str], files: list[Path]) -> None:
-    assert PETSC not in sys.modules, "the process that others are forked from has started PETSc"
     from restshape.cli.main import main
 
+    _begin(environment, files)
+    os.chdir(folder)
+    _end(lambda: main(words))
+
+
+def _begin(environment: dict[str, str], files: Sequence[str | Path]) -> None:
+    """Have this process's own environment, and write into files what it prints and what it reports."""
+    assert PETSC not in sys.modules, "the process that others are forked from has started PETSc"
     os.environ.clear()
     os.environ.update(environment)
-    os.chdir(folder)
     for number, file in enumerate(files, start=1):
         opened = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(opened, number)
         os.close(opened)
+
+
+def _end(work: Callable[[], Any]) -> None:
+    """Do the work, and end as an interpreter does."""
     try:
-        code = main(words)
+        code = work()
     except SystemExit as ended:
-        code = int(ended.code or 0)
-    # As at the end of an interpreter, where PETSc says what it has to say.
+        code = ended.code
+    except Exception:
+        traceback.print_exc()
+        code = 1
+    # Where PETSc says what it has to say.
     if PETSC in sys.modules:
         sys.modules[PETSC]._finalize()
     sys.stdout.flush()
     sys.stderr.flush()
-    os._exit(code)
+    os._exit(int(code or 0))
+
+
+class ForkedModule:
+    """Stands in for the process of ``python -P -m MODULE WORDS``, which begins when its stdin is closed.
+
+    Args:
+        command: that would start it.
+        stderr: the file that it reports to.
+        env: its environment.
+    """
+
+    def __init__(self, command: Sequence[str], stderr: IO[str], env: dict[str, str], **_: object) -> None:
+        _, *options, module = command[:4]
+        assert options == ["-P", "-m"], command
+        self.stdin = Asked(lambda text: self._begin(module, command[4:], text, stderr.name, env))
+
+    def _begin(self, *args: Any) -> None:
+        self.process = _start(_run_module, *args)
+        self.pid = self.process.pid
+
+    @property
+    def returncode(self) -> int | None:
+        """Its exit code, or the negative number of the signal that has ended it; None while it runs."""
+        return self.process.exitcode
+
+    def poll(self) -> int | None:
+        """The same."""
+        return self.returncode
+
+    def wait(self, timeout: float | None = None) -> None:
+        """Wait for its end."""
+        self.process.join(timeout)
+        if self.returncode is None:
+            raise subprocess.TimeoutExpired("a forked process", timeout or 0.0)
+
+    def send_signal(self, number: int) -> None:
+        """Send it a signal."""
+        os.kill(self.process.pid, number)
+
+    def kill(self) -> None:
+        """End it."""
+        self.process.kill()
+
+
+class Asked(io.StringIO):
+    """What a process is asked for, which begins when that is known; `begin` is given the text."""
+
+    def __init__(self, begin: Callable[[str], None]) -> None:
+        super().__init__()
+        self.begin = begin
+
+    def close(self) -> None:
+        """Begin."""
+        if not self.closed:
+            self.begin(self.getvalue())
+        super().close()
+
+
+def _run_module(module: str, words: Sequence[str], text: str, stderr: str, environment: dict[str, str]) -> None:
+    _begin(environment, [os.devnull, stderr])
+    sys.stdin, sys.argv = io.StringIO(text), [module, *words]
+    sys.path[:0] = environment.get("PYTHONPATH", "").split(os.pathsep)
+    _end(lambda: runpy.run_module(module, run_name="__main__", alter_sys=True) and None)
+
+
+@contextmanager
+def examples_forked() -> Iterator[None]:
+    """Within, processes of random examples and hard cases are forked; their own tests start real ones."""
+    from restshape_studies.stability import watched
+
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr(watched, "subprocess", Subprocess)
+        yield
+
+
+class Subprocess:
+    """Stands in for the module of that name."""
+
+    Popen, PIPE, DEVNULL = ForkedModule, subprocess.PIPE, subprocess.DEVNULL
+    TimeoutExpired = subprocess.TimeoutExpired

@@ -22,13 +22,15 @@ TABLE = "tests/statuses.json"
 COARSE = {
     "bar_150": 0.009,
     "bar_200": 0.009,
-    "bridge": 0.4,
-    "building": 0.9,
+    "bridge": 0.5,
+    "building": 1.2,
+    "catenary": 0.04,
     "column": 0.03,
     "csm3": 0.02,
     "fish": 0.014,
-    "pins": 0.06,
-    "sphere-drag": 0.06,
+    "pins": 0.1,
+    "sphere-drag": 0.09,
+    "strip": 0.01,
     "supported": 0.4,
 }
 """Mesh sizes [m] at which long scripts are replayed every day, where larger than those of their scenes, at which

@@ -17,7 +17,7 @@ from restshape.application import application
 
 
 @pytest.mark.slow
-def test_nothing_breaks():
+def test_nothing_breaks(forked_examples):
     tried = fuzz(30, 1, ("furniture",))
     assert not tried.found, [vars(found) for found in tried.found.values()]
     assert tried.valid >= 10 and tried.frames > 50

@@ -10,7 +10,7 @@ from restshape_verification.thermal.random_scenes import SCENES
 
 
 @pytest.mark.slow
-def test_nothing_breaks():
+def test_nothing_breaks(forked_examples):
     tried = fuzz(20, 1, ("thermal",))
     assert not tried.found, [vars(found) for found in tried.found.values()]
     assert tried.valid >= 5 and tried.frames > 25 and 3 < tried.largest <= 200

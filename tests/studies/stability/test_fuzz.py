@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
+from forked import examples_forked
 from restshape_studies.bench.job import ending
 from restshape_studies.stability.batch import DAMAGED, KINDS, Batch
 from restshape_studies.stability.example import Example
@@ -20,7 +21,7 @@ APPS = tuple(app for app, known in verifications().items() if known.random_scene
 @pytest.fixture(scope="module")
 def tried():
     """Of a batch that is drawn and of one that is damaged."""
-    with pytest.MonkeyPatch.context() as changed:
+    with pytest.MonkeyPatch.context() as changed, examples_forked():
         changed.setattr("restshape_studies.stability.fuzz.BATCH", dict.fromkeys(KINDS, 12))
         return fuzz(24, 4, APPS)
 
@@ -34,7 +35,7 @@ def test_nothing_breaks(tried):
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_examples():
+def test_the_same_seed_gives_the_same_examples(forked_examples):
     """Drawn, and then damaged."""
     once, again, other = (fuzz(4, seed, APPS, kinds=[DAMAGED]) for seed in (1, 1, 1001))
     times = {"seconds": 0, "processor_seconds": 0, "parts": ()}
@@ -58,7 +59,7 @@ main()
 
 
 @pytest.fixture
-def break_process(tmp_path, monkeypatch):
+def break_process(tmp_path, monkeypatch, forked_examples):
     """Lets the process that plays do something where a scene holds a text."""
 
     def change(then, when='app = \\"plane\\"'):
