@@ -71,13 +71,13 @@ class Reference:
         whole = self.solution
         if self.spectrum:
             found[self.spectrum] = spectral(whole.values, a.values, b.values)
-        if whole.v is not None:
+        if whole.v is not None and len(self.stiffness):
             apart = np.hypot(self._energy(a.strain - b.strain), self._kinetic(a.v - b.v))
             found["motion"] = _ratio(float(apart), float(np.hypot(self._energy(whole.strain), self._kinetic(whole.v))))
         if whole.curvature is not None:
             apart = self._bent(a.strain - b.strain, a.curvature - b.curvature)
             found["strain"] = _ratio(apart, self._bent(whole.strain, whole.curvature))
-        elif whole.u is not None:
+        elif whole.u is not None and len(self.stiffness):
             found["energy"] = _ratio(self._energy(a.strain - b.strain), self._energy(whole.strain))
         if whole.u is not None:
             found["l2"] = _ratio(self._l2(a.u - b.u), self._l2(whole.u))

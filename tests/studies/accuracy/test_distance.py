@@ -1,5 +1,6 @@
 """Fields at any place of a mesh, and distances of solutions, beside closed forms."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,12 @@ def test_norms_of_linear_displacements_are_known():
     whole = strain + MASS * 2.0
     assert found["motion"] == pytest.approx(np.sqrt((apart + MASS * 0.5) / whole), rel=1e-10)
     assert list(found) == ["motion", "energy", "l2"]
+
+
+def test_a_problem_without_moduli_has_the_l2_norm_alone():
+    bare = [replace(state(square(2), factor * square(2).X), stiffness=None) for factor in (1.0, 1.1)]
+    held = Reference.of(bare[0])
+    assert held.distances(held.solution, held.sampled(bare[1])) == {"l2": pytest.approx(0.1, rel=1e-10)}
 
 
 def test_a_turn_of_a_large_deformation_is_no_error_in_energy():
