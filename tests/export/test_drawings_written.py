@@ -218,7 +218,10 @@ def test_a_step_file_is_read_back_by_the_program(outline, thickness, tmp_path):
     back = outline_from_spec(ShapeSpec(file="plate.step"), tmp_path)
     assert back.area() == pytest.approx(outline.area(), rel=1e-6)
     np.testing.assert_allclose(back.bounds(), outline.bounds(), atol=1e-3)
-    assert len(back.names("hole")) == len(outline.names("hole"))
+    assert set(back.names("hole")) == set(outline.names("hole"))
+    for name in ("bottom", "right", "top.1", "window"):
+        lengths = [sum(one.length(e) for e in one.entity(name).edges) for one in (outline, back)]
+        assert lengths[1] == pytest.approx(lengths[0], rel=1e-6)
     assert {edge.kind for edge in back.edges} == {"line", "arc", "spline"}
 
 

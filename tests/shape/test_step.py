@@ -16,6 +16,7 @@ from restshape.shape.geo_model import gmsh_model
 from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 from restshape.shape.plane_faces import step_curves
+from restshape.shape.step_names import StepText
 from restshape.shape.unordered_curves import shape_data
 
 
@@ -132,3 +133,76 @@ def test_what_is_no_plate_is_refused(tmp_path):
         imported_shape(ShapeSpec(file="cut.step"), tmp_path)
     with pytest.raises(UserError, match="no layer 'x'"):
         imported_shape(ShapeSpec(file="cut.step", layers={"x": "y"}), tmp_path)
+
+
+def test_a_name_that_may_be_of_either_of_two_edges_is_of_none(tmp_path):
+    """Two arcs from the same point to the same point."""
+
+    def draw(occ: Any) -> None:
+        low, high = occ.addPoint(0, 0, 0), occ.addPoint(40, 0, 0)
+        lens = [occ.addCircleArc(low, occ.addPoint(20, y, 0), high, center=False) for y in (-20, 20)]
+        face = occ.addPlaneSurface([occ.addCurveLoop([lens[0], -lens[1]])])
+        occ.extrude([(2, face)], 0, 0, 5)
+
+    write(tmp_path / "lens.step", draw)
+    text = (tmp_path / "lens.step").read_text()
+    edges = StepText(text).edges.values()
+    assert len(edges) == 6 and not any(edge.name for edge in edges)
+    flat = [edge for edge in edges if np.ptp(edge.ends, axis=0)[0] > 1.0 and edge.ends[0, 2] == 0.0]
+    assert len(flat) == 2 and {edge.kind for edge in flat} == {"Circle"}
+    at = max(edge.at for edge in flat)
+    (tmp_path / "lens.step").write_text(f"{text[:at]}half{text[at:]}")
+    outline, _ = read(tmp_path / "lens.step")
+    assert outline.names("edge") == ["edge1", "edge2"]
+
+
+@pytest.mark.parametrize(("filler", "known"), [("NONE", False), ("", False), ("left side", True)])
+def test_a_name_that_is_none_names_nothing(tmp_path, filler, known):
+    write(tmp_path / "plate.step", plate)
+    text = (tmp_path / "plate.step").read_text()
+    left = [e for e in StepText(text).edges.values() if not e.ends[:, [0, 2]].any()]
+    assert len(left) == 1
+    (tmp_path / "plate.step").write_text(f"{text[: left[0].at]}{filler}{text[left[0].at :]}")
+    outline, _ = read(tmp_path / "plate.step")
+    assert ("left_side" in outline.names("edge")) == known
+    (edge,) = (e for e in outline.edges if not outline.points[[e.start, e.end], 0].any())
+    assert (edge.name == "left_side") == known
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"),
+    [
+        ("( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) )", 1.0),
+        ("( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) )", 1e3),
+        ("(CONVERSION_BASED_UNIT('INCH',#9) LENGTH_UNIT() NAMED_UNIT(#8))", 25.4),
+    ],
+)
+def test_ends_of_edges_are_in_the_unit_of_the_file(unit, factor):
+    text = (
+        f"#1=EDGE_CURVE('a /* b */',#2,#3,#4,.T.);#2=VERTEX_POINT('',#5);#3=VERTEX_POINT('',#6);#7={unit};"
+        "#4=SURFACE_CURVE('',#8,(),.PCURVE_S1.);#8=LINE('',#5,#9);#5=CARTESIAN_POINT('',(0.,0.,1.E0));"
+        "#6=CARTESIAN_POINT('', (2., -.5,\n 0.)) ;"
+    )
+    (edge,) = StepText(text).edges.values()
+    np.testing.assert_allclose(edge.ends, factor * np.array([[0, 0, 1], [2, -0.5, 0]]))
+    assert edge.kind == "Line" and not StepText(text.replace("'INCH'", "'YARD'").replace("METRE", "GRAM")).edges
+
+
+def test_faces_have_the_names_of_the_file(tmp_path):
+    def draw(occ: Any) -> None:
+        sheet, patch = occ.addRectangle(0, 0, 0, 100, 100), occ.addRectangle(20, 20, 0, 30, 30)
+        occ.fragment([(2, sheet)], [(2, patch)])
+
+    write(tmp_path / "sheet.step", draw)
+    text = (tmp_path / "sheet.step").read_text()
+    number, faces = 0, re.findall(r"ADVANCED_FACE\(''", text)
+    assert len(faces) == 2
+
+    def name(match: re.Match[str]) -> str:
+        nonlocal number
+        number += 1
+        return f"ADVANCED_FACE('region {number}'"
+
+    (tmp_path / "sheet.step").write_text(re.sub(r"ADVANCED_FACE\(''", name, text))
+    outline, _ = read(tmp_path / "sheet.step")
+    assert len(outline.names("region")) == 1 and outline.names("region")[0] in ("region_1", "region_2")

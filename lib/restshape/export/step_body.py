@@ -18,6 +18,7 @@ from restshape.outputs.kinds import EXPORT_MARK
 from restshape.shape.bsplines import cubic_of
 from restshape.shape.geo_model import gmsh_model
 from restshape.shape.outline import Loop, Outline
+from restshape.shape.step_names import with_names
 
 MM = 1e3
 FLAT = 1e-4
@@ -39,14 +40,14 @@ def write_step(outline: Outline, thickness: float | None, path: Path) -> None:
     """
     with gmsh_model(path) as gmsh, replacing(path) as part:
         try:
-            build(gmsh.model.occ, outline, thickness)
+            names = build(gmsh.model.occ, outline, thickness)
             gmsh.model.occ.synchronize()
             with _quiet():
                 gmsh.write(str(part))
         # gmsh reports every failure as a bare Exception, so nothing narrower can be caught.
         except Exception as error:
             raise UserError(f"OpenCASCADE cannot make this shape: {error}", str(path), "use --as dxf") from error
-        text = part.read_text(encoding="utf-8")
+        text = with_names(gmsh.model, names, part.read_text(encoding="utf-8"))
         write_whole(part, text.replace(BEGINNING, f"{BEGINNING}/* {EXPORT_MARK} */\n", 1))
 
 
@@ -64,22 +65,25 @@ def _quiet() -> Iterator[None]:
         os.close(nowhere)
 
 
-def build(occ: Any, outline: Outline, thickness: float | None) -> None:
-    """Hands a shape to gmsh's OpenCASCADE kernel."""
+def build(occ: Any, outline: Outline, thickness: float | None) -> dict[int, str]:
+    """Hands a shape to gmsh's OpenCASCADE kernel; names of its curves in z = 0: of edges, and of holes."""
     border = [loop for loop in outline.loops if loop.kind != "region"]
     ends = {v for loop in border for e, _ in loop.edges for v in (outline.edges[e].start, outline.edges[e].end)}
     points = {v: occ.addPoint(*(MM * outline.points[v]), 0.0) for v in sorted(ends)}
-    loops = [occ.addCurveLoop(_curves(occ, outline, loop, points)) for loop in border]
+    names: dict[int, str] = {}
+    loops = [occ.addCurveLoop(_curves(occ, outline, loop, points, names)) for loop in border]
     face = occ.addPlaneSurface(loops)
     if thickness is not None:
         occ.extrude([(2, face)], 0.0, 0.0, MM * thickness)
+    return names
 
 
-def _curves(occ: Any, outline: Outline, loop: Loop, points: dict[int, int]) -> list[int]:
-    """The curves of a loop, negative where they are passed backwards."""
+def _curves(occ: Any, outline: Outline, loop: Loop, points: dict[int, int], names: dict[int, str]) -> list[int]:
+    """The curves of a loop, negative where they are passed backwards; their names are added to `names`."""
     found = []
     for e, forward in loop.edges:
         own = _edge(occ, outline, e, points)
+        names |= dict.fromkeys(own, outline.edges[e].name if loop.kind == "outline" else loop.name)
         found += own if forward else [-curve for curve in reversed(own)]
     return found
 

@@ -13,6 +13,7 @@ from restshape.errors import UserError
 from restshape.shape.geo_model import curves_between, surface_regions
 from restshape.shape.layer_names import name_of
 from restshape.shape.loose_curve import LooseCurves
+from restshape.shape.step_names import names_in
 
 FLAT = 1e-6
 """Distance from the plane, over the size of all bodies, and difference of normals, that still count as none."""
@@ -70,11 +71,14 @@ def step_curves(gmsh: ModuleType, path: Path) -> LooseCurves:
     size = float(np.ptp(np.reshape(model.getBoundingBox(-1, -1), (2, 3)), axis=0).max())
     plane = _plane(model, _largest(model, flat, size))
     chosen = [s for s in flat if _lies_in(model, s, plane, FLAT * size)]
-    names = _labels(model, chosen)
+    # A file that has been read is at least mostly ASCII.
+    text = path.read_text(encoding="ascii", errors="replace")
+    names = _labels(model, chosen) | _labelled(names_in(model, _borders(model, chosen), text))
     if len(chosen) > 1:
         chosen, names = _joined(model, chosen, names)
+        names |= _labelled(names_in(model, _borders(model, chosen), text), 1)
     names = {(2, s): f"region{number}" for number, s in enumerate(chosen, start=1)} | names
-    faces = {s: {abs(c) for _, c in model.getBoundary([(2, s)], oriented=False)} for s in chosen}
+    faces = _borders(model, chosen)
     found = curves_between(model, _outermost(faces), plane.place, names, surface_regions(faces, names))
     note = f"{path.name}: {len(chosen)} of {count} faces, in the plane {plane.words}"
     return LooseCurves(found, notes=(note,))
@@ -140,7 +144,18 @@ def _lies_in(model: Any, surface: int, plane: FacePlane, near: float) -> bool:
     return bool(parallel and abs((point - plane.origin) @ plane.normal - plane.height) < near)
 
 
+def _borders(model: Any, faces: list[int]) -> dict[int, set[int]]:
+    """The curves around each face."""
+    return {s: {abs(c) for _, c in model.getBoundary([(2, s)], oriented=False)} for s in faces}
+
+
+def _labelled(names: dict[tuple[int, int], str], dimension: int | None = None) -> dict[tuple[int, int], str]:
+    """Names of a file as those of a scene, of entities of one dimension alone where it is given."""
+    found = {entity: name_of(name) for entity, name in names.items() if dimension in (None, entity[0])}
+    return {entity: name for entity, name in found.items() if name}
+
+
 def _labels(model: Any, faces: list[int]) -> dict[tuple[int, int], str]:
-    """Names of the products that faces are, by (dimension, entity): OpenCASCADE reads no names of their parts."""
+    """Names of the products that faces are, by (dimension, entity)."""
     labels = {(2, s): str(model.getEntityName(2, s)).rpartition("/")[2].strip() for s in faces}
     return {entity: name_of(label) for entity, label in labels.items() if label and not label.startswith(UNNAMED)}
