@@ -19,6 +19,8 @@ from restshape.surroundings import cpu_model, start_petsc
 
 SUMMARY = "show versions, how things were built, and the machine"
 PACKAGES = ("numpy", "scipy", "gmsh", "meshio", "ezdxf", "svgelements", "pydantic", "matplotlib", "vtk")
+USED = {"vtk": "vtkmodules.vtkRenderingOpenGL2"}
+"""What is imported of a package whose other modules are not needed, and take a second."""
 BLAS_NAMES = re.compile(r"/[^/]*(openblas|mkl_rt|mkl_core|blis|atlas|flexiblas|libblas|cblas)[^/]*$")
 
 
@@ -91,7 +93,7 @@ def software(options: list[str]) -> tuple[int, dict[str, dict[str, Any]]]:
 def package_version(name: str) -> str:
     """The version of a Python package, or why it cannot be used."""
     try:
-        import_module(name)
+        import_module(USED.get(name, name))
         return metadata.version(name)
     except (ImportError, OSError) as error:
         return f"cannot be imported: {error}"
