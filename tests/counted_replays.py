@@ -71,7 +71,7 @@ def watched(
     read = load_scene(scene, overrides)
     edits = load_script(script, read) if script else Script.empty(read)
     asked = Request(read, edits, application(read.app), policy(name), Calibration.load(), (), predict)
-    replay = Watched.of(asked, PETSc.COMM_WORLD)
+    replay = Watched(asked, PETSc.COMM_WORLD)
     replay.events = EventCounts(EVENTS)
     replay.events.since_last()
     before, rows = stored()[1], []
