@@ -156,13 +156,15 @@ class TransientAnalysis:
         old, new, now = before.body, self.body, before.now
         if old.problem.space.outline is not new.problem.space.outline:
             return {}
-        x = transfer(old.problem.space, new.problem.space, old.unknowns(now.y))
-        v = project_velocity(old.mass, new.mass, now.v) if before.integration.scheme.order == 2 else np.zeros_like(x)
+        # Where flips did not suffice they have moved nodes in the middle of edges, after this state.
+        space = old.problem.space
+        y, rates = (space.interpolate(field, space.interpolations) for field in (old.unknowns(now.y), now.v))
+        x = transfer(space, new.problem.space, y)
+        v = project_velocity(old.mass, new.mass, rates) if before.integration.scheme.order == 2 else np.zeros_like(x)
         self.begin(x, v, now.time)
         account = before.account
         if account.known:
-            added = self.energy() - old.energy(now.y, now.v)
-            account = replace(account, remesh=account.remesh + added)
+            account = replace(account, remesh=account.remesh + (self.energy() - account.last))
         self.state = replace(self.state, account=account)
         watched = self.state.observer.watched
         return {name: value for name, value in self.observe().items() if name not in watched}

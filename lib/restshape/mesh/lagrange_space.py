@@ -46,6 +46,8 @@ class LagrangeSpace(OverMesh):
 
     Args:
         mesh: of the corners, whose nodes may move and whose edges may flip.
+        numbered: a space over as many nodes and edges that has numbered them; None: they are numbered anew, which after
+            flips gives others.
 
     Attributes:
         X: (n, d) rest positions [m]; cells: (ne, 6) corners, then the middles of the sides (0, 1), (1, 2), (2, 0).
@@ -60,17 +62,15 @@ class LagrangeSpace(OverMesh):
     dim = 2
     cell_type = "tri6"
 
-    def __init__(self, mesh: Mesh) -> None:
+    def __init__(self, mesh: Mesh, numbered: LagrangeSpace | None = None) -> None:
         super().__init__(mesh)
         self.mesh = mesh
-        n, ends = len(mesh.X), mesh.edge_nodes[:, 0]
-        order = np.argsort(ends, kind="stable")
-        first = np.searchsorted(ends[order], np.arange(n + 1))
-        self.corner_number = (np.arange(n) + first[:-1]).astype(np.int32)
-        self.side_number = np.empty(len(ends), dtype=np.int32)
-        self.side_number[order] = ends[order] + 1 + np.arange(len(ends))
-        self.node_offsets = (mesh.node_offsets + first[mesh.node_offsets]).astype(np.int32)
-        self.X = np.empty((n + len(ends), self.dim))
+        if numbered is None:
+            self.corner_number, self.side_number, self.node_offsets = _numbers(mesh)
+        else:
+            known = numbered.corner_number, numbered.side_number, numbered.node_offsets
+            self.corner_number, self.side_number, self.node_offsets = known
+        self.X = np.empty((len(self.corner_number) + len(self.side_number), self.dim))
         self.places = np.zeros(len(self.X), dtype=np.int32)
         self.places[self.corner_number] = mesh.places
         self.corners = np.empty_like(mesh.cells)
@@ -278,6 +278,17 @@ class LagrangeSpace(OverMesh):
             self._straight |= np.isin(self.curved, self.mesh.cell_edges[low_jacobian_cells])
             self.bend(self.mesh.outline)
             self.rebuild()
+
+
+def _numbers(mesh: Mesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The nodes of corners and of edges, and the first ones of ranks, by the edges as they are."""
+    n, ends = len(mesh.X), mesh.edge_nodes[:, 0]
+    order = np.argsort(ends, kind="stable")
+    first = np.searchsorted(ends[order], np.arange(n + 1))
+    sides = np.empty(len(ends), dtype=np.int32)
+    sides[order] = ends[order] + 1 + np.arange(len(ends))
+    corners = (np.arange(n) + first[:-1]).astype(np.int32)
+    return corners, sides, (mesh.node_offsets + first[mesh.node_offsets]).astype(np.int32)
 
 
 def interpolated(field: np.ndarray, interpolations: tuple[EdgeInterpolation, ...]) -> np.ndarray:

@@ -83,7 +83,8 @@ def _fields_on(mesh: Mesh, like: Mesh | LagrangeSpace | None) -> Mesh | Lagrange
         return None
     if like is None or like is like.mesh:
         return mesh
-    space = LagrangeSpace(mesh)
+    # State before the frame is numbered so: after flips a new space would have other numbers.
+    space = LagrangeSpace(mesh, like)
     if like.mesh.outline is mesh.outline:
         # A space that is rebuilt leaves sides straight that it has bent when triangles were better.
         space.X[space.facets[:, 2]] = like.X[like.facets[:, 2]]
