@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from restshape_studies.stability.known_bounds import TOLERANCE_WHY, Known
 from restshape_studies.stability.scenery import make_replay, rows_of, write_scene, write_script
 
 from restshape.calibration import Calibration
 from restshape.replay.loop import Replay
-from restshape.replay.parity import Parity
+from restshape.replay.parity import ENTRIES, Parity
 
 Row = dict[str, Any]
 
@@ -25,12 +26,14 @@ class Statement:
         value: what was found.
         holds: whether it does.
         bound: the largest value that holds; None where there is none.
+        why: what the bound follows from, where that lets it be far above what comes out.
     """
 
     must: str
     value: float | str
     holds: bool
     bound: float | None = None
+    why: str = ""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,10 @@ class Trial:
     def count(self, full: int, least: int = 1) -> int:
         """The number of frames or seeds out of `full`."""
         return max(least, round(self.share * full))
+
+    def solved(self, complete: float) -> float:
+        """The bound of numbers of two solves, of which `complete` holds where factors are complete."""
+        return Known(1e-5, TOLERANCE_WHY) if self.policy == "thesis" else complete
 
     def replay(
         self,
@@ -111,9 +118,14 @@ def true(must: str, found: bool, value: float | str = "") -> Statement:
     return Statement(must, value if value != "" else "yes" if found else "no", bool(found))
 
 
+def reason(bound: float) -> str:
+    """What a bound follows from; empty where what comes out says it."""
+    return bound.why if isinstance(bound, Known) else ""
+
+
 def below(must: str, value: float, bound: float) -> Statement:
     """The statement that a number, or the largest of several, is at most `bound`; a number that is none never is."""
-    return Statement(f"{must} at most {bound:g}", float(value), bool(value <= bound), bound)
+    return Statement(f"{must} at most {bound:g}", float(value), bool(value <= bound), float(bound), reason(bound))
 
 
 def above(must: str, value: float, bound: float) -> Statement:
@@ -126,16 +138,16 @@ def near(must: str, value: Any, reference: Any, relative: float) -> Statement:
     value, reference = np.broadcast_arrays(np.asarray(value, float), np.asarray(reference, float))
     size = np.where(reference == 0.0, 1.0, np.abs(reference))
     error = float(np.max(np.abs(value - reference) / size)) if value.size else math.nan
-    return Statement(f"{must} within {relative:g}", error, bool(error <= relative), relative)
+    return Statement(f"{must} within {relative:g}", error, bool(error <= relative), float(relative), reason(relative))
 
 
 def equal(check: Parity) -> Iterator[Statement]:
     """The statements that frames equal cold solves: entries to rounding, solutions to the tolerance."""
     found = check.summary()
-    yield below("entries equal cold ones", found["entries"], 1e-13)
+    yield below("entries equal cold ones", found["entries"], ENTRIES)
     # What compared nothing says nothing.
     solution = found["solution"] if found["compared"] else math.nan
-    yield below("solutions equal cold ones", solution, found["tolerance"])
+    yield below("solutions equal cold ones", solution, Known(found["tolerance"], TOLERANCE_WHY))
 
 
 def valid(rows: Sequence[Row], refused: int | None = 0, residual: float | None = None) -> Iterator[Statement]:
@@ -159,7 +171,9 @@ def valid(rows: Sequence[Row], refused: int | None = 0, residual: float | None =
         yield Statement(f"{refused} frames refused", value, count == refused)
     if residual is not None:
         # The last solution of a refused frame may have been another design's.
-        yield below("true residual", max((row["residual"] for row in shown), default=math.nan), residual)
+        yield below(
+            "true residual", max((row["residual"] for row in shown), default=math.nan), Known(residual, TOLERANCE_WHY)
+        )
 
 
 def refused_for(rows: Sequence[Row], *words: str) -> Statement:

@@ -12,6 +12,7 @@ from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import Load, Piece, Plane
 from restshape_apps.furniture.small_pieces import bench, block, ladder, mirrored, stool
 from restshape_studies.stability.case import Case, Statement, Trial, below, near, true
+from restshape_studies.stability.known_bounds import CONDITIONED, DIRECT, EXACT
 from restshape_verification.furniture.stability_contacts import (
     FINE,
     G,
@@ -33,7 +34,7 @@ def zero_friction(trial: Trial) -> Iterator[Statement]:
     rough, smooth = Furniture(piece), Furniture(replace(piece, planes=(Plane(mu=0.0),)))
     results = rough.test(), smooth.test()
     yield true("the table stands", not results[1].flaws & UNSTABLE)
-    yield below("sideways force of a foot [N]", float(np.abs(smooth.forces().contacts[:, :2]).max()), 1e-6)
+    yield below("sideways force of a foot [N]", float(np.abs(smooth.forces().contacts[:, :2]).max()), DIRECT)
     yield true("friction takes load off its weakest joint", results[0].pull < results[1].pull)
     yield balanced(smooth)
     for push in (1e-3, 1.0):
@@ -61,7 +62,7 @@ def planks_in_each_other(trial: Trial) -> Iterator[Statement]:
         yield balanced(furniture)
         if not shift:
             shares = forces.contacts.reshape(-1, 4, 3)[:, :, 2].sum(axis=1)[[0, 2]]
-            yield near("each of two in one place bears half", shares[0], shares[1], 1e-9)
+            yield near("each of two in one place bears half", shares[0], shares[1], EXACT)
 
 
 def parts(trial: Trial) -> Iterator[Statement]:
@@ -85,7 +86,7 @@ def parts(trial: Trial) -> Iterator[Statement]:
         result = both.test()
         yield true("two parts are seen", both.kernel.parts == 2)
         yield true(f"with one {lift:g} m in the air it {'falls' if lift else 'stands'}", falls_as(result.flaws, lift))
-        yield near("moments of the first as alone", both.forces().bending[:2], alone.forces().bending, 1e-6)
+        yield near("moments of the first as alone", both.forces().bending[:2], alone.forces().bending, DIRECT)
 
 
 def falls_as(flaws: int, lift: float) -> bool:
@@ -104,7 +105,7 @@ def unequal_legs(trial: Trial) -> Iterator[Statement]:
     furniture = Furniture(stool(CORNERS, (0.3, 0.3), 50.0), FINE)
     result = furniture.test()
     yield true("four legs stand where springs would pull", not result.flaws & UNSTABLE)
-    yield below("pull of a foot [N]", -float(furniture.forces().contacts[:, 2].min()), 1e-9)
+    yield below("pull of a foot [N]", -float(furniture.forces().contacts[:, 2].min()), EXACT)
     yield balanced(furniture)
 
 
@@ -132,7 +133,7 @@ def mirror(trial: Trial) -> Iterator[Statement]:
         one, other = Furniture(piece), Furniture(mirrored(piece))
         a, b = one.test(), other.test()
         yield true(f"{name}: same flaws", a.flaws == b.flaws)
-        yield near(f"{name}: same utilisations", [a.pull, a.shear], [b.pull, b.shear], 1e-8)
+        yield near(f"{name}: same utilisations", [a.pull, a.shear], [b.pull, b.shear], EXACT)
         yield true(f"{name}: same freedoms", one.kernel.freedoms() == other.kernel.freedoms())
         if len(piece.planks) <= 10:
             # Single modes: all of them are tested, in no order.
@@ -156,7 +157,7 @@ def sixty_planks(trial: Trial) -> Iterator[Statement]:
     solver.destroy()
     size = np.abs(quick.bending).max()
     yield below(
-        "moments by SNES beside these, relative", float(np.abs(slow.bending - quick.bending).max() / size), 1e-8
+        "moments by SNES beside these, relative", float(np.abs(slow.bending - quick.bending).max() / size), DIRECT
     )
     found = suggest(furniture)
     yield true("there are suggestions", 1 <= len(found.found) <= 8, float(len(found.found)))
@@ -186,7 +187,7 @@ def thrown_about(trial: Trial) -> Iterator[Statement]:
             if not gone:
                 differ = max(differ, abs(warm.pull - cold.pull) / max(abs(cold.pull), 1e-3))
         yield below(f"{piece.name}: designs with other flaws or no number", float(wrong), 0.0)
-        yield below(f"{piece.name}: difference from a fresh start, relative", differ, 1e-7)
+        yield below(f"{piece.name}: difference from a fresh start, relative", differ, CONDITIONED)
 
 
 CASES: dict[str, Case] = {

@@ -12,6 +12,7 @@ from restshape_apps.furniture.pieces import shelf_1, stool_chair, table
 from restshape_apps.furniture.shape.planks import Foot, Load, Piece, Plane, Plank
 from restshape_apps.furniture.small_pieces import THIN, block, cantilever, ladder, mirrored, stool
 from restshape_studies.stability.case import Statement, Trial, below, near, true
+from restshape_studies.stability.known_bounds import DIRECT, EXACT
 
 G = 9.80665
 FINE = Compliance(least_overlap=1e-6)
@@ -28,7 +29,7 @@ def balanced(furniture: Furniture, case: int = 0) -> Statement:
     own = furniture.geometry().mass.sum() * np.array(furniture.piece.gravity)
     loads = furniture.cases[case].sum(axis=0) + own
     left = furniture.forces(case).contacts.sum(axis=0) + loads
-    return below("loads that contacts leave, in parts of them", float(np.abs(left).max() / np.abs(loads).max()), 1e-6)
+    return below("loads that contacts leave, in parts of them", float(np.abs(left).max() / np.abs(loads).max()), DIRECT)
 
 
 def rows_of(furniture: Furniture, case: int = 0) -> np.ndarray:
@@ -69,7 +70,7 @@ def feet_on_two_planes(trial: Trial) -> Iterator[Statement]:
         own = float(furniture.geometry().mass[0]) * G
         wall = own / (2.0 * np.tan(angle))
         feet = furniture.forces().contacts.reshape(-1, 4, 3).sum(axis=1)
-        yield near(f"forces of a ladder at {angle} [N]", feet, [[wall, 0.0, own], [-wall, 0.0, 0.0]], 1e-6)
+        yield near(f"forces of a ladder at {angle} [N]", feet, [[wall, 0.0, own], [-wall, 0.0, 0.0]], DIRECT)
         yield true("no row is reported of it", rows_of(furniture).size == 0)
     sliding = Furniture(ladder(0.7, 0.5))
     yield true("a low ladder slides", bool(sliding.test().flaws & UNSTABLE))
@@ -82,7 +83,7 @@ def feet_on_two_planes(trial: Trial) -> Iterator[Statement]:
         pushed = carpeted(0.5 * weight * part)
         pushed.test()
         yield true(f"{part:g} of what a carpet bears: it {'slides' if down else 'stands'}", falls_under(pushed) is down)
-        yield near("the row of friction", float(rows_of(pushed, 1)[-1]), 1.0 - 0.5 * part, 1e-6)
+        yield near("the row of friction", float(rows_of(pushed, 1)[-1]), 1.0 - 0.5 * part, EXACT)
 
 
 def carpeted(newtons: float) -> Furniture:
@@ -112,8 +113,8 @@ def sliding_feet(trial: Trial) -> Iterator[Statement]:
                 most = float((along - mu * pressed).max() / pressed.sum())
                 seen += forces.one_sided and bool(np.abs(along - mu * pressed).min() < 1e-6 * pressed.sum())
                 worst, least = max(worst, most), min(least, float(pressed.min()))
-    yield below("friction beyond its limit, in parts of the weight", worst, 1e-6)
-    yield below("pull of a foot [N]", -least, 1e-9)
+    yield below("friction beyond its limit, in parts of the weight", worst, EXACT)
+    yield below("pull of a foot [N]", -least, EXACT)
     yield true("feet slide in most of 45 chairs", seen > 30, float(seen))
 
 
@@ -139,9 +140,9 @@ def mirrored_pair(trial: Trial) -> Iterator[Statement]:
         yield true(f"{piece.name}: two parts", both.kernel.parts == 2)
         for name in ("tension", "bending"):
             found = np.abs(getattr(forces, name))
-            yield near(f"{piece.name}: {name} of one and the other", found[:k], found[k:], 1e-7)
+            yield near(f"{piece.name}: {name} of one and the other", found[:k], found[k:], DIRECT)
         feet = forces.contacts.reshape(2, -1, 3).sum(axis=1)
-        yield near(f"{piece.name}: what they stand on", feet[0, 2], feet[1, 2], 1e-9)
+        yield near(f"{piece.name}: what they stand on", feet[0, 2], feet[1, 2], EXACT)
 
 
 def hardly_parallel(trial: Trial) -> Iterator[Statement]:

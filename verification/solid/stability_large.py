@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, refused_for, true, valid
+from restshape_studies.stability.known_bounds import CONVERGED, DIRECT, SOLVED
 from restshape_studies.stability.rubber import LARGE, TIP, WALL, gravity, solid
 from restshape_studies.stability.scenery import CLAMPED, PULLED, STEEL, across, block, drag, meshed, rows_of, set_value
 from restshape_studies.validation.elastica import stretched_elastica
@@ -27,8 +28,8 @@ def gravity_raised(trial: Trial) -> Iterator[Statement]:
     first, _, *beyond, back = rows
     yield refused_for(rows, "no equilibrium found beyond")
     yield true("refused frames have no value", all(np.isnan(row["q_y"]) for row in beyond))
-    yield near("deflection as at first once gravity is", back["q_y"], first["q_y"], 1e-5)
-    yield near("the wall holds the weight", back["q_wall_y"], 1000 * 10 * 0.2, 1e-5)
+    yield near("deflection as at first once gravity is", back["q_y"], first["q_y"], trial.solved(SOLVED))
+    yield near("the wall holds the weight", back["q_wall_y"], 1000 * 10 * 0.2, CONVERGED)
     yield from valid(rows, 3, 1e-6)
 
 
@@ -54,7 +55,7 @@ def fold(trial: Trial) -> Iterator[Statement]:
     rows = trial.rows(beam(), drag("b", (1, 0), path))
     yield refused_for(rows, "cross", "closer")
     yield near("deflection as at first", rows[-1]["q_y"], rows[0]["q_y"], 5e-2)
-    yield near("the wall holds the weight as at first", rows[-1]["q_wall_y"], rows[0]["q_wall_y"], 1e-5)
+    yield near("the wall holds the weight as at first", rows[-1]["q_wall_y"], rows[0]["q_wall_y"], CONVERGED)
     yield from valid(rows, None, 1e-6)
 
 
@@ -73,7 +74,7 @@ def inverted(trial: Trial) -> Iterator[Statement]:
     rows = rows_of(made, count)
     yield refused_for(rows, "no equilibrium found beyond")
     yield true("refused where it must be", [row["index"] for row in rows if row["refused"]] == [1, 3])
-    yield near("reaction as at first", rows[4]["q_wall"], rows[0]["q_wall"], 1e-5)
+    yield near("reaction as at first", rows[4]["q_wall"], rows[0]["q_wall"], trial.solved(SOLVED))
     yield below(f"triangles turned inside out in any of {len(turned)} frames", max(turned), 0)
     yield from valid(rows, 2)
 
@@ -156,7 +157,7 @@ def predicted_with_an_old_factor(trial: Trial) -> Iterator[Statement]:
         fresh = trial.rows(text, events, overrides=settings, predict="linear", policy="refactor")
         yield true(f"frames predicted ({name})", sum(row["predicted"] for row in stale) == 8)
         pairs = ([row["q_stretch"] for row in rows] for rows in (stale, fresh))
-        yield near(f"stretch as with fresh factors ({name})", *pairs, 1e-6)
+        yield near(f"stretch as with fresh factors ({name})", *pairs, DIRECT)
         yield from valid(stale)
 
 
@@ -181,7 +182,7 @@ def predicted_at_the_buckling_load(trial: Trial) -> Iterator[Statement]:
         yield near("tip of those as solved", *_columns(doubted), 1e-5)
         wrong = min((p["prediction_error"] for p, _ in pairs if not p["predicted"]), default=np.nan)
         yield above("least error that predictions of those would have had", wrong, TRUSTED)
-        yield near("tip on release as solved", predicted[-1]["q_tip"], solved[-1]["q_tip"], 1e-5)
+        yield near("tip on release as solved", predicted[-1]["q_tip"], solved[-1]["q_tip"], SOLVED)
         yield below("residual on release", predicted[-1]["residual"], 1e-6)
         yield from (*valid(predicted), *valid(solved))
 

@@ -4,10 +4,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from restshape_studies.stability.case import Case, Statement, Trial, below, valid
+from restshape_studies.stability.known_bounds import SOLVED
 from restshape_studies.stability.scenery import across, block, drag, rows_of
 
 from restshape.policy import POLICIES
-from restshape.replay.parity import Parity
+from restshape.replay.parity import ENTRIES, Parity
 
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "thermal"\n'
 WINDOW = "[shape.holes.window]\ncircle = { center = [0.3, 0.5], radius = 0.12 }\n"
@@ -30,10 +31,10 @@ def _moved(trial: Trial, text: str) -> Iterator[Statement]:
     check = Parity(made)
     rows = rows_of(made, lambda row: row["index"] % 4 or check())
     yield from valid(rows)
-    yield below("entries equal cold ones", check.entries, 1e-13)
+    yield below("entries equal cold ones", check.entries, ENTRIES)
     yield below("solutions equal cold ones", check.solution, DISTURBED)
     lost = max(abs(row["q_warm"] + row["q_cold"]) for row in rows)
-    yield below("heat that is lost, of that which enters", lost / 1000.0, 1e-5)
+    yield below("heat that is lost, of that which enters", lost / 1000.0, SOLVED)
 
 
 def conductivity_ratio(trial: Trial) -> Iterator[Statement]:

@@ -6,6 +6,21 @@ from dataclasses import asdict
 
 import pytest
 from restshape_studies.stability.case import Case, Trial, below, near, true, valid
+from restshape_studies.stability.known_bounds import (
+    BALANCE,
+    CONDITIONED,
+    CONVERGED,
+    DIRECT,
+    EXACT,
+    LAPACK,
+    MESHES,
+    SOLVED,
+    STATIONARY,
+    TOLERANCE,
+    TONES,
+    Known,
+    drifted,
+)
 from restshape_studies.stability.suite import cases, jobs, run_apart, run_case
 from sample_applications import verification
 
@@ -35,24 +50,33 @@ def test_case(tmp_path, name, policy):
     assert str(tmp_path) not in json.dumps(row, allow_nan=False)
 
 
-TOLERANCE, COUNTS, LOOSE, ROUNDING = 1e-5, 1.0, 1e-3, 1e-12
-"""Bounds up to the first are tolerances, from the second on counts; others are met within the third."""
+COUNTS, LOOSE = 1.0, 1e-3
+"""Bounds from the first on are counts; of others that give no reason the second is reached."""
 
 
 def loose(statements):
-    """Bounds that say nothing of what is reached: all values that have them are far below."""
+    """Statements whose bounds say nothing of what is reached: without a reason, and all their values are far below."""
     found = {}
     for one in statements:
-        if one["bound"] is not None and TOLERANCE < one["bound"] < COUNTS and one["value"] >= 0.0:
-            found[one["bound"]] = max(one["value"], found.get(one["bound"], 0.0))
-    # Where a machine's mesh comes out as that of the other scene, a value is rounding, and says nothing of its bound.
-    return {bound: value for bound, value in found.items() if value < LOOSE * bound and not 0.0 < value < ROUNDING}
+        if one["bound"] is not None and 0.0 < one["bound"] < COUNTS and not one["why"]:
+            bound, value = found.get(one["must"], (0.0, 0.0))
+            found[one["must"]] = max(bound, one["bound"]), max(value, abs(one["value"]))
+    return {must: value for must, (bound, value) in found.items() if value < LOOSE * bound}
 
 
 def test_bounds_that_say_nothing_are_found():
     made = [below("a", 1e-9, 1e-2), below("b", 1e-3, 1e-2), near("c", 1.0, 1.0, 1e-3), below("d", 0.0, 1e-6)]
-    made += [below("e", 0, 20), below("f", -1.0, 1e-4), true("g", True)]
-    assert loose(map(asdict, made)) == {1e-3: 0.0}
+    made += [below("e", 0, 20), below("f", 1e-9, Known(1e-4, "so")), true("g", True), below("h", 0.0, 0.0)]
+    made += [below("a", 1e-3, 1e-2)]
+    assert loose(map(asdict, made)) == {"c within 0.001": 0.0, "d at most 1e-06": 0.0}
+
+
+def test_bounds_that_follow_from_something_say_so():
+    for bound in (EXACT, DIRECT, CONDITIONED, LAPACK, TONES, TOLERANCE, STATIONARY, BALANCE, MESHES, drifted(100)):
+        stated = below("a", 0.0, bound)
+        assert stated.why == bound.why and len(stated.why) > 20 and stated.bound == float(bound)
+        assert type(stated.bound) is float
+    assert near("a", 1.0, 1.0, CONVERGED).why == below("a", 0.0, SOLVED).why == ""
 
 
 def test_every_case_says_what_it_is():
