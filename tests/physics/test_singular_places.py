@@ -3,6 +3,7 @@
 import json
 import math
 
+import meshio
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -349,3 +350,41 @@ def test_meshes_show_the_exponent_of_two_materials(tmp_path):
     scene = load_scene(tmp_path / "scene.toml")
     place = singular_quantities(scene, shape_of(scene))["top"]
     assert np.polyfit(np.log(sizes), np.log(values), 1)[0] == pytest.approx(place.exponent - 1.0, abs=0.05)
+
+
+def l_of_triangles(path):
+    """A mesh file of an L, 100 mm wide, of right-angled triangles of 10 mm, with its left and right sides as groups."""
+    nodes = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(11) for j in range(11 if i < 6 else 6))}
+    squares = [(i, j) for i, j in nodes if (i + 1, j + 1) in nodes]
+    triangles = [
+        [nodes[i, j], nodes[p], nodes[q]]
+        for i, j in squares
+        for p, q in (((i + 1, j), (i + 1, j + 1)), ((i + 1, j + 1), (i, j + 1)))
+    ]
+    sides = [[[nodes[i, j], nodes[i, j + 1]] for j in range(n)] for i, n in ((0, 10), (10, 5))]
+    tags = [np.full(len(block), tag) for tag, block in ((3, triangles), (1, sides[0]), (2, sides[1]))]
+    cells = [("triangle", np.array(triangles)), *(("line", np.array(one)) for one in sides)]
+    points = 0.01 * np.array([[i, j, 0] for i, j in nodes], dtype=float)
+    made = meshio.Mesh(points, cells, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags})
+    made.field_data = {
+        name: np.array([tag, dim]) for name, tag, dim in (("left", 1, 1), ("right", 2, 1), ("body", 3, 2))
+    }
+    meshio.write(path, made, file_format="gmsh22", binary=False)
+
+
+def test_places_of_a_mesh_file_are_marked(tmp_path, restshape):
+    l_of_triangles(tmp_path / "l.msh")
+    text = ARM[ARM.index("[material.steel]") : ARM.index("[supports.wall]")]
+    text += '[supports.wall]\non = "left"\nfix = ["x", "y"]\n[loads.pull]\non = "right"\nforce = [1e4, 0]\n'
+    text += '[mesh]\nfile = "l.msh"\n[quantities]\npeak = { stress = "von_mises" }\n'
+    text += 'held = { stress = "von_mises", at = "left" }\npulled = { stress = "von_mises", at = "right" }\n'
+    scene = write_scene(tmp_path, HEAD + text)
+    assert restshape("check", scene, "--json", "a.json").returncode == 0
+    peak, held = (one for one in json.loads((tmp_path / "a.json").read_text())["warnings"] if "converge" in one)
+    # The angle of the L, and a clamped side's end at a right angle (Williams 1952).
+    assert "quantities.peak: stress goes as r^-0.456 at the re-entrant corner" in peak
+    clamped = exponent(math.pi / 2, CLAMPED, FREE, kolosov(0.3, False))
+    assert f"quantities.held: stress goes as r^{clamped.real - 1.0:.3f} at the end of a support" in held
+    assert restshape("replay", scene, "--json", "b.json").returncode == 0
+    marked = json.loads((tmp_path / "b.json").read_text())["singular"]
+    assert set(marked) == {"peak", "held"} and marked["peak"] == pytest.approx(0.544484, abs=1e-6)

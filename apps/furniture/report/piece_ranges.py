@@ -18,6 +18,7 @@ from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT, status_
 
 from restshape.outputs.picture_files import save_picture
 from restshape.replay.recording import Recording
+from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 from restshape.report.tables import column, rows_of
@@ -45,9 +46,7 @@ def draw_guidance(recording: Recording, path: Path) -> None:
         axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
         axes.set_axisbelow(True)
     _mark_searches(panels, rows)
-    panels[-1].set_xlabel("frame")
-    panels[-1].set_xlim(-0.5 - 0.01 * recording.n, recording.n - 0.5 + 0.01 * recording.n)
-    panels[-1].xaxis.get_major_locator().set_params(integer=True)
+    frame_axis(panels[-1], recording.n)
     name = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{name}: what holds, and how far edits may go", x=0.01, ha="left", color=INK)
     limits = any(only_limits(row) for row in rows)

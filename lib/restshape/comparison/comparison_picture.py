@@ -11,7 +11,6 @@ from textwrap import shorten
 
 import numpy as np
 from matplotlib.figure import SubFigure
-from matplotlib.ticker import MaxNLocator
 
 from restshape.comparison.result import Result
 from restshape.comparison.result_comparison import Compared
@@ -22,6 +21,7 @@ from restshape.replay.recording import Recording
 from restshape.replay.singular_notes import marked
 from restshape.report.drawing import Drawing
 from restshape.report.field import own_pictures, shown_field
+from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import add_colour_bar
 from restshape.report.quantity_panels import EACH, FRAMED, least_span
 from restshape.report.scenery import Scenery, scenery
@@ -89,8 +89,7 @@ def _draw_quantities(part: SubFigure, names: Sequence[str], first: Result, secon
         axes.ticklabel_format(axis="y", useOffset=False)
         if len(known):
             least_span(axes, factor * float(known.min()), factor * float(known.max()))
-    panels[-1].set_xlabel("frame")
-    panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    frame_axis(panels[-1], max(len(one.quantities[name]) for one in (first, second) for name in names))
     part.align_ylabels()
     part.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
 

@@ -12,6 +12,7 @@ from restshape.replay.columns import error_column, jump_column
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
+from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.recorded_quantities import limits_of, quantity_units
 from restshape.report.stacked_panels import stack_panels
@@ -57,9 +58,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
         _band(axes, values, errors, units.get(name, ""))
         axes.set_title(marked(name, singular(recording)), loc="left", pad=2)
         _shade(axes, np.flatnonzero(stopped))
-    panels[-1].set_xlabel("frame")
-    panels[-1].set_xlim(-0.5 - 0.01 * recording.n, recording.n - 0.5 + 0.01 * recording.n)
-    panels[-1].xaxis.get_major_locator().set_params(integer=True)
+    frame_axis(panels[-1], recording.n)
     left_out = f", {len(names) - MOST} more quantities are not shown" if len(names) > MOST else ""
     title = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{title}: {recording.summary}{left_out}", x=0.01, ha="left", color=INK)
@@ -72,9 +71,10 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
 def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str, float], unit: str) -> None:
     """One quantity: a line with gaps, marks at reconnections and reconstructions, crosses beyond a limit."""
     frames, level = np.arange(recording.n), column(recording, "level")
+    ms = 2.5 if recording.n > 1 else 8.0
     known = values[np.isfinite(values)]
     factor, shown = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
-    axes.plot(frames, factor * values, color=INK, lw=1.0, marker=".", ms=2.5, zorder=2)
+    axes.plot(frames, factor * values, color=INK, lw=1.0, marker=".", ms=ms, zorder=2)
     for k in (2, 3):
         here = (level == k) & np.isfinite(values)
         axes.plot(frames[here], factor * values[here], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, zorder=3)

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
+from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
@@ -57,9 +58,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         most = max(1.0, np.nanmax(counts, initial=1.0))
         panels[2].set(ylabel="iterations", ylim=(-0.06 * most, 1.15 * most))
         panels[2].yaxis.get_major_locator().set_params(integer=True)
-    panels[-1].set_xlabel("frame")
-    panels[-1].set_xlim(-0.5 - 0.01 * recording.n, recording.n - 0.5 + 0.01 * recording.n)
-    panels[-1].xaxis.get_major_locator().set_params(integer=True)
+    frame_axis(panels[-1], recording.n)
     name = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{name}: {recording.summary}", x=0.01, ha="left", color=INK)
     handles, names = levels.get_legend_handles_labels()
