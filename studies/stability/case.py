@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from restshape_studies.stability.known_bounds import TOLERANCE_WHY, Known
+from restshape_studies.stability.known_bounds import ENTRIES, TOLERANCE_WHY, Known
 from restshape_studies.stability.scenery import make_replay, rows_of, write_scene, write_script
 
 from restshape.calibration import Calibration
 from restshape.replay.loop import Replay
-from restshape.replay.parity import ENTRIES, Parity
+from restshape.replay.parity import Parity
 
 Row = dict[str, Any]
 

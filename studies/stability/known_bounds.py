@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from restshape.replay import parity
+
 
 class Known(float):
     """A bound that a reason gives, whether or not what comes out on one machine is near it.
@@ -20,6 +22,7 @@ class Known(float):
         return made
 
 
+ENTRIES = Known(parity.ENTRIES, "entries of matrices are the same sums in another order")
 EXACT = Known(1e-12, "equal but for the order of sums: 4,500 roundings of a double")
 DIRECT = Known(1e-10, "solved by a complete factor: rounding times a condition of up to 1e6")
 CONDITIONED = Known(1e-8, "solved by a complete factor: rounding times a condition of 1e8, as near a limit load")

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, true, valid
-from restshape_studies.stability.known_bounds import LAPACK, TONES
+from restshape_studies.stability.known_bounds import ENTRIES, LAPACK, TONES
 from restshape_studies.stability.scenery import across, drag, rows_of
 from scipy.linalg import eigh
 
 from restshape.application import application
 from restshape.policy import POLICIES
 from restshape.replay.loop import Replay
-from restshape.replay.parity import ENTRIES, Parity
+from restshape.replay.parity import Parity
 
 SCENES = application("metallophone").folder / "scenes"
 PLATE = "effects.modal.model=plate"

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from restshape_studies.stability.case import Case, Statement, Trial, below, valid
-from restshape_studies.stability.known_bounds import SOLVED
+from restshape_studies.stability.known_bounds import ENTRIES, SOLVED
 from restshape_studies.stability.scenery import across, block, drag, rows_of
 
 from restshape.policy import POLICIES
-from restshape.replay.parity import ENTRIES, Parity
+from restshape.replay.parity import Parity
 
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "thermal"\n'
 WINDOW = "[shape.holes.window]\ncircle = { center = [0.3, 0.5], radius = 0.12 }\n"
