@@ -26,6 +26,7 @@ def measured():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 @pytest.mark.parametrize("app", list(measured()))
 def test_the_committed_table_holds(capsys, monkeypatch, app):
     alone = {app: verifications()[app]}

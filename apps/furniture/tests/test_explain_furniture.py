@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from jobs_here import jobs_run_here
 from restshape_studies.explain.price import ANOTHER_WAY
 from restshape_studies.explain.variants import Difference, variants
 from restshape_studies.explain.without import without
@@ -22,7 +23,8 @@ def found(tmp_path_factory):
     folder = tmp_path_factory.mktemp("explain")
     assert main(["new", "furniture", str(folder / "bench")]) == 0
     words = ["explain", str(folder / "bench" / "scene.toml"), "--seconds", "3", "--json", str(folder / "found.json")]
-    assert main(words) == 0
+    with jobs_run_here():
+        assert main(words) == 0
     return {row["effect"]: row for row in json.loads((folder / "found.json").read_text())}
 
 

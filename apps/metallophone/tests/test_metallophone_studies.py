@@ -51,6 +51,7 @@ def test_each_point_is_as_far_off_as_its_model(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_command_writes_what_it_measured(tmp_path, monkeypatch, capsys):
     plate = accuracy.FAMILIES[-1]
     monkeypatch.setattr(accuracy, "FAMILIES", (accuracy.Family(plate.name, plate.overrides, (12.0, 8.0)),))

@@ -230,6 +230,7 @@ stretch = { displacement = "x", at = "b", reference = "2*P/3e9" }
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_a_static_scene_without_a_script_is_studied_on_its_first_shape(command, tmp_path):
     """A bar that is pulled: its elongation P L / E is known, and every mesh has it."""
     scene = write_scene(tmp_path, HEAD + STRIP, "bar.toml")

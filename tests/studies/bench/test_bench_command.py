@@ -39,6 +39,7 @@ def test_reuse_for_programs_and_people(tmp_path, command, scene):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_set_frames_and_edits(tmp_path, command, scene):
     (tmp_path / "small.jsonl").rename(tmp_path / "other.jsonl")
     words = ("--policies", "auto", "--repeat", 1, "--frames", 3, "--set", "mesh.size=0.3", "--json", "a.json")
@@ -50,6 +51,7 @@ def test_set_frames_and_edits(tmp_path, command, scene):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_size_for_programs_and_people(tmp_path, command):
     done = command("bench", "size", "--from", 300, "--to", 600, "--points", 2, "--json", "a.json")
     assert done.returncode == 0, done.stderr

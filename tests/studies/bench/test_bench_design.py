@@ -23,6 +23,7 @@ def scene(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_predict_for_programs_and_people(tmp_path, command, scene):
     done = command("bench", "predict", scene, "--repeat", 1, "--json", "a.json", "--set", "solve.tolerance=1e-10")
     assert done.returncode == 0, done.stderr

@@ -11,6 +11,7 @@ SMALL = ("--set", 'mesh.size="12 mm"', "--set", "mesh.layers=1", "--set", "effec
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_all_solvers_find_the_same(tmp_path, command):
     words = ("--edits", SCENES / "bar_100_short.jsonl", *SMALL)
     done = command("bench", "eigen", SCENES / "bar_100.toml", *words, "--json", "a.json")
