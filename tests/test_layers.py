@@ -36,6 +36,7 @@ LAYERS = (
     "early_interrupts",
     "policy",
     "calibration",
+    "arrays",
     "declared_paths",
     "application",
     "scene",

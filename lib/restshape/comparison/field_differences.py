@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from restshape.arrays import Indices, Reals
 from restshape.comparison.series_difference import Gathered, SeriesDifference
 from restshape.mesh.transfer import Transfer
 from restshape.replay.recording import Recording
@@ -21,13 +22,13 @@ WITHIN = 1e-9
 class RecordedMesh(NamedTuple):
     """The mesh of a frame, as `Transfer` searches it."""
 
-    X: np.ndarray
-    cells: np.ndarray
+    X: Reals
+    cells: Indices
     cell_type: str
     dim: int = 2
 
     @property
-    def corners(self) -> np.ndarray:
+    def corners(self) -> Reals:
         """Nodes at the corners of the cells."""
         return np.ascontiguousarray(self.cells[:, :3])
 
@@ -84,7 +85,7 @@ def _same_kind(name: str, first: Recording, second: Recording) -> bool:
     return (one.where, one.components) == (other.where, other.components)
 
 
-def _transfer(first: Recording, second: Recording, i: int) -> tuple[np.ndarray, Transfer] | None:
+def _transfer(first: Recording, second: Recording, i: int) -> tuple[Reals, Transfer] | None:
     """What interpolates fields of the second mesh to nodes of the first, and which of these lie in it."""
     X, cells = second.mesh(i)
     kind = TRIANGLES.get(cells.shape[1])

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from restshape import bounds
+from restshape.arrays import AnyArray, Flags, Reals
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
 from restshape.report.recorded_quantities import quantity_units
@@ -44,11 +45,11 @@ class Result:
     path: Path
     n: int
     header: dict[str, Any]
-    quantities: dict[str, np.ndarray]
+    quantities: dict[str, Reals]
     units: dict[str, str] = field(default_factory=dict)
-    refused: np.ndarray | None = None
-    status: np.ndarray | None = None
-    ms: np.ndarray | None = None
+    refused: Flags | None = None
+    status: AnyArray | None = None
+    ms: Reals | None = None
     percentiles: dict[str, float] = field(default_factory=dict)
     recording: Recording | None = None
 

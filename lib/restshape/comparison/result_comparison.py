@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.arrays import AnyArray
 from restshape.comparison.field_differences import FieldDifferences, field_differences
 from restshape.comparison.header_differences import HeaderDifference, header_differences
 from restshape.comparison.result import Result
@@ -100,7 +101,7 @@ def compared(first: Result, second: Result, tolerance: float = 0.0) -> Compared:
     return Compared(outcome, header, quantities, alone, frames, refused, status, times, columns, fields, hashes)
 
 
-def _other(first: np.ndarray | None, second: np.ndarray | None) -> list[int]:
+def _other(first: AnyArray | None, second: AnyArray | None) -> list[int]:
     """Frames in which two columns differ; none where one of the results does not have it."""
     if first is None or second is None:
         return []

@@ -6,6 +6,7 @@ from hashlib import sha256
 
 import numpy as np
 
+from restshape.arrays import AnyArray
 from restshape.comparison.result import is_time
 from restshape.replay.recording import Recording
 
@@ -26,7 +27,7 @@ def result_hash(hashes: dict[str, str]) -> str:
     return f"sha256:{sha256(repr(sorted(hashes.items())).encode()).hexdigest()}"
 
 
-def _hash(arrays: list[np.ndarray]) -> str:
+def _hash(arrays: list[AnyArray]) -> str:
     """The hash of arrays: of their types, shapes and bytes; of texts their characters."""
     found = sha256()
     for array in arrays:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.arrays import Reals
+
 
 @dataclass(frozen=True)
 class SeriesDifference:
@@ -55,7 +57,7 @@ class Gathered:
         self._frames = self._alone = self._count = 0
         self._frame, self._largest, self._squares, self._scale = -1, math.nan, 0.0, 0.0
 
-    def add(self, frame: int, first: np.ndarray, second: np.ndarray) -> None:
+    def add(self, frame: int, first: Reals, second: Reals) -> None:
         """Take in the values of a frame, of the same shape."""
         known = np.isfinite(first), np.isfinite(second)
         both = known[0] & known[1]
@@ -79,7 +81,7 @@ class Gathered:
         return SeriesDifference(self.name, self._frames, self._alone, self._largest, rms, self._scale, frame)
 
 
-def series_difference(name: str, first: np.ndarray, second: np.ndarray) -> SeriesDifference:
+def series_difference(name: str, first: Reals, second: Reals) -> SeriesDifference:
     """The difference of two series (n,) and (m,) in the frames that both have."""
     gathered = Gathered(name)
     for frame, (a, b) in enumerate(zip(first, second)):

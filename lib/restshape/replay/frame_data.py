@@ -3,6 +3,7 @@
 import h5py
 import numpy as np
 
+from restshape.arrays import Records
 from restshape.replay.growable_array import Growing
 
 STATUS = "constraint_status"
@@ -53,7 +54,7 @@ class FrameData:
         """All arrays that grow."""
         return [*self._values.values(), *filter(None, [self._frames])]
 
-    def add(self, row: np.ndarray, frame: int) -> None:
+    def add(self, row: Records, frame: int) -> None:
         """Take the values of a frame from its row (1,)."""
         for name, values in self._values.items():
             values.add(np.array([_status(row[name][0])]) if name == STATUS else row[name].astype(values.dataset.dtype))

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
+from restshape.arrays import AnyArray
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -21,7 +23,7 @@ class Growing:
         self.dataset = group.create_dataset(name, shape, dtype=dtype, maxshape=limit, chunks=chunks)
         self.width = width
         self.length = 0
-        self._pending: list[np.ndarray] = []
+        self._pending: list[AnyArray] = []
         self._last: tuple[int, bytes] | None = None
 
     @property
@@ -29,14 +31,14 @@ class Growing:
         """Bytes that wait for `write`."""
         return sum(rows.nbytes for rows in self._pending)
 
-    def add(self, rows: np.ndarray) -> int:
+    def add(self, rows: AnyArray) -> int:
         """The place of the rows, which are kept as they are until written."""
         start = self.length
         self._pending.append(rows)
         self.length += len(rows)
         return start
 
-    def add_changed(self, rows: np.ndarray) -> int:
+    def add_changed(self, rows: AnyArray) -> int:
         """The place of the rows: that of the last ones where these repeat them bit for bit."""
         data = rows.tobytes()
         if self._last is None or self._last[1] != data:

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import h5py
-import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from restshape.arrays import Integers
 from restshape.errors import UserError, printable
 from restshape.scene.plain_values import Table
 
@@ -94,7 +94,7 @@ def refuse_bad_header(header: Table, path: Path) -> None:
         raise bad(path, f"{printable(place)!r} of its header is {what}") from None
 
 
-def refuse_bad_places(starts: np.ndarray, counts: np.ndarray, length: int, what: str) -> None:
+def refuse_bad_places(starts: Integers, counts: Integers, length: int, what: str) -> None:
     """Makes sure that what frames refer to is there.
 
     Args:

@@ -6,6 +6,7 @@ from math import nan
 import numpy as np
 
 from restshape.analysis.analysis import Analysis, Predictor
+from restshape.arrays import Reals
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.first_use import made as known
@@ -62,8 +63,8 @@ class PredictedFrames:
         self.made: Prediction | None = None
         self.active = False
         self.note = ""
-        self._before: np.ndarray | None = None
-        self._expected: np.ndarray | None = None
+        self._before: Reals | None = None
+        self._expected: Reals | None = None
         self._c = (0.0, 0.0)
         self._estimate: tuple[float, float] | None = None
         self._doubt = ""

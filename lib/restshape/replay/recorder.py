@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from restshape.arrays import Indices, Reals
 from restshape.errors import UserError
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import RecordingFile
@@ -138,7 +139,7 @@ class Recorder:
         self.ready()
         self._send(rings.NOTE, json.dumps(dict(extra), allow_nan=False).encode())
 
-    def topology(self, cells: np.ndarray) -> None:
+    def topology(self, cells: Indices) -> None:
         """Cells that hold from the next frame on.
 
         Args:
@@ -154,9 +155,9 @@ class Recorder:
     def frame(
         self,
         t: float,
-        X: np.ndarray,
-        point_data: Mapping[str, np.ndarray],
-        cell_data: Mapping[str, np.ndarray],
+        X: Reals,
+        point_data: Mapping[str, Reals],
+        cell_data: Mapping[str, Reals],
         row: RowValues,
     ) -> None:
         """Hands over one frame: a copy into shared memory.

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 
+from restshape.arrays import AnyArray, Indices, Integers, Reals, Records
 from restshape.errors import UserError, printable
 from restshape.replay.cell_types import CELL_TYPES
 from restshape.replay.columns import ALIASES, SIMULATED, renamed
@@ -41,7 +42,7 @@ class StoredField(NamedTuple):
     """Where a field's values are: its dataset of the file, and the row (n,) of it at which each frame begins."""
 
     dataset: h5py.Dataset
-    starts: np.ndarray
+    starts: Integers
 
 
 class Recording:
@@ -176,7 +177,7 @@ class Recording:
         return f"sha256:{sha256(header + self._rows.tobytes()).hexdigest()}"
 
     @property
-    def times(self) -> np.ndarray:
+    def times(self) -> Reals:
         """Edit time of each frame [s] as ParaView sees it: frames at the same time are one last bit apart."""
         return self._steps["Values"]
 
@@ -203,7 +204,7 @@ class Recording:
         """The number of frame i's topology: equal numbers, equal cells."""
         return int(self._steps["PartOffsets"][self._frame(i)])
 
-    def cells(self, i: int) -> np.ndarray:
+    def cells(self, i: int) -> Indices:
         """The (ne, nodes) int32 cells of frame i."""
         i = self._frame(i)
         part = self.topology(i)
@@ -216,21 +217,21 @@ class Recording:
         return int(self._data["Types"][self._steps["CellOffsets"][self._frame(i)]])
 
     @property
-    def rows(self) -> np.ndarray:
+    def rows(self) -> Records:
         """The table as it is stored: a record a frame, with its checksum."""
         return self._rows
 
-    def points(self, i: int) -> np.ndarray:
+    def points(self, i: int) -> Reals:
         """The (n, dimension) rest positions of frame i [m]."""
         i = self._frame(i)
         start, count = self._steps["PointOffsets"][i], self._parts["NumberOfPoints"][self.topology(i)]
         return np.ascontiguousarray(self._data["Points"][start : start + count, : self.dimension])
 
-    def mesh(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+    def mesh(self, i: int) -> tuple[Reals, Indices]:
         """Rest positions (n, dimension) [m] and cells (ne, nodes) of frame i."""
         return self.points(i), self.cells(i)
 
-    def field(self, i: int, name: str) -> np.ndarray:
+    def field(self, i: int, name: str) -> Reals:
         """A field of frame i as it was recorded: (n,) or (n, components) at points, (ne,) or (ne, components) at cells.
 
         Raises:
@@ -267,7 +268,7 @@ class Recording:
                 damaged.append(i)
         return damaged
 
-    def _are_typed(self, i: int, cells: np.ndarray) -> bool:
+    def _are_typed(self, i: int, cells: Indices) -> bool:
         """Whether VTK's types and offsets of the cells of frame i are those of cells with so many nodes."""
         part, start = self.topology(i), self._steps["CellOffsets"][i]
         count, width = cells.shape
@@ -292,12 +293,12 @@ class Recording:
         self.close()
 
 
-def _fit(cells: np.ndarray, points: np.ndarray) -> bool:
+def _fit(cells: Indices, points: Reals) -> bool:
     """Whether cells refer to points that are there."""
     return not cells.size or (cells.min() >= 0 and int(cells.max()) < len(points))
 
 
-def _column(values: np.ndarray) -> np.ndarray:
+def _column(values: AnyArray) -> AnyArray:
     if values.dtype.kind != "S":
         return np.ascontiguousarray(values)
     return np.array([printable(value.decode(errors="replace")) for value in values], dtype=object)

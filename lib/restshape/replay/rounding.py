@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.scene.expressions import COORDINATES, Expression
 from restshape.scene.units import SYMBOLS
 
@@ -36,7 +37,7 @@ def _size(value: object, scene: Scene) -> float:
 
 
 def scales(
-    series: Mapping[str, np.ndarray], units: Mapping[str, str], loads: Mapping[str, float] | None = None
+    series: Mapping[str, Reals], units: Mapping[str, str], loads: Mapping[str, float] | None = None
 ) -> dict[str, float]:
     """What counts as the size of each quantity: the largest one of all with its unit, and of loads with it.
 
@@ -55,13 +56,13 @@ def scales(
     return {name: shared.get(units.get(name, ""), size) for name, size in own.items()}
 
 
-def largest(values: np.ndarray | Iterable[float]) -> float:
+def largest(values: Reals | Iterable[float]) -> float:
     """The largest size among values that are numbers; 0 without any."""
     found = np.asarray(values, dtype=float)
     return float(np.abs(found[np.isfinite(found)]).max(initial=0.0))
 
 
-def without_rounding(values: np.ndarray, scale: float) -> np.ndarray:
+def without_rounding(values: Reals, scale: float) -> Reals:
     """Values with 0 for those that are rounding alone."""
     return np.where(np.abs(values) < ROUNDING * scale, 0.0, values)
 

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.replay.tally import Summary, Tally
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
 
 
-def percentiles(ms: np.ndarray) -> dict[str, float]:
+def percentiles(ms: Reals) -> dict[str, float]:
     """Median, 95th and 99th percentile [ms] of frame times; zeros when there are none."""
     values = np.percentile(ms, (50, 95, 99)) if len(ms) else np.zeros(3)
     return dict(zip(("p50", "p95", "p99"), map(float, values)))

@@ -13,13 +13,14 @@ import json
 import os
 import re
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import h5py
 import numpy as np
 
+from restshape.arrays import AnyArray, Indices, Reals
 from restshape.outputs.atomic_files import new_part
 from restshape.outputs.kinds import RecordingFile
 from restshape.outputs.locks import Lock
@@ -35,7 +36,7 @@ PARTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
 class Topology(NamedTuple):
     """Cells that hold from the next frame on: (ne, nodes) int32 and their VTK cell type."""
 
-    cells: np.ndarray
+    cells: Indices
     cell_type: int
 
 
@@ -43,13 +44,13 @@ class RecordedFrame(NamedTuple):
     """One frame: edit time, rest points (n, dim), fields, the row's bytes."""
 
     t: float
-    X: np.ndarray
-    point_data: dict[str, np.ndarray]
-    cell_data: dict[str, np.ndarray]
+    X: Reals
+    point_data: dict[str, Reals]
+    cell_data: dict[str, Reals]
     row: bytes
 
 
-def checksum(topology: int, row: bytes, arrays: list[np.ndarray]) -> int:
+def checksum(topology: int, row: bytes, arrays: Sequence[AnyArray]) -> int:
     """The CRC-32 of a frame: that of its cells, carried on over its row, points and fields."""
     value = zlib.crc32(row, topology)
     for array in arrays:
@@ -196,13 +197,13 @@ class VtkHdfWriter:
         self._frame_data.add(row, self.frames)
         self.frames += 1
 
-    def _append_fields(self, kind: str, given: dict[str, np.ndarray], count: int) -> list[np.ndarray]:
+    def _append_fields(self, kind: str, given: dict[str, Reals], count: int) -> list[Reals]:
         fields = self._fields[kind]
         for name, values in given.items():
             if name not in fields:
                 fields[name] = self._new_field(kind, name, values)
         self._largest[kind] = max(self._largest[kind], count)
-        written: list[np.ndarray] = []
+        written: list[Reals] = []
         for name, field in fields.items():
             if name in given:
                 values = given[name]
@@ -213,7 +214,7 @@ class VtkHdfWriter:
             written.append(values)
         return written
 
-    def _new_field(self, kind: str, name: str, values: np.ndarray) -> Growing:
+    def _new_field(self, kind: str, name: str, values: Reals) -> Growing:
         """A field's dataset; frames before it find NaN there."""
         components = values.shape[1] if values.ndim == 2 else 0
         width = 3 if components == 2 else components
@@ -325,7 +326,7 @@ def _remove_left(path: Path) -> None:
             left.unlink()
 
 
-def _padded(values: np.ndarray) -> np.ndarray:
+def _padded(values: Reals) -> Reals:
     """A copy with a third component 0 where there are two."""
     if values.ndim == 2 and values.shape[1] == 2:
         padded = np.zeros((len(values), 3))

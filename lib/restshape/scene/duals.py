@@ -7,8 +7,9 @@ from typing import Union
 
 import numpy as np
 
-Array = np.ndarray
-Operand = Union["Dual", Array, float]
+from restshape.arrays import Reals
+
+Operand = Union["Dual", Reals, float]
 
 
 class Dual:
@@ -25,7 +26,7 @@ class Dual:
     # Else numpy's scalars would make object arrays of it.
     __array_ufunc__ = None
 
-    def __init__(self, value: Array, rate: Array | float = 0.0) -> None:
+    def __init__(self, value: Reals, rate: Reals | float = 0.0) -> None:
         self.value, self.rate = value, rate
 
     def __neg__(self) -> Dual:
@@ -78,7 +79,7 @@ def dual(number: Operand) -> Dual:
     return number if isinstance(number, Dual) else Dual(np.asarray(number, dtype=float))
 
 
-def _chain(function: Callable[[Array], Array], slope: Callable[[Array], Array]) -> Callable[[Operand], Dual]:
+def _chain(function: Callable[[Reals], Reals], slope: Callable[[Reals], Reals]) -> Callable[[Operand], Dual]:
     def apply(a: Operand) -> Dual:
         a = dual(a)
         return Dual(function(a.value), slope(a.value) * a.rate)
@@ -91,7 +92,7 @@ def _atan2(y: Operand, x: Operand) -> Dual:
     return Dual(np.arctan2(y.value, x.value), (x.value * y.rate - y.value * x.rate) / (x.value**2 + y.value**2))
 
 
-def _choose(first: Callable[[Array, Array], np.ndarray]) -> Callable[[Operand, Operand], Dual]:
+def _choose(first: Callable[[Reals, Reals], Reals]) -> Callable[[Operand, Operand], Dual]:
     def apply(a: Operand, b: Operand) -> Dual:
         a, b = dual(a), dual(b)
         chosen = first(a.value, b.value)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.bounds import FORMULA_CHARACTERS
 from restshape.errors import ValueProblem, quoted
 from restshape.scene import duals
@@ -19,9 +20,9 @@ from restshape.scene.units import UnitError, in_si
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-Number = TypeVar("Number", np.ndarray, Dual)
+Number = TypeVar("Number", Reals, Dual)
 
-FUNCTIONS: dict[str, tuple[Callable[..., np.ndarray], int]] = {
+FUNCTIONS: dict[str, tuple[Callable[..., Reals], int]] = {
     "sqrt": (np.sqrt, 1),
     "sin": (np.sin, 1),
     "cos": (np.cos, 1),
@@ -126,7 +127,7 @@ class Expression:
         what = f"the formula {quoted(self.text)} names {name!r}, which is not in [parameters]"
         return ExpressionError(what, do or f"known names: {known}")
 
-    def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: Mapping[str, float]) -> np.ndarray:
+    def evaluate(self, x: ArrayLike, y: ArrayLike, parameters: Mapping[str, float]) -> Reals:
         """The formula at points, in the shape of x and y broadcast; not finite where the formula is not.
 
         Args:
@@ -142,7 +143,7 @@ class Expression:
         result = self._run(known, x, y, parameters)
         return np.array(np.broadcast_to(result, x.shape), dtype=np.float64)
 
-    def rate(self, x: Dual, y: Dual, parameters: Mapping[str, float]) -> np.ndarray:
+    def rate(self, x: Dual, y: Dual, parameters: Mapping[str, float]) -> Reals:
         """The derivative of the formula along the direction in which the coordinates change.
 
         Args:

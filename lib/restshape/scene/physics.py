@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from argparse import Namespace
     from pathlib import Path
 
-    import numpy as np
     import numpy.typing as npt
 
+    from restshape.arrays import Reals
     from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.model import Material, Scene, Support
     from restshape.scene.solver import SolverPlan
@@ -70,9 +70,9 @@ class Section:
             return optional(kind), Field(None, description=self.summary)
         return kind, Field(default_factory=dict if self.named else self.model, description=self.summary)
 
-    def curve_of(self, table: BaseModel) -> np.ndarray:
+    def curve_of(self, table: BaseModel) -> Reals:
         """Points (m, 2) [m] of the curve that a table of this model stands for."""
-        return cast("np.ndarray", imported(self.curve)(table))
+        return cast("Reals", imported(self.curve)(table))
 
 
 @dataclass(frozen=True)

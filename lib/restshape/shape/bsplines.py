@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.bounds import SPLINE_POINTS
 from restshape.shape.curves import second_derivatives
 
@@ -13,13 +14,13 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 Ends = tuple[str, str]
-SplineEdge = tuple[np.ndarray, tuple[float, ...], Ends]
+SplineEdge = tuple[Reals, tuple[float, ...], Ends]
 """The points (n, 2) of a spline edge, its knots (n,) from 0 to 1, and its end conditions."""
 NEGLIGIBLE = 1e-11
 """A derivative smaller than this share of the largest one is 0: the curve moves by no more than that share."""
 
 
-def cubic_of(points: np.ndarray, knots: tuple[float, ...], ends: Ends) -> BSpline:
+def cubic_of(points: Reals, knots: tuple[float, ...], ends: Ends) -> BSpline:
     """The B-spline that is a spline edge: degree 3, knots of multiplicity 4 at 0 and 1, simple ones between them.
 
     Args:
@@ -33,7 +34,7 @@ def cubic_of(points: np.ndarray, knots: tuple[float, ...], ends: Ends) -> BSplin
     return make_interp_spline(np.array(knots), points, 3, bc_type=curvature)
 
 
-def beziers_of(points: np.ndarray, knots: tuple[float, ...], ends: Ends) -> np.ndarray:
+def beziers_of(points: Reals, knots: tuple[float, ...], ends: Ends) -> Reals:
     """The control points (n - 1, 4, 2) of the cubic Bézier curves between the points of a spline edge.
 
     Args as of `cubic_of`.
@@ -43,7 +44,7 @@ def beziers_of(points: np.ndarray, knots: tuple[float, ...], ends: Ends) -> np.n
     return np.stack([points[:-1], points[:-1] + steps * slopes[:-1], points[1:] - steps * slopes[1:], points[1:]], 1)
 
 
-def edges_of_cubic(knots: np.ndarray, controls: np.ndarray) -> list[SplineEdge]:
+def edges_of_cubic(knots: Reals, controls: Reals) -> list[SplineEdge]:
     """The spline edges that are a cubic B-spline: one, or two of a closed curve, for an edge has two ends.
 
     At an end whose second derivative is not 0 the edge gets a point in its last span, which makes the end "smooth" the
@@ -75,7 +76,7 @@ def edges_of_cubic(knots: np.ndarray, controls: np.ndarray) -> list[SplineEdge]:
     ]
 
 
-def _part(curve: BSpline, knots: np.ndarray) -> SplineEdge:
+def _part(curve: BSpline, knots: Reals) -> SplineEdge:
     """The spline edge that is a cubic between the first and the last of some knots, among them all of its own there."""
     bend = np.abs(curve(knots, 2)).max(axis=1)
     ends = tuple("natural" if bend[at] <= NEGLIGIBLE * bend.max() else "smooth" for at in (0, -1))

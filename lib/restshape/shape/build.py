@@ -10,6 +10,7 @@ from typing import ParamSpec, TypeVar
 import numpy as np
 from pydantic import ValidationError
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.scene.model import CircleLoop, EdgeLoop, PolygonLoop, ShapeSpec
 from restshape.scene.plain_values import table_in
@@ -131,7 +132,7 @@ def _edge(draft: Draft, name: str, spec: LineSpec | ArcSpec | SplineSpec | Polyl
     return replace(edge, knots=knots, ends=spec.ends)
 
 
-def _bulge(where: str, a: np.ndarray, b: np.ndarray, spec: ArcSpec) -> float:
+def _bulge(where: str, a: Reals, b: Reals, spec: ArcSpec) -> float:
     if spec.bulge is not None:
         return float(spec.bulge)
     try:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.arrays import Integers, Reals
 from restshape.errors import UserError
 from restshape.shape.outline import Outline
 
@@ -27,12 +28,12 @@ class Chain:
     name: str
     edges: tuple[tuple[int, bool], ...]
     begins: tuple[float, ...]
-    controls: np.ndarray
+    controls: Integers
     closed: bool
-    places: np.ndarray
+    places: Reals
     length: float
 
-    def gaps(self, start: float, places: np.ndarray, sign: float) -> np.ndarray:
+    def gaps(self, start: float, places: Reals, sign: float) -> Reals:
         """Lengths (n,) [m] along the curve from one place to others, forwards (sign 1) or backwards (sign -1).
 
         On an open curve they are negative where that way does not lead there.
@@ -90,7 +91,7 @@ def _ordered(outline: Outline, edges: tuple[int, ...], name: str) -> list[tuple[
     return found
 
 
-def _lengths(outline: Outline, edge: int, forward: bool) -> np.ndarray:
+def _lengths(outline: Outline, edge: int, forward: bool) -> Reals:
     """Length [m] along an edge at each of its control points, 0 at the first in that direction."""
     knots = np.array(outline.edges[edge].knots)
     if outline.edges[edge].kind == "spline":

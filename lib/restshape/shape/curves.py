@@ -7,11 +7,13 @@ from functools import lru_cache
 
 import numpy as np
 
+from restshape.arrays import Complexes, Integers, Reals
+
 GAUSS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)])
 GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 
-def arc_fraction(bulge: float, s: np.ndarray) -> np.ndarray:
+def arc_fraction(bulge: float, s: Reals) -> Complexes:
     """Complex z(s) with p(s) = a + (b - a) z(s) on the arc from a to b.
 
     Args:
@@ -24,7 +26,7 @@ def arc_fraction(bulge: float, s: np.ndarray) -> np.ndarray:
     return np.exp(1j * half * (s - 1.0)) * (np.sin(half * s) / np.sin(half))
 
 
-def arc_fraction_rate(bulge: float, s: np.ndarray) -> np.ndarray:
+def arc_fraction_rate(bulge: float, s: Reals) -> Complexes:
     """Complex dz/ds of :func:`arc_fraction`."""
     half = 2.0 * np.arctan(bulge)
     if abs(half) < 1e-9:
@@ -32,7 +34,7 @@ def arc_fraction_rate(bulge: float, s: np.ndarray) -> np.ndarray:
     return half / np.sin(half) * np.exp(1j * half * (2.0 * s - 1.0))
 
 
-def arc_centre(a: np.ndarray, b: np.ndarray, bulge: float) -> tuple[np.ndarray, float]:
+def arc_centre(a: Reals, b: Reals, bulge: float) -> tuple[Reals, float]:
     """Centre (2,) and radius of the arc from a to b; the bulge must not be 0."""
     along = b - a
     normal = np.array([-along[1], along[0]])
@@ -40,7 +42,7 @@ def arc_centre(a: np.ndarray, b: np.ndarray, bulge: float) -> tuple[np.ndarray, 
     return centre, float(np.hypot(*along)) * (1.0 + bulge**2) / (4.0 * abs(bulge))
 
 
-def segment_areas(bulges: np.ndarray) -> np.ndarray:
+def segment_areas(bulges: Reals) -> Reals:
     """Signed areas (m,) between arcs of bulges (m,) and their chords, over the squares of the chords' lengths.
 
     With b = tan(angle / 4) the radius is chord (1 + b^2) / (4 b), and the area radius^2 (angle - sin angle) / 2.
@@ -54,7 +56,7 @@ def segment_areas(bulges: np.ndarray) -> np.ndarray:
     return (1.0 + bulges**2) ** 2 / (32.0 * squares) * lens
 
 
-def bulge_through(a: np.ndarray, q: np.ndarray, b: np.ndarray) -> float:
+def bulge_through(a: Reals, q: Reals, b: Reals) -> float:
     """Bulge of the arc from a to b that passes through q.
 
     Raises:
@@ -68,7 +70,7 @@ def bulge_through(a: np.ndarray, q: np.ndarray, b: np.ndarray) -> float:
     return float(np.tan((np.pi - np.arctan2(abs(cross), dot)) / 2.0)) * (1.0 if cross < 0.0 else -1.0)
 
 
-def chord_parameters(points: np.ndarray) -> tuple[float, ...]:
+def chord_parameters(points: Reals) -> tuple[float, ...]:
     """Parameters of points along a curve, by chord length, 0 at the first and 1 at the last."""
     chords = np.hypot(*np.diff(points, axis=0).T)
     total = np.concatenate([[0.0], np.cumsum(chords)])
@@ -76,7 +78,7 @@ def chord_parameters(points: np.ndarray) -> tuple[float, ...]:
 
 
 @lru_cache(maxsize=512)
-def second_derivatives(knots: tuple[float, ...], ends: tuple[str, str]) -> np.ndarray:
+def second_derivatives(knots: tuple[float, ...], ends: tuple[str, str]) -> Reals:
     """Matrix (n, n) that gives a cubic spline's second derivatives at its knots from its values there.
 
     Args:
@@ -102,11 +104,11 @@ def second_derivatives(knots: tuple[float, ...], ends: tuple[str, str]) -> np.nd
     return matrix
 
 
-def _spans(knots: np.ndarray, s: np.ndarray) -> np.ndarray:
+def _spans(knots: Reals, s: Reals) -> Integers:
     return np.clip(np.searchsorted(knots, s, side="right") - 1, 0, len(knots) - 2)
 
 
-def spline_weights(knots: tuple[float, ...], ends: tuple[str, str], s: np.ndarray) -> np.ndarray:
+def spline_weights(knots: tuple[float, ...], ends: tuple[str, str], s: Reals) -> Reals:
     """Weights (m, n) of the n interpolated points at the parameters s (m,)."""
     u, second = np.array(knots), second_derivatives(knots, ends)
     i = _spans(u, s)
@@ -120,7 +122,7 @@ def spline_weights(knots: tuple[float, ...], ends: tuple[str, str], s: np.ndarra
     return weights
 
 
-def spline_weight_rates(knots: tuple[float, ...], ends: tuple[str, str], s: np.ndarray) -> np.ndarray:
+def spline_weight_rates(knots: tuple[float, ...], ends: tuple[str, str], s: Reals) -> Reals:
     """Derivatives (m, n) of :func:`spline_weights` with respect to s."""
     u, second = np.array(knots), second_derivatives(knots, ends)
     i = _spans(u, s)
@@ -135,7 +137,7 @@ def spline_weight_rates(knots: tuple[float, ...], ends: tuple[str, str], s: np.n
     return rates
 
 
-def spline_extremes(knots: tuple[float, ...], ends: tuple[str, str], points: np.ndarray) -> np.ndarray:
+def spline_extremes(knots: tuple[float, ...], ends: tuple[str, str], points: Reals) -> Reals:
     """Parameters (m,) between 0 and 1 at which a coordinate of a spline through points (n, 2) may be extreme.
 
     The rate of a coordinate is a quadratic in each span; parameters outside of the span of their root are left out.
@@ -153,7 +155,7 @@ def spline_extremes(knots: tuple[float, ...], ends: tuple[str, str], points: np.
     return (u[:-1, None] + h * np.where(inside, roots, 0.0))[inside]
 
 
-def arc_extremes(bulge: float, chord: np.ndarray) -> np.ndarray:
+def arc_extremes(bulge: float, chord: Reals) -> Reals:
     """Parameters (m,) between 0 and 1 at which the tangent of an arc over a chord (2,) points along an axis."""
     half, middle, right = 2.0 * np.arctan(bulge), np.arctan2(chord[1], chord[0]), 0.5 * np.pi
     if abs(half) < 1e-9:
@@ -163,7 +165,7 @@ def arc_extremes(bulge: float, chord: np.ndarray) -> np.ndarray:
     return np.clip(0.5 * ((along - middle) / half + 1.0), 0.0, 1.0)
 
 
-def polyline_weights(knots: tuple[float, ...], s: np.ndarray) -> np.ndarray:
+def polyline_weights(knots: tuple[float, ...], s: Reals) -> Reals:
     """Weights (m, n) of the n corners at the parameters s (m,)."""
     u = np.array(knots)
     i = _spans(u, s)
@@ -174,7 +176,7 @@ def polyline_weights(knots: tuple[float, ...], s: np.ndarray) -> np.ndarray:
     return weights
 
 
-def polyline_weight_rates(knots: tuple[float, ...], s: np.ndarray) -> np.ndarray:
+def polyline_weight_rates(knots: tuple[float, ...], s: Reals) -> Reals:
     """Derivatives (m, n) of :func:`polyline_weights` with respect to s."""
     u = np.array(knots)
     i = _spans(u, s)
@@ -184,7 +186,7 @@ def polyline_weight_rates(knots: tuple[float, ...], s: np.ndarray) -> np.ndarray
     return rates
 
 
-def gauss_parameters(knots: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+def gauss_parameters(knots: tuple[float, ...]) -> tuple[Reals, Reals]:
     """Gauss points and weights, three a span: exact for polynomials of degree 5 in each."""
     u = np.array(knots)
     h = np.diff(u)

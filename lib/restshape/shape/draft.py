@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape.curves import chord_parameters
 from restshape.shape.outline import RESERVED, Edge, Layout, Loop, Outline
@@ -77,7 +78,7 @@ class Draft:
         return Loop(name, kind, tuple((place[edge], forward) for edge, forward in chain))
 
     @staticmethod
-    def _box_diagonal(points: np.ndarray, bulges: np.ndarray, edges: tuple[Edge, ...]) -> float:
+    def _box_diagonal(points: Reals, bulges: Reals, edges: tuple[Edge, ...]) -> float:
         lower, upper = points.min(axis=0), points.max(axis=0)
         rough = float(np.hypot(*(upper - lower))) or 1.0
         lower, upper = Outline(Layout((), edges, (), (), {}, rough), points, bulges).bounds()

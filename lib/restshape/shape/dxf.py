@@ -13,6 +13,7 @@ import ezdxf
 import numpy as np
 from ezdxf import units
 
+from restshape.arrays import Reals
 from restshape.bounds import DRAWING_BYTES, READING_MEMORY
 from restshape.errors import UserError, printable
 from restshape.memory import bounded_memory
@@ -68,7 +69,7 @@ def read_dxf(path: Path, layers: Mapping[str, str] | None = None) -> LooseCurves
     return LooseCurves(curves, doubt="" if unit else NO_UNIT, points=named)
 
 
-def _points(there: list[tuple[Any, str]]) -> dict[str, np.ndarray]:
+def _points(there: list[tuple[Any, str]]) -> dict[str, Reals]:
     """The POINTs (2,) that have a layer for themselves, by layer, in units of the drawing."""
     kinds: dict[str, list[Any]] = {}
     for entity, layer in there:
@@ -133,7 +134,7 @@ def _curves(entity: Any, kind: str, source: str) -> list[Curve] | None:
     return None
 
 
-def _plane(points: Any) -> np.ndarray:
+def _plane(points: Any) -> Reals:
     """The first two coordinates (n, 2) of points."""
     return np.array([tuple(p)[:2] for p in points], dtype=float)
 
@@ -151,7 +152,7 @@ def _ellipse(entity: Any, source: str) -> list[Curve]:
     turn = (high - low) % FULL_TURN or FULL_TURN
     cuts = np.linspace(low, low + turn, 1 + int(np.ceil(turn / (0.25 * FULL_TURN) - 1e-9)))
 
-    def points(t: np.ndarray) -> np.ndarray:
+    def points(t: Reals) -> Reals:
         return center + np.cos(t)[:, None] * major + np.sin(t)[:, None] * minor
 
     ends = points(cuts)
@@ -200,7 +201,7 @@ def _fitted(entity: Any, source: str) -> list[Curve]:
     """The edges that stand for a SPLINE by control points; two of a closed one, since an edge has two ends."""
     tool = entity.construction_tool()
 
-    def points(t: np.ndarray) -> np.ndarray:
+    def points(t: Reals) -> Reals:
         return _plane(tool.points(t.tolist()))
 
     low, high = float(tool.knots()[tool.order - 1]), float(tool.knots()[tool.count])

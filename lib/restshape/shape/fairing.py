@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape.chain import Chain, chain_of, control_of
 from restshape.shape.gesture import Gesture, extend_to_controls
@@ -55,7 +56,7 @@ def smooth(
     return Gesture("smooth", np.stack([moved, np.zeros_like(moved)]), True, outline.points, none)
 
 
-def bending(chain: Chain) -> np.ndarray:
+def bending(chain: Chain) -> Reals:
     """Matrix (n, n) of the squared second differences along a chain, in units of the mean distance of its points."""
     n = len(chain.controls)
     steps = np.diff(np.append(chain.places, chain.length) if chain.closed else chain.places)

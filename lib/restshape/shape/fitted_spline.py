@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.bounds import SPLINE_POINTS
 from restshape.errors import UserError
 from restshape.shape.curves import spline_weights
@@ -20,8 +21,8 @@ PROBES = np.array([0.25, 0.5, 0.75])
 
 
 def fitted_spline(
-    curve: Callable[[np.ndarray], np.ndarray], low: float, high: float, source: str
-) -> tuple[np.ndarray, tuple[float, ...]]:
+    curve: Callable[[Reals], Reals], low: float, high: float, source: str
+) -> tuple[Reals, tuple[float, ...]]:
     """A spline through points of a curve that stays within `WITHIN` of it; spans that do not are halved until they do.
 
     Args:

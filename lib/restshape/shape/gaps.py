@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.outputs.si_numbers import si
 
 JOIN = 1e-6
@@ -45,7 +46,7 @@ class Joints:
     """
 
     ends: list[tuple[int, int]]
-    corners: np.ndarray
+    corners: Reals
 
     def open_ends(self) -> dict[int, int]:
         """The curve that ends at each vertex where nothing else does, by vertex."""
@@ -66,7 +67,7 @@ class Joints:
         return float(distances[nearest]), loose[others[nearest]]
 
 
-def joints(starts: np.ndarray, stops: np.ndarray, size: float) -> Joints:
+def joints(starts: Reals, stops: Reals, size: float) -> Joints:
     """Vertices at the ends of curves: those of one place are one.
 
     Args:
@@ -76,9 +77,9 @@ def joints(starts: np.ndarray, stops: np.ndarray, size: float) -> Joints:
     reach = JOIN * size or 1.0
     lowest = np.minimum(starts.min(axis=0), stops.min(axis=0))
     cells: dict[tuple[int, int], list[int]] = defaultdict(list)
-    corners: list[np.ndarray] = []
+    corners: list[Reals] = []
 
-    def vertex(p: np.ndarray) -> int:
+    def vertex(p: Reals) -> int:
         i, j = (int(c) for c in (p - lowest) // reach)
         near = [v for di in (-1, 0, 1) for dj in (-1, 0, 1) for v in cells.get((i + di, j + dj), ())]
         apart = [float(np.hypot(*(corners[v] - p))) for v in near]

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape.curves import bulge_through
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
@@ -20,7 +21,7 @@ from restshape.surroundings import start_gmsh
 
 NEARLY_FLAT = 1e-6
 """Distance from the plane z = 0, over the size of a curve; gmsh's boxes are larger than what they hold by 1e-7."""
-Points = Callable[[np.ndarray], np.ndarray]
+Points = Callable[[Reals], Reals]
 """Gives points (n, 2) of a curve by its parameters (n,)."""
 
 
@@ -71,7 +72,7 @@ def curves_of(model: Any, where: str) -> list[Curve]:
 def curves_between(
     model: Any,
     faces: dict[int, set[int]],
-    place: Callable[[np.ndarray], np.ndarray],
+    place: Callable[[Reals], Reals],
     names: dict[tuple[int, int], str],
     regions: dict[int, str],
 ) -> list[Curve]:
@@ -89,7 +90,7 @@ def curves_between(
     loose_curves = []
     for tag in sorted(set().union(*faces.values())):
 
-        def points(u: np.ndarray, tag: int = tag) -> np.ndarray:
+        def points(u: Reals, tag: int = tag) -> Reals:
             return place(np.array(model.getValue(1, tag, u)).reshape(-1, 3))
 
         low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, tag))

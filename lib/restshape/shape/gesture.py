@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.arrays import Flags, Reals
 from restshape.shape.outline import Entity, Outline
 
 
@@ -22,19 +23,19 @@ class Gesture:
     """
 
     kind: str
-    basis: np.ndarray | None
+    basis: Reals | None
     linear: bool
-    reference: np.ndarray
-    whole: np.ndarray
+    reference: Reals
+    whole: Flags
 
-    def points(self, c: tuple[float, float]) -> np.ndarray:
+    def points(self, c: tuple[float, float]) -> Reals:
         """Control points (k, 2) at the coefficients c; the reference where the motion is not linear."""
         if self.basis is None:
             return self.reference
         return self.reference + (c[0] * self.basis[0] + c[1] * self.basis[1])
 
 
-def extend_to_controls(outline: Outline, chosen: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+def extend_to_controls(outline: Outline, chosen: Flags, displacement: Reals) -> Reals:
     """Displacements (k, 2) of all control points when the chosen ones are displaced.
 
     Inner points of a spline or polyline of which one end alone moves follow it linearly along the chord parameter.
@@ -53,7 +54,7 @@ def extend_to_controls(outline: Outline, chosen: np.ndarray, displacement: np.nd
     return result
 
 
-def chosen_points(outline: Outline, entity: Entity) -> np.ndarray:
+def chosen_points(outline: Outline, entity: Entity) -> Flags:
     """Mask (k,) of the control points of an entity, and of the inner points of edges both whose ends are in it."""
     chosen = np.zeros(len(outline.points), dtype=bool)
     chosen[outline.control_points(entity)] = True
@@ -72,7 +73,7 @@ def drag(outline: Outline, entity: Entity) -> Gesture:
     return Gesture("drag", basis, True, outline.points, chosen)
 
 
-def rotate(outline: Outline, entity: Entity, about: np.ndarray) -> Gesture:
+def rotate(outline: Outline, entity: Entity, about: Reals) -> Gesture:
     """The gesture of a turn about a point (2,): c = (cos(angle) - 1, sin(angle))."""
     chosen, arm = chosen_points(outline, entity), outline.points - about
     turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
@@ -80,7 +81,7 @@ def rotate(outline: Outline, entity: Entity, about: np.ndarray) -> Gesture:
     return Gesture("rotate", basis, True, outline.points, chosen)
 
 
-def scale(outline: Outline, entity: Entity, about: np.ndarray) -> Gesture:
+def scale(outline: Outline, entity: Entity, about: Reals) -> Gesture:
     """The gesture of growing about a point (2,): c = (factor - 1, 0)."""
     chosen = chosen_points(outline, entity)
     grown = extend_to_controls(outline, chosen, outline.points - about)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.scene.model import Scene
 from restshape.shape.build import unchecked_outline
@@ -140,7 +141,7 @@ def _alike(one: Edge, other: Edge) -> bool:
     return len(one.knots) == len(other.knots) and replace(one, knots=()) == replace(other, knots=())
 
 
-def _shifted(now: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def _shifted(now: Reals, before: Reals, after: Reals) -> Reals:
     """Numbers moved as others are; exactly those others where they were the same."""
     return np.where(now == before, after, now + (after - before))
 

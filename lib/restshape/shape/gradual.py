@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.scene.given_numbers import value_at
 from restshape.scene.load import revise
@@ -30,7 +31,7 @@ def sweep(scene: Scene, key: str, value: object) -> Callable[[Scene, float], Sce
     return part_of
 
 
-def _numbers(value: object, key: str) -> np.ndarray:
+def _numbers(value: object, key: str) -> Reals:
     """A number or a list of numbers as an array."""
     values = value if isinstance(value, (list, tuple)) else (value,)
     if not all(isinstance(one, float) for one in values):

@@ -8,6 +8,8 @@ from typing import TypeVar, cast
 
 import numpy as np
 
+from restshape.arrays import Reals
+
 TREMOR = 0.004
 """Amplitude of the tremor, as a share of the way."""
 
@@ -19,7 +21,7 @@ JERK_FRAMES = 3
 """A jerk covers this share of the way in this many frames."""
 
 
-def minimum_jerk(t: np.ndarray) -> np.ndarray:
+def minimum_jerk(t: Reals) -> Reals:
     """Share of the way at the share t of the time: 10 t^3 - 15 t^4 + 6 t^5.
 
     Source: Flash and Hogan, The coordination of arm movements, 1985.
@@ -76,7 +78,7 @@ def cursor_path(
     return path
 
 
-def _tremor(t: np.ndarray, seconds: float, way: float, random: np.random.Generator, d: int) -> np.ndarray:
+def _tremor(t: Reals, seconds: float, way: float, random: np.random.Generator, d: int) -> Reals:
     """Smooth displacements (n, d) [m] that vanish at both ends."""
     hertz, phase = random.uniform(*TREMOR_HERTZ, (3, d)), random.uniform(0.0, 2.0 * np.pi, (3, d))
     waves = np.sin(2.0 * np.pi * seconds * hertz * t[:, None, None] + phase).mean(axis=1)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-import numpy as np
-
+from restshape.arrays import Reals
 from restshape.bounds import OUTLINE_PIECES
 from restshape.errors import UserError
 
@@ -25,7 +24,7 @@ class Curve:
         knots, ends: of a spline, see `restshape.shape.outline.Edge`; no knots: by the lengths of its chords.
     """
 
-    points: np.ndarray
+    points: Reals
     kind: str
     label: str = ""
     bulge: float = 0.0
@@ -50,7 +49,7 @@ class LooseCurves:
     curves: list[Curve]
     notes: tuple[str, ...] = ()
     doubt: str = ""
-    points: dict[str, np.ndarray] = field(default_factory=dict)
+    points: dict[str, Reals] = field(default_factory=dict)
 
 
 def gathered(parts: Iterable[list[Curve]], where: str) -> list[Curve]:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.shape import curves
 from restshape.shape.gaps import JOIN
 from restshape.shape.loose_curve import Curve
@@ -17,7 +18,7 @@ PIECES = np.linspace(0.0, 1.0, 65)
 
 
 def vertex_names(
-    points: Mapping[str, np.ndarray], corners: Sequence[np.ndarray] | np.ndarray, size: float, taken: Collection[str]
+    points: Mapping[str, Reals], corners: Sequence[Reals] | Reals, size: float, taken: Collection[str]
 ) -> dict[int, str]:
     """Names of corners at which a point lies, by their places.
 
@@ -35,7 +36,7 @@ def vertex_names(
 
 
 def points_inside(
-    points: Mapping[str, np.ndarray], border: Sequence[Curve], others: Sequence[Curve], size: float
+    points: Mapping[str, Reals], border: Sequence[Curve], others: Sequence[Curve], size: float
 ) -> dict[str, list[float]]:
     """Coordinates of the points that lie inside of the material, by name.
 
@@ -60,7 +61,7 @@ def points_inside(
     return found
 
 
-def _chain(curve: Curve) -> np.ndarray:
+def _chain(curve: Curve) -> Reals:
     """Points (m, 2) of a curve whose straight connections stand for it."""
     if curve.kind == "spline":
         knots = curve.knots or curves.chord_parameters(curve.points)

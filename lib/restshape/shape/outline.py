@@ -10,6 +10,7 @@ from difflib import get_close_matches
 
 import numpy as np
 
+from restshape.arrays import Indices, Reals
 from restshape.bounds import OUTLINE_PIECES
 from restshape.errors import UserError
 from restshape.shape import curves
@@ -136,7 +137,7 @@ class Outline:
 
     __slots__ = ("_area", "bulges", "layout", "points")
 
-    def __init__(self, layout: Layout, points: np.ndarray, bulges: np.ndarray) -> None:
+    def __init__(self, layout: Layout, points: Reals, bulges: Reals) -> None:
         self.layout, self.points, self.bulges = layout, points, bulges
         self._area: float | None = None
 
@@ -175,7 +176,7 @@ class Outline:
         """Diagonal of the box around the shape when it was made [m]; tolerances are relative to it."""
         return self.layout.size
 
-    def moved(self, points: np.ndarray | None = None, bulges: np.ndarray | None = None) -> Outline:
+    def moved(self, points: Reals | None = None, bulges: Reals | None = None) -> Outline:
         """An outline of the same layout with other control points or bulges."""
         return Outline(
             self.layout, self.points if points is None else points, self.bulges if bulges is None else bulges
@@ -219,14 +220,14 @@ class Outline:
         some = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
         raise UserError(f"the shape has no entity named {name!r}", do=f"did you mean {near[0]!r}?" if near else some)
 
-    def control_points(self, entity: Entity) -> np.ndarray:
+    def control_points(self, entity: Entity) -> Indices:
         """Sorted indices of the control points that a drag of an entity moves: ends and inner points of edges too."""
         chosen = set(entity.vertices)
         for e in entity.edges:
             chosen.update(self.layout.controls[e].tolist())
         return np.array(sorted(chosen), dtype=np.int32)
 
-    def point(self, edge: int, s: np.ndarray | float, points: np.ndarray | None = None) -> np.ndarray:
+    def point(self, edge: int, s: Reals | float, points: Reals | None = None) -> Reals:
         """Points (m, 2) of an edge; linear and homogeneous in the control points for fixed bulges.
 
         Args:
@@ -236,11 +237,11 @@ class Outline:
         """
         return self._combine(edge, np.atleast_1d(np.asarray(s, dtype=float)), points, rate=False)
 
-    def tangent(self, edge: int, s: np.ndarray | float, points: np.ndarray | None = None) -> np.ndarray:
+    def tangent(self, edge: int, s: Reals | float, points: Reals | None = None) -> Reals:
         """Derivatives (m, 2) of :meth:`point` with respect to s."""
         return self._combine(edge, np.atleast_1d(np.asarray(s, dtype=float)), points, rate=True)
 
-    def _combine(self, index: int, s: np.ndarray, points: np.ndarray | None, rate: bool) -> np.ndarray:
+    def _combine(self, index: int, s: Reals, points: Reals | None, rate: bool) -> Reals:
         edge, controls = self.layout.edges[index], self.layout.controls[index]
         own = (self.points if points is None else points)[controls]
         if edge.kind == "spline":
@@ -268,7 +269,7 @@ class Outline:
         half = 2.0 * np.arctan(abs(self.bulges[edge]))
         return straight if half < 1e-9 else straight * half / np.sin(half)
 
-    def pieces(self, edge: int, error: float) -> np.ndarray:
+    def pieces(self, edge: int, error: float) -> Reals:
         """Parameters from 0 to 1 whose points make a chain of chords no farther than `error` [m] from the edge.
 
         Raises:
@@ -300,7 +301,7 @@ class Outline:
                 f"{what}, more than {OUTLINE_PIECES}", do="bring its points closer, or take a smaller bulge"
             )
 
-    def polyline(self, edge: int, error: float | None = None) -> np.ndarray:
+    def polyline(self, edge: int, error: float | None = None) -> Reals:
         """Points (m, 2) from start to end whose chords stay within `error` [m] of the edge (default: 1e-3 of size)."""
         return self.point(edge, self.pieces(edge, CHORD_ERROR * self.size if error is None else error))
 
@@ -319,12 +320,12 @@ class Outline:
         """Sum of the signed areas [m^2] of loops, each times its sign; pairs of a loop's index and 1 or -1."""
         return self.layout.swept_area(signed)(self.points, self.bulges)
 
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+    def bounds(self) -> tuple[Reals, Reals]:
         """Lower and upper corner (2,) of the box around the shape, exact for every kind of edge."""
         found = np.concatenate([self.point(e, self._extremes(e)) for e in range(len(self.edges))])
         return found.min(axis=0), found.max(axis=0)
 
-    def _extremes(self, edge: int) -> np.ndarray:
+    def _extremes(self, edge: int) -> Reals:
         """Parameters of an edge of which some are those of its lowest, highest, leftmost and rightmost points."""
         found, own = self.edges[edge], self.points[self.layout.controls[edge]]
         if found.kind == "spline":
@@ -333,6 +334,6 @@ class Outline:
             return np.concatenate([found.knots, curves.arc_extremes(float(self.bulges[edge]), own[1] - own[0])])
         return np.array(found.knots)
 
-    def centroid(self, entity: Entity) -> np.ndarray:
+    def centroid(self, entity: Entity) -> Reals:
         """Mean (2,) of the control points of an entity [m]."""
         return self.points[self.control_points(entity)].mean(axis=0)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.scene.bodies import Start
 from restshape.scene.space_values import Angles
 
 
-def rotation(angles: Angles) -> np.ndarray:
+def rotation(angles: Angles) -> Reals:
     """The matrix (3, 3) that turns about x, then y, then z by angles of numbers alone [rad]."""
     R = np.eye(3)
     for axis, angle in enumerate(np.array(angles, dtype=float)):
@@ -20,7 +21,7 @@ def rotation(angles: Angles) -> np.ndarray:
     return R
 
 
-def placed(start: Start, X: np.ndarray) -> np.ndarray:
+def placed(start: Start, X: Reals) -> Reals:
     """Places (n, 3) [m] of the flat pattern's points X (n, 2) [m] under a start of numbers alone."""
     flat, about = np.column_stack([X, np.zeros(len(X))]), np.array(start.about)
     return (flat - about) @ rotation(start.turn).T + about + start.move

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape.geo_model import curves_between, surface_regions
 from restshape.shape.layer_names import name_of
@@ -34,17 +35,17 @@ class FacePlane:
         words: for a note.
     """
 
-    origin: np.ndarray
-    axes: np.ndarray
+    origin: Reals
+    axes: Reals
     height: float
     words: str
 
     @property
-    def normal(self) -> np.ndarray:
+    def normal(self) -> Reals:
         """Unit normal (3,)."""
         return np.cross(self.axes[0], self.axes[1])
 
-    def place(self, xyz: np.ndarray) -> np.ndarray:
+    def place(self, xyz: Reals) -> Reals:
         """Coordinates (n, 2) in the plane [m] of points (n, 3) [mm]."""
         return np.ascontiguousarray(MM * (xyz - self.origin) @ self.axes.T)
 
@@ -115,7 +116,7 @@ def _outermost(faces: dict[int, set[int]]) -> dict[int, set[int]]:
     return {s: {c for c in own if count[c] == 1 or c in kept} for s, own in faces.items()}
 
 
-def _normal_and_point(model: Any, surface: int) -> tuple[np.ndarray, np.ndarray]:
+def _normal_and_point(model: Any, surface: int) -> tuple[Reals, Reals]:
     low, high = (np.array(bound) for bound in model.getParametrizationBounds(2, surface))
     middle = (0.5 * (low + high)).tolist()
     return np.array(model.getNormal(surface, middle)), np.array(model.getValue(2, surface, middle))

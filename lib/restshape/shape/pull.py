@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape.chain import Chain, chain_of, control_of, place_on
 from restshape.shape.gesture import Gesture, extend_to_controls
@@ -69,9 +70,7 @@ def _grabbed_point(outline: Outline, on: str, chain: Chain, at: tuple[float, flo
     return edge, float(fine[int(np.abs(np.array(places) - 0.5 * chain.length).argmin())])
 
 
-def _pinned(
-    outline: Outline, chain: Chain, hand: float, pins: Sequence[str | tuple[float, float]] | None
-) -> np.ndarray:
+def _pinned(outline: Outline, chain: Chain, hand: float, pins: Sequence[str | tuple[float, float]] | None) -> Reals:
     """Indices into `chain.controls` of what stays."""
     if chain.closed and not pins:
         raise UserError(f"{chain.name} is closed: a pull on it needs a pin", do="pin something, or drag it as a whole")
@@ -82,7 +81,7 @@ def _pinned(
     return np.array(sorted({control_of(outline, chain, pin) for pin in pins}), dtype=int)
 
 
-def _weights(chain: Chain, hand: float, pins: np.ndarray) -> np.ndarray:
+def _weights(chain: Chain, hand: float, pins: Reals) -> Reals:
     """The share (n,) of the hand's way that each control point of the chain goes, before scaling."""
     weights = np.zeros(len(chain.places))
     for sign in (1.0, -1.0):

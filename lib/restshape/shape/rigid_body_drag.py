@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.scene.bodies import POINTS, bodies_of
 from restshape.scene.load import revise
@@ -28,7 +29,7 @@ SIZES = {
 }
 """Keys that are sizes, by kind of body."""
 
-Form = dict[str, np.ndarray]
+Form = dict[str, Reals]
 Change = Callable[[str, Form, float, "tuple[float, float] | None"], Form]
 """Gives a form of a kind changed by an amount, about a point [m]."""
 
@@ -51,7 +52,7 @@ def with_form(scene: Scene, name: str, kind: str, form: Form) -> Scene:
     return revise(scene, f"bodies.{name}.{kind}", found)
 
 
-def _kept(written: object, before: np.ndarray, value: np.ndarray) -> object:
+def _kept(written: object, before: Reals, value: Reals) -> object:
     """Numbers, and in place of each that is what it was before what is written for it."""
     if value.ndim == 0:
         return written if written is not None and value == before else value.item()
@@ -90,11 +91,11 @@ def scaled(kind: str, form: Form, factor: float, about: tuple[float, float] | No
     return form | points | {key: factor * form[key] for key in SIZES[kind]}
 
 
-def _centre(kind: str, form: Form) -> np.ndarray:
+def _centre(kind: str, form: Form) -> Reals:
     return np.mean([form[key] for key in POINTS[kind]], axis=0)
 
 
-def _axis(kind: str, form: Form, about: tuple[float, float] | None) -> np.ndarray:
+def _axis(kind: str, form: Form, about: tuple[float, float] | None) -> Reals:
     """The point (3,) about which a form turns or grows, at its own height."""
     centre = _centre(kind, form)
     return centre if about is None else np.array([*about, centre[2]])

@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from restshape.application import Application
+from restshape.arrays import Reals
 from restshape.bounds import REACH
 from restshape.errors import UserError
 from restshape.scene.bodies import bodies_of
@@ -55,7 +56,7 @@ from restshape.shape.validity import MotionCheck, problem, too_far
 
 OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")
 """Events on parts of the shape, never on bodies."""
-Turn = Callable[[Outline, Entity, np.ndarray], Gesture]
+Turn = Callable[[Outline, Entity, Reals], Gesture]
 """Makes the gesture of an entity about a point (2,) [m]."""
 Coefficients = Callable[[float], tuple[float, float]]
 """Coefficients of a gesture at the part of it that is done."""

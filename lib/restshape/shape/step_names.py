@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from restshape.arrays import Reals
+
 FILLER = {"", "none", "unnamed", "null"}
 """What programs write where there is no name, in small letters."""
 KINDS = ("Line", "Circle")
@@ -38,7 +40,7 @@ class StepEdge:
 
     name: str
     at: int
-    ends: np.ndarray
+    ends: Reals
     kind: str
 
 
@@ -174,7 +176,7 @@ def _millimetres(text: str) -> float:
     return MILLIMETRES.get((unit[1] or unit[2] or "").upper(), 0.0) if unit else 0.0
 
 
-def _ends(model: Any, tag: int) -> np.ndarray:
+def _ends(model: Any, tag: int) -> Reals:
     """First and last place (2, 3) of a curve [mm]; (0, 3) where it has none."""
     tags = [abs(point) for _, point in model.getBoundary([(1, tag)], combined=False, oriented=True)]
     return np.array([model.getValue(0, point, []) for point in (tags * 2)[:2]]).reshape(-1, 3)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.shape.bsplines import edges_of_cubic
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
 from restshape.shape.loose_curve import Curve
@@ -31,8 +32,8 @@ class Placing:
         linear: (2, 2) metres, y up, by its own units, y down; shift: (2,) [m].
     """
 
-    linear: np.ndarray
-    shift: np.ndarray
+    linear: Reals
+    shift: Reals
 
     @classmethod
     def of(cls, matrix: Any, scale: tuple[float, float]) -> Placing:
@@ -41,7 +42,7 @@ class Placing:
         linear = np.array([[matrix.a, matrix.c], [matrix.b, matrix.d]], dtype=float)
         return cls(metres * linear, metres[:, 0] * (float(matrix.e), float(matrix.f)))
 
-    def __call__(self, points: Iterable[Any]) -> np.ndarray:
+    def __call__(self, points: Iterable[Any]) -> Reals:
         """Points (n, 2) [m] of points of svgelements."""
         return np.array([(float(p.x), float(p.y)) for p in points]) @ self.linear.T + self.shift
 
@@ -70,7 +71,7 @@ def curves_of_segment(segment: Any, placed: Placing, source: str) -> list[Curve]
     return _arc(segment, placed, source) if kind == "Arc" else []
 
 
-def cubic(controls: np.ndarray) -> list[Curve]:
+def cubic(controls: Reals) -> list[Curve]:
     """The edges that a cubic Bézier curve is: a line, an arc where it was drawn for one, else a spline, exact.
 
     Args:
@@ -93,7 +94,7 @@ def cubic(controls: np.ndarray) -> list[Curve]:
     return [Curve(points, "spline", knots=knots, ends=ends) for points, knots, ends in edges_of_cubic(KNOTS, controls)]
 
 
-def _bulge(controls: np.ndarray) -> float:
+def _bulge(controls: Reals) -> float:
     """The bulge of the arc that a cubic Bézier curve was drawn for; 0 for others.
 
     An arc of angle t and radius r has handles along its tangents of 4/3 tan(t/4) r, of at most a quarter turn.
@@ -120,7 +121,7 @@ def _arc(segment: Any, placed: Placing, source: str) -> list[Curve]:
     if not sweep or not (np.any(major) and np.any(minor)):
         return [] if whole else [Curve(ends, "line")]
 
-    def points(t: np.ndarray) -> np.ndarray:
+    def points(t: Reals) -> Reals:
         return center + np.cos(t)[:, None] * major + np.sin(t)[:, None] * minor
 
     lengths = np.hypot(*major), np.hypot(*minor)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from restshape.arrays import Indices, Integers, Reals
 from restshape.shape import curves
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ class SweptArea:
     """
 
     def __init__(
-        self, edges: tuple[SweptEdge, ...], controls: tuple[np.ndarray, ...], signed: Iterable[tuple[int, float]]
+        self, edges: tuple[SweptEdge, ...], controls: tuple[Indices, ...], signed: Iterable[tuple[int, float]]
     ) -> None:
         rows, columns, values, arcs = [], [], [], []
         for index, sign in signed:
@@ -58,7 +59,7 @@ class SweptArea:
         self._chords = np.array([(a, b) for _, a, b, _ in arcs], dtype=np.int64).reshape(-1, 2)
         self._signs = np.array([sign for *_, sign in arcs])
 
-    def __call__(self, points: np.ndarray, bulges: np.ndarray) -> float:
+    def __call__(self, points: Reals, bulges: Reals) -> float:
         """The area [m^2] at control points (k, 2) [m] and bulges (n_edges,) of the edges."""
         # Far from the origin the terms would cancel.
         own = points[self._used] - points[self._used[0]]
@@ -71,7 +72,7 @@ class SweptArea:
         return total
 
 
-def _summed(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, n: int) -> np.ndarray | csr_array:
+def _summed(values: Reals, rows: Integers, columns: Integers, n: int) -> Reals | csr_array:
     """The matrix (n, n) of values (k,) at rows and columns (k,): full where it is small."""
     if n <= DENSE:
         full = np.zeros((n, n))
@@ -82,7 +83,7 @@ def _summed(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, n: int) -
     return csr_array((values, (rows, columns)), shape=(n, n))
 
 
-def _form(edge: SweptEdge, count: int) -> np.ndarray:
+def _form(edge: SweptEdge, count: int) -> Reals:
     """The matrix (count, count) S of an edge with so many control points; of an arc that of its chord."""
     if edge.kind == "spline":
         s, w = curves.gauss_parameters(edge.knots)

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape import curves
 from restshape.shape.draft import Draft, DraftEdge, add_circle, add_polygon, draft_of
@@ -17,7 +18,7 @@ from restshape.shape.outline import Entity, Outline
 NEAREST_SAMPLES = 64
 
 
-def insert(outline: Outline, on: str, name: str, at: np.ndarray | None = None, s: float | None = None) -> Outline:
+def insert(outline: Outline, on: str, name: str, at: Reals | None = None, s: float | None = None) -> Outline:
     """The outline with a vertex on an edge, which becomes two; no curve changes its form.
 
     Lines, arcs and polylines are cut exactly. A spline is cut into two splines that get one or two more inner points
@@ -121,7 +122,7 @@ def _room_for_smooth_ends(knots: list[float], ends: tuple[str, str], at_end: boo
     return sorted([*knots, *more])
 
 
-def nearest(outline: Outline, edges: Entity, at: np.ndarray) -> tuple[int, float]:
+def nearest(outline: Outline, edges: Entity, at: Reals) -> tuple[int, float]:
     """Edge index and parameter of the point of some edges that is nearest to a place (2,)."""
     best = (np.inf, -1, 0.0)
     for e in edges.edges:
@@ -135,7 +136,7 @@ def nearest(outline: Outline, edges: Entity, at: np.ndarray) -> tuple[int, float
     return best[1], best[2]
 
 
-def _refined(outline: Outline, edge: int, at: np.ndarray, lower: float, upper: float) -> float:
+def _refined(outline: Outline, edge: int, at: Reals, lower: float, upper: float) -> float:
     """The nearest parameter between two, by golden section, then exactly where the edge is straight."""
     if outline.edges[edge].kind == "line":
         a, b = outline.point(edge, np.array([0.0, 1.0]))
@@ -249,7 +250,7 @@ def as_arc(outline: Outline, edge: int, bulge: float) -> Outline:
     return draft.outline()
 
 
-def bulge_of(outline: Outline, edge: int, through: np.ndarray) -> float:
+def bulge_of(outline: Outline, edge: int, through: Reals) -> float:
     """The bulge that takes an edge through a point (2,).
 
     Raises:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.scene.plain_values import Table
 from restshape.shape import curves
@@ -25,7 +26,7 @@ class ClosedCurve:
 
 
 def shape_data(
-    loose_curves: list[Curve], where: str, tolerance: float = 0.0, points: Mapping[str, np.ndarray] | None = None
+    loose_curves: list[Curve], where: str, tolerance: float = 0.0, points: Mapping[str, Reals] | None = None
 ) -> tuple[Table, list[Gap]]:
     """Loose curves as the plain tables of a ``[shape]``: the largest loop is the outline, others holes or regions.
 
@@ -96,7 +97,7 @@ def _vertex_names(named: Mapping[int, str], count: int, taken: set[str]) -> list
     return plain
 
 
-def _pair(p: np.ndarray) -> list[float]:
+def _pair(p: Reals) -> list[float]:
     return [float(p[0]), float(p[1])]
 
 

@@ -9,8 +9,10 @@ exact.
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from restshape import _kernels
+from restshape.arrays import Reals
 from restshape.bounds import OUTLINE_PIECES, REACH
 from restshape.errors import UserError
 from restshape.shape.gesture import Gesture
@@ -74,11 +76,11 @@ class MotionCheck:
         check.set_motion(p0, p1, p2, e0, e1, e2, self._states(), rigid)
         return check
 
-    def _chain(self, params: list[np.ndarray], points: np.ndarray) -> np.ndarray:
+    def _chain(self, params: list[Reals], points: Reals) -> Reals:
         chains = [self.outline.point(e, s, points) for e, s in enumerate(params)]
         return np.ascontiguousarray(np.concatenate(chains))
 
-    def _states(self) -> np.ndarray:
+    def _states(self) -> npt.NDArray[np.uint8]:
         gesture, edges = self.gesture, self.outline.edges
         if gesture is None or gesture.basis is None:
             return np.full(len(edges), BENDING, dtype=np.uint8)
@@ -90,7 +92,7 @@ class MotionCheck:
         return states
 
 
-def problem(outline: Outline, moved_points: np.ndarray | None = None) -> str | None:
+def problem(outline: Outline, moved_points: Reals | None = None) -> str | None:
     """What is wrong with a shape, in one sentence that names the edges; None when it is valid.
 
     Args:
