@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.arrays import Indices
+
 BLOCK = 3
 
 
@@ -24,7 +26,7 @@ class BlockCholesky:
         self.copy: PETSc.Mat = None
         self.right: PETSc.Vec = None
         self.way: PETSc.Vec = None
-        self.pattern: tuple[np.ndarray, np.ndarray] | None = None
+        self.pattern: tuple[Indices, Indices] | None = None
         self.inner = PETSc.PC().create(PETSc.COMM_SELF)
         self.inner.setType("cholesky")
         self.inner.setFactorOrdering("natural")
@@ -57,11 +59,11 @@ class BlockCholesky:
         for part in (self.inner, *parts):
             part.destroy()
 
-    def _same(self, rows: np.ndarray, columns: np.ndarray) -> bool:
+    def _same(self, rows: Indices, columns: Indices) -> bool:
         known = self.pattern
         return known is not None and np.array_equal(known[0], rows) and np.array_equal(known[1], columns)
 
-    def _order(self, rows: np.ndarray, columns: np.ndarray) -> None:
+    def _order(self, rows: Indices, columns: Indices) -> None:
         """Order the nodes of a pattern, and find where each block of the upper triangle is in its values."""
         n = (len(rows) - 1) // BLOCK
         # All rows of a node have the same columns, in threes.

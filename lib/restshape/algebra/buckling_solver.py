@@ -12,6 +12,7 @@ from restshape.algebra.load_pencil import UNLOADED, LoadPencil, load_modes
 from restshape.algebra.pencil import Deflation
 from restshape.algebra.spectrum import apart, fallen
 from restshape.algebra.stages import Stages
+from restshape.arrays import Integers, Reals
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 
@@ -43,12 +44,12 @@ class BucklingSolver:
         self.pencil = LoadPencil(stages)
         self.life = FactorLife(self.pencil, calibration, kept)
         self.space: SearchSpace | None = None
-        self.history: list[np.ndarray] = []
+        self.history: list[Reals] = []
         self.unchecked = self.known = 0
         self.doubtful = False
         self.reach = tolerance
 
-    def restart(self, modes: np.ndarray | None) -> None:
+    def restart(self, modes: Reals | None) -> None:
         """Begin a new system with modes (k, n) as guess, or with none."""
         self.history = [] if modes is None or not len(modes) else [modes]
 
@@ -56,7 +57,7 @@ class BucklingSolver:
         self,
         stiffness: PETSc.Mat,
         geometric: PETSc.Mat,
-        constrained: np.ndarray,
+        constrained: Integers,
         count: int,
         most: float,
         new_system: bool,
@@ -120,7 +121,7 @@ class BucklingSolver:
         self.history = []
         return self._converge([modes], min(count, there), "Krylov-Schur, no modes to start from")
 
-    def _converge(self, starts: list[np.ndarray], count: int, why: str) -> Found:
+    def _converge(self, starts: list[Reals], count: int, why: str) -> Found:
         """Iterate with a new factor, at a load factor behind the wanted ones, which counts those before it.
 
         Args:
@@ -159,7 +160,7 @@ class BucklingSolver:
             else f"buckling: load factors do not converge (residual {found.residuals[:count].max():.1e})"
         )
 
-    def _random(self, count: int, turn: int = 0) -> np.ndarray:
+    def _random(self, count: int, turn: int = 0) -> Reals:
         """Rows (count, n) that have a share of every mode; 0 where the body is constrained."""
         rows = np.random.default_rng(7 + turn).uniform(-1.0, 1.0, (count, self.pencil.size))
         rows[:, self.constrained] = 0.0
@@ -186,7 +187,7 @@ class BucklingSolver:
             return verified
         return found
 
-    def _verified(self, starts: list[np.ndarray], count: int, why: str) -> Found | None:
+    def _verified(self, starts: list[Reals], count: int, why: str) -> Found | None:
         """The iteration with a new factor from known modes; None where that fails."""
         try:
             return self._converge(starts, count, why)
@@ -195,7 +196,7 @@ class BucklingSolver:
             self.history = []
             return None
 
-    def _iterate(self, starts: list[np.ndarray], count: int, limit: int) -> Found:
+    def _iterate(self, starts: list[Reals], count: int, limit: int) -> Found:
         # Of older frames only what was wanted, which had converged.
         blocks = [starts[0], *(block[: count + SPARE] for block in starts[1:])]
         capacity = sum(map(len, blocks)) + max(ROOM, 4 * (count + SPARE))
@@ -205,7 +206,7 @@ class BucklingSolver:
         with self.stages("krylov"):
             return davidson(self.space, self.deflation, blocks, count, SPARE, self.reach, limit)
 
-    def _see_rounding(self, rows: np.ndarray) -> None:
+    def _see_rounding(self, rows: Reals) -> None:
         """Set `reach` to what residuals of modes such as rows (k, n) can be brought down to."""
         forces = np.empty_like(rows)
         self.pencil.apply(self.pencil.mass, rows, forces)
@@ -214,13 +215,13 @@ class BucklingSolver:
         self.reach = max(self.tolerance, ROUNDING * largest * float(sizes.max()))
 
 
-def lowest_below(found: Found, end: float, count: int) -> np.ndarray:
+def lowest_below(found: Found, end: float, count: int) -> Reals:
     """The eigenvalues below `end`, at most `count`."""
     values = found.values[:count]
     return values[values < end]
 
 
-def gap(values: np.ndarray, count: int) -> tuple[float, int]:
+def gap(values: Reals, count: int) -> tuple[float, int]:
     """A shift behind the `count` lowest of eigenvalues -1/mu (k,), in the widest gap, and how many lie below it.
 
     The first is below 0. The shift is never far beyond the last load factor before it.

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.algebra.pencil import Deflation, Pencil
+from restshape.arrays import Reals
 
 DEPENDENT = 1e-10
 """A direction of which less than this is left beside the search space adds nothing to it."""
@@ -22,9 +23,9 @@ class Found:
         converged: all of the wanted ones are within the tolerance.
     """
 
-    values: np.ndarray
-    modes: np.ndarray
-    residuals: np.ndarray
+    values: Reals
+    modes: Reals
+    residuals: Reals
     iterations: int
     converged: bool
 
@@ -47,7 +48,7 @@ class SearchSpace:
         """Empty the space, for matrices that are others now; its memory is kept: new pages cost more than a frame."""
         self.deflation, self.count = deflation, 0
 
-    def append(self, rows: np.ndarray) -> int:
+    def append(self, rows: Reals) -> int:
         """Widen the space by the directions of rows (k, n); how many of them are new."""
         norms = np.linalg.norm(rows, axis=1)
         rows = rows[norms > 0.0] / norms[norms > 0.0, None]
@@ -74,7 +75,7 @@ class SearchSpace:
         self.count, added = stop, stop - start
         return added
 
-    def ritz(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def ritz(self, count: int) -> tuple[Reals, Reals, Reals, Reals]:
         """The lowest Ritz values, vectors, and their products with K and with M, at most `count`."""
         k = self.count
         values, weights = np.linalg.eigh(self.projected[:k, :k])
@@ -85,7 +86,7 @@ class SearchSpace:
         )
 
 
-def _orthonormal(rows: np.ndarray, mass_products: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _orthonormal(rows: Reals, mass_products: Reals) -> tuple[Reals, Reals]:
     """A basis of what rows (k, n) span, orthonormal in the mass, without directions that are lost in rounding."""
     gram = rows @ mass_products.T
     scale = np.sqrt(np.maximum(np.diagonal(gram), 0.0))
@@ -103,7 +104,7 @@ def _orthonormal(rows: np.ndarray, mass_products: np.ndarray) -> tuple[np.ndarra
 def davidson(
     space: SearchSpace,
     deflation: Deflation,
-    starts: list[np.ndarray],
+    starts: list[Reals],
     count: int,
     spare: int,
     tolerance: float,
@@ -148,7 +149,7 @@ def davidson(
             return Found(values, modes, residuals, iterations, False)
 
 
-def ritz_values(pencil: Pencil, deflation: Deflation, rows: np.ndarray) -> np.ndarray:
+def ritz_values(pencil: Pencil, deflation: Deflation, rows: Reals) -> Reals:
     """The Ritz values of rows (k, n), ascending."""
     space = SearchSpace(pencil, len(rows))
     space.begin(deflation)

@@ -13,6 +13,7 @@ from restshape.algebra.block_cholesky import BLOCK, BlockCholesky
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
 from restshape.algebra.weak_calls import weak_call
+from restshape.arrays import Integers, Reals
 
 Reason = PETSc.SNES.ConvergedReason
 MEMORY = 15
@@ -25,16 +26,16 @@ class Energy(Protocol):
     """An energy of nodal values, its gradient r and a tangent."""
 
     @property
-    def constrained(self) -> np.ndarray:
+    def constrained(self) -> Integers:
         """Unknowns, of all n f, that are constrained."""
 
-    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+    def residual(self, x: Reals, out: Reals) -> None:
         """Set `out` (n, f) to r; 0 at constrained unknowns."""
 
-    def energy(self, x: np.ndarray) -> float:
+    def energy(self, x: Reals) -> float:
         """The energy whose gradient is r."""
 
-    def tangent(self, x: np.ndarray) -> PETSc.Mat:
+    def tangent(self, x: Reals) -> PETSc.Mat:
         """The matrix that steps are made with."""
 
 
@@ -109,7 +110,7 @@ class Descent:
         self.work = np.zeros(shape)
         self.on_step = lambda *_: False
         self.steps, self.norm = 0, np.inf
-        self.known: tuple[np.ndarray, float] | None = None
+        self.known: tuple[Reals, float] | None = None
         self.prefix, self.ksp = prefix, self._solver(comm, prefix, factor) if self.kind.tangent else None
         self.snes = self._made()
 
@@ -129,7 +130,7 @@ class Descent:
             if part:
                 part.destroy()
 
-    def run(self, x: np.ndarray, goal: float, most: int) -> float:
+    def run(self, x: Reals, goal: float, most: int) -> float:
         """Go down from x (n, f), which is changed, to a residual of norm `goal`, in `most` steps.
 
         Returns: the norm that is reached.

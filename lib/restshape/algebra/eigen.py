@@ -13,6 +13,7 @@ from restshape.algebra.krylov_schur import krylov_schur
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.algebra.spectrum import apart, fallen, gap
 from restshape.algebra.stages import Stages
+from restshape.arrays import Reals
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 from restshape.first_use import made
@@ -112,7 +113,7 @@ class EigenSolver:
         self.life = FactorLife(self.pencil, calibration, method != "direct")
         self._deflation: Deflation | None = None
         self.space: SearchSpace | None = None
-        self.history: list[np.ndarray] = []
+        self.history: list[Reals] = []
         self.unchecked = self.fresh_below = 0
         self.doubtful = False
         self.davidson_cost, self.krylov_cost = PRIOR_DAVIDSON, PRIOR_KRYLOV
@@ -128,7 +129,7 @@ class EigenSolver:
         """The tolerance, or what rounding has been seen to leave of it."""
         return max(self.tolerance, self.floor)
 
-    def restart(self, modes: np.ndarray | None) -> None:
+    def restart(self, modes: Reals | None) -> None:
         """Begin a new system with modes (k, n) as guess, or with none."""
         self.history = [] if modes is None else [modes]
 
@@ -136,7 +137,7 @@ class EigenSolver:
         self,
         stiffness: PETSc.Mat,
         mass: PETSc.Mat,
-        rigid: np.ndarray,
+        rigid: Reals,
         count: int,
         new_system: bool,
         verify: bool = False,
@@ -362,7 +363,7 @@ class EigenSolver:
             else f"modes do not converge (residual {found.residuals[:count].max():.1e})"
         )
 
-    def _distances(self, found: Found) -> np.ndarray:
+    def _distances(self, found: Found) -> Reals:
         """How far (k,) an eigenvalue is from each value at most: the residual's norm in the inverse of the mass.
 
         Source: B. N. Parlett, The Symmetric Eigenvalue Problem, chapter 15; A. J. Wathen, IMA J. Numer. Anal. 7
@@ -398,7 +399,7 @@ class EigenSolver:
             return davidson(space, self.deflation, starts, wanted, SPARE, self.reach, limit)
 
 
-def _rayleigh(pencil: Pencil, rows: np.ndarray) -> float:
+def _rayleigh(pencil: Pencil, rows: Reals) -> float:
     """The Rayleigh quotient of one row (1, n)."""
     stiff, mass_products = np.empty_like(rows), np.empty_like(rows)
     pencil.apply(pencil.stiffness, rows, stiff)

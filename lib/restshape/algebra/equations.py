@@ -2,8 +2,9 @@
 
 from typing import Protocol
 
-import numpy as np
 from petsc4py import PETSc
+
+from restshape.arrays import Integers, Reals
 
 
 class Equations(Protocol):
@@ -16,18 +17,18 @@ class Equations(Protocol):
     potential: bool
 
     @property
-    def constrained(self) -> np.ndarray:
+    def constrained(self) -> Integers:
         """Unknowns, of all n f, that are constrained."""
 
     @property
     def version(self) -> object:
         """Another one whenever r or its tangent may be others at the same x, or the matrix is overwritten."""
 
-    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+    def residual(self, x: Reals, out: Reals) -> None:
         """Set `out` (n, f) to r; 0 at constrained unknowns."""
 
-    def assemble(self, x: np.ndarray, out: np.ndarray | None) -> PETSc.Mat:
+    def assemble(self, x: Reals, out: Reals | None) -> PETSc.Mat:
         """The tangent dr/dx; sets `out` (n, f) to r in the same pass."""
 
-    def energy(self, x: np.ndarray) -> float:
+    def energy(self, x: Reals) -> float:
         """The energy whose gradient is r, over all ranks."""

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.arrays import Reals
+
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
@@ -30,11 +32,11 @@ class GatheredSystem:
     """
 
     matrix: sp.csr_matrix
-    solution: np.ndarray
+    solution: Reals
     energy: float | None = None
 
 
-def gather_vector(full: np.ndarray, rows: slice, comm: PETSc.Comm) -> np.ndarray:
+def gather_vector(full: Reals, rows: slice, comm: PETSc.Comm) -> Reals:
     """Fill an array (n,) of which each rank has set its own rows; returns it."""
     if comm.size > 1:
         world = comm.tompi4py()

@@ -4,6 +4,7 @@ import numpy as np
 
 from restshape.algebra.davidson import Found
 from restshape.algebra.pencil import Deflation, Pencil
+from restshape.arrays import Reals
 from restshape.errors import ReplayProblem
 
 MOST = 2000
@@ -13,7 +14,7 @@ EPSILON = 1e-3
 """Diagonal added to A, as a share of the eigenvalue that is looked for: the thesis's small number."""
 
 
-def inverse_iteration(pencil: Pencil, deflation: Deflation, starts: np.ndarray, count: int, tolerance: float) -> Found:
+def inverse_iteration(pencil: Pencil, deflation: Deflation, starts: Reals, count: int, tolerance: float) -> Found:
     """The lowest eigenpairs, ascending, by inverse iteration on K + eps M, a new factor each time it is called.
 
     In the thesis A = L^-1 K L^-T with the Cholesky factor L of the lumped mass; psi = L^T phi makes its iteration the

@@ -2,13 +2,13 @@
 
 import logging
 
-import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.choice import ILU, Candidate, Choice, Prices, Size, prices
 from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
 from restshape.algebra.preconditioner import COMPLETE, kind_of, nonzeros, set_preconditioner, set_rigid_motions
 from restshape.algebra.traits import Traits
+from restshape.arrays import Reals
 
 log = logging.getLogger("restshape.algebra")
 
@@ -90,7 +90,7 @@ class KeptPreconditioner:
             return "the matrices are symmetric and not definite, so that a complete factor exchanges rows (MUMPS)"
         return f"the policy solves by {self._method}, with a complete factor"
 
-    def make(self, mat: PETSc.Mat, places: np.ndarray | None, rebuild: bool = False) -> None:
+    def make(self, mat: PETSc.Mat, places: Reals | None, rebuild: bool = False) -> None:
         """Make it from a matrix, then keep it.
 
         Args:

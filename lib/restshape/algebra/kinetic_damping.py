@@ -15,6 +15,7 @@ from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.step_solver import StepSolver
 from restshape.algebra.weak_calls import weak_call
+from restshape.arrays import Integers, Reals
 from restshape.errors import ReplayProblem
 
 log = logging.getLogger("restshape.algebra")
@@ -35,16 +36,16 @@ class MovingEquations(Protocol):
     """Equations r(x) = 0 with a mass, whose tangent may be made positive semidefinite."""
 
     @property
-    def constrained(self) -> np.ndarray:
+    def constrained(self) -> Integers:
         """Unknowns, of all n f, that are constrained."""
 
-    def residual(self, x: np.ndarray, out: np.ndarray) -> None:
+    def residual(self, x: Reals, out: Reals) -> None:
         """Set `out` (n, f) to r; 0 at constrained unknowns."""
 
-    def energy(self, x: np.ndarray) -> float:
+    def energy(self, x: Reals) -> float:
         """The energy whose gradient is r."""
 
-    def step_matrix(self, x: np.ndarray, inertia: float, blocks: bool) -> PETSc.Mat:
+    def step_matrix(self, x: Reals, inertia: float, blocks: bool) -> PETSc.Mat:
         """The stabilised tangent plus `inertia` [1/s^2] times the mass; with `blocks` it may be of type BAIJ."""
 
 
@@ -116,7 +117,7 @@ class KineticDamping:
         comm: PETSc.Comm,
         prefix: str,
         motion: MovingEquations,
-        mass: np.ndarray,
+        mass: Reals,
         shape: tuple[int, ...],
         rows: slice,
         steps: Steps,
@@ -139,7 +140,7 @@ class KineticDamping:
         unused.destroy()
         self.linear = StepSolver(comm, f"{prefix}step_", self.nodal, steps.tolerance, steps.preconditioner)
 
-    def set_mass(self, mass: np.ndarray) -> None:
+    def set_mass(self, mass: Reals) -> None:
         """Take in the masses (n,) of the nodes [kg]."""
         self.mass = mass[:, None]
 
@@ -159,7 +160,7 @@ class KineticDamping:
         """Steps of a run: any number, for it would lose its velocities."""
         return maxsize
 
-    def run(self, x: np.ndarray, goal: float, most: int | None = None) -> float:
+    def run(self, x: Reals, goal: float, most: int | None = None) -> float:
         """Go on from x (n, f), which is changed, until the residual's norm is at `goal`; returns the norm then.
 
         Args:
@@ -209,7 +210,7 @@ class KineticDamping:
         self.nodal.put(x, X)
         snes.setConvergedReason(reason)
 
-    def _reason(self, x: np.ndarray, k: int) -> int:
+    def _reason(self, x: Reals, k: int) -> int:
         """Why it ends at x (n, f) after k steps; 0 where it goes on."""
         if not np.isfinite(self.norm):
             return Reason.DIVERGED_FNORM_NAN
@@ -219,9 +220,7 @@ class KineticDamping:
             return Reason.CONVERGED_ITS
         return Reason.DIVERGED_MAX_IT if k == self.steps.most else Reason.ITERATING
 
-    def _time_step(
-        self, x: np.ndarray, v: np.ndarray, force: np.ndarray, potential: float
-    ) -> tuple[np.ndarray, np.ndarray, float]:
+    def _time_step(self, x: Reals, v: Reals, force: Reals, potential: float) -> tuple[Reals, Reals, float]:
         """Positions, velocities and potential energy after one step that is accepted."""
         steps, before = self.steps, potential + self._kinetic(v)
         while True:
@@ -251,9 +250,9 @@ class KineticDamping:
         self.time_step = min(LONGER * self.time_step, steps.longest)
         return x + d, d / h, after
 
-    def _potential(self, x: np.ndarray) -> float:
+    def _potential(self, x: Reals) -> float:
         """The potential energy where steps may be rejected for it; 0 where none is."""
         return self.motion.energy(x) if self.steps.adaptive else 0.0
 
-    def _kinetic(self, v: np.ndarray) -> float:
+    def _kinetic(self, v: Reals) -> float:
         return 0.5 * float((self.mass * v * v).sum())

@@ -9,6 +9,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.davidson import Found
 from restshape.algebra.pencil import Deflation, Pencil
+from restshape.arrays import Reals
 from restshape.errors import ReplayProblem
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ class KeptFactor:
 def krylov_schur(
     pencil: Pencil,
     deflation: Deflation,
-    start: np.ndarray | None,
+    start: Reals | None,
     count: int,
     tolerance: float,
     room: int | None = None,
@@ -83,7 +84,7 @@ def krylov_schur(
     return refine_ritz(pencil, deflation, modes, count, tolerance, pencil.substitutions - before)
 
 
-def solved_modes(eps: SLEPc.EPS, pencil: Pencil, count: int, problem: str) -> np.ndarray:
+def solved_modes(eps: SLEPc.EPS, pencil: Pencil, count: int, problem: str) -> Reals:
     """The first modes (count, n) that SLEPc finds; more may converge.
 
     Args:
@@ -106,7 +107,7 @@ def solved_modes(eps: SLEPc.EPS, pencil: Pencil, count: int, problem: str) -> np
 
 
 def refine_ritz(
-    pencil: Pencil, deflation: Deflation, modes: np.ndarray, count: int, tolerance: float, iterations: int
+    pencil: Pencil, deflation: Deflation, modes: Reals, count: int, tolerance: float, iterations: int
 ) -> Found:
     """The Ritz pairs of K and M over rows (k, n), with their true residuals, `count` of which must be small."""
     rows = np.array(modes)

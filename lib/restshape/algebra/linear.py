@@ -4,7 +4,6 @@ import logging
 import math
 from collections.abc import Callable
 
-import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.choice import MEMORY, Choice
@@ -15,6 +14,7 @@ from restshape.algebra.projection import Projection
 from restshape.algebra.refresh import RefreshCriterion
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
+from restshape.arrays import Reals
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 
@@ -88,7 +88,7 @@ class LinearSolver:
         self.ksp.setFromOptions()
         self.refresh = RefreshCriterion(MOST_ITERATIONS)
         self.projection = Projection(comm, directions) if directions else None
-        self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool, np.ndarray | None], None] | None = None
+        self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool, Reals | None], None] | None = None
         self.age = -1
         self._begun = False
         self.scale: float | None = None
@@ -150,7 +150,7 @@ class LinearSolver:
         new_system: bool,
         same_matrix: bool = False,
         patched: bool = False,
-        places: np.ndarray | None = None,
+        places: Reals | None = None,
         scale: float | None = None,
         auxiliary: bool = False,
     ) -> LinearReport:
@@ -201,7 +201,7 @@ class LinearSolver:
             self.projection.keep(x)
         return LinearReport(iterations, not stale, self.age, self.name)
 
-    def interpolate(self, interpolate: Callable[[np.ndarray], np.ndarray]) -> None:
+    def interpolate(self, interpolate: Callable[[Reals], Reals]) -> None:
         """Take solutions of before where their nodes are now, by a function of rows (n f,) of all unknowns."""
         if self.projection:
             self.projection.interpolate(interpolate)
@@ -254,7 +254,7 @@ class LinearSolver:
         """
         return self.kept.negative_pivots()
 
-    def definite(self, mat: PETSc.Mat, places: np.ndarray | None, new_system: bool = False) -> bool:
+    def definite(self, mat: PETSc.Mat, places: Reals | None, new_system: bool = False) -> bool:
         """Whether a matrix is positive definite, by a new factor of it, which ends at a pivot that is zero.
 
         True where the preconditioner is no complete factor, which could show it. Arguments as in `solve`.
@@ -292,7 +292,7 @@ class LinearSolver:
             if self.keeps:
                 self._set_refresh_price()
 
-    def _factor(self, mat: PETSc.Mat, places: np.ndarray | None, why: str, rebuild: bool = False) -> None:
+    def _factor(self, mat: PETSc.Mat, places: Reals | None, why: str, rebuild: bool = False) -> None:
         """Make the preconditioner from `mat`, then keep it; `why` is for the log, the rest as in its `make`."""
         with self.stages("factor"):
             self.kept.make(mat, places, rebuild)

@@ -5,6 +5,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.krylov_schur import KeptFactor, solved_modes
 from restshape.algebra.pencil import Pencil
+from restshape.arrays import Reals
 
 UNLOADED = -np.inf
 """The shift of the unloaded body: the factor is that of K alone."""
@@ -33,7 +34,7 @@ class LoadPencil(Pencil):
         return found
 
 
-def load_modes(pencil: LoadPencil, start: np.ndarray, count: int, tolerance: float) -> np.ndarray:
+def load_modes(pencil: LoadPencil, start: Reals, count: int, tolerance: float) -> Reals:
     """Modes (count, n) of the lowest positive load factors, by SLEPc's Krylov-Schur method on K^-1 G.
 
     In the inner product of K this operator is symmetric; it is shift and invert about the load factor 0.

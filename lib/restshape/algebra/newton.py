@@ -15,6 +15,7 @@ from restshape.algebra.newton_step import NewtonStep
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.tangent import Tangent
 from restshape.algebra.weak_calls import weak_call
+from restshape.arrays import Reals
 from restshape.first_use import made
 
 log = logging.getLogger("restshape.algebra")
@@ -46,7 +47,7 @@ class Newton:
         self._taken: Tangent | None = None
         self._step, self._forcing = NewtonStep(linear), ForcingTerms()
         self._test = ConvergenceTest(0.0, 0.0, False, 0.0)
-        self._offset: np.ndarray | None = None
+        self._offset: Reals | None = None
         self._x, self._f, self._work = self.nodal.vector(), self.nodal.vector(), np.zeros(shape)
         self._snes: dict[bool, PETSc.SNES] = {}
         self._handles: dict[bool, int] = {}
@@ -77,25 +78,25 @@ class Newton:
             equations.constrained[(equations.constrained >= start) & (equations.constrained < stop)] - start
         )
 
-    def tangent(self, x: np.ndarray) -> PETSc.Mat:
+    def tangent(self, x: Reals) -> PETSc.Mat:
         """The tangent at x (n, f), assembled unless it is there."""
         return self._tangent.at(x)
 
-    def definite(self, x: np.ndarray) -> bool:
+    def definite(self, x: Reals) -> bool:
         """Whether the tangent at x (n, f) is positive definite, as far as the preconditioner can show."""
         return self._step.definite(self._tangent.at(x))
 
-    def begin(self, new_system: bool, patched: bool, places: np.ndarray | None) -> None:
+    def begin(self, new_system: bool, patched: bool, places: Reals | None) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
         self._step.begin_frame(new_system, patched, places)
 
     def solve(
         self,
-        x: np.ndarray,
+        x: Reals,
         goal: float,
         scale: float,
         searched: bool = False,
-        offset: np.ndarray | None = None,
+        offset: Reals | None = None,
         rounding: float = 0.0,
     ) -> Outcome:
         """Find r(x) = offset from the guess in x (n, f), which is set to the last iterate.
@@ -118,7 +119,7 @@ class Newton:
             outcome = self._run(x, ConvergenceTest(goal, scale, False, rounding)).after(outcome)
         return outcome
 
-    def _run(self, x: np.ndarray, test: ConvergenceTest) -> Outcome:
+    def _run(self, x: Reals, test: ConvergenceTest) -> Outcome:
         """One SNES from the guess in x (n, f), which is set to the last iterate."""
         self._test, step = test, self._step
         step.begin_run()

@@ -7,6 +7,7 @@ from restshape.algebra.forcing_terms import COARSE
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton_convergence import INDEFINITE
 from restshape.algebra.tangent import Tangent
+from restshape.arrays import Reals
 from restshape.errors import ReplayProblem
 
 LEAST_SHIFT, SHIFT_GROWTH, MOST_SHIFT = 1e-8, 4.0, 1.0
@@ -26,7 +27,7 @@ class NewtonStep:
 
     def __init__(self, linear: LinearSolver) -> None:
         self.linear = linear
-        self.places: np.ndarray | None = None
+        self.places: Reals | None = None
         self.new_system, self.patched = True, False
         self.constrained = np.empty(0, dtype=np.int64)
         self.begin_run()
@@ -35,7 +36,7 @@ class NewtonStep:
         """Count from zero."""
         self.iterations, self.refreshed, self.why, self._shift = 0, False, "", 0.0
 
-    def begin_frame(self, new_system: bool, patched: bool, places: np.ndarray | None) -> None:
+    def begin_frame(self, new_system: bool, patched: bool, places: Reals | None) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
         # A mesh on which nothing had to be solved for is still to be met.
         self.new_system |= new_system

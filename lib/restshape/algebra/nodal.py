@@ -4,6 +4,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_vector
+from restshape.arrays import Reals
 
 
 class NodalVectors:
@@ -24,7 +25,7 @@ class NodalVectors:
         size = (self.rows.stop - self.rows.start, self.shape[0] * self.shape[1])
         return PETSc.Vec().createWithArray(np.zeros(size[0]), size=size, comm=self.comm)
 
-    def values(self, vector: PETSc.Vec) -> np.ndarray:
+    def values(self, vector: PETSc.Vec) -> Reals:
         """All nodal values (n, f) of a vector; on one rank they are those of the vector itself, to be read only."""
         own = vector.getArray(readonly=True)
         if self.whole:
@@ -33,7 +34,7 @@ class NodalVectors:
         gathered[self.rows] = own
         return gather_vector(gathered, self.rows, self.comm).reshape(self.shape)
 
-    def put(self, values: np.ndarray, vector: PETSc.Vec) -> None:
+    def put(self, values: Reals, vector: PETSc.Vec) -> None:
         """Set a vector to this rank's rows of nodal values (n, f)."""
         vector.getArray()[:] = values.ravel()[self.rows]
         vector.stateIncrease()

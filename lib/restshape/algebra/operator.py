@@ -7,11 +7,12 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
+from restshape.arrays import Bytes, Indices, Reals
 
-Block = np.ndarray | tuple[np.ndarray, np.ndarray]
+Block = Indices | tuple[Indices, Indices]
 """Cells (m, k) int32; a pair where the nodes of unknowns are others than those of X: cells, and dofs (m, kd) int32."""
 
-MatrixTerm = tuple[int, _kernels.Element, np.ndarray, np.ndarray, np.ndarray, float, *tuple[float | np.ndarray, ...]]
+MatrixTerm = tuple[int, _kernels.Element, Reals, Reals, Reals, float, *tuple[float | Reals, ...]]
 """Block, element, X, x, parameters, coefficient[, residual factor[, nodal coefficients]] of a term of a matrix."""
 
 
@@ -35,7 +36,7 @@ class Operator:
         self,
         comm: PETSc.Comm,
         fields: int,
-        node_offsets: np.ndarray,
+        node_offsets: Indices,
         backend: str | None = None,
         symmetric: bool = True,
         definite: bool = True,
@@ -48,7 +49,7 @@ class Operator:
         self.mat = PETSc.Mat()
         self._generation, self.version = -1, 0
 
-    def set_topology(self, blocks: Sequence[Block], mask: np.ndarray) -> None:
+    def set_topology(self, blocks: Sequence[Block], mask: Bytes) -> None:
         """Make a new pattern for blocks of cells (ne, nn) int32; `mask` (n * f,) uint8 marks constrained unknowns.
 
         A pair of arrays is cells whose X elements read, and the nodes (ne, nd) whose unknowns they have.
@@ -56,12 +57,12 @@ class Operator:
         self.core.set_topology(list(blocks))
         self.set_constraints(mask)
 
-    def set_constraints(self, mask: np.ndarray) -> None:
+    def set_constraints(self, mask: Bytes) -> None:
         """Mark constrained unknowns (n * f,) uint8; the pattern stays."""
         self.version += 1
         self.core.set_constraints(np.ascontiguousarray(mask, dtype=np.uint8).ravel())
 
-    def patch(self, block: int, changed: np.ndarray) -> None:
+    def patch(self, block: int, changed: Indices) -> None:
         """Add to the pattern what the flipped cells `changed` of a block need; nothing else is set up again."""
         self.version += 1
         self.core.patch(block, changed)
@@ -73,7 +74,7 @@ class Operator:
         self.core.keep()
         self.core.end()
 
-    def assemble(self, terms: Sequence[MatrixTerm], rhs: np.ndarray | None, kept: bool = False) -> PETSc.Mat:
+    def assemble(self, terms: Sequence[MatrixTerm], rhs: Reals | None, kept: bool = False) -> PETSc.Mat:
         """The matrix of a sum of terms (block, element, X, x, params, coefficient[, factor]).
 
         rhs (n * f,), where given, loses the terms' residuals at x times the factor, by default the coefficient. With
@@ -91,7 +92,7 @@ class Operator:
                 self.mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return self.mat
 
-    def _add(self, terms: Sequence[MatrixTerm], rhs: np.ndarray | None) -> None:
+    def _add(self, terms: Sequence[MatrixTerm], rhs: Reals | None) -> None:
         for _, group in groupby(terms, key=lambda term: (term[0], id(term[2]))):
             parts = list(group)
             block, _, X, *_ = parts[0]

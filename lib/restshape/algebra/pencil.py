@@ -7,6 +7,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.stages import Stages
+from restshape.arrays import Reals
 from restshape.errors import ReplayProblem
 
 SAME = 1e-12
@@ -73,13 +74,13 @@ class Pencil:
             self._kept.stale_pattern = True
             self._patterns = patterns
 
-    def apply(self, matrix: PETSc.Mat, rows: np.ndarray, out: np.ndarray) -> None:
+    def apply(self, matrix: PETSc.Mat, rows: Reals, out: Reals) -> None:
         """Write the products of a matrix with each row (k, n) to `out` (k, n)."""
         self.products += len(rows)
         for row, product in zip(rows, out):
             _through(matrix.mult, row, product)
 
-    def norms(self, rows: np.ndarray) -> np.ndarray:
+    def norms(self, rows: Reals) -> Reals:
         """The squared norms phi^T M phi (k,) of rows (k, n) in the mass."""
         mass_products = np.empty_like(rows)
         self.apply(self.mass, rows, mass_products)
@@ -104,7 +105,7 @@ class Pencil:
         self.factorisations += 1
         return found
 
-    def solve(self, rows: np.ndarray) -> np.ndarray:
+    def solve(self, rows: Reals) -> Reals:
         """The old (K - s M)^-1 times each row (k, n)."""
         out = np.empty_like(rows)
         self.substitutions += len(rows)
@@ -112,7 +113,7 @@ class Pencil:
             _through(self._kept.solve, row, solution)
         return out
 
-    def auxiliary_solve(self, rows: np.ndarray) -> np.ndarray:
+    def auxiliary_solve(self, rows: Reals) -> Reals:
         """The same beside the work that is counted, for what decides nothing."""
         before = self.substitutions
         out = self.solve(rows)
@@ -181,7 +182,7 @@ class _Factor:
         self._pc.apply(b, x)
 
 
-def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: np.ndarray, out: np.ndarray) -> None:
+def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: Reals, out: Reals) -> None:
     """Run an operation of PETSc from one array (n,) to another."""
     source = PETSc.Vec().createWithArray(row, comm=PETSc.COMM_SELF)
     target = PETSc.Vec().createWithArray(out, comm=PETSc.COMM_SELF)
@@ -190,7 +191,7 @@ def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: np.ndarray,
     target.destroy()
 
 
-def sample(stiffness: PETSc.Mat, mass: PETSc.Mat) -> np.ndarray:
+def sample(stiffness: PETSc.Mat, mass: PETSc.Mat) -> Reals:
     """The products (2, n) of both matrices with the same random row, by which `multiplied` knows them."""
     row = np.random.default_rng(3).uniform(-1.0, 1.0, stiffness.getSize()[0])
     out = np.empty((2, len(row)))
@@ -199,7 +200,7 @@ def sample(stiffness: PETSc.Mat, mass: PETSc.Mat) -> np.ndarray:
     return out
 
 
-def multiplied(before: np.ndarray, now: np.ndarray) -> bool:
+def multiplied(before: Reals, now: Reals) -> bool:
     """Whether matrices are multiples of others, as far as a `sample` (2, n) of both shows."""
     factors = np.einsum("ki,ki->k", before, now) / np.einsum("ki,ki->k", before, before)
     apart = np.linalg.norm(now - factors[:, None] * before, axis=1)
@@ -216,7 +217,7 @@ class Deflation:
     Source: docs/theory/free-vibrations.md.
     """
 
-    def __init__(self, rigid: np.ndarray, pencil: Pencil) -> None:
+    def __init__(self, rigid: Reals, pencil: Pencil) -> None:
         self.count = len(rigid)
         weighted = np.empty_like(rigid)
         pencil.apply(pencil.mass, rigid, weighted)
@@ -225,7 +226,7 @@ class Deflation:
             rigid, weighted = np.linalg.solve(factor, rigid), np.linalg.solve(factor, weighted)
         self.rigid, self.weighted = np.ascontiguousarray(rigid), np.ascontiguousarray(weighted)
 
-    def clean(self, rows: np.ndarray, mass_products: np.ndarray | None = None) -> None:
+    def clean(self, rows: Reals, mass_products: Reals | None = None) -> None:
         """Make rows (k, n) orthogonal to the rigid motions in the mass, in place; their products M phi go with them."""
         if self.count:
             parts = rows @ self.weighted.T

@@ -3,6 +3,8 @@
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.arrays import Reals
+
 COMPLETE = ("cholesky", "lu")
 FACTORS = (*COMPLETE, "icc", "ilu")
 
@@ -55,7 +57,7 @@ def _factor_options(kind: str, levels: int) -> dict[str, object]:
     return {"sub_pc_factor_levels": levels, "sub_pc_factor_shift_type": "positive_definite"}
 
 
-def set_rigid_motions(mat: PETSc.Mat, X: np.ndarray) -> None:
+def set_rigid_motions(mat: PETSc.Mat, X: Reals) -> None:
     """Give a matrix the rigid motions of the body, which algebraic multigrid must interpolate well.
 
     Args:

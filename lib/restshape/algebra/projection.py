@@ -5,6 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.arrays import Reals
+
 RIDGE = 1e-12
 
 
@@ -24,7 +26,7 @@ class Projection:
 
     def __init__(self, comm: PETSc.Comm, directions: int) -> None:
         self.comm, self.directions, self.pays = comm, directions, False
-        self.last: np.ndarray | None = None
+        self.last: Reals | None = None
         self.count = 0
         self.vectors: list[PETSc.Vec] = []
 
@@ -70,7 +72,7 @@ class Projection:
         # Where nothing has moved, the place serves the next increment.
         self.count += self.step_vectors[place].norm() > 0.0
 
-    def interpolate(self, interpolate: Callable[[np.ndarray], np.ndarray]) -> None:
+    def interpolate(self, interpolate: Callable[[Reals], Reals]) -> None:
         """Take solutions where their nodes are now, by a function of rows (n f,); several ranks forget them."""
         if self.comm.size > 1 or self.last is None:
             self.restart()

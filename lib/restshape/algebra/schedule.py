@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from restshape.arrays import Reals
 
-def best_schedule(refresh_costs: np.ndarray, frame_costs: np.ndarray) -> tuple[float, list[int]]:
+
+def best_schedule(refresh_costs: Reals, frame_costs: Reals) -> tuple[float, list[int]]:
     """The least cost of all schedules, and the frames in which it refreshes; frame 0 always does.
 
     Dynamic programming over the last refresh.

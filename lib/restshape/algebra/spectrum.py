@@ -3,13 +3,14 @@
 import numpy as np
 
 from restshape.algebra.davidson import Found
+from restshape.arrays import Reals
 
 WIDE = 1.5
 """A ratio of neighbouring eigenvalues that is wide enough: beyond it the upper one may be a search that has not found
 the next mode yet, and a factor midway would lie above hundreds of modes."""
 
 
-def gap(values: np.ndarray, count: int) -> tuple[float, int]:
+def gap(values: Reals, count: int) -> tuple[float, int]:
     """A shift in the first wide or else the widest gap behind the `count` lowest of values (k,), k > count, and how
     many lie below it.
 
@@ -24,7 +25,7 @@ def gap(values: np.ndarray, count: int) -> tuple[float, int]:
     return float(values[k - 1] * (0.6 + 0.4 * ratios[k])), k
 
 
-def apart(found: Found, count: int, shift: float, tolerance: float, distances: np.ndarray | None = None) -> bool:
+def apart(found: Found, count: int, shift: float, tolerance: float, distances: Reals | None = None) -> bool:
     """Whether the `count` lowest stay so: none of the others below a shift is still to come down among them.
 
     As many values below a shift as there are eigenvalues say nothing yet of the lowest, where one of them has not

@@ -7,6 +7,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
+from restshape.arrays import Reals
 
 WAYS = 2
 """Solutions that the next guess is made of."""
@@ -58,7 +59,7 @@ class StepSolver:
         for part in (self.ksp, self.right, self.way, self.diagonal, self.shifted, *pairs):
             part.destroy()
 
-    def solve(self, matrix: PETSc.Mat, right: np.ndarray) -> np.ndarray | None:
+    def solve(self, matrix: PETSc.Mat, right: Reals) -> Reals | None:
         """The solution (n, f) with right side (n, f); None where none is found."""
         self.nodal.put(right, self.right)
         if self.matrix.handle != matrix.handle:

@@ -1,9 +1,9 @@
 """The tangent of equations, and the place where it was assembled."""
 
-import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.equations import Equations
+from restshape.arrays import Reals
 
 
 class Tangent:
@@ -20,19 +20,19 @@ class Tangent:
         self.equations = equations
         self.mat: PETSc.Mat = None
         self._version: object = None
-        self._x: np.ndarray | None = None
+        self._x: Reals | None = None
 
-    def assemble(self, x: np.ndarray, out: np.ndarray | None) -> PETSc.Mat:
+    def assemble(self, x: Reals, out: Reals | None) -> PETSc.Mat:
         """The tangent at x (n, f); sets `out` (n, f) to the residual in the same pass."""
         self.mat = self.equations.assemble(x, out)
         self._version, self._x = self.equations.version, x.copy()
         return self.mat
 
-    def is_at(self, x: np.ndarray) -> bool:
+    def is_at(self, x: Reals) -> bool:
         """Whether the matrix is the tangent at x (n, f)."""
         return self._x is not None and self._version == self.equations.version and bool((self._x == x).all())
 
-    def at(self, x: np.ndarray) -> PETSc.Mat:
+    def at(self, x: Reals) -> PETSc.Mat:
         """The tangent at x (n, f), assembled where the matrix is another one."""
         return self.mat if self.is_at(x) else self.assemble(x, None)
 
