@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from restshape.application import applications
 from restshape.cli.schema import scene_schema, script_schema
-from restshape.scene.application_registry import checked_applications
 from restshape.scene.edit_script import EVENTS
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference.md"
@@ -63,6 +63,8 @@ def effects(scene: Schema) -> list[str]:
         parts += [f"\n### `[effects.{name}]`\n", summary(schema)]
         for one in schema.get("anyOf", [schema]):
             parts += [*(keys(one, {}) or ["No keys.\n"]), ""]
+            for inner, table in one.get("$defs", {}).items():
+                parts += [f"Keys of `{inner}`:\n", *keys(table, {}), ""]
     return parts
 
 
@@ -71,7 +73,7 @@ def events() -> list[str]:
     lines = script_schema()["$defs"]
     parts = ["\n## Edit scripts\n", "The first line is the header; each other line is an event.\n"]
     parts += ["\n### Header\n", summary(lines["Header"]), *keys(lines.pop("Header"), {})]
-    apps = checked_applications().items()
+    apps = applications().items()
     own = {one.__name__: name for name, app in apps for one in app.events.values() if one not in EVENTS.values()}
     titled = [(own.get(kind, ""), schema["properties"]["do"]["const"], schema) for kind, schema in lines.items()]
     for app, word, schema in sorted(titled, key=lambda one: one[:2]):
@@ -160,7 +162,8 @@ def line(key: str, schema: Schema, required: bool, tables: dict[str, Table]) -> 
 def words(schema: Schema, tables: dict[str, Table]) -> Iterator[str]:
     """What a value may be; the same words may come again."""
     if "$ref" in schema:
-        yield tables[schema["$ref"].rpartition("/")[2]].link
+        name = schema["$ref"].rpartition("/")[2]
+        yield tables[name].link if name in tables else f"table `{name}`"
     elif "anyOf" in schema or "oneOf" in schema:
         for one in alternatives(schema):
             yield from words(one, tables)

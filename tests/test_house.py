@@ -20,11 +20,12 @@ def test_the_library_names_no_application_and_no_plank():
 
 
 def test_the_library_reads_no_settings_but_those_that_its_own_physics_declare():
-    from restshape.scene.application_registry import checked_applications, installed_physics
+    from restshape.application import applications
+    from restshape.scene.application_registry import installed_physics
 
     declared = {
         name
-        for physics in installed_physics(checked_applications().values())
+        for physics in installed_physics(applications().values())
         for name, effect in physics.effects.items()
         if effect.model.__module__.startswith("restshape.physics.")
     }

@@ -1,5 +1,6 @@
 """Conduction: rates of convergence, closed forms, balance of heat, decay in time, derivatives by the design."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,10 +9,13 @@ from restshape_studies.stability.scenery import across, drag, make_replay, rows_
 from restshape_studies.validation.norms import errors
 from thermal_scenes import ANNULUS, COOLING, HEAD, MANUFACTURED, SQUARE, solved, steady
 
+from restshape.algebra.traits import Traits
 from restshape.analysis.frame import Frame
 from restshape.errors import UserError
+from restshape.fem.elements import OSEEN
 from restshape.fem.problem import INTERNAL
 from restshape.fem.residuals import design_rates, unconstrained_residual
+from restshape.physics.heat.conduction import HeatConduction
 from restshape.policy import POLICIES
 
 
@@ -197,3 +201,25 @@ def test_no_heat_flows_through_a_body_of_one_temperature(tmp_path):
     made = make_replay(write_scene(tmp_path, text), write_script(tmp_path, [{"t": 0.0, "do": "idle", "frames": 2}]))
     first, *_, last = rows_of(made)
     assert abs(first["q_left"]) < 1e-9 and abs(first["q_right"]) < 1e-9 < last["q_left"]
+
+
+def test_unsymmetric_matrices_are_compared_without_an_energy_and_get_gmres(tmp_path, monkeypatch):
+    # Conduction declared unsymmetric: its matrices are what they were, and nothing is least of an energy.
+    monkeypatch.setattr(HeatConduction, "traits", lambda plan: Traits(False, False, 1, rigid_motions=False))
+    analysis = solved(tmp_path, MANUFACTURED).analysis
+    assert analysis.solver.ksp.getType() == "gmres" and analysis.warm_system().energy is None
+    compared = analysis.compare_cold()
+    assert compared.entries < 1e-12 and compared.solution < 1e-8
+    assert analysis.quantity_errors is None
+
+
+def test_an_element_that_is_not_symmetric_is_noticed_where_its_physics_says_it_is(tmp_path, monkeypatch):
+    integrals = HeatConduction.integrals
+
+    def skewed(self, kind, part=1.0):
+        found = integrals(self, kind, part)
+        return [replace(one, element=OSEEN["tri6"]) for one in found] if kind == INTERNAL else found
+
+    monkeypatch.setattr(HeatConduction, "integrals", skewed)
+    with pytest.raises(ValueError, match="'heat' declares symmetric matrices, and the tangent of oseen"):
+        solved(tmp_path, MANUFACTURED)

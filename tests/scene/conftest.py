@@ -9,7 +9,6 @@ import pytest
 
 from restshape import application as installed
 from restshape.application import Application
-from restshape.scene.application_registry import checked_applications
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -46,9 +45,7 @@ def install(monkeypatch) -> Iterator[Callable[..., None]]:
         entries = [Entry(app.name, app) for app in applications]
         monkeypatch.setattr(installed, "entry_points", lambda group: entries)
         installed.applications.cache_clear()
-        checked_applications.cache_clear()
 
     yield only
     monkeypatch.undo()
     installed.applications.cache_clear()
-    checked_applications.cache_clear()

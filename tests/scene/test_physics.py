@@ -14,7 +14,7 @@ from restshape.cli.options import require_mesh
 from restshape.cli.schema import scene_schema, script_schema
 from restshape.errors import UserError
 from restshape.scene import units as known_units
-from restshape.scene.application_registry import checked_applications
+from restshape.scene.application_registry import clashes_with, refuse_clashes_of
 from restshape.scene.edit_script import load_script
 from restshape.scene.effect import Effect
 from restshape.scene.event_line import EventLine
@@ -154,27 +154,25 @@ def test_a_key_of_another_application_is_refused_by_its_name(tmp_path, install):
     assert 'app = "hanging"' in caught.value.do and "ropes" in caught.value.where
 
 
-def test_two_meanings_of_one_key_are_reported_at_start_by_name(install):
-    same = replace(HANGING, name="same")
-    install(HANGING, same)
-    assert set(checked_applications()) == {"hanging", "same"}
+def test_two_meanings_of_one_key_are_refused_by_name():
+    refuse_clashes_of(HANGING)
     for added, key in (
         ({"sections": {"air": Section(Rope, "another one")}}, "'air', and 'ropes' does too"),
         ({"sections": {"mesh": Section(Air, "a mesh")}}, "'mesh', and every scene has one"),
         ({"quantities": {"area": QuantityKind(Literal[True], "area", "sum")}}, "'area', and every"),
         ({"quantities": {"tension": QuantityKind(Literal[True], "stiffness", "max")}}, "'tension', and 'ropes' does"),
         ({"events": {"undo": Sag}}, "'undo', and its edit scripts have one"),
-        ({"effects": {"weight": Effect(Air, "light")}}, "'weight', and 'heavy' does too"),
+        ({"effects": {"weight": Effect(Air, "light")}}, "'weight', and 'ropes' does too"),
         ({"materials": {"hemp": {"give": 2.0}}}, "value of the material 'hemp.give', and 'heavy' does too"),
     ):
         heavy = Physics("heavy", "weights", solver, effects=HANGING.effects, materials={"hemp": {"give": 1.0}})
-        install(HANGING, replace(HANGING, name="two", physics=(heavy, Physics("second", "another", solver, **added))))
+        two = replace(HANGING, name="two", physics=(ROPES, heavy, Physics("second", "another", solver, **added)))
         with pytest.raises(UserError) as caught:
-            checked_applications()
+            refuse_clashes_of(two)
         assert key in caught.value.what and "'second'" in caught.value.what
 
 
-def test_a_key_with_two_units_names_both_physics_and_both_units(install):
+def test_a_key_with_two_units_names_both_physics_and_both_units():
     pull = {"loads": {"pull": LoadKind(number_of("force"), ("edge",), "a force")}}
     lift = {"loads": {"pull": LoadKind(number_of("pressure"), ("edge",), "a pressure")}}
     for first, second in (
@@ -182,9 +180,8 @@ def test_a_key_with_two_units_names_both_physics_and_both_units(install):
         ({"boundary": {"w": "force"}}, {"boundary": {"w": "pressure"}}),
         *[({"quantities": {"pull": QuantityKind(Literal[True], one, "max")}} for one in ("force", "pressure"))],
     ):
-        install(hanging("hanging", first, second))
         with pytest.raises(UserError, match=r"force \[N\].* in 'added0'") as caught:
-            checked_applications()
+            refuse_clashes_of(hanging("hanging", first, second))
         assert "'added1' adds" in caught.value.what and "pressure [Pa] in 'added1'" in caught.value.what
 
 
@@ -228,12 +225,47 @@ def test_a_command_reports_a_key_that_two_physics_of_the_scene_have(tmp_path, in
     assert done.returncode == 2 and what in done.stderr
 
 
-def test_check_reports_a_key_of_two_applications(tmp_path, install, command):
-    install(hanging("hanging", HEMP), hanging("other", SOFT_HEMP))
+PULLED = {"loads": {"pull": LoadKind(number_of("force"), ("edge",), "a force")}}
+PRESSED = {"loads": {"pull": LoadKind(number_of("pressure"), ("edge",), "a pressure")}}
+
+
+def test_applications_may_mean_different_things_by_a_key(tmp_path, install):
+    mine = hanging("hanging", PULLED)
+    other = replace(hanging("other"), physics=[ROPES, Physics("others", "another", solver, **PRESSED)])
+    install(mine, other)
     path = tmp_path / "two.toml"
     path.write_text(HEAD + ROPE)
     assert load_scene(path).app == "hanging"
-    done = command("check", path)
+    (note,) = clashes_with(mine, [mine, other])
+    assert note.startswith("the load of the kind 'pull' of 'added0' means another thing in 'others'")
+    assert note.endswith("pressure [Pa] in 'others', force [N] in 'added0'")
+    assert clashes_with(mine, [mine]) == []
+    assert len(scene_schema()["$defs"]["Load"]["properties"]["pull"]["anyOf"]) >= 2
+
+
+class Wind(Strict):
+    """What blows."""
+
+    speed: value_of("length")
+
+
+@pytest.mark.parametrize(("speed", "what"), [("sin(z)", "'z'"), ("2 kg + 0*y", "kg"), ("2*l + x", None)])
+def test_formulas_in_effects_are_checked(tmp_path, install, speed, what):
+    blown = replace(ROPES, effects={**ROPES.effects, "blow": Effect(Wind, "wind")})
+    install(replace(HANGING, physics=[blown]))
+    path = tmp_path / "wind.toml"
+    path.write_text(HEAD + ROPE + f'[effects.blow]\nspeed = "{speed}"\n')
+    if what is None:
+        assert load_scene(path).effects["blow"]
+        return
+    with pytest.raises(UserError) as caught:
+        load_scene(path)
+    assert "effects.blow.speed" in caught.value.where and what in caught.value.what
+
+
+def test_a_schema_is_not_written_of_an_application_whose_physics_clash(install, command):
+    install(HANGING, hanging("clashing", HEMP, SOFT_HEMP))
+    done = command("schema", "scene")
     assert done.returncode == 2 and "'hemp.give', and 'added0' does too" in done.stderr
 
 

@@ -7,7 +7,7 @@ from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.operator import Operator
 from restshape.algebra.traits import Traits
-from restshape.fem.problem import SteadyProblem
+from restshape.fem.problem import INTERNAL, SteadyProblem
 
 
 class LinearSystem:
@@ -19,6 +19,9 @@ class LinearSystem:
         backend: of the operator.
         traits: what the solver takes matrices for.
 
+    Raises:
+        ValueError: a tangent of the problem is not symmetric, though the traits say so.
+
     Attributes:
         rows: this rank's, of all n f unknowns.
         right: (n, f) right side, full: (n f,) solution, of all nodes; b, solution: PETSc's vectors of this rank's rows.
@@ -27,6 +30,8 @@ class LinearSystem:
     """
 
     def __init__(self, comm: PETSc.Comm, problem: SteadyProblem, backend: str | None, traits: Traits) -> None:
+        if traits.symmetric:
+            refuse_unsymmetric(problem)
         mask = problem.boundary.mask
         fields = mask.shape[1]
         self.comm = comm
@@ -44,6 +49,20 @@ class LinearSystem:
     def gather(self) -> None:
         """Fill `full` with all ranks' rows of the solution."""
         gather_vector(self.full, self.rows, self.comm)
+
+
+def refuse_unsymmetric(problem: SteadyProblem) -> None:
+    """Makes sure that what is declared symmetric is: a factor of half of the matrix would be one of another.
+
+    Raises:
+        ValueError: an element of the problem has a tangent that is not symmetric.
+    """
+    for integral in problem.integrals(INTERNAL):
+        if integral.block is not None and not integral.element.symmetric:
+            declared = f"the physics {problem.name!r} declares symmetric matrices"
+            raise ValueError(
+                f"{declared}, and the tangent of {integral.element.name} is not: let its plan name UNSYMMETRIC"
+            )
 
 
 def auxiliary_solve(

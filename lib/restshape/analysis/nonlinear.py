@@ -236,7 +236,8 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
     def warm_system(self) -> GatheredSystem:
         """The tangent and the solution as they stand, whole on every rank."""
         matrix = gather_matrix(self.tangent(), self.context.comm)
-        return GatheredSystem(matrix, self.x.ravel().copy(), energy(self.problem, self.x))
+        known = energy(self.problem, self.x) if self.solver.traits.minimises else None
+        return GatheredSystem(matrix, self.x.ravel().copy(), known)
 
     def cold_system(self) -> GatheredSystem:
         """The tangent at this frame's solution on a new pattern, and the solution of a cold analysis from nothing."""

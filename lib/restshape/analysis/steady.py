@@ -166,8 +166,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
 
     @property
     def quantity_errors(self) -> SteadyQuantityErrors | None:
-        """Estimates errors of quantities at the last solution; None where the problem is not linear."""
-        return SteadyQuantityErrors(self)
+        """Estimates errors of quantities at the last solution; None where the problem is not linear or symmetric."""
+        return SteadyQuantityErrors(self) if self.solver.traits.symmetric else None
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the unknowns `x` up to date with a frame.
@@ -436,7 +436,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
         """The matrix and the free part of the solution as they stand, whole on every rank."""
         state = self.state
         matrix = gather_matrix(state.system.mat, self.context.comm)
-        return GatheredSystem(matrix, state.system.full.copy(), energy(state.problem, state.x))
+        known = energy(state.problem, state.x) if self.solver.traits.minimises else None
+        return GatheredSystem(matrix, state.system.full.copy(), known)
 
     def cold_system(self) -> GatheredSystem:
         """Matrix and solution of this frame with new pattern, values and factor, and no guess."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from restshape.application import application
+from restshape.application import application, applications
 from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.quantity_descriptions import quantity_rows
@@ -22,7 +22,7 @@ from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
 from restshape.outputs.si_numbers import si
-from restshape.scene.application_registry import checked_applications
+from restshape.scene.application_registry import clashes_with
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.descriptions import keys_in_words, listing, with_symbol
 from restshape.scene.edit_script import Script, load_script
@@ -48,7 +48,6 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
         args: of the command line.
         begin_frame: called after each frame of the script.
     """
-    checked_applications()
     scene = read_scene(args)
     app = application(scene.app)
     data, rows, outline = app.editing.checked(scene, plan(scene, app))
@@ -57,6 +56,8 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "content"), rows)
     if given:
         print_table("formulas", ("key", "formula", "value"), formula_rows(given))
+    for clash in clashes_with(app, applications().values()):
+        print(f"note: {clash}; this scene's application decides")
     if args.picture:
         _draw(args.picture, scene, outline)
     return finish(args, scene, data, begin_frame, outline)

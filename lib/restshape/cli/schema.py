@@ -22,6 +22,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Writes the schema."""
+    from restshape.scene.application_registry import refuse_clashes_of
+
+    for app in applications().values():
+        refuse_clashes_of(app)
     text = json.dumps(scene_schema() if args.of == "scene" else script_schema(), indent=1)
     if args.out:
         try:
@@ -37,10 +41,10 @@ def run(args: argparse.Namespace) -> int:
 
 def scene_schema() -> dict[str, Any]:
     """The JSON schema of a scene, with the effects of all installed applications."""
-    from restshape.scene.application_registry import checked_applications, installed_physics
+    from restshape.scene.application_registry import installed_physics
     from restshape.scene.scene_type import any_scene_type
 
-    schema = any_scene_type(installed_physics(checked_applications().values())).model_json_schema()
+    schema = any_scene_type(installed_physics(applications().values())).model_json_schema()
     names = sorted(applications())
     schema["properties"]["app"] = {
         "enum": names,
@@ -69,11 +73,10 @@ def script_schema() -> dict[str, Any]:
     """The JSON schema of one line of an edit script: the header, or an event of any installed application."""
     from pydantic import Field, TypeAdapter
 
-    from restshape.scene.application_registry import checked_applications
     from restshape.scene.edit_script import Event, Header, events_of
 
     lines = Header | Event
-    for app in checked_applications().values():
+    for app in applications().values():
         if app.events:
             lines |= Annotated[reduce(or_, events_of(app).values()), Field(discriminator="do")]
     schema = TypeAdapter(lines).json_schema()

@@ -1,29 +1,14 @@
-"""Installed applications, each key of whose scenes has one meaning."""
+"""Keys of the scenes of an application, each of which has one meaning; those of another may have another."""
 
-from collections.abc import Iterable
-from functools import cache
+from collections.abc import Iterable, Iterator
 from typing import NoReturn
 
-from restshape.application import Application, applications
+from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.declared_keys import core_keys, declared_keys
 from restshape.scene.edit_script import shared_events
 from restshape.scene.physics import Physics
 from restshape.scene.units import SYMBOLS
-
-
-@cache
-def checked_applications() -> dict[str, Application]:
-    """The installed applications by name.
-
-    Raises:
-        UserError: two physics, of one application or of several, give one key different meanings.
-    """
-    known = applications()
-    refuse_clashes(installed_physics(known.values()))
-    for app in known.values():
-        _refuse_clashes_within(app)
-    return known
 
 
 def refuse_clashes_of(app: Application) -> None:
@@ -47,17 +32,36 @@ def refuse_clashes(physics: Iterable[Physics]) -> None:
     Raises:
         UserError: two physics declare a key with different meanings, or one declares what all scenes have.
     """
-    core = core_keys()
+    physics, core = list(physics), core_keys()
+    for one in physics:
+        for what, meanings in declared_keys(one).items():
+            if taken := core[what].intersection(meanings):
+                _refuse(one.name, what, min(taken), "every scene has one")
+    for (what, key), (owner, known), (name, meaning) in _clashes(physics):
+        _refuse(name, what, key, f"{owner!r} does too{_dimensions((name, meaning), (owner, known))}")
+
+
+def clashes_with(app: Application, others: Iterable[Application]) -> list[str]:
+    """The keys of an application that mean another thing in scenes of others, a line each."""
+    own = {one.name for one in app.physics}
+    return [
+        f"the {what} {key!r} of {owner!r} means another thing in {name!r}{_dimensions((name, meaning), (owner, known))}"
+        for (what, key), (owner, known), (name, meaning) in _clashes(installed_physics([app, *others]))
+        if owner in own
+    ]
+
+
+def _clashes(
+    physics: Iterable[Physics],
+) -> Iterator[tuple[tuple[str, str], tuple[str, object], tuple[str, object]]]:
+    """What a key is and its name, then the names of two physics with what each means by it."""
     owners: dict[tuple[str, str], tuple[str, object]] = {}
     for one in physics:
         for what, meanings in declared_keys(one).items():
             for key, meaning in meanings.items():
-                if key in core[what]:
-                    _refuse(one.name, what, key, "every scene has one")
-                owner, known = owners.setdefault((what, key), (one.name, meaning))
-                if known != meaning:
-                    units = _dimensions((one.name, meaning), (owner, known))
-                    _refuse(one.name, what, key, f"{owner!r} does too{units}")
+                first = owners.setdefault((what, key), (one.name, meaning))
+                if first[1] != meaning:
+                    yield (what, key), first, (one.name, meaning)
 
 
 def _refuse_clashes_within(app: Application) -> None:

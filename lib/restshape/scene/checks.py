@@ -6,13 +6,13 @@ from restshape.application import Application
 from restshape.bounds import FILE_NAME_BYTES
 from restshape.scene.bodies import bodies_of
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
-from restshape.scene.formula_checks import check_units, formulas
+from restshape.scene.formula_checks import check_formulas, check_units
 from restshape.scene.load_kind import ENTITIES, any_of
 from restshape.scene.model import EdgeLoop, Load, Quantity, Scene
 from restshape.scene.permits import outside
 from restshape.scene.scene_parameters import Parameters
 from restshape.scene.source import Source, suggestion
-from restshape.scene.units import LEAST, UnitError, article, refuse_impossible
+from restshape.scene.units import article
 
 
 def check_scene(scene: Scene, application: Application, source: Source, parameters: Parameters) -> None:
@@ -215,19 +215,7 @@ def _check_formulas(scene: Scene, source: Source) -> None:
     """Refuses formulas that name what is neither a coordinate nor a parameter, and closed forms that name places."""
     for name, quantity in scene.quantities.items():
         refuse_places(("quantities", name, "reference"), quantity.reference, "a closed form", source)
-    for place, formula in formulas(scene):
-        if unknown := formula.unknown(scene.parameters):
-            raise source.error(place, unknown.what, unknown.do)
-        if formula.wanted in LEAST and not formula.names.intersection(COORDINATES):
-            _refuse_impossible(place, formula, scene, source)
-
-
-def _refuse_impossible(place: tuple[str, ...], formula: Expression, scene: Scene, source: Source) -> None:
-    """Refuses a formula of parameters alone that gives what no quantity of its dimension can be."""
-    try:
-        refuse_impossible(float(formula.evaluate(0.0, 0.0, scene.parameters)), formula.wanted)
-    except UnitError as error:
-        raise source.error(place, f"{formula.text!r} is {error.what}", error.do) from error
+    check_formulas(scene, scene.parameters, source)
 
 
 def refuse_places(place: tuple[str, ...], value: object, what: str, source: Source) -> None:

@@ -1,8 +1,7 @@
 """Keys of a scene that belong to the physics of other applications than its own."""
 
-from restshape.application import Application
+from restshape.application import Application, applications
 from restshape.errors import UserError
-from restshape.scene.application_registry import checked_applications
 from restshape.scene.declared_keys import declared_keys, known_keys, names_of, written_keys
 from restshape.scene.plain_values import Table, table_in
 from restshape.scene.source import Source
@@ -23,7 +22,7 @@ def refuse_foreign(raw: Table, application: Application, source: Source) -> None
     for what, key, place in written_keys(raw):
         if key in known[what]:
             continue
-        for other in checked_applications().values():
+        for other in applications().values():
             owner = next((one for one in other.physics if key in declared_keys(one)[what]), None)
             if owner is not None:
                 first = next(iter(table_in(raw, key)), None) if what == "table" and owner.sections[key].named else None

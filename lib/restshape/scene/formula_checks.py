@@ -6,28 +6,58 @@ from collections.abc import Iterator, Mapping
 
 from pydantic import BaseModel
 
-from restshape.scene.expressions import Expression
+from restshape.scene.expressions import COORDINATES, Expression
 from restshape.scene.scene_parameters import Parameters
 from restshape.scene.source import Source
-from restshape.scene.units import UnitError
+from restshape.scene.units import LEAST, UnitError, refuse_impossible
 
 
-def check_units(scene: BaseModel, parameters: Parameters, source: Source) -> None:
+def check_units(model: BaseModel, parameters: Parameters, source: Source, key: tuple[str, ...] = ()) -> None:
     """Refuses formulas of places that give another dimension than is wanted of them.
 
     Args:
-        scene: whose formulas are looked at.
+        model: a scene, or a table of one, whose formulas are looked at.
         parameters: of the scene.
         source: for messages.
+        key: of the table.
 
     Raises:
         UserError: the first formula that adds what cannot be added, or gives what is not wanted.
     """
-    for key, formula in formulas(scene):
+    for place, formula in formulas(model, key):
         try:
             parameters.check_units(formula)
         except UnitError as error:
-            raise source.error(key, error.what, error.do) from error
+            raise source.error(place, error.what, error.do) from error
+
+
+def check_formulas(model: BaseModel, values: Mapping[str, float], source: Source, key: tuple[str, ...] = ()) -> None:
+    """Refuses formulas that name what is neither a coordinate nor a parameter, or give what cannot be.
+
+    Args:
+        model: a scene, or a table of one, whose formulas are looked at.
+        values: of the scene's parameters.
+        source: for messages.
+        key: of the table.
+
+    Raises:
+        UserError: the first such formula.
+    """
+    for place, formula in formulas(model, key):
+        if unknown := formula.unknown(values):
+            raise source.error(place, unknown.what, unknown.do)
+        if formula.wanted in LEAST and not formula.names.intersection(COORDINATES):
+            _refuse_impossible(place, formula, values, source)
+
+
+def _refuse_impossible(
+    place: tuple[str, ...], formula: Expression, values: Mapping[str, float], source: Source
+) -> None:
+    """Refuses a formula of parameters alone that gives what no quantity of its dimension can be."""
+    try:
+        refuse_impossible(float(formula.evaluate(0.0, 0.0, values)), formula.wanted)
+    except UnitError as error:
+        raise source.error(place, f"{formula.text!r} is {error.what}", error.do) from error
 
 
 def formulas(value: object, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:

@@ -8,11 +8,12 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from restshape import bounds
-from restshape.application import Application, application
+from restshape.application import Application, application, applications
 from restshape.errors import UserError
-from restshape.scene.application_registry import checked_applications, installed_physics, refuse_clashes_of
+from restshape.scene.application_registry import installed_physics, refuse_clashes_of
 from restshape.scene.checks import check_scene
 from restshape.scene.foreign import refuse_foreign
+from restshape.scene.formula_checks import check_formulas, check_units
 from restshape.scene.key_aliases import other_name
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
 from restshape.scene.plain_values import Table, excess
@@ -223,7 +224,7 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
 
 def _named_tables() -> set[tuple[str, ...]]:
     """Keys of tables whose own keys are names that a scene gives."""
-    physics = installed_physics(checked_applications().values())
+    physics = installed_physics(applications().values())
     added = (key for key, section in joined_sections(physics).items() if section.named)
     return {*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)}
 
@@ -273,9 +274,12 @@ def _scene(raw: Table, source: Source) -> Scene:
             )
         model = app.effects[name].model
         try:
-            effects[name] = model.model_validate(settings, context=known).model_dump()
+            effect = model.model_validate(settings, context=known)
         except ValidationError as error:
             raise user_error(error, source, model, ("effects", name)) from error
+        check_formulas(effect, scene.parameters, source, ("effects", name))
+        check_units(effect, parameters, source, ("effects", name))
+        effects[name] = effect.model_dump()
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source, parameters)
     scene._source, scene._raw = source, raw
