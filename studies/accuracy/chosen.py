@@ -27,7 +27,8 @@ from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import SCENE_MARK, SceneFile
-from restshape.scene.load import load_scene, parse_override
+from restshape.scene.load import load_scene
+from restshape.scene.overrides import parse_override
 from restshape.scene.permits import allow
 
 FILES = (("shape", "file"), ("mesh", "file"), ("effects", "ground", "file"))

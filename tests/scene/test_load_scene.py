@@ -10,8 +10,9 @@ from restshape.cli.check_scene import starting_outline
 from restshape.errors import UserError
 from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
 from restshape.scene.expressions import Expression
-from restshape.scene.load import load_scene, parse_override, revise
+from restshape.scene.load import load_scene, revise
 from restshape.scene.model import CircleLoop, Support
+from restshape.scene.overrides import parse_override
 from restshape.scene.quantity import quantity_type
 from restshape.scene.scene_type import load_type, support_type
 from restshape.scene.shape_edges import ArcSpec

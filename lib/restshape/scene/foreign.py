@@ -2,13 +2,14 @@
 
 from restshape.application import Application, applications
 from restshape.errors import UserError
+from restshape.scene.application_registry import refuse_clashes_of
 from restshape.scene.declared_keys import declared_keys, known_keys, names_of, written_keys
 from restshape.scene.plain_values import Table, table_in
 from restshape.scene.source import Source
 
 
-def refuse_foreign(raw: Table, application: Application, source: Source) -> None:
-    """Refuses keys that only other applications have.
+def check_keys(raw: Table, application: Application, source: Source) -> None:
+    """Refuses keys that only other applications have, and applications that have two meanings of one.
 
     Args:
         raw: plain tables of a scene.
@@ -18,6 +19,7 @@ def refuse_foreign(raw: Table, application: Application, source: Source) -> None
     Raises:
         UserError: the first of them; it names an application that has it.
     """
+    refuse_clashes_of(application)
     known = known_keys(tuple(application.physics))
     for what, key, place in written_keys(raw):
         if key in known[what]:

@@ -8,25 +8,19 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from restshape import bounds
-from restshape.application import Application, application, applications
+from restshape.application import Application, application
 from restshape.errors import UserError
-from restshape.scene.application_registry import installed_physics, refuse_clashes_of
 from restshape.scene.checks import check_scene
-from restshape.scene.foreign import refuse_foreign
-from restshape.scene.formula_checks import check_formulas, check_units
-from restshape.scene.key_aliases import other_name
+from restshape.scene.foreign import check_keys
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
+from restshape.scene.overrides import branched, parse_override, put
 from restshape.scene.plain_values import Table, excess
 from restshape.scene.plan import plan
+from restshape.scene.scene_effects import read_effects
 from restshape.scene.scene_parameters import read_parameters
-from restshape.scene.scene_type import joined_sections, scene_type
-from restshape.scene.source import Source, read_text, split_key, suggestion
+from restshape.scene.scene_type import scene_type
+from restshape.scene.source import Source, read_text, split_key
 from restshape.scene.validation_errors import user_error
-
-NAMED = ("parameters", "material", "supports", "loads", "quantities")
-FOR_ALL = ("quantities", "error")
-"""A key beside names that a scene gives."""
-NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
@@ -116,7 +110,7 @@ def revise(scene: Scene, key: str, value: object) -> Scene:
         UserError: there is no such key, or the value does not suit it.
     """
     parts = split_key(key)
-    raw = _branched(scene.raw, parts)
+    raw = branched(scene.raw, parts)
     put(raw, parts, value, f"set {key}")
     revised = _scene(raw, scene._source.overriding(parts))
     # Formulas elsewhere may depend on a parameter.
@@ -138,95 +132,6 @@ def remade(scene: Scene, raw: Table) -> Scene:
         UserError: they make no scene.
     """
     return _scene(raw, scene._source)
-
-
-def _branched(raw: Table, key: tuple[str, ...]) -> Table:
-    """A copy of plain tables that shares with them all that does not lie on the way to the key."""
-    if len(key) < 2:
-        return dict(raw)
-    inner, rest = raw.get(key[0]), key[1:]
-    if isinstance(inner, dict):
-        return {**raw, key[0]: _branched(inner, rest)}
-    return {**raw, key[0]: _branched_list(inner, rest)} if isinstance(inner, list) else dict(raw)
-
-
-def _branched_list(entries: list[object], key: tuple[str, ...]) -> list[object]:
-    """A copy of a list of plain values, likewise."""
-    found = list(entries)
-    place = int(key[0]) if key[0].isdigit() else len(entries)
-    if len(key) > 1 and place < len(entries):
-        inner = entries[place]
-        if isinstance(inner, dict):
-            found[place] = _branched(inner, key[1:])
-        elif isinstance(inner, list):
-            found[place] = _branched_list(inner, key[1:])
-    return found
-
-
-def parse_override(text: str) -> tuple[tuple[str, ...], object]:
-    """The key and the value of ``key=value``; a value that is not TOML is taken as text.
-
-    Raises:
-        UserError: no key or no equals sign.
-    """
-    key, equals, value = text.partition("=")
-    parts = split_key(key)
-    if not equals or not parts:
-        raise UserError(f"{text!r} is not key=value", "--set", 'write for example --set material.steel.E="70 GPa"')
-    try:
-        return parts, tomllib.loads(f"value = {value.strip()}")["value"]
-    except (ValueError, RecursionError):
-        # What is too large or too deep for TOML, as text, suits no key either.
-        return parts, value.strip()
-
-
-def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool = False) -> None:
-    """Sets one dotted key in plain tables, in place; a whole number as a part is the place in a list.
-
-    Args:
-        raw: the tables.
-        key, value: what is set to what.
-        where: for messages.
-        adds: the last part may be a new name in a table whose keys are names that a scene gives.
-
-    Raises:
-        UserError: no such key.
-    """
-    if not key:
-        raise UserError("there is no key", where, "write a dotted key such as material.steel.E")
-    here: object = raw
-    tables = _named_tables()
-    for depth, part in enumerate(key):
-        last = depth == len(key) - 1
-        if isinstance(here, list):
-            if not part.isdigit() or int(part) >= len(here):
-                places = f"a list of {len(here)} entries"
-                raise UserError(
-                    f"{'.'.join(key[:depth])} is {places}, so {part!r} is no place in it", where, "count from 0"
-                )
-        elif not isinstance(here, dict):
-            raise UserError(
-                f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
-            )
-        elif key[:depth] in tables and part not in here and key != FOR_ALL and not (adds and last):
-            raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
-        if isinstance(here, list):
-            if last:
-                here[int(part)] = value
-            here = here[int(part)]
-        elif last:
-            if other := other_name(key):
-                here.pop(other[-1], None)
-            here[part] = value
-        else:
-            here = here.setdefault(part, {})
-
-
-def _named_tables() -> set[tuple[str, ...]]:
-    """Keys of tables whose own keys are names that a scene gives."""
-    physics = installed_physics(applications().values())
-    added = (key for key, section in joined_sections(physics).items() if section.named)
-    return {*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)}
 
 
 def _syntax_error(error: tomllib.TOMLDecodeError, path: Path) -> UserError:
@@ -256,8 +161,7 @@ def _scene(raw: Table, source: Source) -> Scene:
     named = raw.get("app")
     app = application(named, f"{source.path.name}: app") if isinstance(named, str) else None
     if app:
-        refuse_clashes_of(app)
-        refuse_foreign(raw, app, source)
+        check_keys(raw, app, source)
     kind = scene_type(tuple(app.physics)) if app else Scene
     parameters = read_parameters(raw, source)
     known = {"parameters": parameters}
@@ -266,20 +170,7 @@ def _scene(raw: Table, source: Source) -> Scene:
     except ValidationError as error:
         raise user_error(error, source, kind) from error
     assert app, "a scene without an application is not valid"
-    effects = {}
-    for name, settings in scene.effects.items():
-        if name not in app.effects:
-            raise source.error(
-                ("effects", name), f"{app.name!r} has no effect {name!r}", suggestion(name, sorted(app.effects))
-            )
-        model = app.effects[name].model
-        try:
-            effect = model.model_validate(settings, context=known)
-        except ValidationError as error:
-            raise user_error(error, source, model, ("effects", name)) from error
-        check_formulas(effect, scene.parameters, source, ("effects", name))
-        check_units(effect, parameters, source, ("effects", name))
-        effects[name] = effect.model_dump()
+    effects = read_effects(scene, app, parameters, source)
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source, parameters)
     scene._source, scene._raw = source, raw

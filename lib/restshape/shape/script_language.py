@@ -11,8 +11,8 @@ from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.scene.edit_script import EVENTS, FORMAT, VERSION, Script
-from restshape.scene.load import parse_override
 from restshape.scene.model import Scene
+from restshape.scene.overrides import parse_override
 from restshape.scene.plain_values import Table
 from restshape.scene.units import quantity
 from restshape.scene.validation_errors import plain, whole_lists

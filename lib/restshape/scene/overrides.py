@@ -1,0 +1,105 @@
+"""Single keys of a scene's plain tables, set by --set and by edits."""
+
+import tomllib
+
+from restshape.application import applications
+from restshape.errors import UserError
+from restshape.scene.application_registry import installed_physics
+from restshape.scene.key_aliases import other_name
+from restshape.scene.plain_values import Table
+from restshape.scene.scene_type import joined_sections
+from restshape.scene.source import split_key, suggestion
+
+NAMED = ("parameters", "material", "supports", "loads", "quantities")
+FOR_ALL = ("quantities", "error")
+"""A key beside names that a scene gives."""
+NAMED_OF_SHAPE = ("vertices", "edges", "holes", "regions", "points", "groups")
+
+
+def parse_override(text: str) -> tuple[tuple[str, ...], object]:
+    """The key and the value of ``key=value``; a value that is not TOML is taken as text.
+
+    Raises:
+        UserError: no key or no equals sign.
+    """
+    key, equals, value = text.partition("=")
+    parts = split_key(key)
+    if not equals or not parts:
+        raise UserError(f"{text!r} is not key=value", "--set", 'write for example --set material.steel.E="70 GPa"')
+    try:
+        return parts, tomllib.loads(f"value = {value.strip()}")["value"]
+    except (ValueError, RecursionError):
+        # What is too large or too deep for TOML, as text, suits no key either.
+        return parts, value.strip()
+
+
+def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool = False) -> None:
+    """Sets one dotted key in plain tables, in place; a whole number as a part is the place in a list.
+
+    Args:
+        raw: the tables.
+        key, value: what is set to what.
+        where: for messages.
+        adds: the last part may be a new name in a table whose keys are names that a scene gives.
+
+    Raises:
+        UserError: no such key.
+    """
+    if not key:
+        raise UserError("there is no key", where, "write a dotted key such as material.steel.E")
+    here: object = raw
+    tables = _named_tables()
+    for depth, part in enumerate(key):
+        last = depth == len(key) - 1
+        if isinstance(here, list):
+            if not part.isdigit() or int(part) >= len(here):
+                places = f"a list of {len(here)} entries"
+                raise UserError(
+                    f"{'.'.join(key[:depth])} is {places}, so {part!r} is no place in it", where, "count from 0"
+                )
+        elif not isinstance(here, dict):
+            raise UserError(
+                f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
+            )
+        elif key[:depth] in tables and part not in here and key != FOR_ALL and not (adds and last):
+            raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
+        if isinstance(here, list):
+            if last:
+                here[int(part)] = value
+            here = here[int(part)]
+        elif last:
+            if other := other_name(key):
+                here.pop(other[-1], None)
+            here[part] = value
+        else:
+            here = here.setdefault(part, {})
+
+
+def branched(raw: Table, key: tuple[str, ...]) -> Table:
+    """A copy of plain tables that shares with them all that does not lie on the way to the key."""
+    if len(key) < 2:
+        return dict(raw)
+    inner, rest = raw.get(key[0]), key[1:]
+    if isinstance(inner, dict):
+        return {**raw, key[0]: branched(inner, rest)}
+    return {**raw, key[0]: _branched_list(inner, rest)} if isinstance(inner, list) else dict(raw)
+
+
+def _branched_list(entries: list[object], key: tuple[str, ...]) -> list[object]:
+    """A copy of a list of plain values, likewise."""
+    found = list(entries)
+    place = int(key[0]) if key[0].isdigit() else len(entries)
+    if len(key) > 1 and place < len(entries):
+        inner = entries[place]
+        if isinstance(inner, dict):
+            found[place] = branched(inner, key[1:])
+        elif isinstance(inner, list):
+            found[place] = _branched_list(inner, key[1:])
+    return found
+
+
+def _named_tables() -> set[tuple[str, ...]]:
+    """Keys of tables whose own keys are names that a scene gives."""
+    physics = installed_physics(applications().values())
+    added = (key for key, section in joined_sections(physics).items() if section.named)
+    return {*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)}
