@@ -218,6 +218,15 @@ def jobs_here() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def forked_recorders() -> Iterator[None]:
+    """Processes that write recordings of replays in this process are forked."""
+    from forked import recorders_forked
+
+    with recorders_forked():
+        yield
+
+
 @pytest.fixture
 def forked_examples() -> Iterator[None]:
     """Processes that play random examples are forked."""

@@ -9,16 +9,17 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from multiprocessing import reduction
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 from typing import IO, Any
 
-import pytest
-
+RECORDER = "restshape.replay.recorder_process"
 COMMANDS = ["restshape.cli.check", "restshape.cli.replay", "restshape.cli.start_notes", "h5py"]
 EXAMPLES = ["restshape_studies.stability.strategies", "scipy.sparse.linalg"]
-IMPORTED = ["forked", *COMMANDS, *EXAMPLES]
-"""What the process imports that all others are forked from."""
+IMPORTED = [RECORDER, *COMMANDS, *EXAMPLES]
+"""What the process imports that all others are forked from. It does not find this module, which imports little."""
 PETSC = "petsc4py.PETSc"
 
 
@@ -49,7 +50,7 @@ def run_forked(
 def _start(does: Callable[..., None], *args: Any) -> BaseProcess:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(IMPORTED)
-    process = context.Process(target=does, args=args)
+    process = context.Process(target=does, args=args, daemon=True)
     process.start()
     return process
 
@@ -90,22 +91,13 @@ def _end(work: Callable[[], Any]) -> None:
     os._exit(int(code or 0))
 
 
-class ForkedModule:
-    """Stands in for the process of ``python -P -m MODULE WORDS``, which begins when its stdin is closed.
+class Forked:
+    """Stands in for `subprocess.Popen`."""
 
-    Args:
-        command: that would start it.
-        stderr: the file that it reports to.
-        env: its environment.
-    """
+    process: BaseProcess
 
-    def __init__(self, command: Sequence[str], stderr: IO[str], env: dict[str, str], **_: object) -> None:
-        _, *options, module = command[:4]
-        assert options == ["-P", "-m"], command
-        self.stdin = Asked(lambda text: self._begin(module, command[4:], text, stderr.name, env))
-
-    def _begin(self, *args: Any) -> None:
-        self.process = _start(_run_module, *args)
+    def _begin(self, does: Callable[..., None], *args: Any) -> None:
+        self.process = _start(does, *args)
         self.pid = self.process.pid
 
     @property
@@ -130,6 +122,57 @@ class ForkedModule:
     def kill(self) -> None:
         """End it."""
         self.process.kill()
+
+
+class ForkedExamples(Forked):
+    """The process of ``python -P -m MODULE WORDS``, which begins when its stdin is closed.
+
+    Args:
+        command: that would start it.
+        stderr: the file that it reports to.
+        env: its environment.
+    """
+
+    def __init__(self, command: Sequence[str], stderr: IO[str], env: dict[str, str], **_: object) -> None:
+        _, *options, module = command[:4]
+        assert options == ["-P", "-m"], command
+        self.stdin = Asked(lambda text: self._begin(_run_module, module, command[4:], text, stderr.name, env))
+
+
+class ForkedRecorder(Forked):
+    """The process that writes a recording.
+
+    Args:
+        command: that would start it.
+        pass_fds: that it inherits.
+        env: its environment.
+    """
+
+    def __init__(self, command: Sequence[str], pass_fds: Sequence[int], env: dict[str, str], **_: object) -> None:
+        assert command[1:4] == ["-P", "-m", RECORDER] and command[4:8] == [str(fd) for fd in pass_fds]
+        self._begin(_record, [Inherited(fd) for fd in pass_fds], command[8], env)
+
+
+class Inherited:
+    """A descriptor of this process, which is one of the forked process, too: its number there."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+
+    def __reduce__(self) -> tuple[Callable[..., int], tuple[object]]:
+        return _detached, (reduction.DupFd(self.number),)
+
+
+def _detached(duplicate: Any) -> int:
+    return duplicate.detach()
+
+
+def _record(descriptors: Sequence[int], cores: str, environment: dict[str, str]) -> None:
+    from restshape.replay.recorder_process import main
+
+    _begin(environment, [os.devnull, os.devnull])
+    os.setsid()
+    _end(lambda: main([*map(str, descriptors), cores]))
 
 
 class Asked(io.StringIO):
@@ -158,13 +201,24 @@ def examples_forked() -> Iterator[None]:
     """Within, processes of random examples and hard cases are forked; their own tests start real ones."""
     from restshape_studies.stability import watched
 
-    with pytest.MonkeyPatch.context() as changed:
-        changed.setattr(watched, "subprocess", Subprocess)
+    with _standing_in(watched, ForkedExamples):
         yield
 
 
-class Subprocess:
-    """Stands in for the module of that name."""
+@contextmanager
+def recorders_forked() -> Iterator[None]:
+    """Within, processes that write recordings are forked; their own tests start real ones."""
+    from restshape.replay import recorder
 
-    Popen, PIPE, DEVNULL = ForkedModule, subprocess.PIPE, subprocess.DEVNULL
-    TimeoutExpired = subprocess.TimeoutExpired
+    with _standing_in(recorder, ForkedRecorder):
+        yield
+
+
+@contextmanager
+def _standing_in(module: ModuleType, process: type[Forked]) -> Iterator[None]:
+    names = {name: getattr(subprocess, name) for name in ("PIPE", "DEVNULL", "TimeoutExpired")}
+    module.subprocess = SimpleNamespace(Popen=process, **names)
+    try:
+        yield
+    finally:
+        module.subprocess = subprocess

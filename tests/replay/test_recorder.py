@@ -28,6 +28,12 @@ def broken_pipes_are_errors():
     signal.signal(signal.SIGPIPE, before)
 
 
+@pytest.fixture(autouse=True)
+def real_processes(monkeypatch):
+    """Not forked ones, as in other tests."""
+    monkeypatch.setattr("restshape.replay.recorder.subprocess", subprocess)
+
+
 @pytest.mark.cli
 def test_it_imports_neither_mpi_nor_petsc_nor_hdf5():
     code = "import sys, restshape.replay.recorder; print({'petsc4py', 'mpi4py', 'h5py'} & set(sys.modules) or 'none')"
