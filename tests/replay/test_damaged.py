@@ -195,6 +195,20 @@ def test_a_flip_in_types_or_offsets_of_one_cell_is_damage_of_the_frames_that_hav
     same_frames(good, valid[1], list(range(min(last))))
 
 
+@pytest.mark.parametrize(
+    ("name", "column", "value"),
+    [("Points", 2, 5e-324), ("PointData/displacement", 2, 1e-300), ("Connectivity", None, 1 << 40)],
+)
+def test_what_the_program_does_not_read_is_verified_for_those_who_do(valid, damaged, name, column, value):
+    """ParaView reads the third components of plane fields, and indices with all of their bytes."""
+    with h5py.File(damaged, "r+") as file:
+        dataset = file["VTKHDF"][name]
+        place = (0, column) if column is not None else 0
+        dataset[place] = dataset[place] + value
+    with Recording(damaged) as recording:
+        assert 0 in recording.verify() and len(recording.verify()) < recording.n
+
+
 def test_frames_without_points_are_damage(valid, damaged):
     with h5py.File(damaged, "r+") as file:
         file["VTKHDF/NumberOfPoints"][:] = 0

@@ -261,6 +261,7 @@ class Recording:
                     topologies[part] = checksum(0, cells.tobytes(), [])
                 arrays = [points, *(self.field(i, k) for k, f in self.fields.items() if f.first_frame <= i)]
                 good = bool(np.isfinite(points).all()) and _fit(cells, points) and self._are_typed(i, cells)
+                good = good and self._are_plain(i, cells)
                 code = checksum(topologies[part], self._rows[i].tobytes()[:-4], arrays)
             except (OSError, ValueError, IndexError, RuntimeError):
                 code, good = -1, False
@@ -276,6 +277,20 @@ class Recording:
         # Each topology has one offset more than cells.
         offsets = self._data["Offsets"][start + part : start + part + count + 1]
         return bool((types == CELL_TYPES[width]).all()) and np.array_equal(offsets, np.arange(count + 1) * width)
+
+    def _are_plain(self, i: int, cells: np.ndarray) -> bool:
+        """Whether what checksums leave out is as it was written: zeros beyond the plane, indices as they are read."""
+        part, start = self.topology(i), self._steps["ConnectivityIdOffsets"][i]
+        counts = {name: self._parts[name][part] for name in ("NumberOfPoints", "NumberOfCells")}
+        first = self._steps["PointOffsets"][i]
+        beyond = [self._data["Points"][first : first + counts["NumberOfPoints"], self.dimension :]]
+        for name, info in self.fields.items():
+            if info.components and info.first_frame <= i:
+                dataset, starts = self._stored[name]
+                count = counts["NumberOfPoints" if info.where == "point_data" else "NumberOfCells"]
+                beyond.append(dataset[starts[i] : starts[i] + count, info.components :])
+        flat = self._data["Connectivity"][start : start + cells.size]
+        return np.array_equal(flat, cells.ravel()) and not any(values.any() for values in beyond)
 
     def _frame(self, i: int) -> int:
         if not -self.n <= i < self.n:
