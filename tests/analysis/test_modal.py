@@ -49,6 +49,28 @@ def test_wild_edit_agrees_with_cold_solves_on_the_same_meshes(tmp_path, model, n
     assert parity.solution <= (5e-3 if name == "thesis" else 1e-5)
 
 
+PARAMETER = """{"format": "restshape-edits", "version": 1, "scene": "bar_100.toml"}
+{"t": 0, "do": "set", "key": "parameters.a", "value": "75 mm", "frames": 14}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["plane_stress", "plate"])
+def test_a_parameter_of_the_shape_may_flip_edges(tmp_path, model):
+    # Values and pattern change in one frame: cells that are flipped in place are not those of the body before.
+    edits = tmp_path / "wide.jsonl"
+    edits.write_text(PARAMETER)
+    hole = 'shape.holes.h={ circle = { center = ["a", "15 mm"], radius = "6 mm" } }'
+    overrides = [f"effects.modal.model={model}", 'mesh.size="5 mm"', 'parameters={ a = "45 mm" }', hole]
+    run = replay("bar_100.toml", edits, [*overrides, "effects.modal.modes=2", "solve.tolerance=1e-5"])
+    parity, levels = Parity(run), set()
+    for row in run.frames():
+        assert not row["refused"]
+        parity()
+        levels.add(row["level"])
+    assert 2 in levels and parity.entries <= 1e-13 and parity.solution <= 1e-4
+
+
 @pytest.fixture(scope="module")
 def dragged():
     """Rows of a bar that is dragged there and back, slowly."""

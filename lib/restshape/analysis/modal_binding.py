@@ -37,7 +37,9 @@ def bound(
     with context.stages("pattern"):
         plan = planned(frame.scene, application(frame.scene.app))
         body = make(frame.scene, plan, frame.mesh, context.policy.lumped_mass)
-        same = old if frame.mesh is state.space and not state.interrupted else None
+        # Flips change the cells in place: of the old ones nothing is left to compare with.
+        flipped = frame.mesh.topology != state.topology
+        same = old if frame.mesh is state.space and not flipped and not state.interrupted else None
         matrices = ModalMatrices(body, before=same.matrices if same else None)
     solver.tolerance = frame.scene.solve.tolerance
     mask = body.boundary.mask
