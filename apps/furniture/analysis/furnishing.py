@@ -59,7 +59,7 @@ class FurnitureAnalysis(Timeless):
     why_not = "furniture is not predicted: forces of feet and joints are solved for in each frame"
 
     def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
-        self.plan, self.policy, self.stages = plan, context.policy, context.stages
+        self.plan, self.policy, self.stages, self.guided = plan, context.policy, context.stages, context.guided
         self.scene: Scene | None = None
         self.space: Boards | None = None
         self.tolerance = scene.solve.tolerance
@@ -181,7 +181,7 @@ class FurnitureAnalysis(Timeless):
             start = perf_counter()
             self.design_direction.ranges  # noqa: B018
             self.ranged_seconds = perf_counter() - start
-        free = shown.edit_ended and not shown.gamma.any()
+        free = self.guided and shown.edit_ended and not shown.gamma.any()
         self.suggestion_list = self.design.suggestion_list if free and not self.result.valid else SuggestionList()
 
     def observe(self) -> dict[str, float]:

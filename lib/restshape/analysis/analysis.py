@@ -27,12 +27,14 @@ class Context:
         policy: what is reused from frame to frame.
         calibration: seconds a unit of counted work.
         stages: takes the time of each stage.
+        guided: what would mend a frame is sought where nothing but the result needs it.
     """
 
     comm: PETSc.Comm
     policy: Policy
     calibration: Calibration
     stages: Stages
+    guided: bool = True
 
 
 @dataclass(frozen=True)

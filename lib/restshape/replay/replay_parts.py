@@ -47,7 +47,8 @@ def replay_parts(request: Request, comm: PETSc.Comm, stages: Stages) -> ReplayPa
     """
     scene, application, policy = request.scene, request.application, request.policy
     session, moving = application.editing.start(scene, request.script, application, policy, comm)
-    analysis = made_analysis(scene, application, Context(comm, policy, request.calibration, stages))
+    context = Context(comm, policy, request.calibration, stages, request.guided)
+    analysis = made_analysis(scene, application, context)
     if request.predict != "linear":
         return ReplayParts(session, moving, analysis, None)
     if request.script.header.analysis != "every frame":

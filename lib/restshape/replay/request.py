@@ -26,6 +26,7 @@ class Request:
         petsc: words for PETSc's options database.
         predict: "none", or "linear": frames of a drag by the design derivative.
         overrides: ``key=value`` of the command line, which the scene has taken in.
+        guided: as in `Context`.
     """
 
     scene: Scene
@@ -36,6 +37,7 @@ class Request:
     petsc: tuple[str, ...] = ()
     predict: str = "none"
     overrides: tuple[str, ...] = ()
+    guided: bool = True
 
     def origin(self) -> dict[str, object]:
         """What results say of where they come from: scene, script, overrides, version, units and machine."""

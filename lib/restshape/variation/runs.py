@@ -122,7 +122,9 @@ class Sweep:
     def _asked(self, scene: Scene, script: Script) -> Request:
         """What the replay of a run is asked for."""
         chosen = policy(self.request.policy or scene.solve.policy, self.request.guess)
-        return Request(scene, script, application(scene.app), chosen, self.request.calibration)
+        app, calibration = application(scene.app), self.request.calibration
+        # No run shows what would mend it.
+        return Request(scene, script, app, chosen, calibration, guided=False)
 
     def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
         """Has the replay of the last run go on to this scene; false where it cannot."""
