@@ -2,7 +2,7 @@
 // displacement u.
 #pragma once
 
-#include "elasticity/solid.hpp"
+#include "elasticity/solid_parts.hpp"
 
 namespace restshape {
 

@@ -6,7 +6,7 @@
 // Finite Element Methods and Applications (2013), section 8.4.3 (the pair P2-P0).
 #pragma once
 
-#include "elasticity/solid.hpp"
+#include "elasticity/solid_parts.hpp"
 
 namespace restshape {
 

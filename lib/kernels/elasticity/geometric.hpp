@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "elasticity/solid.hpp"
+#include "elasticity/solid_parts.hpp"
 
 namespace restshape {
 

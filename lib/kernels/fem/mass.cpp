@@ -3,6 +3,7 @@
 
 #include "fem/element.hpp"
 #include "fem/straight.hpp"
+#include "fem/straight_mass.hpp"
 
 namespace restshape {
 
