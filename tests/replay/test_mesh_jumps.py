@@ -111,8 +111,11 @@ def test_a_jump_counts_until_the_next_new_mesh():
 
 
 def test_what_an_application_finds_wrong_stays_wrong():
-    row = known_row(1.05, 3, 0.2) | {"constraint_status": FAILS, "violated_constraints": "q is 1.05, at most 1; loose"}
-    assert UncertainLimits({"q": Limit(most=1.0)}, {})(row)["constraint_status"] == FAILS
+    for status in (FAILS, UNCERTAIN):
+        own = {"constraint_status": status, "violated_constraints": "loose"}
+        limits = UncertainLimits({"q": Limit(most=1.0)}, {}, lambda own=own: own)
+        found = limits(known_row(1.05, 3, 0.2) | own)
+        assert found["constraint_status"] == status and found["violated_constraints"] == "loose"
 
 
 def known_row(value, level, jump):

@@ -15,7 +15,7 @@ from small_scenes import across, drag, write_scene, write_script
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import length_unit, si
-from restshape.replay.level_names import LEVEL_NAMES, MOVES
+from restshape.replay.level_names import LEVEL_NAMES
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames
@@ -24,7 +24,6 @@ from restshape.report.happenings import chosen_frames, failure
 from restshape.report.levels import stage_shares
 from restshape.report.outlines import border
 from restshape.report.scenery import scenery
-from restshape.report.style import LEVEL_NAMES as MARKED
 from restshape.report.tables import level_table, quantity_table
 from restshape.report.timeline import draw_timeline
 
@@ -70,11 +69,6 @@ def test_replay_and_report_have_one_name_for_a_level_and_for_a_column(tmp_path, 
     assert named(reported) - {"1 to 3"} == moves | {"0 idle", "0 values changed"}
     heads = [re.findall(r"^quantity .*$", text, re.M)[0].split()[:5] for text in (replayed, reported)]
     assert heads == [["quantity", "first", "last", "min", "max"]] * 2
-
-
-def test_pictures_and_tables_have_one_word_for_a_level():
-    assert {MARKED[level] for level in MOVES} == {f"level {level}, {move}" for level, move in MOVES.items()}
-    assert all(LEVEL_NAMES[str(level)].split() == MARKED[level].split(" ", 1)[1].split(", ") for level in MOVES)
 
 
 def test_stages_share_the_time_of_their_level(plate):

@@ -9,6 +9,8 @@ from restshape_apps.furniture.guidance.design import DesignDirection
 from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.physics.furniture import LOST, UNBALANCED, UNSTABLE, Furniture
 
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
+
 SHOWN = ("utilisation", "stability_margin", "unbalanced_load", "deflection", "bending_utilisation")
 """Columns that have numbers, or none."""
 EDGE = 1e-5
@@ -20,7 +22,9 @@ BALANCED = 1e-6
 def plank_problem(analysis: FurnitureAnalysis, row: dict[str, Any]) -> str:
     """What is wrong with a frame of furniture that was analysed, in words; empty where nothing is."""
     flaws = row["flaws"]
-    if (row["constraint_status"] == "holds") != (flaws == 0) or bool(row["violated_constraints"]) != (flaws != 0):
+    # What is uncertain has no flaw, and says what it depends on.
+    due = (FAILS, True) if flaws else (HOLDS, False), (FAILS, True) if flaws else (UNCERTAIN, True)
+    if (row["constraint_status"], bool(row["violated_constraints"])) not in due:
         return f"the status is {row['constraint_status']}, {row['violated_constraints']!r}, with flaws {flaws}"
     if any(math.isinf(row[name]) and not flaws & LOST for name in SHOWN):
         return "a shown number is infinite"

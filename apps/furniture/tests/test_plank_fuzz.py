@@ -61,6 +61,7 @@ def frame(tmp_path):
     [
         ({"constraint_status": "fails"}, "the status is fails"),
         ({"flaws": 8}, "the status is holds"),
+        ({"constraint_status": "uncertain"}, "the status is uncertain, ''"),
         ({"utilisation": float("inf")}, "infinite"),
         ({"utilisation": float("nan")}, "no number"),
         ({"at": -0.58}, "at -0.58 the piece holds"),
@@ -70,6 +71,13 @@ def test_a_frame_that_says_what_is_not_so_is_seen(frame, change, words):
     analysis, row = frame
     assert plank_problem(analysis, row) == ""
     assert words in plank_problem(analysis, {**row, **change})
+
+
+def test_a_piece_that_holds_may_depend_on_what_nobody_knows(frame):
+    analysis, row = frame
+    doubted = {**row, "constraint_status": "uncertain", "violated_constraints": "depends on joints"}
+    assert plank_problem(analysis, doubted) == ""
+    assert "the status is uncertain" in plank_problem(analysis, {**doubted, "flaws": 8})
 
 
 def test_contacts_that_bear_something_else_are_seen(frame):

@@ -56,7 +56,7 @@ class FrameErrors:
         scene, application = request.scene, request.application
         self.singular = singular_quantities(scene, application, session)
         self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.singular)
-        self.uncertain_limits = UncertainLimits(limits_of(scene.quantities), self.singular)
+        self.uncertain_limits = UncertainLimits(limits_of(scene.quantities), self.singular, self.analysis.row)
 
     def add_to(self, row: RowValues, edit: ScriptFrame, answered: bool) -> None:
         """Put a frame's errors into its row.

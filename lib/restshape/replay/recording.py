@@ -278,7 +278,7 @@ class Recording:
         offsets = self._data["Offsets"][start + part : start + part + count + 1]
         return bool((types == CELL_TYPES[width]).all()) and np.array_equal(offsets, np.arange(count + 1) * width)
 
-    def _are_plain(self, i: int, cells: np.ndarray) -> bool:
+    def _are_plain(self, i: int, cells: Indices) -> bool:
         """Whether what checksums leave out is as it was written: zeros beyond the plane, indices as they are read."""
         part, start = self.topology(i), self._steps["ConnectivityIdOffsets"][i]
         counts = {name: self._parts[name][part] for name in ("NumberOfPoints", "NumberOfCells")}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from restshape.analysis.row_values import number, text, whole
@@ -11,6 +11,7 @@ from restshape.findings import decode_findings, encode_findings
 from restshape.replay.columns import error_column, jump_column
 from restshape.replay.constraints import (
     FAILS,
+    LIMIT,
     UNCERTAIN,
     Limits,
     formatted_constraint,
@@ -20,6 +21,7 @@ from restshape.replay.constraints import (
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
+    from restshape.analysis.row_values import RowValue
 
 BY_ERROR, BY_JUMP, BY_PLACE = "its estimated error", "a jump of the mesh", "the mesh at its singular place"
 
@@ -32,10 +34,13 @@ class UncertainLimits:
     Args:
         limits: by quantity.
         singular: quantities without a limit under refinement.
+        own_row: gives the columns of the frame that only its analysis has, which may violate constraints of its own.
     """
 
-    def __init__(self, limits: Limits, singular: Mapping[str, float]) -> None:
-        self.limits, self.singular = limits, singular
+    def __init__(
+        self, limits: Limits, singular: Mapping[str, float], own_row: Callable[[], Mapping[str, RowValue]] = dict
+    ) -> None:
+        self.limits, self.singular, self.own_row = limits, singular, own_row
         self._jumps: dict[str, float] = {}
 
     def __call__(self, row: RowValues) -> RowValues:
@@ -55,12 +60,12 @@ class UncertainLimits:
             return {}
         beyond = [one for one in violated if one.subjects not in certain]
         others = [one for one in decode_findings(text(row, "findings")) if one not in beyond]
-        texts = {formatted_constraint(one) for one in beyond}
-        left = [one for one in text(row, "violated_constraints").split("; ") if one and one not in texts]
+        own, left = self.own_row(), [formatted_constraint(one) for one in others if one.kind == LIMIT]
+        fails = bool(left) or text(own, "constraint_status") == FAILS
         notes = [f"{one.subjects[0]} is nearer to its limit than {why[one.subjects[0]]}" for one in uncertain]
         return {
-            "constraint_status": FAILS if left else UNCERTAIN,
-            "violated_constraints": "; ".join(left),
+            "constraint_status": FAILS if fails else UNCERTAIN,
+            "violated_constraints": "; ".join(filter(None, (text(own, "violated_constraints"), *left))),
             "note": "; ".join(filter(None, (text(row, "note"), *notes))),
             "findings": encode_findings((*others, *uncertain)),
         }
