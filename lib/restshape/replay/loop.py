@@ -1,6 +1,7 @@
 """The frame loop: edit, shape, mesh, operators, solve, observe, record."""
 
 from collections.abc import Iterator
+from logging import INFO
 from math import nan
 from time import perf_counter
 
@@ -12,7 +13,7 @@ from restshape.analysis.row_values import RowValues, whole
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.advance import MeshUpdate
 from restshape.replay.frame_errors import FrameErrors
-from restshape.replay.frame_log import log_frame, log_refused
+from restshape.replay.frame_log import log, log_frame, log_refused
 from restshape.replay.frame_rows import FrameRows
 from restshape.replay.frame_solver import FrameSolver
 from restshape.replay.recorder import Recorder
@@ -104,7 +105,8 @@ class Replay:
         for stage, seconds in mesh_update.stages.items():
             self.stages.seconds[stage] += seconds
         self.row = self.rows(edit, mesh_update, report, quantities, refused)
-        log_frame(edit, mesh_update, report, solver.predicted)
+        if log.isEnabledFor(INFO):
+            log_frame(edit, mesh_update, report, solver.predicted)
         return self.row
 
     def _times(self, row: RowValues, start: float, edited: float, end: float) -> None:
