@@ -256,8 +256,8 @@ def write_stamp(path: Path, stamp: Stamp) -> None:
             rest += f"\n<!-- stamp: {stamp} -->\n".encode()
         case ".json":
             found = json.loads(rest)
-            held = found if isinstance(found, dict) else {"rows": found}
-            rest = json.dumps({"stamp": str(stamp), **held}, indent=1).encode() + b"\n"
+            table = found if isinstance(found, dict) else {"rows": found}
+            rest = json.dumps({"stamp": str(stamp), **table}, indent=1).encode() + b"\n"
     path.write_bytes(rest)
 
 

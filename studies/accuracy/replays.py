@@ -127,27 +127,27 @@ def _frame(folder: Path, index: int, own: State | None, tight: State | None, dir
     path = folder / f"{index}.npz"
     if own is None or not path.is_file():
         return {"index": index, "problem": "no solution" if own is None else "no reference"}
-    held = Reference.load(path)
-    if not held.same_shape(own):
+    known = Reference.load(path)
+    if not known.same_shape(own):
         return {"index": index, "problem": "another shape than the reference has: edits before were refused"}
-    u = held.sampled(own)
+    u = known.sampled(own)
     estimate = own.row.get("estimate", np.nan)
-    entry: Row = {"index": index, "errors": held.distances(held.solution, u), "quantities": own.quantities}
+    entry: Row = {"index": index, "errors": known.distances(known.solution, u), "quantities": own.quantities}
     entry["estimate"] = float(estimate) if np.isfinite(estimate) else None
     others = [state for state in (tight, direct) if state is not None]
     if len(others) == 2 and all(other.grid.same(own.grid) for other in others):
-        a, b = (held.sampled(other) for other in others)
-        entry["parts"] = split(held, u, a, b)
-        entry["quantity_parts"] = quantity_parts(held.solution, u, a, b)
+        a, b = (known.sampled(other) for other in others)
+        entry["parts"] = split(known, u, a, b)
+        entry["quantity_parts"] = quantity_parts(known.solution, u, a, b)
     return entry
 
 
-def split(held: Reference, u: Sampled, tight: Sampled, direct: Sampled) -> dict[str, dict[str, float]]:
+def split(known: Reference, u: Sampled, tight: Sampled, direct: Sampled) -> dict[str, dict[str, float]]:
     """Sizes by measure of reference - direct (discretisation), direct - tight (reuse), tight - u (algebraic)."""
     parts = {
-        "discretisation": held.distances(held.solution, direct),
-        "reuse": held.distances(direct, tight),
-        "algebraic": held.distances(tight, u),
+        "discretisation": known.distances(known.solution, direct),
+        "reuse": known.distances(direct, tight),
+        "algebraic": known.distances(tight, u),
     }
     return {measure: {name: part[measure] for name, part in parts.items()} for measure in parts["reuse"]}
 

@@ -47,10 +47,10 @@ class Counts:
             self.elements - other.elements,
             self.entries - other.entries,
             difference(self.calls, other.calls),
-            {name: number for name in {*self.filled, *other.filled} if (number := self._held(other, name))},
+            {name: number for name in {*self.filled, *other.filled} if (number := self._shared(other, name))},
         )
 
-    def _held(self, other: "Counts", names: str) -> int:
+    def _shared(self, other: "Counts", names: str) -> int:
         """How many entries that these kernels fill this has more than another."""
         return self.filled.get(names, 0) - other.filled.get(names, 0)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from restshape_studies.stability.scenery import block, head, meshed, write_scene
 
 RUBBER = '\n[material.rubber]\nE = "2 MPa"\nnu = 0.3\nrho = 1000\nthickness = 0.1\n'
-HELD = '\n[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n'
+FOOT = '\n[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n'
 SHAKEN = "\n[effects.ground]\ndirection = [2, 1]\nacceleration = 3.0\nfrequency = 4.0\n"
 WINDOW = "\n[shape.holes]\nwindow = { circle = { center = [0.5, 1.4], radius = 0.18 } }\n"
 QUANTITIES = """
@@ -34,4 +34,4 @@ def tower(app: str, folder: Path, *parts: str, size: float = 0.2, window: bool =
         window: whether there is one.
     """
     shape = block(1.0, 2.0) + (WINDOW if window else "")
-    return write_scene(folder, head(app) + shape + RUBBER + HELD + meshed(size) + "".join(parts) + QUANTITIES + more)
+    return write_scene(folder, head(app) + shape + RUBBER + FOOT + meshed(size) + "".join(parts) + QUANTITIES + more)

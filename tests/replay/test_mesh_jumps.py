@@ -214,7 +214,7 @@ def test_motion_that_an_old_mesh_does_not_bear_is_compared_on_the_shape_before(t
 
 
 def test_motion_of_second_order_goes_on_where_flips_follow_flips(tmp_path):
-    """A flipped edge keeps the number of its node, which a mesh made anew of the same triangles would number again."""
+    """A flipped edge keeps the number of its node, which a new mesh of the same triangles would number again."""
     settings = ["mesh.order=2", "mesh.min_quality=0.45"]
     made = make_replay(write_scene(tmp_path, MOVING), write_script(tmp_path, SHAKEN), overrides=settings)
     rows = rows_of(made)

@@ -66,14 +66,14 @@ def limp(trial: Trial) -> Iterator[Statement]:
 def limp_in_part(trial: Trial) -> Iterator[Statement]:
     """Morley's triangles where a part alone has no bending stiffness: refused in words; with a little it rests."""
     plain = fabric("whole", 0.3e-3)
-    for value, held in (("0", False), ("1e-12", True)):
+    for value, clamped in (("0", False), ("1e-12", True)):
         inner = fabric("inner", 0.3e-3, more=f'region = "patch"\nbending = {value}')
         try:
             made, rows = played(trial, patched(plain, inner, PINS, kind="morley"))
         except UserError as error:
-            yield true("refused for its slopes", not held and "does not resist bending" in str(error), str(error))
+            yield true("refused for its slopes", not clamped and "does not resist bending" in str(error), str(error))
             continue
-        yield true("refused only without any stiffness", held)
+        yield true("refused only without any stiffness", clamped)
         yield from resting(made, rows)
 
 

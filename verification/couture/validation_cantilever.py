@@ -106,9 +106,9 @@ def cantilever(comm: PETSc.Comm) -> list[Check]:
 def wide_cantilever(comm: PETSc.Comm) -> list[Check]:
     """What stiffness counts with nu = 0.3: D of a plate so wide that nothing contracts, EI of a narrow strip."""
     checks = []
-    held = ["material.canvas.nu=0.3", MIRRORED]
+    clamped = ["material.canvas.nu=0.3", MIRRORED]
     for gamma in (8, 100):
-        found = tip(bent(gamma, held, comm))
+        found = tip(bent(gamma, clamped, comm))
         checks += rows("wide plate by D: ", gamma, found)
     for gamma in (8, 100):
         # D (1 - nu^2) is EI by width.

@@ -123,7 +123,7 @@ def plank_gestures(names: list[str]) -> st.SearchStrategy[list[Table]]:
     mended = [{"do": "release"}, {"do": "choose", "number": 1}, {"do": "slide", "to": 0.5, "frames": 2}]
     ends = st.sampled_from([mended[:1]] * 5 + [mended] * 4 + [[]])
     size = st.sampled_from([0.02, -0.05, 0.2, -0.3, 0.7, 3.0])
-    held = st.builds(
+    constrained = st.builds(
         lambda on, parameter, by, n, end: [
             {"do": "press", "on": on, "parameter": parameter},
             {"do": "drag", "by": by, "frames": n},
@@ -142,7 +142,7 @@ def plank_gestures(names: list[str]) -> st.SearchStrategy[list[Table]]:
         frames,
         ends,
     )
-    return held | held | led
+    return constrained | constrained | led
 
 
 def plank_edits(names: list[str]) -> st.SearchStrategy[list[Table]]:

@@ -184,7 +184,7 @@ def kalimba(folder: Path, lengths: list[float], width: float = 0.006, gap: float
     for x, top in reversed(tines):
         points += [(x + width, root), (x + width, top), (x, top), (x, root)]
     ends = list(zip(points, [*points[1:], points[0]]))
-    held = [f'"e{i}"' for i, (p, q) in enumerate(ends) if max(p[1], q[1]) <= root]
+    supported = [f'"e{i}"' for i, (p, q) in enumerate(ends) if max(p[1], q[1]) <= root]
     path = folder / "kalimba.toml"
     path.write_text(
         'format = "restshape-scene"\nversion = 1\napp = "metallophone"\n[shape]\noutline = ['
@@ -195,7 +195,7 @@ def kalimba(folder: Path, lengths: list[float], width: float = 0.006, gap: float
         + "".join(f'e{i} = {{ line = ["p{i}", "p{(i + 1) % len(points)}"] }}\n' for i in range(len(points)))
         + '[material.steel]\nE = "200 GPa"\nnu = 0.3\nrho = "8000 kg/m^3"\nthickness = "1 mm"\n'
         + '[effects.modal]\nmodel = "plate"\nmodes = 1\n'
-        + f'[supports.root]\non = [{", ".join(held)}]\nfix = ["z", "rx", "ry"]\n'
+        + f'[supports.root]\non = [{", ".join(supported)}]\nfix = ["z", "rx", "ry"]\n'
         + '[mesh]\nsize = "3 mm"\n[solve]\ntolerance = 1e-3\n[quantities]\nfirst = { frequency = 1 }\n'
     )
     return path

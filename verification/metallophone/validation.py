@@ -71,8 +71,8 @@ def beams(comm: PETSc.Comm) -> list[Check]:
     # In the slender limit f grows with the height: brought to 10 mm, shear is left out of these thinner ones.
     plane = solved("slender.toml", comm)
     checks = beside("cantilever in plane stress, 5 mm brought to 10", plane, CANTILEVER, 1e-3, euler, factor=2.0)
-    held = [f"supports.{side}.{key}" for side in ("left", "right") for key in ('on="left"', 'fix=["z","rx","ry"]')]
-    plate = solved("strip.toml", comm, [*held, 'material.steel.thickness="1 mm"'])
+    supported = [f"supports.{side}.{key}" for side in ("left", "right") for key in ('on="left"', 'fix=["z","rx","ry"]')]
+    plate = solved("strip.toml", comm, [*supported, 'material.steel.thickness="1 mm"'])
     checks += beside("cantilever as a plate, 1 mm brought to 10", plate, CANTILEVER, 1e-3, euler, factor=10.0)
     narrow = ["effects.modal.model=plate", "effects.modal.modes=4", "material.aluminium.nu=0", 'mesh.size="2.5 mm"']
     narrow += ['material.aluminium.thickness="0.4 mm"', *(f'shape.vertices.{v}=["{x} mm", "6 mm"]' for v, x in FAR)]
@@ -104,8 +104,8 @@ def plates(comm: PETSc.Comm) -> list[Check]:
     unit = plate_unit(free, 10.0)
     checks += beside("free rectangle, a/b = 2", free, [unit * x for x in FREE_RECTANGLE], 5e-3, "Ritz", PROGRAM)
     checks += beside("supported square", solved("supported.toml", comm), FV13, 5e-3, "closed form, thin plate")
-    all_held = [f'supports.along_{axis}.fix=["z","rx","ry"]' for axis in "xy"]
-    clamped = solved("supported.toml", comm, [*all_held, "effects.modal.modes=1"])
+    all_around = [f'supports.along_{axis}.fix=["z","rx","ry"]' for axis in "xy"]
+    clamped = solved("supported.toml", comm, [*all_around, "effects.modal.modes=1"])
     lowest = 35.985 * plate_unit(clamped, 10.0)
     return checks + beside("clamped square", clamped, [lowest], 5e-3, "Leissa 1973", PUBLISHED)
 
@@ -175,8 +175,8 @@ def identities(comm: PETSc.Comm) -> list[Check]:
 
 def pair(comm: PETSc.Comm) -> list[Check]:
     """The pair of a supported square stretched along x: -2 pi^2 and -8 pi^2 in units, where the naive formula mixes."""
-    held = [f"mesh.size={0.2}", "effects.modal.modes=3"]
-    square = solved("supported.toml", comm, held)
+    supported = [f"mesh.size={0.2}", "effects.modal.modes=3"]
+    square = solved("supported.toml", comm, supported)
     stretch = np.zeros_like(square.state.body.space.X)
     stretch[:, 0] = square.state.body.space.X[:, 0]
     rates = np.sort(frequency_derivatives(square, stretch, CLUSTER)[1:3])

@@ -120,8 +120,8 @@ def three_triangles(trial: Trial) -> Iterator[Statement]:
         for law in ("", "[effects.large_deformation]\n"):
             # P = E l (l^2 - 1) / 2 of the law of St. Venant and Kirchhoff, to second order in the strain.
             strain = STRAIN * (1 - 1.5 * STRAIN) if law else STRAIN
-            held = f'[supports.wall]\non = "left"\nfix = {{ x = "{strain!r}*x", y = 0 }}\n'
-            text = HEAD + THREE + UNCONTRACTED + law + held
+            supported = f'[supports.wall]\non = "left"\nfix = {{ x = "{strain!r}*x", y = 0 }}\n'
+            text = HEAD + THREE + UNCONTRACTED + law + supported
             settings = ["solve.tolerance=1e-10", f"mesh.order={order}"]
             rows = trial.rows(text, drag("right", (2.0, 0.0), across((2.0, 0.0), (2.3, 0.0), 4)), overrides=settings)
             name = f"order {order}{', large' if law else ''}"

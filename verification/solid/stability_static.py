@@ -153,10 +153,14 @@ def rubber_on_steel_large(trial: Trial) -> Iterator[Statement]:
     """A rubber half on a steel half, of large deformation, sheared while the border between them is dragged."""
     halves = "[shape.regions]\nlower = { polygon = [[0.2, 0.1], [1.8, 0.1], [1.8, 0.45], [0.2, 0.45]] }\n"
     steel = '[material.steel]\nE = 2e11\nnu = 0.3\nthickness = 0.01\nregion = ["lower"]\n'
-    held = '[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n[loads.shear]\non = "top"\ntraction = [3e4, 0]\n'
+    supported = '[supports.foot]\non = "bottom"\nfix = ["x", "y"]\n[loads.shear]\non = "top"\ntraction = [3e4, 0]\n'
     text = HEAD + block(2.0, 1.0) + halves + steel + material(E=1e6, nu=0.45, model="plane_strain")
     text += (
-        "[effects.large_deformation]\n" + held + meshed(0.2) + STRETCH + 'foot = { reaction = "x", at = "bottom" }\n'
+        "[effects.large_deformation]\n"
+        + supported
+        + meshed(0.2)
+        + STRETCH
+        + 'foot = { reaction = "x", at = "bottom" }\n'
     )
     rows, statements = trial.compared(text, drag("lower", (1.0, 0.275), across((1.0, 0.275), (1.0, 0.4), 8)))
     yield near("the foot holds the whole shear", [row["q_foot"] for row in rows], -3e4 * 2.0 * 0.01, SOLVED)
@@ -192,8 +196,8 @@ def ten_thousand(trial: Trial) -> Iterator[Statement]:
 
 def moved_supports(trial: Trial) -> Iterator[Statement]:
     """Nothing is free but the supports move: the exact linear displacement in each frame."""
-    held = '[supports.round]\non = ["outline", "window"]\nfix = { x = "0.001*x", y = "-0.002*y" }\n'
-    text = plate().replace(CLAMPED, held).replace(PULLED, "")
+    supported = '[supports.round]\non = ["outline", "window"]\nfix = { x = "0.001*x", y = "-0.002*y" }\n'
+    text = plate().replace(CLAMPED, supported).replace(PULLED, "")
     events = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 5))
     made = trial.replay(text, events, ["solve.tolerance=1e-10"])
     errors = []

@@ -9,7 +9,7 @@ import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, below, near, true, valid
 from restshape_studies.stability.known_bounds import DIRECT, drifted
 from restshape_studies.stability.scenery import across, block, drag
-from restshape_studies.stability.towers import HELD, QUANTITIES, RUBBER, SHAKEN, dynamics
+from restshape_studies.stability.towers import FOOT, QUANTITIES, RUBBER, SHAKEN, dynamics
 from restshape_verification.vibration.hard_scenes import HEAD, tower
 
 from restshape.analysis.frequencies import lowest_modes
@@ -147,7 +147,7 @@ def ground_shaken_long_steps(trial: Trial) -> Iterator[Statement]:
 def few(trial: Trial) -> Iterator[Statement]:
     """A tower of a handful of triangles, of either order, lumped and consistent, swings and is dragged."""
     for order, mass in ((1, "consistent"), (1, "lumped"), (2, "consistent")):
-        text = HEAD + block(1.0, 2.0) + RUBBER + HELD + f"\n[mesh]\nsize = 4.0\norder = {order}\n"
+        text = HEAD + block(1.0, 2.0) + RUBBER + FOOT + f"\n[mesh]\nsize = 4.0\norder = {order}\n"
         text += dynamics(0.01, 5, mass=mass) + QUANTITIES
         events = [*drag("top", (0.5, 2.0), across((0.5, 2.0), (0.6, 2.2), 6)), {"do": "idle", "frames": 10}]
         scene = trial.folder / f"few{order}{mass}.toml"

@@ -18,7 +18,7 @@ from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult
 from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, recorded_utilisations, utilisation_range
 from restshape_apps.furniture.physics.plank_bending import plank_bending
-from restshape_apps.furniture.physics.plank_phrases import held_by_springs, phrases
+from restshape_apps.furniture.physics.plank_phrases import balanced_by_springs, phrases
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
 from restshape_apps.furniture.scene.furniture import REDUNDANT_BYTES, SUGGESTIONS_BYTES
 from restshape_apps.furniture.session.boards import Boards
@@ -138,7 +138,7 @@ class FurnitureAnalysis(Timeless):
                 # The status reports that it has none.
                 self.forces, self.worst = [], np.nan
         self.seconds = perf_counter() - start
-        self.sprung = held_by_springs(self.design.piece, sprung if self.forces else [])
+        self.sprung = balanced_by_springs(self.design.piece, sprung if self.forces else [])
         return steps
 
     def _measure(self, furniture: Furniture) -> None:

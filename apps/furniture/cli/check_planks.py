@@ -33,10 +33,10 @@ def checked(scene: Scene, effects: Plan) -> tuple[dict[str, Any], list[tuple[str
         require_places(scene.quantities, design.piece)
     except UserError as error:
         raise scene.located(error) from error
-    return held_piece(scene, effects, design), described_piece(scene, effects, design), None
+    return piece_data(scene, effects, design), described_piece(scene, effects, design), None
 
 
-def held_piece(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
+def piece_data(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
     """What the scene holds, for programs."""
     piece, result = design.piece, design.furniture.test()
     names, geometry = [plank.name for plank in piece.planks], design.furniture.geometry()

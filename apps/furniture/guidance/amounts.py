@@ -71,8 +71,8 @@ def _one(piece: Piece, p: int, number: int, change: float, digits: int) -> str:
 
 def _ends(piece: Piece, p: int, axis: int) -> str:
     """Which end of a plank is free to go when its length along an axis changes."""
-    held = {joint.side for joint in piece.joints if joint.i == p} | {f.side for f in piece.feet if f.plank == p}
-    free = [side for side in (2 * axis, 2 * axis + 1) if side not in held]
+    joined = {joint.side for joint in piece.joints if joint.i == p} | {f.side for f in piece.feet if f.plank == p}
+    free = [side for side in (2 * axis, 2 * axis + 1) if side not in joined]
     return " and ".join(f"at {_side(piece.planks[p], side)}" for side in free)
 
 

@@ -63,14 +63,14 @@ def _joined(piece: Piece, part: Sequence[int], way: np.ndarray) -> Connection | 
 
 def _ways(piece: Piece, part: Sequence[int]) -> Iterator[np.ndarray]:
     """Moves (3,) of a part that bring an end to a face, one of both being the part's."""
-    held = {(joint.i, joint.side) for joint in piece.joints}
+    taken = {(joint.i, joint.side) for joint in piece.joints}
     standing = {(foot.plank, foot.side) for foot in piece.feet}
     for i, plank in enumerate(piece.planks):
         for j, other in enumerate(piece.planks):
             if (i in part) is (j in part):
                 continue
             for side in range(4):
-                if (i, side) in held | (standing if i not in part else set()):
+                if (i, side) in taken | (standing if i not in part else set()):
                     continue
                 way = _to_face(plank, side, other)
                 if way is not None:

@@ -57,10 +57,10 @@ def _first(candidates: Iterable[Remedy], obeys: Callable[[Piece], bool]) -> Reme
         try:
             furniture = Furniture(one.piece)
             if furniture.test().valid:
-                held = replace(one, piece=furniture.moved())
-                if obeys(held.piece):
-                    return held
-                first = first or held
+                lasting = replace(one, piece=furniture.moved())
+                if obeys(lasting.piece):
+                    return lasting
+                first = first or lasting
         except UserError:
             # These fasteners do not hold there.
             continue

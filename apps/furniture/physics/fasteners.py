@@ -72,10 +72,10 @@ class Fastener:
             return self.pull * into
         if wood.panel:
             self._refuse_edge(wood, edge)
-            held = PULLS[self.edge_pull](self, wood, into)
+            strength = PULLS[self.edge_pull](self, wood, into)
         else:
-            held = PULLS[self.pull](self, wood, into) * self.end_grain[0]
-        return min(held, self._passing(through, thickness))
+            strength = PULLS[self.pull](self, wood, into) * self.end_grain[0]
+        return min(strength, self._passing(through, thickness))
 
     def shear_strength(self, wood: Wood, through: Wood, thickness: float) -> float:
         """The shear [N] that one bears, through a plank of that wood and thickness [m] into the end of another wood."""

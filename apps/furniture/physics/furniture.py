@@ -124,7 +124,7 @@ class Forces:
         tension, shear, bending: (j,) of each joint: T [N], (j, 2) h_x, h_y [N], h^r_y [N m].
         twist: (j, 2) moments about x and n [N m].
         pull_utilisation, shear_utilisation: (j,) in parts of the joint's strength.
-        line_use, twist_use: (j,) the same by the moments about x and n, on the fastener that bears most.
+        line_utilisation, twist_utilisation: (j,) the same by the moments about x and n, on the most loaded fastener.
     """
 
     u: np.ndarray
@@ -139,20 +139,20 @@ class Forces:
     twist: np.ndarray
     pull_utilisation: np.ndarray
     shear_utilisation: np.ndarray
-    line_use: np.ndarray
-    twist_use: np.ndarray
+    line_utilisation: np.ndarray
+    twist_utilisation: np.ndarray
     moments: bool = False
 
     @property
     def utilisation(self) -> np.ndarray:
         """The utilisation (j,) of each joint's strength, of all that counts."""
         counted = np.maximum(self.pull_utilisation, self.shear_utilisation)
-        return np.maximum(counted, self.moment_use) if self.moments else counted
+        return np.maximum(counted, self.moment_utilisation) if self.moments else counted
 
     @property
-    def moment_use(self) -> np.ndarray:
+    def moment_utilisation(self) -> np.ndarray:
         """The utilisation (j,) of each joint's strength by the moments about x and n."""
-        return np.maximum(self.line_use, self.twist_use)
+        return np.maximum(self.line_utilisation, self.twist_utilisation)
 
 
 @dataclass(frozen=True)

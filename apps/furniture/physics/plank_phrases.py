@@ -79,7 +79,7 @@ def joint_name(piece: Piece, joint: int) -> str:
     return " on ".join(joint_planks(piece, joint))
 
 
-def held_by_springs(piece: Piece, cases: Sequence[int]) -> str:
+def balanced_by_springs(piece: Piece, cases: Sequence[int]) -> str:
     """Loads under which contacts act as springs that also pull; empty without any."""
     if not cases:
         return ""

@@ -106,7 +106,7 @@ def _values(quantity: Quantity, known: Observed) -> np.ndarray:
         return np.array([known.stability_margin])
     if quantity.utilisation:
         rows = joints_at(quantity, piece)
-        return _use(quantity.utilisation, known.forces)[rows] if known.forces else np.zeros(0)
+        return _utilisation(quantity.utilisation, known.forces)[rows] if known.forces else np.zeros(0)
     if quantity.reaction:
         if not known.forces:
             return np.zeros(0)
@@ -119,7 +119,7 @@ def _values(quantity: Quantity, known: Observed) -> np.ndarray:
     return (known.geometry.mass if quantity.mass else known.deflection)[chosen]
 
 
-def _use(kind: str, forces: Sequence[Forces]) -> np.ndarray:
+def _utilisation(kind: str, forces: Sequence[Forces]) -> np.ndarray:
     """The utilisation (j,) of each joint's strength, the largest of all cases."""
     pull, shear = (
         np.max([getattr(one, name) for one in forces], axis=0) for name in ("pull_utilisation", "shear_utilisation")

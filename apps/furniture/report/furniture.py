@@ -278,7 +278,7 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
         return
     cmap, norm = utilisation_colours()
     utilisation = forces.utilisation
-    doubt = (utilisation <= 1.0) & (forces.moment_use > 1.0)
+    doubt = (utilisation <= 1.0) & (forces.moment_utilisation > 1.0)
     half = 0.5 * geometry.length[:, None] * geometry.y
     joints = np.stack([geometry.p - half, geometry.p + half], axis=1)
     colours = np.where(doubt[:, None], to_rgb(DOUBT), cmap(norm(utilisation))[:, :3])
@@ -293,7 +293,7 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
     for k in np.flatnonzero((utilisation > 1.0) | doubt):
         # Level with its left end.
         left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
-        most, colour = (forces.moment_use[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
+        most, colour = (forces.moment_utilisation[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
         view.words(left, f"{np.ceil(100.0 * most) / 100.0:.2f}", colour, 0.0, -4.0)
 
 

@@ -143,7 +143,7 @@ def _worst(same: Sequence[Finding]) -> Finding:
 
 def _frame(row: Row) -> dict[str, Any]:
     """What is known of one frame."""
-    hand, held = grabbed(row), bool(row.get("parameter"))
+    hand, on_parameter = grabbed(row), bool(row.get("parameter"))
     ranges = hand.ranges if hand else None
     return {
         "index": int(row["index"]),
@@ -156,11 +156,11 @@ def _frame(row: Row) -> dict[str, Any]:
         "stability_margin": _number(row, "stability_margin"),
         "parameter": row.get("parameter", ""),
         "unit": hand.unit if hand else None,
-        "at": _number(row, "at") if held else None,
+        "at": _number(row, "at") if on_parameter else None,
         "ranges": None if ranges is None else [[one.low, one.high] for one in ranges],
         "doubtful": [list(one) for one in hand.doubtful] if ranges else None if ranges is None else [],
         "beyond": None if ranges is None else [[one.below, one.above] for one in ranges],
-        "inside": bool(row["inside"]) if held and row["inside"] >= 0 else None,
+        "inside": bool(row["inside"]) if on_parameter and row["inside"] >= 0 else None,
     }
 
 

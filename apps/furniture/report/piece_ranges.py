@@ -34,14 +34,14 @@ def draw_guidance(recording: Recording, path: Path) -> None:
     """Writes the picture as a PNG: a panel each for utilisation, stability margin, parameters in mm and in degrees."""
     rows = rows_of(recording)
     holds = _holds(rows)
-    units = [unit for unit in UNITS if any(_unit(held) == unit for held in holds)]
+    units = [unit for unit in UNITS if any(_unit(grabbed_rows) == unit for grabbed_rows in holds)]
     heights = [1.0, 1.0, *[1.5] * len(units)]
     figure = new_figure(10.0, 1.0 + 1.55 * sum(heights))
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     _draw_numbers(panels[0], recording, "utilisation", "utilisation [1]", 1.0)
     _draw_numbers(panels[1], recording, "stability_margin", "stability margin [1]", 0.0)
     for axes, unit in zip(panels[2:], units):
-        _draw_parameters(axes, [held for held in holds if _unit(held) == unit], unit)
+        _draw_parameters(axes, [grabbed_rows for grabbed_rows in holds if _unit(grabbed_rows) == unit], unit)
     for axes in panels:
         axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
         axes.set_axisbelow(True)
@@ -67,9 +67,9 @@ def _subject(row: dict[str, Any]) -> str:
     return hand.subject if hand else ""
 
 
-def _unit(held: list[dict[str, Any]]) -> str:
+def _unit(grabbed_rows: list[dict[str, Any]]) -> str:
     """The unit of what is under the hand in these frames."""
-    return grabbed(held[0]).unit
+    return grabbed(grabbed_rows[0]).unit
 
 
 def _bands(row: dict[str, Any]) -> np.ndarray:
@@ -82,10 +82,10 @@ def _doubtful_bands(row: dict[str, Any]) -> np.ndarray:
     return np.array(grabbed(row).doubtful).reshape(-1, 2)
 
 
-def _label(held: list[dict[str, Any]]) -> str:
+def _label(grabbed_rows: list[dict[str, Any]]) -> str:
     """What is under the hand in all these frames."""
-    names = {row["parameter"] for row in held}
-    return shorten(names.pop() if len(names) == 1 else _subject(held[0]), 48, placeholder=" …")
+    names = {row["parameter"] for row in grabbed_rows}
+    return shorten(names.pop() if len(names) == 1 else _subject(grabbed_rows[0]), 48, placeholder=" …")
 
 
 def _draw_dots(axes: Axes, frames: np.ndarray, values: np.ndarray, rows: list[dict[str, Any]], size: float) -> None:
@@ -113,21 +113,21 @@ def _draw_numbers(axes: Axes, recording: Recording, name: str, label: str, limit
 def _draw_parameters(axes: Axes, holds: list[list[dict[str, Any]]], unit: str) -> None:
     """What was under the hand in one unit, with its ranges; those go on to where they end or the picture does."""
     factor, shown = UNITS[unit]
-    at = factor * np.array([row["at"] for held in holds for row in held], dtype=float)
+    at = factor * np.array([row["at"] for grabbed_rows in holds for row in grabbed_rows], dtype=float)
     least, most = min(0.0, float(np.nanmin(at))), max(0.0, float(np.nanmax(at)))
     room = ROOM * max(most - least, 1e-9)
     bottom, top = least - room, most + room
-    for held in holds:
-        frames = np.array([row["index"] for row in held])
-        way = factor * np.array([row["at"] for row in held], dtype=float)
-        for row in held:
+    for grabbed_rows in holds:
+        frames = np.array([row["index"] for row in grabbed_rows])
+        way = factor * np.array([row["at"] for row in grabbed_rows], dtype=float)
+        for row in grabbed_rows:
             for bands, colour in ((_bands(row), BAND), (_doubtful_bands(row), DOUBTED)):
                 for low, high in factor * bands:
                     axes.fill_between(row["index"] + np.array([-0.5, 0.5]), low, high, color=colour, lw=0, zorder=1)
         axes.plot(frames, way, color=FAINT, linewidth=0.8, zorder=2)
-        _draw_dots(axes, frames, way, held, 14.0)
+        _draw_dots(axes, frames, way, grabbed_rows, 14.0)
         axes.annotate(
-            _label(held),
+            _label(grabbed_rows),
             (frames[0], top),
             xytext=(0, -2),
             textcoords="offset points",

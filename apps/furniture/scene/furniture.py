@@ -84,8 +84,8 @@ class PlankSpec(Strict):
         ways = {"from": self.start, "to": self.to, "width": self.width}, {"center": self.center, "size": self.size}
         given = [[key for key, value in way.items() if value is not None] for way in ways]
         if given[0] and (given[1] or "turn" in self.model_fields_set):
-            held = given[1][0] if given[1] else "turn"
-            both = f"here {held!r} stands beside {given[0][0]!r}"
+            fixed = given[1][0] if given[1] else "turn"
+            both = f"here {fixed!r} stands beside {given[0][0]!r}"
             raise UnitError(f"a plank is given by two lines or by its middle, and {both}")
         for way, keys in zip(ways, given):
             missing = [key for key in way if key not in keys]

@@ -21,8 +21,13 @@ def restated_tables(frame: PlankFrame) -> Table:
     names = [plank.name for plank in piece.planks]
     joints: dict[str, Any] = {"near": False, "reach": float(piece.reach)}
     for k, joint in enumerate(piece.joints, 1):
-        held = {"plank": names[joint.i], "end": SIDES[joint.side], "to": names[joint.j], "face": SIDES[joint.face]}
-        joints[f"joint-{k}"] = {**held, "fastener": joint.fastener}
+        end = {
+            "plank": names[joint.i],
+            "end": SIDES[joint.side],
+            "to": names[joint.j],
+            "face": SIDES[joint.face],
+        }
+        joints[f"joint-{k}"] = {**end, "fastener": joint.fastener}
     loads = {
         "weights": {load.name: put_table(piece, load) for load in piece.weights},
         "pushes": {load.name: _pushed(piece, k) for k, load in enumerate(piece.pushes)},

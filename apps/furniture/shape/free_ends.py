@@ -55,12 +55,12 @@ def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEn
         piece: whose joints and feet are known.
         planks: that are looked at; None: all.
     """
-    held = {(joint.i, joint.side) for joint in piece.joints} | {(foot.plank, foot.side) for foot in piece.feet}
+    taken = {(joint.i, joint.side) for joint in piece.joints} | {(foot.plank, foot.side) for foot in piece.feet}
     found = []
     for i in range(len(piece.planks)) if planks is None else planks:
         along = int(np.argmax(piece.planks[i].size[:2]))
         for side in (2 * along, 2 * along + 1):
-            missed = [] if (i, side) in held else [one for one in _missed(piece, i, side) if one]
+            missed = [] if (i, side) in taken else [one for one in _missed(piece, i, side) if one]
             if missed:
                 found.append(min(missed, key=lambda one: abs(one.gap) + one.aside))
     return tuple(found)

@@ -51,8 +51,8 @@ def _smallest(piece: Piece, wanted: np.ndarray) -> Gap | None:
     # Beyond the face that the end comes to it looks away from the plank.
     short = -np.sign(slope) * (middles @ normals.T - np.sum(centre * normals, axis=1)) - 0.5 * size[:, 2]
     looks = wanted & (np.abs(slope) > LEAST_SLANT) & (tilt <= piece.reach) & (short >= -piece.reach)
-    held = [(joint.i, joint.side) for joint in piece.joints]
-    for plank, side in held + [(foot.plank, foot.side) for foot in piece.feet if foot.side < 4]:
+    joined = [(joint.i, joint.side) for joint in piece.joints]
+    for plank, side in joined + [(foot.plank, foot.side) for foot in piece.feet if foot.side < 4]:
         looks[plank, side] = False
     pairs = np.argwhere(looks)
     if not len(pairs):

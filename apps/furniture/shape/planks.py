@@ -272,13 +272,13 @@ def feet_near(
         planes: that planks may stand on.
         joints: whose ends stand on no plane.
     """
-    held = {(joint.i, joint.side) for joint in joints}
+    joined = {(joint.i, joint.side) for joint in joints}
     feet = []
     for k, plane in enumerate(planes):
         normal, point = np.array(plane.normal), np.array(plane.point)
         for i, plank in enumerate(planks):
             for side in range(6):
-                if (i, side) in held:
+                if (i, side) in joined:
                     continue
                 axis = plank.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
                 across = [a for a in range(2) if a != side // 2]

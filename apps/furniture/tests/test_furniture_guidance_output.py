@@ -46,11 +46,11 @@ def test_json_has_the_guidance_of_each_frame(reported):
     frames = found["guidance"]["frames"]
     assert len(frames) == found["frames"] == len(rows) == 16
     # The box tips over the leg's outer side: the leg has moved by 0.5 m and a little more.
-    held = frames[2:9]
-    assert [frame["constraint_status"] for frame in held] == ["holds"] * 5 + ["fails"] * 2
-    assert [frame["inside"] for frame in held] == [True] * 5 + [False] * 2
-    assert [frame["at"] for frame in held] == pytest.approx([-0.1 * k for k in range(1, 8)])
-    for frame, row in zip(held, rows[2:9]):
+    grabbed = frames[2:9]
+    assert [frame["constraint_status"] for frame in grabbed] == ["holds"] * 5 + ["fails"] * 2
+    assert [frame["inside"] for frame in grabbed] == [True] * 5 + [False] * 2
+    assert [frame["at"] for frame in grabbed] == pytest.approx([-0.1 * k for k in range(1, 8)])
+    for frame, row in zip(grabbed, rows[2:9]):
         assert (frame["parameter"], frame["unit"]) == ("left: move z", "m")
         ((low, high),) = frame["ranges"]
         assert -0.6 < low < -0.5 < 0.0 < high and low == pytest.approx(float(row["range_low"]), abs=1e-6)

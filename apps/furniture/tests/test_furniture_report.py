@@ -119,11 +119,11 @@ def test_the_band_is_the_range_and_dots_are_red_where_the_piece_does_not_hold(re
     utilisation, margin, lengths, turns = made[0].axes
     assert lengths.get_ylabel().endswith("[mm]") and turns.get_ylabel().endswith("[°]")
     assert margin.get_xlabel() == "" and turns.get_xlabel() == "frame"
-    held = np.flatnonzero(table["parameter"] == "left: move z")
+    grabbed_frames = np.flatnonzero(table["parameter"] == "left: move z")
     bands = [band for band in lengths.collections if isinstance(band, PolyCollection) and len(band.get_paths()) == 1]
     spans = [band.get_paths()[0].vertices for band in bands]
     spans = [(v[:, 0].mean(), v[:, 1].min(), v[:, 1].max()) for v in spans if np.ptp(v[:, 0]) == pytest.approx(1.0)]
-    frames = [(i, grabbed({"valid_ranges": table["valid_ranges"][i]})) for i in held]
+    frames = [(i, grabbed({"valid_ranges": table["valid_ranges"][i]})) for i in grabbed_frames]
     printed = [(i, 1e3 * one.low, 1e3 * one.high) for i, hand in frames for one in hand.ranges]
     assert np.array(spans)[:, 1:] == pytest.approx(np.array(printed)[:, 1:])
     dots = next(c for c in utilisation.collections if len(c.get_offsets()) == len(table["constraint_status"]))

@@ -144,15 +144,15 @@ def test_a_post_pushed_along_its_joint_draws_its_screws(tmp_path, width: float, 
     moment, weight = force * 1.0, 420.0 * 0.018 * width * 1.0 * G
     pull = moment * places[-1] / (places**2).sum() - weight / nails
     assert furniture.nails()[0] == nails
-    assert forces.line_use[0] == pytest.approx(pull / 549.0, rel=5e-3)
-    assert forces.twist_use[0] == pytest.approx(0.0, abs=1e-6)
+    assert forces.line_utilisation[0] == pytest.approx(pull / 549.0, rel=5e-3)
+    assert forces.twist_utilisation[0] == pytest.approx(0.0, abs=1e-6)
     assert (row["constraint_status"] == "uncertain") == (pull > 549.0) == (nails < 5)
     found = [(one.kind, one.detail, one.subjects) for one in decode_findings(row["findings"])]
     assert found == [("doubtful", "line", ("post", "base"))] * int(pull > 549.0)
     # What counts is a flaw of the same joint, with the same use.
     counted, failing = analysed(tmp_path, post(f"{width} m", f"{force} N") + ALL)
     assert failing["constraint_status"] == ("fails" if pull > 549.0 else "holds")
-    assert counted.result.pull == pytest.approx(forces.line_use[0])
+    assert counted.result.pull == pytest.approx(forces.line_utilisation[0])
 
 
 @pytest.mark.parametrize("width", [0.05, 0.09, 0.15])
@@ -166,7 +166,7 @@ def test_a_twist_shears_each_fastener_by_its_distance_from_the_middle(tmp_path, 
     twist = abs(forces.twist[joint, 1])
     own = 420.0 * 0.018 * 0.018 * 0.591 * G * 0.3
     assert nails > 1 and twist == pytest.approx(0.5 * G * 0.6 + own, rel=0.05)
-    assert forces.twist_use[joint] == pytest.approx(
+    assert forces.twist_utilisation[joint] == pytest.approx(
         twist * places[-1] / (places**2).sum() / furniture.strength[joint, 1]
     )
 
@@ -177,7 +177,7 @@ def test_one_screw_holds_no_twist(tmp_path) -> None:
     joint = joint_of(analysis.design.furniture, "arm")
     own = 420.0 * 0.018 * 0.018 * 0.591 * G * 0.3
     assert analysis.forces[0].twist[joint, 1] == pytest.approx(0.5 * G * 0.6 + own, rel=0.05)
-    assert row["constraint_status"] == "uncertain" and np.isinf(analysis.forces[0].twist_use[joint])
+    assert row["constraint_status"] == "uncertain" and np.isinf(analysis.forces[0].twist_utilisation[joint])
     assert "not counted: joint arm on post at more than any of its strength in twist" in row["violated_constraints"]
 
 
@@ -219,7 +219,7 @@ def test_doubtful_suggestions_come_last_and_say_so(tmp_path) -> None:
     counted, _ = analysed(tmp_path, STOOL + ALL)
     for one in counted.design.suggestion_list.found:
         result = counted.design.furniture.test(one.t * one.direction)
-        assert result.valid and max(f.moment_use.max() for f in forces_of(counted.design.furniture)) <= 1.0
+        assert result.valid and max(f.moment_utilisation.max() for f in forces_of(counted.design.furniture)) <= 1.0
 
 
 def test_the_legend_names_why_a_piece_is_doubtful() -> None:

@@ -51,8 +51,8 @@ def test_scenes_and_edits_are_of_all_kinds(tmp_path):
 @pytest.fixture
 def frame(tmp_path):
     """A replay that holds a leg of a bench, and its last row."""
-    held = {"do": "press", "on": "left", "parameter": "move z"}, {"do": "drag", "by": 0.1}
-    replay = make_replay(write_bench(tmp_path), write_edits(tmp_path, *held))
+    grabbed = {"do": "press", "on": "left", "parameter": "move z"}, {"do": "drag", "by": 0.1}
+    replay = make_replay(write_bench(tmp_path), write_edits(tmp_path, *grabbed))
     return replay.analysis, list(replay.frames())[-1]
 
 

@@ -46,8 +46,8 @@ class LagrangeSpace(OverMesh):
 
     Args:
         mesh: of the corners, whose nodes may move and whose edges may flip.
-        numbered: a space over as many nodes and edges that has numbered them; None: they are numbered anew, which after
-            flips gives others.
+        numbered: a space over as many nodes and edges that has numbered them; None: they are numbered again,
+            which after flips gives others.
 
     Attributes:
         X: (n, d) rest positions [m]; cells: (ne, 6) corners, then the middles of the sides (0, 1), (1, 2), (2, 0).

@@ -30,7 +30,7 @@ def _moved(scene: Scene) -> list[str]:
     return [name for name, support in scene.supports.items() if any(value != 0 for value in support.fix.values())]
 
 
-def _held_still(raw: Table, _: On) -> Table:
+def _at_zero(raw: Table, _: On) -> Table:
     supports = {
         name: {**support, "fix": dict.fromkeys(table_in(support, "fix"), 0.0)} if "fix" in support else support
         for name, support in tables_in(raw, "supports").items()
@@ -65,7 +65,7 @@ MOVING_SUPPORTS = DerivedEffect(
     "supports that displace what they hold",
     cause_of(lambda scene, _: listed("supports", _moved(scene)), "they displace what they hold"),
     "no support prescribes a displacement",
-    _held_still,
+    _at_zero,
     drives=True,
 )
 REGIONS = DerivedEffect("materials of regions", _regions, "one material fills the shape", _one_material)

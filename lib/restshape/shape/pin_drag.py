@@ -60,9 +60,9 @@ class PinDrag(SpaceGrab):
             if way == 0.0:
                 continue
             if axis not in support.fix:
-                held = ", ".join(AXES[k] for k in range(3) if AXES[k] in support.fix)
+                fixed = ", ".join(AXES[k] for k in range(3) if AXES[k] in support.fix)
                 what = f"the support {self.name!r} fixes no displacement along {axis}"
-                raise UserError(what, do=f'drag it along {held}, or add "{axis}" to its fix')
+                raise UserError(what, do=f'drag it along {fixed}, or add "{axis}" to its fix')
             written[axis] = displaced(support.fix[axis], way)
         return revise(scene, f"supports.{self.name}.fix", written)
 

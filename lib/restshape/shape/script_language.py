@@ -130,8 +130,8 @@ class LineInterpreter:
     def _place(self, name: str) -> tuple[float, ...]:
         """Where an entity is now [m]; in space of a body or a support in space."""
         outline, scene = self._session.outline, self._session.scene
-        held = begin_space_grab(outline, scene, name, None)
-        return held.origin if held is not None else tuple(outline.centroid(outline.entity(name)).tolist())
+        grabbed = begin_space_grab(outline, scene, name, None)
+        return grabbed.origin if grabbed is not None else tuple(outline.centroid(outline.entity(name)).tolist())
 
     def _drag(self, match: re.Match[str]) -> list[Table]:
         count = 2 if match["dz"] is None else 3

@@ -326,7 +326,7 @@ class EditSession(ScriptSession[Outline]):
             self._refuse_new_columns()
             way = follow(self.outline, self.scene) if follow else None
             if way is not None:
-                self._refuse_while_held()
+                self._refuse_while_grabbed()
                 self.outline = way.outline
         except UserError as error:
             self.outline, self.scene = before
@@ -338,7 +338,7 @@ class EditSession(ScriptSession[Outline]):
             return Step("shape")
         return Step("move", gesture=way.gesture, c=way.c) if change == "values" else Step(change)
 
-    def _refuse_while_held(self) -> None:
+    def _refuse_while_grabbed(self) -> None:
         """Refuses a change of the shape beneath the hand that holds it."""
         if self._grab is not None and self._grab.gesture is not None:
             what = f"this changes the shape, of which the hand holds {self._grab.name}"
