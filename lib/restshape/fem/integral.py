@@ -22,8 +22,9 @@ class Integral:
         factor: of the residual, and with it of tangent and energy.
         block: of the operator that the entities were registered as; None, whatever is given, where the element has no
             tangent.
-        rate: gives the rates, shaped like the parameters, with which they change when nodes move with rates (n, d), as
-            far as the residual is linear in them; None where they are constant.
+        rate: gives the rates, shaped like the parameters, with which they change when nodes move with rates (n, d). The
+            residual is evaluated with them in place of the parameters, so that it must be linear in those that change,
+            and 0 where they are; None where they are constant.
         coefficients: (n, c) nodal coefficients [their units are the element's], such as a velocity that carries; None
             where the element has none.
         dofs: (m, k) int32 nodes whose unknowns each entity has, rows of x; None: `entities`. Others at seams, under
