@@ -1,16 +1,17 @@
-"""Arrays by what they hold, for annotations."""
+"""Arrays by what they hold, for annotations; without numpy's module of types, whose import takes long."""
+
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-Reals = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int32]
+Reals = np.ndarray[Any, np.dtype[np.float64]]
+Indices = np.ndarray[Any, np.dtype[np.int32]]
 """Of nodes, edges or cells, as kernels take them."""
-Integers = npt.NDArray[np.int64]
-Bytes = npt.NDArray[np.uint8]
-Complexes = npt.NDArray[np.complex128]
-Flags = npt.NDArray[np.bool_]
-Records = npt.NDArray[np.void]
+Integers = np.ndarray[Any, np.dtype[np.int64]]
+Bytes = np.ndarray[Any, np.dtype[np.uint8]]
+Complexes = np.ndarray[Any, np.dtype[np.complex128]]
+Flags = np.ndarray[Any, np.dtype[np.bool_]]
+Records = np.ndarray[Any, np.dtype[np.void]]
 """Rows with named columns."""
-AnyArray = npt.NDArray[np.generic]
+AnyArray = np.ndarray[Any, np.dtype[np.generic]]
 """Where the kind of values does not matter."""

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 from petsc4py import PETSc
 
+from restshape.algebra.stages import LOGGED, log_stage
+
 NAMES = (
     "MatCholFctrSym",
     "MatCholFctrNum",
@@ -21,7 +23,7 @@ NAMES = (
 
 
 class EventCounts:
-    """Counts over all log stages that exist when this is made; PETSc's log must have begun.
+    """Counts over PETSc's main log stage and those of restshape; PETSc's log must have begun.
 
     Args:
         names: of events.
@@ -29,7 +31,7 @@ class EventCounts:
 
     def __init__(self, names: Sequence[str] = NAMES) -> None:
         self._events = {name: PETSc.Log.Event(name) for name in names}
-        self._stages = range(PETSc.Log.Stage("restshape bench").id + 1)
+        self._stages = [0, *(log_stage(name).id for name in LOGGED)]
         self._last = dict.fromkeys(names, 0)
 
     def since_last(self) -> dict[str, int]:

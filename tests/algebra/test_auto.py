@@ -14,7 +14,7 @@ from restshape.algebra.choice import CHOLESKY, GAMG, ICC, ILU, Choice, Size, pri
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import true_residual
 from restshape.algebra.projection import Projection
-from restshape.algebra.stages import Stages
+from restshape.algebra.stages import LOGGED, Stages, log_stage
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
@@ -201,7 +201,7 @@ def test_numbers_that_are_none_do_not_stay():
 
 def factorisations() -> int:
     """Numeric Cholesky factorisations so far."""
-    stages = [None, *(PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov"))]
+    stages = [None, *map(log_stage, LOGGED)]
     event = PETSc.Log.Event("MatCholFctrNum")
     return sum(event.getPerfInfo(stage and stage.id)["count"] for stage in stages)
 

@@ -4,6 +4,8 @@ import pytest
 from petsc4py import PETSc
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
+from restshape.algebra.stages import LOGGED, log_stage
+
 WATCHED = (
     "RestshapePattern",
     "RestshapePatch",
@@ -35,7 +37,7 @@ def _logged():
 
 def stages():
     """PETSc's main stage and those of restshape."""
-    return [None, *(PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov"))]
+    return [None, *map(log_stage, LOGGED)]
 
 
 def counts():

@@ -6,7 +6,14 @@ from types import TracebackType
 
 from petsc4py import PETSc
 
+LOGGED = ("pattern", "values", "factor", "krylov")
+"""Those that are log stages of PETSc."""
 NAMES = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe", "record")
+
+
+def log_stage(name: str) -> PETSc.LogStage:
+    """PETSc's log stage of a stage."""
+    return PETSc.Log.Stage(f"restshape {name}")
 
 
 class Stages:
@@ -20,7 +27,7 @@ class Stages:
         self.listener: Callable[[str], None] | None = None
         self.seconds = dict.fromkeys(NAMES, 0.0)
         self._within: list[float] = []
-        logged = {name: PETSc.Log.Stage(f"restshape {name}") for name in ("pattern", "values", "factor", "krylov")}
+        logged = {name: log_stage(name) for name in LOGGED}
         self._stages = {name: Stage(name, self.seconds, self._within, logged.get(name)) for name in NAMES}
 
     def reset(self) -> None:

@@ -1,7 +1,6 @@
 """Solutions on the next richer space, by few steps on the preconditioner that is kept of the space itself."""
 
 import numpy as np
-import scipy.sparse as sp
 
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
@@ -31,9 +30,11 @@ class EnrichedSystem:
     def __init__(self, enrichment: Enrichment, solver: LinearSolver, system: LinearSystem, backend: str | None) -> None:
         self.enrichment, self._solver, self._coarse = enrichment, solver, system
         self._system = LinearSystem(system.comm, enrichment.problem, backend, solver.traits)
+        from scipy.sparse import identity, kron
+
         # For arrays (n f,): products with one vector are several times faster than with one a field.
-        fields = sp.identity(enrichment.problem.boundary.values.shape[1])
-        self._up = sp.kron(enrichment.over.prolongation, fields, format="csr")
+        fields = identity(enrichment.problem.boundary.values.shape[1])
+        self._up = kron(enrichment.over.prolongation, fields, format="csr")
         self._down = self._up.T.tocsr()
 
     def solution(self, x: np.ndarray, free: np.ndarray) -> np.ndarray:

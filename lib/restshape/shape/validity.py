@@ -9,10 +9,9 @@ exact.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from restshape import _kernels
-from restshape.arrays import Reals
+from restshape.arrays import Bytes, Reals
 from restshape.bounds import OUTLINE_PIECES, REACH
 from restshape.errors import UserError
 from restshape.shape.gesture import Gesture
@@ -80,7 +79,7 @@ class MotionCheck:
         chains = [self.outline.point(e, s, points) for e, s in enumerate(params)]
         return np.ascontiguousarray(np.concatenate(chains))
 
-    def _states(self) -> npt.NDArray[np.uint8]:
+    def _states(self) -> Bytes:
         gesture, edges = self.gesture, self.outline.edges
         if gesture is None or gesture.basis is None:
             return np.full(len(edges), BENDING, dtype=np.uint8)
