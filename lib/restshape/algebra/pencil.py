@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from petsc4py import PETSc
@@ -184,11 +185,21 @@ class _Factor:
 
 def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: Reals, out: Reals) -> None:
     """Run an operation of PETSc from one array (n,) to another."""
-    source = PETSc.Vec().createWithArray(row, comm=PETSc.COMM_SELF)
-    target = PETSc.Vec().createWithArray(out, comm=PETSc.COMM_SELF)
-    operation(source, target)
-    source.destroy()
-    target.destroy()
+    source, target = _vectors(len(row))
+    source.placeArray(row)
+    target.placeArray(out)
+    try:
+        operation(source, target)
+    finally:
+        source.resetArray()
+        target.resetArray()
+
+
+@lru_cache(maxsize=4)
+def _vectors(n: int) -> tuple[PETSc.Vec, PETSc.Vec]:
+    """Two vectors of n entries, in which arrays are placed: making them takes as long as a small product."""
+    source, target = (PETSc.Vec().createWithArray(np.zeros(n), comm=PETSc.COMM_SELF) for _ in range(2))
+    return source, target
 
 
 def sample(stiffness: PETSc.Mat, mass: PETSc.Mat) -> Reals:
