@@ -11,6 +11,7 @@ from restshape_studies.explain.paired import Counted
 from slepc4py import SLEPc
 
 from restshape import _kernels
+from restshape.algebra.stages import LOGGED, log_stage
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
@@ -55,10 +56,32 @@ class Watched(Counted):
 
 
 def begin_log() -> None:
-    """Let PETSc count, with the events of all its parts known by their names."""
+    """Let PETSc count, with the events of all its parts known by their names, and none of them open."""
     PETSc.Log.begin()
     for part in (PETSc.KSP, PETSc.SNES, SLEPc.EPS):
         part().create(PETSc.COMM_SELF).destroy()
+    for name in LOGGED:
+        stage = log_stage(name)
+        stage.push()
+        end_open_events(stage.id)
+        stage.pop()
+    end_open_events(0)
+
+
+def end_open_events(stage: int) -> None:
+    """End what an error left open in the current log stage: PETSc counts no event within itself."""
+    for name in EVENTS:
+        event = PETSc.Log.Event(name)
+        while not counted(event, stage):
+            event.end()
+
+
+def counted(event: PETSc.LogEvent, stage: int) -> bool:
+    """Whether an event that happens now is counted."""
+    before = event.getPerfInfo(stage)["count"]
+    event.begin()
+    event.end()
+    return bool(event.getPerfInfo(stage)["count"] > before)
 
 
 def watched(

@@ -87,13 +87,8 @@ class Editing:
 
     @property
     def has_mesh(self) -> bool:
-        """Whether a mesh follows what is edited."""
+        """Whether what is edited is a shape with an outline, which a mesh fills and follows."""
         return self.mesh is not None
-
-    @property
-    def has_outline(self) -> bool:
-        """Whether what is edited is a shape with an outline: then, and only then, a mesh fills it."""
-        return self.has_mesh
 
     def restate(self, frame: object) -> Mapping[str, object]:
         """The plain tables of a scene that has the shape of a frame, whose maker is imported now."""

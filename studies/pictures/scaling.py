@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
 from restshape.outputs.picture_files import save_picture
-from restshape.report.style import FAINT, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, new_figure
+from restshape.report.style import FAINT, INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, new_figure
 
 
 def draw_scaling(records: Sequence[Mapping[str, Any]], fits: Mapping[str, Any], policy: str, path: Path) -> None:
@@ -56,7 +56,7 @@ def _level(axes: Axes, records: Sequence[Mapping[str, Any]], level: str, fit: Ma
     k = int(level)
     power = f": time ~ unknowns^{fit['exponent']:.2f}" if fit else ""
     look = {"color": LEVELS[k], "marker": LEVEL_MARKS[k], "linestyle": "none", "markersize": 6}
-    axes.plot(n[~first], ms[~first], label=LEVEL_NAMES[k] + power, **look)
+    axes.plot(n[~first], ms[~first], label=LEVEL_LABELS[k] + power, **look)
     if first.any():
         axes.plot(n[first], ms[first], markerfacecolor="white", label="level 3, the first frame of the replay", **look)
     if fit:

@@ -132,7 +132,7 @@ def refuse_shapeless(scene: Scene) -> None:
     Raises:
         UserError: it is one.
     """
-    if not application(scene.app).editing.has_outline:
+    if not application(scene.app).editing.has_mesh:
         what = f"a scene of {scene.app!r} has no outline, so that there is no drawing or scene of one"
         raise UserError(what, str(scene.path), "export it as toml, or a recording of it as stl, vtu or csv")
 

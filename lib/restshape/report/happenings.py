@@ -10,7 +10,7 @@ from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.report.field import shown_field
 from restshape.report.recorded_quantities import limits_of, quantity_units
-from restshape.report.style import LEVEL_NAMES
+from restshape.report.style import LEVEL_LABELS
 from restshape.report.tables import column, predicted, refused, with_values
 
 LONGEST = 90
@@ -141,7 +141,7 @@ def frame_words(recording: Recording, i: int) -> Iterator[str]:
     yield from recording.moments(i)
     if "level" in recording.table:
         level = int(recording.table["level"][i])
-        yield LEVEL_NAMES[level] if level else "values changed" if with_values(recording)[i] else "idle"
+        yield LEVEL_LABELS[level] if level else "values changed" if with_values(recording)[i] else "idle"
     if predicted(recording)[i]:
         yield "predicted"
     estimate = float(column(recording, "estimate")[i])

@@ -11,7 +11,7 @@ from restshape.outputs.si_numbers import counted
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.stacked_panels import stack_panels
-from restshape.report.style import FAINT, INK, LEVEL_NAMES, STAGES, new_figure
+from restshape.report.style import FAINT, INK, LEVEL_LABELS, STAGES, new_figure
 from restshape.report.tables import column, level_table
 
 COLUMNS = 6
@@ -52,7 +52,7 @@ def draw_levels(recording: Recording, path: Path) -> None:
     for row in rows:
         if row not in shown:
             axes.text(0.012 * longest, int(row["level"]), "no frames", va="center", color=FAINT, style="italic")
-    axes.set(yticks=(1, 2, 3), yticklabels=[LEVEL_NAMES[k] for k in (1, 2, 3)], ylim=(3.6, 0.4))
+    axes.set(yticks=(1, 2, 3), yticklabels=[LEVEL_LABELS[k] for k in (1, 2, 3)], ylim=(3.6, 0.4))
     axes.set(xlim=(0, 1.65 * longest), xlabel="time a frame [ms]")
     name = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{name}: time a level, stages by their share of it", x=0.01, ha="left", color=INK)

@@ -16,7 +16,7 @@ from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.recorded_quantities import limits_of, quantity_units
 from restshape.report.stacked_panels import stack_panels
-from restshape.report.style import GOAL, INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, new_figure
+from restshape.report.style import GOAL, INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, REFUSED, new_figure
 from restshape.report.tables import column, quantity_scales, refused, singular
 from restshape.scene.quantity import limit_digits
 
@@ -147,7 +147,7 @@ def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray
     if any(np.isfinite(column(recording, error_column(name))).any() for name in names):
         axes.fill_between([], [], [], color=BAND, label="estimated error")
     for k in (k for k in (2, 3) if (level == k).any()):
-        axes.plot([], [], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, label=LEVEL_NAMES[k])
+        axes.plot([], [], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, label=LEVEL_LABELS[k])
     if limited:
         axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label="limit")
         axes.plot([], [], ls="", marker="x", color=REFUSED, ms=4.5, label="beyond its limit")

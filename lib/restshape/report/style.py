@@ -21,7 +21,7 @@ VALUES = -1
 """Stands for level 0 where values were changed and the system was solved."""
 LEVELS = {0: "#b5b5b5", VALUES: "#009e73", 1: "#0072b2", 2: "#e69f00", 3: "#d55e00"}
 LEVEL_MARKS = {0: "o", VALUES: "D", 1: "o", 2: "^", 3: "s"}
-LEVEL_NAMES = {
+LEVEL_LABELS = {
     0: "idle",
     VALUES: "values changed",
     **{level: f"level {level}, {move}" for level, move in MOVES.items()},

@@ -14,7 +14,7 @@ from restshape.replay.recording import Recording
 from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.stacked_panels import stack_panels
-from restshape.report.style import INK, LEVEL_MARKS, LEVEL_NAMES, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
+from restshape.report.style import INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
 from restshape.report.tables import column, jumped, predicted, refused, with_values
 
 STATUS_MARKS = {UNCERTAIN: ("limit within the error", "d", RESTLESS), FAILS: ("limit violated", "x", REFUSED)}
@@ -41,7 +41,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
     kind = np.where(with_values(recording), VALUES, level)
     for k in (k for k in LEVELS if k in kind):
         look = {"linestyle": "none", "marker": LEVEL_MARKS[k], "color": LEVELS[k], "markersize": 3.5}
-        levels.plot([], [], label=LEVEL_NAMES[k], **look)
+        levels.plot([], [], label=LEVEL_LABELS[k], **look)
         # Hollow where nothing was solved.
         for chosen, fill in ((kind == k) & ~ahead, LEVELS[k]), ((kind == k) & ahead, "white"):
             for axes, values in zip(panels, (level, ms, counts)):

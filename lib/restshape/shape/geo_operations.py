@@ -46,7 +46,7 @@ def operation(script: GeoDrawing) -> Entities | None:
     if word.text in BOOLEANS:
         script.cursor.next()
         return _boolean(script, BOOLEANS[word.text], word.line)
-    move = MOVES.get(word.text)
+    move = TRANSFORMS.get(word.text)
     if move is None or script.cursor.peek(1).text != "{":
         return None
     script.cursor.next()
@@ -154,7 +154,7 @@ def _copy(script: GeoDrawing, line: int) -> Entities:
     return list(script.made(line, script.kernel.copy, entities))
 
 
-MOVES: dict[str, Callable[[Any, int], Entities]] = {
+TRANSFORMS: dict[str, Callable[[Any, int], Entities]] = {
     "Translate": _translate,
     "Rotate": _rotate,
     "Dilate": _dilate,

@@ -5,7 +5,7 @@ Held against the entries of the assembled matrices, their eigenvalues by LAPACK,
 
 import numpy as np
 import pytest
-from counted_replays import begin_log, happened, watched
+from counted_replays import begin_log, counted, happened, watched
 from petsc4py import PETSc
 from small_scenes import (
     CLAMPED,
@@ -23,6 +23,7 @@ from small_scenes import (
 )
 
 from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.stages import log_stage
 from restshape.application import application
 from restshape.scene.load import load_scene
 from restshape.scene.plan import as_written, plan
@@ -51,6 +52,19 @@ KINDS = {"cholesky": "MatCholFctrNum", "lu": "MatLUFactorNum"}
 @pytest.fixture(scope="module", autouse=True)
 def _logged():
     begin_log()
+
+
+def test_events_that_an_error_left_open_are_counted_again():
+    stage, event = log_stage("krylov"), PETSc.Log.Event("EPSSolve")
+    stage.push()
+    for _ in range(2):
+        event.begin()
+    assert not counted(event, stage.id)
+    stage.pop()
+    begin_log()
+    stage.push()
+    assert counted(event, stage.id)
+    stage.pop()
 
 
 @pytest.mark.parametrize("name", list(CASES))
