@@ -45,7 +45,7 @@ COARSE = {
     "bar_200": 0.009,
     "bracket": 0.012,
     "bridge": 0.7,
-    "building": 0.6,
+    "building": 1.7,
     "catenary": 0.04,
     "cook": 6.0,
     "csm1": 0.02,

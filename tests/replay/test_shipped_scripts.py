@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from shipped_scripts import ROOT, TABLE, counted, daily_size, expected, shipped_scripts, status
+from shipped_scripts import ROOT, TABLE, counted, daily_size, expected, large_jumps, shipped_scripts, status, summary_of
 
 
 def alike(counts: dict[str, int], pinned: dict[str, int]) -> bool:
@@ -18,6 +18,14 @@ def alike(counts: dict[str, int], pinned: dict[str, int]) -> bool:
 def test_a_shipped_script_ends_as_committed(script, tmp_path, command):
     counts = counted(script, tmp_path, lambda *words: command(*words).returncode, daily_size(script))
     assert alike(counts, expected(script)), f"{counts}; if this is right: python tests/shipped_scripts.py --write"
+    if daily_size(script) is None:
+        assert not large_jumps(summary_of(script, tmp_path))
+
+
+def test_large_jumps_are_seen(tmp_path):
+    jumps = {"sag": {"share": 0.0051}, "force": {"share": None}, "work": {"share": 0.0049}, "peak": {"share": 0.06}}
+    (tmp_path / "a.json").write_text(json.dumps({"jumps": jumps, "singular": {"peak": 0.54}}))
+    assert large_jumps(tmp_path / "a.json") == {"sag": 0.0051}
 
 
 def test_what_differs_from_what_is_pinned_is_seen():
