@@ -6,11 +6,12 @@ import numpy as np
 
 from restshape.mesh.lagrange_space import EdgeInterpolation
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.transfer import FieldNodes
 from restshape.shape.outline import Outline
 
 
 @runtime_checkable
-class Space(Protocol):
+class Space(FieldNodes, Protocol):
     """Nodes and cells over a mesh whose nodes may move and whose edges may flip.
 
     Attributes:
@@ -29,19 +30,9 @@ class Space(Protocol):
     """
 
     @property
-    def dim(self) -> int: ...
-    @property
-    def cell_type(self) -> str: ...
-    @property
-    def X(self) -> np.ndarray: ...
-    @property
-    def cells(self) -> np.ndarray: ...
-    @property
     def dofs(self) -> np.ndarray: ...
     @property
     def dof_X(self) -> np.ndarray: ...
-    @property
-    def corners(self) -> np.ndarray: ...
     @property
     def cell_region(self) -> np.ndarray: ...
     @property
