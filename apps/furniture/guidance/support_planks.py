@@ -1,8 +1,11 @@
 """Support planks: boards between two parallel planks, or a plank and the floor, that take load off a weak joint."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, count, islice, product
+from math import dist
 
 import numpy as np
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, UNBALANCED, UNSTABLE, Furniture, TestResult
@@ -87,41 +90,39 @@ def support_planks(furniture: Furniture, shown: int = SHOWN, trials: int = TRIAL
     Source: docs/theory/furniture.md; the thesis, section 6.5.5.
     """
     planes = mirrors(furniture.piece)
+    reliefs = Reliefs(furniture)
     found: list[SupportPlank] = []
     for kept, alone in ((planes, True), (planes, False), ((), False)) if planes else (((), False),):
         if not any(one.result.valid for one in found):
-            found += searched(furniture, shown, trials, kept, alone)
+            found += searched(reliefs, shown, trials, kept, alone)
     furniture.test()
     return tuple(sorted(found, key=lambda one: (not one.result.valid, -len(one.relieved)))[:shown])
 
 
-def searched(
-    furniture: Furniture, shown: int, trials: int, planes: Sequence[Mirror], alone: bool
-) -> list[SupportPlank]:
+def searched(reliefs: Reliefs, shown: int, trials: int, planes: Sequence[Mirror], alone: bool) -> list[SupportPlank]:
     """Support planks, each with its images in mirror planes; `alone`: those alone that are their own images."""
-    utilisation = _utilisations(furniture)
-    geometry = furniture.geometry()
+    piece, geometry = reliefs.furniture.piece, reliefs.geometry
     found: list[SupportPlank] = []
     for spots in ROUNDS:
         if any(one.result.valid for one in found):
             break
         left = trials
-        for i, j, k, joint in _candidates(furniture.piece, utilisation):
+        for i, j, k, joint in _candidates(piece, reliefs.utilisation):
             if left <= 0 or sum(one.result.valid for one in found) >= shown:
                 break
-            places = _planks(furniture.piece, (i, j, k), geometry.p[joint], geometry.y[joint], spots)
-            groups = (_images(furniture.piece, (plank, (i, j)), planes) for plank in places)
+            places = _planks(piece, (i, j, k), geometry.p[joint], geometry.y[joint], spots)
+            groups = (_images(piece, (plank, (i, j)), planes) for plank in places)
             for boards in islice(groups, min(EACH, left)):
                 if alone and len(boards) > 1:
                     continue
                 left -= 1
                 plank = boards[0][0]
-                if any(_in_place(furniture.piece, plank, one.piece.planks) for one in found):
+                if any(_in_place(piece, plank, one.piece.planks) for one in found):
                     # It is one of the images of what was found.
                     break
-                if one := _relief(furniture, boards, k, utilisation, joint):
+                if one := reliefs.by(boards, k, joint):
                     images = ((plane.axis, plane.image(plank)) for plane in planes)
-                    axes = tuple(axis for axis, image in images if not _in_place(furniture.piece, image, [plank]))
+                    axes = tuple(axis for axis, image in images if not _in_place(piece, image, [plank]))
                     found.append(replace(one, mirrored=axes))
                     # The next one shall be another suggestion.
                     break
@@ -146,32 +147,48 @@ def _images(piece: Piece, board: Board, planes: Sequence[Mirror]) -> list[Board]
 
 def _in_place(piece: Piece, plank: Plank, others: Sequence[Plank]) -> bool:
     """Whether one of other planks lies in the place of a plank."""
-    room = SAME * piece.size
-    return any(same_place(plank.corners(), other.corners(), room) for other in others)
+    room, centre = SAME * piece.size, plank.centre.tolist()
+    # Planks in one another's place have one centre, which is looked at first.
+    near = (other for other in others if dist(other.centre, centre) <= room)
+    return any(same_place(plank.corners(), other.corners(), room) for other in near)
 
 
-def _relief(
-    furniture: Furniture, boards: Sequence[Board], third: int, utilisation: np.ndarray, joint: int
-) -> SupportPlank | None:
-    """The piece with these boards, if they take enough load off the joint and overload no other."""
-    piece = furniture.piece
-    try:
-        for plank, between in boards:
-            piece = _with(piece, plank, *between)
-        model = Furniture(piece, furniture.compliance)
-    except UserError:
-        # Its fasteners do not hold there.
-        return None
-    result = model.test()
-    if result.flaws & (LOST | OVERLAPPING | UNSTABLE | UNBALANCED):
-        return None
-    now = _utilisations(model)
-    weak = now > 1.0
-    before = np.append(utilisation > 1.0, np.zeros(len(now) - len(utilisation), dtype=bool))
-    if weak[joint] or np.any(weak & ~before):
-        return None
-    moved, relieved = model.moved(), tuple(map(int, np.flatnonzero(before & ~weak)))
-    return SupportPlank(moved, boards[0][1], third, result, relieved, moved.planks[len(furniture.piece.planks)])
+class Reliefs:
+    """What boards do to a weak piece; what was tested is not tested again."""
+
+    def __init__(self, furniture: Furniture) -> None:
+        self.furniture, self.geometry = furniture, furniture.geometry()
+        self.utilisation = _utilisations(furniture)
+        self._tested: dict[tuple[object, ...], SupportPlank | None] = {}
+
+    def by(self, boards: Sequence[Board], third: int, joint: int) -> SupportPlank | None:
+        """The piece with these boards, if they take enough load off the joint and overload no other."""
+        places = ((*between, *plank.centre.tolist(), *plank.size.tolist()) for plank, between in boards)
+        tried = (joint, *places)
+        if tried not in self._tested:
+            self._tested[tried] = self._test(boards, third, joint)
+        return self._tested[tried]
+
+    def _test(self, boards: Sequence[Board], third: int, joint: int) -> SupportPlank | None:
+        piece = self.furniture.piece
+        try:
+            for plank, between in boards:
+                piece = _with(piece, plank, *between)
+            model = Furniture(piece, self.furniture.compliance)
+        except UserError:
+            # Its fasteners do not hold there.
+            return None
+        result = model.test()
+        if result.flaws & (LOST | OVERLAPPING | UNSTABLE | UNBALANCED):
+            return None
+        now, before = _utilisations(model), self.utilisation
+        weak = now > 1.0
+        known = np.append(before > 1.0, np.zeros(len(now) - len(before), dtype=bool))
+        if weak[joint] or np.any(weak & ~known):
+            return None
+        moved, relieved = model.moved(), tuple(map(int, np.flatnonzero(known & ~weak)))
+        added = moved.planks[len(self.furniture.piece.planks)]
+        return SupportPlank(moved, boards[0][1], third, result, relieved, added)
 
 
 def _utilisations(furniture: Furniture) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import tomllib
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 from math import pi, sqrt
 from typing import Any
@@ -250,3 +251,19 @@ def fastener(name: str) -> Fastener:
     if name not in FASTENERS:
         raise UserError(f"there is no fastener {name}", do=f"name one of {', '.join(FASTENERS)}")
     return FASTENERS[name]
+
+
+@cache
+def strengths(name: str, into: str, through: str, thickness: float, edge: float) -> tuple[float, float]:
+    """The pull and the shear [N] that one fastener bears.
+
+    Args:
+        name: of the fastener.
+        into, edge: of the plank in whose end it is, the name of its wood and its thickness [m].
+        through, thickness: of the plank through whose face it goes.
+
+    Raises:
+        UserError: a name is unknown, or the fastener does not hold there: `Fastener.pull_strength`.
+    """
+    kind, woods = fastener(name), (wood(into), wood(through))
+    return kind.pull_strength(*woods, thickness, edge), kind.shear_strength(*woods, thickness)

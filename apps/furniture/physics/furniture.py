@@ -5,7 +5,7 @@ from dataclasses import astuple, dataclass, field, replace
 import numpy as np
 from restshape_apps.furniture import _kernels
 from restshape_apps.furniture.physics import plank_findings
-from restshape_apps.furniture.physics.fasteners import fastener, wood
+from restshape_apps.furniture.physics.fasteners import strengths, wood
 from restshape_apps.furniture.physics.plank_findings import FlawNumbers
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.shape.planks import Joint, Piece
@@ -227,10 +227,7 @@ class Furniture:
 
     def _strength(self, joint: Joint) -> tuple[float, float]:
         into, through = self.piece.planks[joint.i], self.piece.planks[joint.j]
-        kind, thickness = fastener(joint.fastener), float(through.size[2])
-        woods = wood(into.wood), wood(through.wood)
-        pull = kind.pull_strength(*woods, thickness, float(into.size[2]))
-        return pull, kind.shear_strength(*woods, thickness)
+        return strengths(joint.fastener, into.wood, through.wood, float(through.size[2]), float(into.size[2]))
 
     def _cases(self, loads: int) -> np.ndarray:
         weights, pushes = self.piece.weights, self.piece.pushes

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -147,7 +148,7 @@ class Piece:
     reach: float = NEAR
     moments: bool = False
 
-    @property
+    @cached_property
     def size(self) -> float:
         """The longest side of its bounding box [m]."""
         corners = np.concatenate([plank.corners() for plank in self.planks])

@@ -8,7 +8,7 @@ from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.preferences import kept_modes, locked, preserved, way_of_material
 from restshape_apps.furniture.guidance.ranked import ranked
 from restshape_apps.furniture.guidance.suggested import Suggestion
-from restshape_apps.furniture.guidance.support_planks import searched
+from restshape_apps.furniture.guidance.support_planks import Reliefs, searched
 from restshape_apps.furniture.physics.furniture import WEAK, Furniture
 from restshape_apps.furniture.pieces import drawn, scales, table
 from restshape_apps.furniture.shape.plank_scene import piece_of
@@ -165,7 +165,7 @@ def test_support_planks_come_with_their_mirror_images(tmp_path) -> None:
 @pytest.mark.slow
 def test_a_lone_plank_comes_after_what_keeps_symmetry(tmp_path) -> None:
     design = Design(read(tmp_path, COFFEE_TABLE), Guidance())
-    (prop,) = searched(weak(design.piece), 1, 36, (), False)
+    (prop,) = searched(Reliefs(weak(design.piece)), 1, 36, (), False)
     lone = Suggestion.supported(design.piece, prop)
     assert preserved(design.piece, lone.piece) == (True, False)
     thicker = next(one for one in design.suggestion_list.found if one.kind == "thicker planks")
