@@ -21,6 +21,9 @@ from restshape.cli.options import print_table, write_json
 from restshape.errors import UserError
 from restshape.physics.elasticity.ground_record import GroundRecord, read_record
 
+ROUNDING = 1e-9
+"""Share of the root of the mass up to which a participation is rounding, which the table shows as 0."""
+
 
 @dataclass(frozen=True)
 class Peaks:
@@ -91,9 +94,11 @@ def run(args: argparse.Namespace) -> int:
 def _print(shape: Structure, modes: BaseModes, found: dict[str, Peaks]) -> None:
     damping = modes.damping(shape.analysis.state.integration.damping)
     heads = ("mode", "frequency [Hz]", "damping [%]", "participation [kg^1/2]", "mass [%]", "mass so far [%]")
-    columns = (modes.frequencies, 100 * damping, modes.participation, 100 * modes.effective_mass)
+    moved = modes.effective_mass > ROUNDING**2
+    participation, mass = (np.where(moved, one, 0.0) for one in (modes.participation, 100 * modes.effective_mass))
+    columns = (modes.frequencies, 100 * damping, participation, mass)
     rows = [
-        (k + 1, *(f"{value:.5g}" for value in values), f"{100 * modes.effective_mass[: k + 1].sum():.4g}")
+        (k + 1, *(f"{value:.5g}" for value in values), f"{mass[: k + 1].sum():.4g}")
         for k, values in enumerate(zip(*columns))
     ]
     print_table(f"modes, of a mass of {modes.mass:.6g} kg", heads, rows, right=heads)

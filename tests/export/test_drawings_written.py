@@ -207,8 +207,36 @@ def test_an_svg_is_read_back_by_the_program(outline, tmp_path):
     assert set(back.names("hole")) == set(outline.names("hole"))
     assert back.names("region") == outline.names("region")
     for name in ("bottom", "right", "top.1", "window.1"):
-        lengths = [sum(one.length(e) for e in one.entity(name).edges) for one in (outline, back)]
-        assert lengths[1] == pytest.approx(lengths[0], rel=1e-9)
+        (i,), (j,) = back.entity(name).edges, outline.entity(name).edges
+        assert back.edges[i].kind == outline.edges[j].kind
+        assert back.length(i) == pytest.approx(outline.length(j), rel=1e-9)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 1.1])
+def test_half_a_circle_stays_half_a_circle_in_an_svg(tmp_path, turn):
+    """Two edges with a bulge of 1 are a circle of area pi, wherever and however they lie."""
+    place = 1e3 * np.array([0.3, 0.2]) + np.array([[np.cos(turn), np.sin(turn)]]) * [[1.0], [-1.0]]
+    edges = {"one": {"arc": ["a", "b"], "bulge": 1}, "other": {"arc": ["b", "a"], "bulge": 1}}
+    vertices = dict(zip("ab", place.tolist()))
+    round_one = outline_from_spec(ShapeSpec(vertices=vertices, edges=edges, outline=["one", "other"]))
+    write_svg(round_one, tmp_path / "round.svg")
+    back = outline_from_spec(ShapeSpec(file="round.svg"), tmp_path)
+    assert back.area() == pytest.approx(np.pi, rel=1e-12)
+
+
+@pytest.mark.parametrize(("kind", "write"), [("dxf", write_dxf), ("svg", write_svg)])
+def test_edges_that_had_a_layer_together_have_its_name_again(tmp_path, kind, write):
+    """Lines of one layer are read as `rim-1`, ...; exported with these names they are the group `rim` again."""
+    corners = [(0, 0), (100, 0), (100, 50), (0, 50)]
+    drawing = ezdxf.new("R2010", units=ezdxf.units.MM)
+    for i, layer in enumerate(("foot", "rim", "rim", "rim")):
+        drawing.modelspace().add_line(corners[i], corners[(i + 1) % 4], dxfattribs={"layer": layer})
+    drawing.saveas(tmp_path / "first.dxf")
+    first = outline_from_spec(ShapeSpec(file="first.dxf"), tmp_path)
+    write(first, tmp_path / f"again.{kind}")
+    back = outline_from_spec(ShapeSpec(file=f"again.{kind}"), tmp_path)
+    names = [{one.edges[e].name for e in one.entity("rim").edges} for one in (first, back)]
+    assert names == [{"rim-1", "rim-2", "rim-3"}] * 2
 
 
 @pytest.mark.slow

@@ -66,6 +66,19 @@ HOLES = {
 }
 
 
+SHALLOW = 1.02 / 3.0 * 20.0
+"""A handle of a curve of 0.05 rad from its chord at both ends, 2 % longer than that of an arc."""
+
+
+def test_a_shallow_curve_that_no_program_draws_for_a_circle_is_exact(tmp_path):
+    """The area between it and its chord is 0.6 chord - 0.3 (way of a handle along it), times the handles' height."""
+    height = SHALLOW * math.tan(0.05)
+    path = f"M 40 40 H 60 C {60 - SHALLOW} {40 + height} {40 + SHALLOW} {40 + height} 40 40 z"
+    outline = read(tmp_path, svg(PLATE + f'<path id="h" d="{path}"/>'))
+    area = (0.6 * 20.0 - 0.3 * SHALLOW) * height
+    assert -outline.loop_area(1) == pytest.approx(0.25e-6 * area, rel=1e-12)
+
+
 @pytest.mark.parametrize("name", list(HOLES))
 def test_holes_have_the_area_of_their_closed_form(tmp_path, name):
     body, area, kind, within = HOLES[name]

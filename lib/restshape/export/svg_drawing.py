@@ -17,6 +17,11 @@ MARGIN = 0.02
 """Share of the size that is left free around the shape."""
 STROKE = 0.002
 """Width of lines, over the size."""
+HALF = 1e-9
+"""Distance of a bulge from 1 up to which an arc is half a circle."""
+SHORT = 1e-12
+"""Share by which the radius of half a circle is too short, so that readers take half the chord (SVG, F.6.6): where the
+centre is follows from the root of a difference that is rounding else, and would be off by 1e-8 of the radius."""
 
 
 def write_svg(outline: Outline, path: Path) -> None:
@@ -60,6 +65,8 @@ def path_of(outline: Outline, index: int, forward: bool = True) -> str:
     points = points if forward else points[::-1]
     if edge.kind == "arc" and bulge != 0.0:
         radius = MM * float(np.hypot(*(points[1] - points[0]))) * (1.0 + bulge**2) / (4.0 * abs(bulge))
+        if abs(abs(bulge) - 1.0) < HALF:
+            radius *= 1.0 - SHORT
         # y is down: what turns counter-clockwise in the scene has the sweep flag 0.
         large, sweep = int(abs(bulge) > 1.0), int((bulge > 0.0) != forward)
         return f"M {_words(points[:1])} A {radius!r} {radius!r} 0 {large} {sweep} {_words(points[1:])}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +20,9 @@ SplineEdge = tuple[Reals, tuple[float, ...], Ends]
 """The points (n, 2) of a spline edge, its knots (n,) from 0 to 1, and its end conditions."""
 NEGLIGIBLE = 1e-11
 """A derivative smaller than this share of the largest one is 0: the curve moves by no more than that share."""
+
+JOINED = 1e-9
+"""Share of the handles by which slope and bend of two Bézier curves of one spline may differ where they join."""
 
 
 def cubic_of(points: Reals, knots: tuple[float, ...], ends: Ends) -> BSpline:
@@ -74,6 +79,48 @@ def edges_of_cubic(knots: Reals, controls: Reals) -> list[SplineEdge]:
         _part(curve, np.unique([*own[own < middle], middle])),
         _part(curve, np.unique([middle, *own[own > middle]])),
     ]
+
+
+def spline_of_beziers(pieces: Sequence[Reals], begin: int = 0) -> tuple[Reals, Reals, int]:
+    """The cubic B-spline that some joined Bézier curves are, of as many as it can be.
+
+    At a joint of a spline slope and second derivative go on, for steps of its parameter as the handles are long.
+
+    Args:
+        pieces: (4, 2) control points each.
+        begin: the first of them; there is one.
+
+    Returns:
+        Knots (n + 4,) and control points (n, 2), and how many of the pieces it is.
+    """
+    steps = [1.0]
+    for one, other in pairwise(islice(pieces, begin, None)):
+        step = _next_step(one, other, steps[-1])
+        if step is None:
+            break
+        steps.append(step)
+    own = np.concatenate([[0.0], np.cumsum(steps)])
+    knots = np.concatenate([[0.0] * 3, own, [own[-1]] * 3])
+    # The blossom of the polynomial of a piece at three knots that follow each other is the control point there.
+    controls = [*pieces[begin][:2]]
+    for piece, step, following in zip(islice(pieces, begin, None), steps, steps[1:]):
+        # The blossom is affine in each knot: on from that at the begin and the end of this piece to the next end.
+        controls.append(piece[2] + (piece[2] - piece[1]) * following / step)
+    return knots, np.array([*controls, *pieces[begin + len(steps) - 1][2:]]), len(steps)
+
+
+def _next_step(one: Reals, other: Reals, step: float) -> float | None:
+    """The step of a Bézier curve that goes on from another of this step as one spline does; None where it does not."""
+    before, after = one[3] - one[2], other[1] - other[0]
+    lengths = float(np.hypot(*before)), float(np.hypot(*after))
+    if min(lengths) == 0.0 or np.any(one[3] != other[0]):
+        return None
+    found = step * lengths[1] / lengths[0]
+    kink = float(np.hypot(*(after / lengths[1] - before / lengths[0])))
+    bends = (one[3] - 2.0 * one[2] + one[1]) / step**2, (other[2] - 2.0 * other[1] + other[0]) / found**2
+    # What rounding may do to a bend is a share of the handles that it is made of.
+    jump = float(np.hypot(*(bends[1] - bends[0]))) * min(step, found) ** 2
+    return found if kink < JOINED and jump < JOINED * max(lengths) else None
 
 
 def _part(curve: BSpline, knots: Reals) -> SplineEdge:

@@ -16,7 +16,7 @@ from restshape.errors import UserError, printable, quoted
 from restshape.memory import bounded_memory
 from restshape.shape.layer_names import name_of, refuse_layers
 from restshape.shape.loose_curve import Curve, LooseCurves, gathered
-from restshape.shape.svg_segments import Placing, curves_of_segment
+from restshape.shape.svg_segments import Placing, curves_of_path
 from restshape.shape.svg_tree import GROUP_NAME, OWN_NAME, REGION, REGION_NAME, SvgTree, svg_tree
 
 NO_SIZE = "the drawing has no size in mm, cm, in or pt (width, height), and is read with 96 units an inch"
@@ -29,8 +29,9 @@ def read_svg(path: Path, layers: Mapping[str, str]) -> LooseCurves:
     (``use``) of them. The origin is that of the drawing's user units; y of the shape goes up, that of the drawing down.
     Labels or ids name edges and holes, those of groups what has none; a loop that has a group for itself has the name
     of the group. A name that begins with ``region``, or the class ``region``, makes a region. Lines, circle arcs and
-    Bézier curves are exact, but that Bézier curves which programs draw for circles become arcs; arcs of ellipses become
-    splines within `fitted_spline.WITHIN`. What is not displayed, texts, images, masks and patterns are left out.
+    Bézier curves are exact, those that together are one spline an edge, but that Bézier curves which programs draw for
+    circles become arcs; arcs of ellipses become splines within `fitted_spline.WITHIN`. What is not displayed, texts,
+    images, masks and patterns are left out.
 
     Args:
         path: the file.
@@ -86,6 +87,5 @@ def _curves_of(shape: Any, tree: SvgTree, layers: Mapping[str, str]) -> list[Cur
     segments = svgelements.Path(shape).segments(transformed=False)
     return [
         replace(piece, label=label, loop=loop, region=region or None, source=source)
-        for one in segments
-        for piece in curves_of_segment(one, place, source)
+        for piece in curves_of_path(segments, place, source)
     ]

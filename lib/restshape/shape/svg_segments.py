@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
 
 from restshape.arrays import Reals
-from restshape.shape.bsplines import edges_of_cubic
+from restshape.shape.bsplines import edges_of_cubic, spline_of_beziers
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
 from restshape.shape.loose_curve import Curve
 
 ROUND = 1e-9
 """Share by which the half axes of an arc may differ that is one of a circle."""
+HALF = 4e-15
+"""Share of its coordinates by which the radius of an arc may differ from half its chord that is half a circle: the root
+of a difference that is rounding gives where its centre is."""
 STRAIGHT = 1e-9
 """Share of its length by which the handles of a Bézier curve may be off its chord that is a line."""
 CIRCULAR = 1e-3
-"""Share of the radius by which handles may be off those by which programs draw a circle."""
+"""Share by which handles and their directions may be off those by which programs draw a circle: of the radius for a
+quarter of it, less for shorter arcs, as their handles are shorter."""
 QUARTER = 0.5 * np.pi
 KNOTS = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
 
@@ -71,6 +75,34 @@ def curves_of_segment(segment: Any, placed: Placing, source: str) -> list[Curve]
     return _arc(segment, placed, source) if kind == "Arc" else []
 
 
+def curves_of_path(segments: Iterable[Any], placed: Placing, source: str) -> list[Curve]:
+    """The edges of a path: each segment by itself, but that cubic ones which together are one spline are one edge.
+
+    Arguments and errors as of `curves_of_segment`.
+    """
+    found: list[Curve] = []
+    for cubics, run in groupby(segments, lambda one: type(one).__name__ == "CubicBezier"):
+        if cubics:
+            found += _of_cubics([placed([one.start, one.control1, one.control2, one.end]) for one in run])
+        else:
+            found += [curve for one in run for curve in curves_of_segment(one, placed, source)]
+    return found
+
+
+def _of_cubics(pieces: list[Reals]) -> list[Curve]:
+    """The edges of cubic Bézier curves (4, 2) [m] that join: a spline for those that are one, else each by itself."""
+    found: list[Curve] = []
+    begin = 0
+    while begin < len(pieces):
+        knots, controls, count = spline_of_beziers(pieces, begin)
+        single = [curve for piece in pieces[begin : begin + count] for curve in cubic(piece)]
+        begin += count
+        straight = all(curve.kind == "line" for curve in single)
+        edges = [] if count == 1 or straight else edges_of_cubic(knots, controls)
+        found += [Curve(points, "spline", knots=own, ends=ends) for points, own, ends in edges] or single
+    return found
+
+
 def cubic(controls: Reals) -> list[Curve]:
     """The edges that a cubic Bézier curve is: a line, an arc where it was drawn for one, else a spline, exact.
 
@@ -103,12 +135,13 @@ def _bulge(controls: Reals) -> float:
     first, last, chord = p - a, b - q, b - a
     half = np.arctan2(first[0] * chord[1] - first[1] * chord[0], first @ chord)
     other = np.arctan2(chord[0] * last[1] - chord[1] * last[0], chord @ last)
-    if not (abs(half - other) < CIRCULAR and 0.0 < abs(half) < 0.5 * QUARTER + CIRCULAR):
+    part = abs(half) / (0.5 * QUARTER)
+    if not (abs(half - other) < CIRCULAR * part and 0.0 < part < 1.0 + CIRCULAR):
         return 0.0
     radius = float(np.hypot(*chord)) / (2.0 * np.sin(abs(half)))
     wanted = 4.0 / 3.0 * np.tan(0.5 * abs(half)) * radius
     off = max(abs(float(np.hypot(*handle)) - wanted) for handle in (first, last))
-    return float(np.tan(0.5 * half)) if off < CIRCULAR * radius else 0.0
+    return float(np.tan(0.5 * half)) if off < CIRCULAR * part * radius else 0.0
 
 
 def _arc(segment: Any, placed: Placing, source: str) -> list[Curve]:
@@ -131,6 +164,9 @@ def _arc(segment: Any, placed: Placing, source: str) -> list[Curve]:
     corners = points(cuts)
     corners[[0, -1]] = ends
     if is_round:
+        half = 0.5 * float(np.hypot(*(ends[1] - ends[0])))
+        if not whole and abs(lengths[0] - half) <= HALF * float(np.abs(ends).max() + half):
+            sweep = float(np.copysign(np.pi, sweep))
         turn = float(np.sign(major[0] * minor[1] - major[1] * minor[0])) * sweep / count
         return [Curve(np.array(pair), "arc", bulge=float(np.tan(turn / 4.0))) for pair in pairwise(corners)]
     found = []

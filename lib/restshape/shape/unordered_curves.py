@@ -30,9 +30,10 @@ def shape_data(
 ) -> tuple[Table, list[Gap]]:
     """Loose curves as the plain tables of a ``[shape]``: the largest loop is the outline, others holes or regions.
 
-    An edge alone on its layer has the layer's name; several get ``LAYER-1``, ``LAYER-2`` ... and a group LAYER. A loop
-    that has a layer for itself has the layer's name, and is a region where the curves say so. A point where curves meet
-    names that vertex; one inside of the material is a point of the shape; others, and repeated names, are left out.
+    An edge alone on its layer has the layer's name; several get ``LAYER-1``, ``LAYER-2`` ... and a group LAYER, which
+    layers of these names, as exports have them, give as well. A loop that has a layer for itself has the layer's name,
+    and is a region where the curves say so. A point where curves meet names that vertex; one inside of the material is
+    a point of the shape; others, and repeated names, are left out.
 
     Args:
         loose_curves: the curves.
@@ -215,4 +216,15 @@ def _edge_names(loose_curves: list[Curve], loops: set[str]) -> tuple[list[str], 
         names.append(name)
         if label and label not in loops:
             groups.setdefault(label, []).append(name)
-    return names, groups
+    return names, _numbered(names, taken) | groups
+
+
+def _numbered(names: list[str], taken: set[str]) -> dict[str, list[str]]:
+    """Groups NAME of edges that are NAME-1, NAME-2, ..., as an exported drawing has them, if nothing has that name."""
+    numbers: dict[str, dict[int, str]] = {}
+    for name in names:
+        stem, dash, number = name.rpartition("-")
+        if dash and stem and stem not in taken and number.isdecimal() and not number.startswith("0"):
+            numbers.setdefault(stem, {})[int(number)] = name
+    whole = {stem: own for stem, own in numbers.items() if len(own) > 1 and max(own) == len(own)}
+    return {stem: [own[k] for k in sorted(own)] for stem, own in whole.items()}
