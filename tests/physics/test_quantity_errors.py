@@ -14,6 +14,7 @@ from restshape.analysis import quantity_errors
 from restshape.application import application
 from restshape.cli.schema import scene_schema
 from restshape.errors import UserError
+from restshape.fem.observer import area
 from restshape.fem.quantity_error import dual_solution
 from restshape.fem.residuals import tangent_product
 from restshape.mesh.enriched_space import EnrichedSpace
@@ -46,6 +47,7 @@ space = { area = true }
 BODY = HEAD + block(2.0, 1.0) + CORE + HOLE + STEEL + SOFT + CLAMPED + PRESSED
 NAMES = ("stretch", "corner", "most", "inside", "place", "furthest", "wall", "energy", "part", "window", "side")
 SMOOTH = ("stretch", "inside", "wall", "energy", "part")
+PATCH = Path(__file__).parents[2] / "apps" / "solid" / "scenes" / "patch.toml"
 KIRSCH = Path(__file__).parents[2] / "apps" / "solid" / "scenes" / "kirsch.toml"
 LIMITED = plate().replace('stretch = { displacement = "x"', 'stretch = { MAX displacement = "x"')
 
@@ -69,6 +71,29 @@ def test_what_a_space_holds_comes_to_the_richer_one_as_it_is(tmp_path, order):
             space.place()
         richer.follow()
     assert len(richer.space.X) > 3 * len(space.X)
+
+
+def test_triangles_with_curved_sides_are_as_they_are_on_the_richer_space(tmp_path):
+    """All nodes but those on curves are where the triangles in two parts each way have them."""
+    space = solved(tmp_path, 0.3, 2).problem.space
+    richer = EnrichedSpace(space)
+    inner = np.setdiff1d(np.arange(len(richer.space.X)), richer.space.facets)
+    for _ in range(2):
+        np.testing.assert_allclose(richer.prolonged(space.X)[inner], richer.space.X[inner], atol=1e-13)
+        space.mesh.X[:] *= (1.1, 0.9)
+        space.place()
+        richer.follow()
+
+
+@pytest.mark.parametrize("size", [0.141, 0.1])
+def test_the_energy_of_a_patch_is_off_by_the_area_that_parabolas_leave_out(size):
+    """Even strain on all of a square with a round hole: the next mesh has 1/16 of the error of the area."""
+    given = ("mesh.order=2", f"mesh.size={size}", f"mesh.near.hole={0.3 * size}")
+    analysis = first_frame(PATCH, given).analysis
+    whole = 1.0 - np.pi * 0.11**2
+    value = analysis.observe()["energy"]
+    true = value * (whole / area(analysis.problem.space) - 1.0)
+    assert analysis.quantity_errors(["energy"])["energy"] / abs(true) == pytest.approx(15 / 16, rel=0.02)
 
 
 @pytest.mark.parametrize("order", [1, 2])

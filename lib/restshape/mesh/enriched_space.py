@@ -23,7 +23,8 @@ PARTS = 0.5 * np.array(
 class EnrichedSpace:
     """Second-order nodes over a first-order mesh, or, over a space of second order, over its triangles in four.
 
-    Curved sides of first order become curves; those of second order are met closer.
+    Curved sides of first order become curves; those of second order are met closer. Over these, nodes within the body
+    are where the triangles of the space have them, which curved sides bend: fields come over as they are.
 
     Args:
         space: whose nodes may move; edges may not flip.
@@ -35,10 +36,14 @@ class EnrichedSpace:
 
     def __init__(self, space: Mesh | LagrangeSpace) -> None:
         self._nested: NestedMesh | None = None
+        self._coarse = space
         if space is not space.mesh:
             self._nested = NestedMesh(space.mesh, 2)
             self.space = LagrangeSpace(self._nested.finest)
             self.prolongation = _from_second_order(space, self.space)
+            self._inner = np.setdiff1d(self.space.side_number, self.space.facets[:, 2])
+            self._own_places = self.prolongation[self._inner]
+            self._bend_within()
         else:
             self.space = LagrangeSpace(space.mesh)
             self.prolongation = _from_first_order(space.mesh, self.space)
@@ -49,6 +54,12 @@ class EnrichedSpace:
             self._nested.follow()
         self.space.bend(self.space.mesh.outline)
         self.space.place()
+        self._bend_within()
+
+    def _bend_within(self) -> None:
+        """Put the middles of sides within the body where the triangles of a space of second order have them."""
+        if self._nested is not None:
+            self.space.X[self._inner] = self._own_places @ self._coarse.X
 
     def cells_in(self, cells: np.ndarray | slice) -> np.ndarray | slice:
         """Cells of the richer space inside some (k,) of the space, or all of them for a slice of all."""
