@@ -160,6 +160,35 @@ def test_arcs_and_lines_that_meet_without_a_corner(tmp_path, order):
     assert {outline.edges[edge].kind for edge, _ in hole.edges} == {"arc", "line"}
 
 
+def pierced(path: Path, sides: int, order: int) -> Path:
+    """A square with a round hole of so many sides."""
+    with Drawn() as geo:
+        square = [geo.addPoint(*place, 0, 0.2) for place in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        outer = geo.addCurveLoop([geo.addLine(square[i], square[(i + 1) % 4]) for i in range(4)])
+        middle = geo.addPoint(0.5, 0.5, 0)
+        turns = [2.0 * np.pi * k / sides for k in range(sides)]
+        ends = [geo.addPoint(0.5 + 0.2 * np.cos(t), 0.5 + 0.2 * np.sin(t), 0) for t in turns]
+        arcs = [geo.addCircleArc(ends[k], middle, ends[(k + 1) % sides]) for k in range(sides)]
+        for arc in arcs:
+            geo.mesh.setTransfiniteCurve(arc, 2)
+        geo.addPlaneSurface([outer, geo.addCurveLoop(arcs)])
+        geo.synchronize()
+        return written(path, order)
+
+
+@pytest.mark.parametrize(("sides", "order"), [(8, 1), (11, 1), (12, 1), (4, 2), (11, 2)])
+def test_a_hole_of_few_sides_is_round(tmp_path, sides, order):
+    outline = read_mesh(pierced(tmp_path / "a.msh", sides, order))[1]
+    assert outline.area() == pytest.approx(1.0 - np.pi * 0.2**2, rel=1e-9)
+    hole = next(loop for loop in outline.loops if loop.kind == "hole")
+    assert [outline.edges[edge].kind for edge, _ in hole.edges] == ["arc", "arc"]
+
+
+def test_a_hexagon_of_straight_sides_stays_one(tmp_path):
+    outline = read_mesh(pierced(tmp_path / "a.msh", 6, 1))[1]
+    assert outline.area() == pytest.approx(1.0 - 1.5 * np.sqrt(3.0) * 0.2**2, rel=1e-9)
+
+
 def chain(points: np.ndarray) -> BoundaryChain:
     return BoundaryChain(points, [None] * (len(points) - 1))
 

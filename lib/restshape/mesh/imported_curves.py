@@ -122,6 +122,26 @@ class BoundaryChain:
         return low if self.is_arc(i, low) else 0
 
 
+def on_one_circle(X: np.ndarray, run: Sequence[int], curved: Middles) -> bool:
+    """Whether the nodes of a run, a ring if its last is its first, and the middles between them are on one circle.
+
+    They are MANY at least, and go around its centre in one sense, once at most.
+    """
+    points = _chain_of(X, np.array(run), curved).points(0, len(run) - 1)
+    count = len(points) - (run[0] == run[-1])
+    circle = _circle(points[0], points[count // 3], points[2 * count // 3])
+    if count < MANY or circle is None:
+        return False
+    centre, radius = circle
+    away = points - centre
+    turns = _turns(away)
+    sagitta = radius * (1.0 - np.cos(0.5 * np.abs(turns).max()))
+    one_way = (turns > 0.0).all() or (turns < 0.0).all()
+    size = float(np.ptp(points, axis=0).max())
+    near = np.abs(np.hypot(*away.T) - radius).max() <= OFF_CIRCLE * sagitta + ROUNDING * size
+    return bool(one_way and near and abs(turns.sum()) < 2.01 * np.pi)
+
+
 def _circle(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, float] | None:
     """Centre (2,) and radius of the circle through three points; None where they are in a line."""
     u, v = b - a, c - a

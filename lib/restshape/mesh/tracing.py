@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections import defaultdict
+from collections import defaultdict, deque
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.mesh.boundary import Boundary
 from restshape.mesh.hinges import inner_sides
-from restshape.mesh.imported_curves import Middles, curved_middles, cut_at_arcs, imported_edge
+from restshape.mesh.imported_curves import Middles, curved_middles, cut_at_arcs, imported_edge, on_one_circle
 from restshape.mesh.mesh import edges_of_cells
 from restshape.mesh.regions import contains, signed_area
 from restshape.shape.draft import Draft
@@ -21,7 +21,11 @@ log = logging.getLogger(__name__)
 
 CORNER = np.radians(30.0)
 """An outline that turns by more than this at a node has a vertex there."""
+BENDS, ROUND = np.radians(25.0), np.radians(45.0) + 1e-6
+"""Between these a circle of few sides turns at its nodes, of curved sides up to twice as much: none is a vertex."""
 
+Ways = dict[int, list[tuple[int, int]]]
+"""Segments that meet at a node, each with the node at its other end."""
 MOST_POINTS = 20
 """Inner nodes of one node set that become embedded points; a set with more of them is no list of points."""
 
@@ -86,8 +90,8 @@ def trace(found: Triangles) -> tuple[Outline, Boundary, np.ndarray, np.ndarray]:
     patches = _patches(found, edges, cell_edges, border)
     traced = border | _between(cell_edges, patches.of_cell, len(edges))
     marks, loose = _marks(found, edges, border, traced)
-    chains = _chains(found.X, edges[traced], {name: mark[traced] for name, mark in marks.items()}, loose)
     curved = curved_middles(found.X, found.sides, found.middles, edges[traced])
+    chains = _chains(found.X, edges[traced], {name: mark[traced] for name, mark in marks.items()}, loose, curved)
     chains = [part for chain in chains for part in cut_at_arcs(found.X, chain, curved)]
     return _outline(found, rings, patches, edges, marks, loose, chains, curved)
 
@@ -209,20 +213,32 @@ def _marks(
 
 
 def _chains(
-    X: np.ndarray, segments: np.ndarray, marks: dict[str, np.ndarray], loose: dict[str, list[int]]
+    X: np.ndarray,
+    segments: np.ndarray,
+    marks: dict[str, np.ndarray],
+    loose: dict[str, list[int]],
+    curved: Middles,
 ) -> list[np.ndarray]:
     """Chains of nodes between the outline's vertices, which cover all segments (m, 2)."""
-    ways: dict[int, list[tuple[int, int]]] = defaultdict(list)
+    ways: Ways = defaultdict(list)
     for i, (a, b) in enumerate(segments.tolist()):
         ways[a].append((i, b))
         ways[b].append((i, a))
     table = np.array(list(marks.values()), dtype=bool).reshape(len(marks), len(segments)).T
     stops = {node for nodes in loose.values() for node in nodes if node in ways}
+    corners, bends = set(), set()
     for node, around in ways.items():
         (i, a), (j, b) = around[0], around[-1]
-        bends = len(around) == 2 and abs(_turn(X[node] - X[a], X[b] - X[node])) > CORNER
-        if len(around) != 2 or bends or (table[i] != table[j]).any():
+        if len(around) != 2 or (table[i] != table[j]).any():
             stops.add(node)
+            continue
+        turn = abs(_turn(X[node] - X[a], X[b] - X[node]))
+        if turn > CORNER:
+            corners.add(node)
+        arcs = all((min(node, other), max(node, other)) in curved for other in (a, b))
+        if BENDS < turn <= (2.0 if arcs else 1.0) * ROUND:
+            bends.add(node)
+    stops.update(corners - _on_circles(X, ways, bends - stops, curved))
     left = set(range(len(segments)))
     chains = []
     for start in [*sorted(stops), *sorted(ways)]:
@@ -238,9 +254,29 @@ def _chains(
     return [np.array(chain) for chain in chains]
 
 
-def _walk(
-    ways: dict[int, list[tuple[int, int]]], stops: set[int], left: set[int], start: int, segment: int, node: int
-) -> list[int]:
+def _on_circles(X: np.ndarray, ways: Ways, bends: set[int], curved: Middles) -> set[int]:
+    """Those of some nodes in whose runs all, with the nodes beside the run, are on one circle of many nodes."""
+    found, left = set(), set(bends)
+    while left:
+        node = left.pop()
+        run = deque([node])
+        for end in (0, -1):
+            beside = ways[node][end][1]
+            previous = node
+            while True:
+                run.appendleft(beside) if end == 0 else run.append(beside)
+                if beside not in left:
+                    break
+                left.discard(beside)
+                previous, beside = beside, next(other for _, other in ways[beside] if other != previous)
+            if end == 0 and run[0] == node:
+                break
+        if on_one_circle(X, run, curved):
+            found.update(bends.intersection(run))
+    return found
+
+
+def _walk(ways: Ways, stops: set[int], left: set[int], start: int, segment: int, node: int) -> list[int]:
     """Nodes from a start through a segment up to the next stop; the segments passed are taken out of `left`."""
     chain = [start, node]
     left.discard(segment)
