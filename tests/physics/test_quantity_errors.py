@@ -10,7 +10,7 @@ from small_scenes import write_script as scripted
 from thermal_scenes import ANNULUS
 from thermal_scenes import solved as heat_solved
 
-from restshape.analysis import quantity_errors
+from restshape.analysis import enriched_errors, quantity_errors
 from restshape.application import application
 from restshape.cli.schema import scene_schema
 from restshape.errors import UserError
@@ -380,3 +380,36 @@ def test_a_body_without_stress_has_no_error(tmp_path, order):
     text += '[quantities]\nstrength = { stress = "von_mises", at = "right", max = 1e6 }\n' + meshed(0.5, order)
     row = first_frame(write_scene(tmp_path, text)).row
     assert row["strength_error"] == row["q_strength"] == 0.0 and row["constraint_status"] == HOLDS
+
+
+LOADS = [("30 MPa", "-10 MPa"), ("60 MPa", "-10 MPa"), ("0 MPa", "-10 MPa"), ("0 MPa", "-11 MPa"), ("50 MPa", "20 MPa")]
+"""On the right side: a pull, then a bend, then both."""
+
+
+def test_estimates_go_on_from_those_of_another_load(tmp_path, monkeypatch):
+    """On one mesh, against those of an analysis of its own; the space and the pattern over it are made once."""
+    asked = "".join(f"{line}\n" for line in ASKED.splitlines() if "window" in line or "corner" in line)
+    text = BODY + "[quantities]\nerror = true\n" + asked + meshed(0.1, 2)
+    scene = write_scene(tmp_path, text)
+    made = []
+    monkeypatch.setattr(enriched_errors, "EnrichedSystem", counted(enriched_errors.EnrichedSystem, made))
+    events = [{"do": "set", "key": "loads.down.traction", "value": list(load)} for load in LOADS]
+    events.append({"do": "set", "key": "material.soft.E", "value": 20e9})
+    rows = rows_of(make_replay(scene, scripted(tmp_path, events)))[1:]
+    assert len(made) == 1
+    last = f"loads.down.traction={list(LOADS[-1])}"
+    own = [[f"loads.down.traction={list(load)}"] for load in LOADS] + [[last, "material.soft.E=20e9"]]
+    for row, overrides in zip(rows, own, strict=True):
+        cold = first_frame(scene, overrides).analysis.quantity_errors(("corner", "window"))
+        for name, error in cold.items():
+            assert row[f"{name}_error"] == pytest.approx(error, rel=0.01), name
+
+
+def counted(kind, made):
+    """A class that notes each of its objects."""
+
+    def make(*args):
+        made.append(kind(*args))
+        return made[-1]
+
+    return make

@@ -15,7 +15,6 @@ from restshape.fem.extremes import Extreme
 if TYPE_CHECKING:
     from restshape.analysis.linear_state import Estimated
     from restshape.fem.observer import Function
-    from restshape.fem.space import Space
     from restshape.mesh.lagrange_space import LagrangeSpace
     from restshape.mesh.mesh import Mesh
     from restshape.scene.model import Scene
@@ -30,11 +29,12 @@ class EnrichedErrors:
 
     def __init__(self, analysis: Estimated) -> None:
         self.analysis = analysis
-        self._kept: tuple[tuple[Space, int, Scene] | None, Enrichment | None] = (None, None)
+        self._kept: tuple[tuple[Mesh | LagrangeSpace, int] | None, Enrichment | None] = (None, None)
+        self._scene: Scene | None = None
         self._system: EnrichedSystem | None = None
 
     def follow(self, wanted: bool) -> Enrichment | None:
-        """The problem on the next richer space, kept for as long as mesh topology and scene stay, as the mesh lies.
+        """The problem of the scene on the next richer space, kept for as long as mesh topology stays, as the mesh lies.
 
         None where there is none, and where it is not wanted: at second order, if no load and no support varies.
         """
@@ -43,12 +43,16 @@ class EnrichedErrors:
         if space is None or space is not state.problem.space or not self._useful(space, wanted):
             self._kept = (None, None)
             return None
-        key, (known, kept) = (space, space.topology, state.scene), self._kept
+        key, (known, kept) = (space, space.topology), self._kept
+        make = partial(self.analysis.make, state.scene, state.plan)
         if kept is None or known != key:
-            kept = Enrichment(space, partial(self.analysis.make, state.scene, state.plan))
+            kept = Enrichment(space, make)
             self._kept = (key, kept)
+        elif self._scene != state.scene:
+            kept.pose(make)
         else:
             kept.follow()
+        self._scene = state.scene
         return kept
 
     def _useful(self, space: Mesh | LagrangeSpace, wanted: bool) -> bool:
@@ -59,12 +63,12 @@ class EnrichedErrors:
 
     def __call__(self, names: Iterable[str]) -> dict[str, float]:
         """The estimated sizes of the errors at the last solution, which `follow` has met."""
-        richer, state, analysis = self._kept[1], self.analysis.state, self.analysis
-        if richer is None:
+        (known, richer), state, analysis = self._kept, self.analysis.state, self.analysis
+        if known is None or richer is None:
             return dict.fromkeys(names, np.nan)
         if self._system is None or self._system.enrichment is not richer:
             self._system = EnrichedSystem(richer, analysis.solver, state.system, analysis.context.policy.backend)
-        unknowns = self._system.solution(state.x, state.problem.boundary.mask == 0)
+        unknowns = self._system.solution(state.x, state.problem.boundary.mask == 0, known[0].geometry)
         quantities = {name: state.scene.quantities[name] for name in names}
         functions = richer.problem.observer(quantities).functions
         return {

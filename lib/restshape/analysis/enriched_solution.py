@@ -28,7 +28,7 @@ class EnrichedSystem:
     """
 
     def __init__(self, enrichment: Enrichment, solver: LinearSolver, system: LinearSystem, backend: str | None) -> None:
-        self.enrichment, self._solver, self._coarse = enrichment, solver, system
+        self.enrichment, self._solver, self._coarse, self._backend = enrichment, solver, system, backend
         self._system = LinearSystem(system.comm, enrichment.problem, backend, solver.traits)
         from scipy.sparse import identity, kron
 
@@ -36,16 +36,21 @@ class EnrichedSystem:
         fields = identity(enrichment.problem.boundary.values.shape[1])
         self._up = kron(enrichment.over.prolongation, fields, format="csr")
         self._down = self._up.T.tocsr()
+        self._problem = enrichment.problem
+        self._before: tuple[int, np.ndarray] | None = None
 
-    def solution(self, x: np.ndarray, free: np.ndarray) -> np.ndarray:
+    def solution(self, x: np.ndarray, free: np.ndarray, geometry: int) -> np.ndarray:
         """The unknowns (m, f), to 1 % of what they are away from those of the space, in the energy norm.
 
-        Not numbers where the steps do not converge.
+        Steps begin at what they were away before, times a factor, where no node has moved since. Not numbers where they
+        do not converge.
 
         Args:
             x: (n, f) solution of the space.
             free: (n, f) where its unknowns are not prescribed.
+            geometry: version of where its nodes are.
         """
+        self._follow()
         problem, system = self.enrichment.problem, self._system
         start = self.enrichment.unknowns(x)
         residual = -unconstrained_residual(problem, start)
@@ -56,8 +61,39 @@ class EnrichedSystem:
         diagonal[system.rows] = matrix.getDiagonal().array
         gather_vector(diagonal, system.rows, system.comm)
         product = gathered(matrix.mult, system.rows, system.comm)
-        missing = conjugate_steps(product, self._two_levels(diagonal, free), residual.ravel())
+        begun, left, known = self._begun(product, residual.ravel(), geometry)
+        missing = begun + conjugate_steps(product, self._two_levels(diagonal, free), left, known)
+        self._before = geometry, missing
         return start + missing.reshape(start.shape)
+
+    def _follow(self) -> None:
+        """Meet another problem of the enrichment; its pattern is the same where its unknowns are numbered alike."""
+        problem = self.enrichment.problem
+        if problem is self._problem:
+            return
+        if problem.space is self._problem.space:
+            self._system.operator.set_constraints(problem.boundary.mask)
+        else:
+            self._system = LinearSystem(self._coarse.comm, problem, self._backend, self._solver.traits)
+            self._before = None
+        self._problem = problem
+
+    def _begun(self, product: Operation, residual: np.ndarray, geometry: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Where steps begin (m f,), the residual left there, and its squared energy.
+
+        That is the multiple of what was missing before that is nearest in the energy norm.
+        """
+        nothing = np.zeros_like(residual), residual, 0.0
+        if self._before is None or self._before[0] != geometry:
+            return nothing
+        before = self._before[1].copy()
+        self.enrichment.problem.boundary.zero(before)
+        force = product(before)
+        energy = float(before @ force)
+        if not energy > 0.0:
+            return nothing
+        factor = float(before @ residual) / energy
+        return factor * before, residual - factor * force, factor**2 * energy
 
     def _two_levels(self, diagonal: np.ndarray, free: np.ndarray) -> Operation:
         """About the inverse of the richer matrix of this diagonal (m f,), for arrays (m f,); free (n, f)."""

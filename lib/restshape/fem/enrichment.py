@@ -27,6 +27,11 @@ class Enrichment:
         self.over.follow()
         self.problem.update()
 
+    def pose(self, make: Callable[[LagrangeSpace], SteadyProblem]) -> None:
+        """Take another problem on the same space, as its nodes lie now."""
+        self.over.follow()
+        self.problem = make(self.over.space)
+
     def unknowns(self, x: np.ndarray) -> np.ndarray:
         """Unknowns (n, f) of the space at the nodes (m, f) of the richer one; prescribed ones as they are there."""
         boundary = self.problem.boundary

@@ -15,9 +15,8 @@ from restshape.scene.plain_values import table_in
 from restshape.scene.quantity import ALL_ERRORS
 
 if TYPE_CHECKING:
-    from restshape.analysis.analysis import Analysis, RowValues
+    from restshape.analysis.analysis import QuantityErrors, RowValues
     from restshape.application import Application
-    from restshape.fem.problem import Problem
     from restshape.scene.model import Scene
     from restshape.shape.protocol import Session
 
@@ -42,7 +41,7 @@ class QuantityErrorColumns:
     Args:
         scene: of the replay.
         application: of the scene.
-        analysis: that gives the quantities.
+        estimates: of the analysis that gives the quantities; None: it has none.
         singular: quantities without a limit under refinement.
 
     Raises:
@@ -53,12 +52,11 @@ class QuantityErrorColumns:
     """
 
     def __init__(
-        self, scene: Scene, application: Application, analysis: Analysis[Problem], singular: Mapping[str, float]
+        self, scene: Scene, application: Application, estimates: QuantityErrors | None, singular: Mapping[str, float]
     ) -> None:
-        self.analysis = analysis
         self.note = ""
         self.names = estimated_quantities(scene, application)
-        self.estimates = analysis.quantity_errors
+        self.estimates = estimates
         if self.estimates is None:
             given = table_in(scene.raw, "quantities")
             asked = next((name for name in given if table_in(given, name).get("error") is True), None)

@@ -43,6 +43,8 @@ class FrameErrors:
     def __init__(self, request: Request, comm: PETSc.Comm, stages: Stages, parts: ReplayParts) -> None:
         self.analysis, self.prediction = parts.analysis, parts.prediction
         self.estimating = True
+        # Kept from session to session, with all that it has found of the mesh.
+        self._estimator = parts.analysis.quantity_errors
         self.follow(parts.session, request)
         context = Context(comm, request.policy, request.calibration, stages)
         self.jumps = MeshJumps(request.scene, request.application, parts.analysis, context)
@@ -55,7 +57,7 @@ class FrameErrors:
         """
         scene, application = request.scene, request.application
         self.singular = singular_quantities(scene, application, session)
-        self.quantity_errors = QuantityErrorColumns(scene, application, self.analysis, self.singular)
+        self.quantity_errors = QuantityErrorColumns(scene, application, self._estimator, self.singular)
         self.uncertain_limits = UncertainLimits(limits_of(scene.quantities), self.singular, self.analysis.row)
 
     def add_to(self, row: RowValues, edit: ScriptFrame, answered: bool) -> None:
