@@ -180,7 +180,7 @@ def test_a_recording_removed_meanwhile_is_reported(tmp_path):
     path = tmp_path / "a.vtkhdf"
     recorder = begin(path)
     path.unlink()
-    with pytest.raises(UserError, match="the recording was removed while it was being written"):
+    with pytest.raises(UserError, match="removed while it was being written: what was in it is no longer there"):
         recorder.close()
     recorder = begin(path)
     path.unlink()

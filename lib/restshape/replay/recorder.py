@@ -276,12 +276,15 @@ class Recorder:
             if expected in message:
                 return message[expected]
             if "error" in message:
-                self._fail(message["error"]["reason"], message["error"]["do"])
+                error = message["error"]
+                self._fail(error["reason"], error["do"], bool(error.get("gone")))
 
-    def _fail(self, reason: str, do: str) -> None:
+    def _fail(self, reason: str, do: str, gone: bool = False) -> None:
         safe = self._ring.counters[rings.SAFE]
         if self._state == "starting":
             what = f"the recording cannot be written: {reason}"
+        elif gone:
+            what = f"{reason}: what was in it is no longer there"
         else:
             what = f"{reason}; the first {safe} frame{'' if safe == 1 else 's'} of the recording are safe"
         self._end("failed")

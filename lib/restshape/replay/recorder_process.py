@@ -147,7 +147,8 @@ class Writing:
             reason, do = str(error.strerror), "wait until it ends, or choose another file by --out"
         elif isinstance(error, Removed | FileExistsError):
             reason, do = str(error.strerror), "leave the files of a recording alone, or choose another file by --out"
-        self.answer(error={"reason": reason, "errno": number, "safe": safe, "do": do})
+        gone = isinstance(error, Removed)
+        self.answer(error={"reason": reason, "errno": number, "safe": safe, "gone": gone, "do": do})
         self.ring.counters[rings.FAILED] = 1
 
 
