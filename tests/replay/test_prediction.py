@@ -262,3 +262,36 @@ def test_supports_that_move_with_their_place_hold_in_predicted_frames(tmp_path):
             gaps.append(np.abs(made.analysis.x[nodes, 1] - 0.001 * mesh.X[nodes, 0] ** 2).max())
             predicted += row["predicted"]
         assert predicted == 5 and max(gaps) < 1e-15
+
+
+def test_limits_that_predictions_and_solutions_see_differently_are_uncertain(tmp_path):
+    """The limit is between what is predicted and what is solved for the same shape; the shape's area is exact."""
+    events = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.9, 0.5), 4))
+    (rows, _), (true, _) = both(tmp_path, events)
+    k = max((k for k in range(len(rows)) if rows[k]["predicted"]), key=lambda k: rows[k]["estimate"])
+    value, solved = rows[k]["q_energy"], true[k]["q_energy"]
+    assert abs(solved - value) > 1e-4 * value
+    limits = {"energy": 0.5 * (value + solved), "area": rows[k]["mesh_area"] * (1.0 + 1e-6)}
+    for name, status in (("energy", "uncertain"), ("area", "holds")):
+        text = plate().replace(
+            "energy = {", f"energy = {{ max = {limits[name]!r}," if name == "energy" else "energy = {"
+        )
+        text += f"space = {{ area = true, max = {limits[name]!r} }}\n" if name == "area" else ""
+        shown = rows_of(
+            make_replay(write_scene(tmp_path, text), tmp_path / "edits.jsonl", "auto", EXACT, predict="linear")
+        )
+        assert shown[k]["predicted"] and shown[k]["constraint_status"] == status
+    # Far from what is predicted, nothing is uncertain.
+    far = value * (1.0 + 2.0 * rows[k]["estimate"])
+    text = plate().replace("energy = {", f"energy = {{ max = {far!r},")
+    shown = rows_of(make_replay(write_scene(tmp_path, text), tmp_path / "edits.jsonl", "auto", EXACT, predict="linear"))
+    assert shown[k]["constraint_status"] == "holds"
+
+
+def test_tables_name_the_frames_that_errors_are_of(tmp_path, command):
+    text = plate().replace("stretch = {", "stretch = { error = true,")
+    scene, script = write_scene(tmp_path, text), write_script(tmp_path, SHORT)
+    for words, said in ((["--predict", "linear"], True), ([], False)):
+        done = command("replay", str(scene), str(script), *words)
+        assert ("largest estimated error, solved frames" in done.stdout) == said, done.stdout
+        assert ("values of predicted frames are further off" in done.stdout) == said

@@ -9,6 +9,8 @@ from restshape.cli.quantity_cells import A4, MISSING, cells, tone
 from restshape.outputs.si_numbers import si
 
 SINGULAR = "singular"
+LARGEST, OF_SOLVED = "largest estimated error", ", solved frames"
+PREDICTED_NOTE = "values of predicted frames are further off: see the estimated distance from the solution above"
 
 
 def print_quantities(summary: dict[str, Any]) -> None:
@@ -19,7 +21,8 @@ def print_quantities(summary: dict[str, Any]) -> None:
     units, a4 = summary.get("units", {}), summary.get("a4", A4)
     tones = {name: [tone(v[k], units.get(name, ""), a4) for k in (0, -1)] for name, v in quantities.items()}
     with_tones = any(map(any, tones.values()))
-    heads = ("quantity", "first", "last", "min", "max") + (("largest estimated error",) if errors else ())
+    head = LARGEST + (OF_SOLVED if summary["predicted"] else "")
+    heads = ("quantity", "first", "last", "min", "max") + ((head,) if errors else ())
     rows = []
     for name, values in quantities.items():
         unit, size = units.get(name, ""), sizes[name]
@@ -30,6 +33,8 @@ def print_quantities(summary: dict[str, Any]) -> None:
     print_table("quantities", heads, rows, right=heads[1:])
     if any(isinstance(error, float) for known in errors.values() for error in known):
         print(ESTIMATES_NOTE)
+        if summary["predicted"]:
+            print(PREDICTED_NOTE)
     _print_jumps(summary["jumps"], sizes, units)
     for note in singular_notes(summary["singular"]):
         print(note)

@@ -11,6 +11,7 @@ from restshape.replay.constraints import limits_of
 from restshape.replay.error_columns import QuantityErrorColumns, singular_quantities
 from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.uncertain_limits import UncertainLimits
+from restshape.scene.quantity import CORE
 
 if TYPE_CHECKING:
     from petsc4py import PETSc
@@ -58,7 +59,9 @@ class FrameErrors:
         scene, application = request.scene, request.application
         self.singular = singular_quantities(scene, application, session)
         self.quantity_errors = QuantityErrorColumns(scene, application, self._estimator, self.singular)
-        self.uncertain_limits = UncertainLimits(limits_of(scene.quantities), self.singular, self.analysis.row)
+        exact = [name for name, one in scene.quantities.items() if one.kind in CORE]
+        limits, own_row = limits_of(scene.quantities), self.analysis.row
+        self.uncertain_limits = UncertainLimits(limits, self.singular, own_row, exact)
 
     def add_to(self, row: RowValues, edit: ScriptFrame, answered: bool) -> None:
         """Put a frame's errors into its row.

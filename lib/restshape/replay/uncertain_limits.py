@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Collection, Mapping
 from typing import TYPE_CHECKING
 
 from restshape.analysis.row_values import number, text, whole
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValue
 
 BY_ERROR, BY_JUMP, BY_PLACE = "its estimated error", "a jump of the mesh", "the mesh at its singular place"
+BY_PREDICTION = "the distance of the prediction from the solution"
+UNKNOWN = sys.float_info.max
+"""What a value may be off by, to either side, where nothing says by how much it is."""
 
 
 class UncertainLimits:
@@ -35,12 +39,17 @@ class UncertainLimits:
         limits: by quantity.
         singular: quantities without a limit under refinement.
         own_row: gives the columns of the frame that only its analysis has, which may violate constraints of its own.
+        exact: quantities of the shape alone, which no prediction changes.
     """
 
     def __init__(
-        self, limits: Limits, singular: Mapping[str, float], own_row: Callable[[], Mapping[str, RowValue]] = dict
+        self,
+        limits: Limits,
+        singular: Mapping[str, float],
+        own_row: Callable[[], Mapping[str, RowValue]] = dict,
+        exact: Collection[str] = (),
     ) -> None:
-        self.limits, self.singular, self.own_row = limits, singular, own_row
+        self.limits, self.singular, self.own_row, self.exact = limits, singular, own_row, exact
         self._jumps: dict[str, float] = {}
 
     def __call__(self, row: RowValues) -> RowValues:
@@ -80,4 +89,12 @@ class UncertainLimits:
             (math.inf if name in self.singular else 0.0, BY_PLACE),
             (0.0 if math.isnan(error) else error, BY_ERROR),
             (self._jumps.get(name, 0.0), BY_JUMP),
+            (self._of_prediction(name, row), BY_PREDICTION),
         ]
+
+    def _of_prediction(self, name: str, row: RowValues) -> float:
+        """The estimated relative distance of a predicted frame from its solution, of the quantity's value."""
+        if name in self.exact or not whole(row, "predicted"):
+            return 0.0
+        share = number(row, "estimate")
+        return UNKNOWN if math.isnan(share) else share * abs(number(row, f"q_{name}"))
