@@ -162,7 +162,7 @@ def test_crafted_files_end_in_a_message(command, damaged, name):
         assert "Traceback" not in ended.stderr
 
 
-@pytest.mark.parametrize("lost", ["restshape/header", "restshape/table", "VTKHDF/Steps/PartOffsets"])
+@pytest.mark.parametrize("lost", ["restshape/header", "restshape/table", "VTKHDF/Steps/PartOffsets", "VTKHDF/Offsets"])
 def test_a_recording_without_header_or_index_cannot_be_salvaged_and_that_is_said(command, damaged, lost):
     with h5py.File(damaged, "r+") as file:
         del file[lost]
@@ -170,6 +170,15 @@ def test_a_recording_without_header_or_index_cannot_be_salvaged_and_that_is_said
     assert ended.returncode == 2 and "header or index cannot be read" in ended.stderr
     assert "record it again" in ended.stderr and "restshape salvage " + str(damaged) not in ended.stderr
     assert not damaged.with_name("good.vtkhdf").exists()
+
+
+def test_a_table_without_checksums_is_damage(command, damaged):
+    with h5py.File(damaged, "r+") as file:
+        rows = file["restshape/table"][()]
+        del file["restshape/table"]
+        file["restshape/table"] = rows[[name for name in rows.dtype.names if name != "checksum"]]
+    done = command("report", damaged)
+    assert done.returncode == 2 and "its table has no checksums" in done.stderr
 
 
 def test_points_that_are_no_numbers_are_damage(valid, damaged):

@@ -134,6 +134,8 @@ void with_sizes(const Element& e, Run run) {
         return e.nodes == nodes && e.dof_nodes == nodes && e.dim == dim && e.fields == fields;
     };
     if (is(1, 2, 3)) return run(Sizes<1, 2, 3>(e));
+    if (is(3, 2, 1)) return run(Sizes<3, 2, 1>(e));
+    if (is(6, 2, 1)) return run(Sizes<6, 2, 1>(e));
     if (is(3, 2, 2)) return run(Sizes<3, 2, 2>(e));
     if (is(6, 2, 2)) return run(Sizes<6, 2, 2>(e));
     if (is(3, 2, 3)) return run(Sizes<3, 2, 3>(e));

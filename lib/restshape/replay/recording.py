@@ -117,6 +117,8 @@ class Recording:
         if not 0 <= self.n <= len(own["table"]) or self.dimension not in (0, 2, 3):
             raise ValueError("frames are missing")
         self._rows = own["table"][: self.n]
+        if "checksum" not in (self._rows.dtype.names or ()):
+            raise ValueError("its table has no checksums")
         stored = {name: _column(self._rows[name]) for name in self._rows.dtype.names if name != "checksum"}
         self.table = renamed(stored)
         self.old_names = {new: old for new, old in ALIASES.items() if new in self.table and new not in stored}
@@ -154,6 +156,8 @@ class Recording:
             raise ValueError("cells have no known number of nodes")
         refuse_bad_places(self._steps["ConnectivityIdOffsets"], ids, len(self._data["Connectivity"]), "cells")
         refuse_bad_places(self._steps["CellOffsets"], cells, len(self._data["Types"]), "cells")
+        if self.n and "Offsets" not in self._data:
+            raise ValueError("cells have no offsets")
         if self.n and (self._data["Points"].ndim != 2 or self._data["Points"].shape[1] != 3):
             raise ValueError("points have no three components")
         if self.n:
