@@ -61,6 +61,20 @@ def test_the_constraint_status_changes(tmp_path):
     assert statuses[0] == "holds" and statuses[-1] == "fails"
 
 
+def test_a_load_that_is_taken_away_leaves_nothing_to_buckle(tmp_path):
+    """Load factors go with one over the load, and the parity check holds with a load and without."""
+    text = column(height=0.05, size=0.05).replace("tolerance = 1e-9", "tolerance = 1e-6")
+    scene, drawn = write_scene(tmp_path, text), drag("top", (0.5, 0.05), across((0.5, 0.05), (0.5, 0.045), 4))
+    forces = ([0, 0], [-2000, 0], [-1000, 0])
+    events = [*drawn, *({"do": "set", "key": "loads.head.force", "value": force} for force in forces)]
+    replay = make_replay(scene, write_script(tmp_path, events))
+    check = Parity(replay)
+    *_, unloaded, double, single = rows_of(replay, lambda row: row.update(check()))
+    assert np.isposinf(unloaded["mu_1"]) and unloaded["note"] == "nothing buckles: no load factor without a load"
+    assert unloaded["constraint_status"] != "fails" and double["mu_1"] == pytest.approx(single["mu_1"] / 2, rel=1e-6)
+    assert check.summary()["holds"], check.summary()
+
+
 def test_a_refused_frame_leaves_all_as_it_was(tmp_path):
     """The supports are taken away for a frame."""
     events = [{"do": "set", "key": "supports.foot.fix", "value": ["x"]}, *THINNER]

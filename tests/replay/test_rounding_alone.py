@@ -31,6 +31,9 @@ def test_the_scale_is_that_of_the_unit_of_the_loads_or_the_own():
     np.testing.assert_array_equal(
         without_rounding(np.array([2e-11, 1e-5, np.nan, np.inf]), 7.0), [0, 1e-5, np.nan, np.inf]
     )
+    # A load that nearly vanishes makes a load factor huge: those of other frames are no rounding beside it.
+    factors = {"factor": np.array([8.0, 1e13]), "share": np.array([0.3, 1e-12])}
+    assert scales(factors, dict.fromkeys(factors, "")) == {"factor": 1.0, "share": 0.3}
     assert cleared(1e-27, 60.0) == 0.0 and cleared(-1e-3, 60.0) == -1e-3
 
 

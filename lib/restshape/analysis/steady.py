@@ -381,6 +381,9 @@ class SteadyAnalysis(Timeless, Generic[P]):
         guess = self.guess(state.x, frame.hand)
         np.subtract(guess, problem.boundary.values, out=system.full.reshape(guess.shape))
         system.full[problem.boundary.constrained] = 0.0
+        if system.b.norm() == 0.0:
+            # From another guess an iteration would leave rounding, in which buckling would look for modes.
+            system.full[:] = 0.0
         system.solution.stateIncrease()
         # The solver may have met the mesh of a frame that failed, which is gone.
         patched = not new_mesh and frame.mesh.topology != state.topology

@@ -41,7 +41,8 @@ def scales(
 ) -> dict[str, float]:
     """What counts as the size of each quantity: the largest one of all with its unit, and of loads with it.
 
-    A quantity whose unit is not known has its own largest size.
+    A quantity whose unit is not known has its own largest size; so has a pure number, but 1 at most: a load factor
+    tends to infinity where the load goes.
 
     Args:
         series: (n,) values of a quantity by name, not numbers where it has none.
@@ -53,6 +54,7 @@ def scales(
     for name, size in own.items():
         if unit := units.get(name, ""):
             shared[unit] = max(shared.get(unit, 0.0), size)
+    own |= {name: min(size, 1.0) for name, size in own.items() if units.get(name) == ""}
     return {name: shared.get(units.get(name, ""), size) for name, size in own.items()}
 
 
