@@ -120,7 +120,14 @@ def test_what_an_application_finds_wrong_stays_wrong():
 
 def known_row(value, level, jump):
     """What counts of a row with one quantity, whose mesh made it jump."""
-    return {"q_q": value, "level": level, "q_jump": jump, "constraint_status": HOLDS, "predicted": 0}
+    return {
+        "q_q": value,
+        "level": level,
+        "q_jump": jump,
+        "constraint_status": HOLDS,
+        "predicted": 0,
+        "estimate_time": math.nan,
+    }
 
 
 def test_summary_has_the_largest(tmp_path):

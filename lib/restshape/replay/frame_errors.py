@@ -59,7 +59,9 @@ class FrameErrors:
         scene, application = request.scene, request.application
         self.singular = singular_quantities(scene, application, session)
         self.quantity_errors = QuantityErrorColumns(scene, application, self._estimator, self.singular)
-        exact = [name for name, one in scene.quantities.items() if one.kind in CORE]
+        steady = {kind for effect in application.effects.values() if not effect.transient for kind in effect.quantities}
+        timeless = steady if any(application.effects[name].transient for name in scene.effects) else set()
+        exact = [name for name, one in scene.quantities.items() if one.kind in {*CORE, *timeless}]
         limits, own_row = limits_of(scene.quantities), self.analysis.row
         self.uncertain_limits = UncertainLimits(limits, self.singular, own_row, exact)
 

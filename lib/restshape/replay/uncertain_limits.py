@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Collection, Mapping
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ from restshape.replay.constraints import (
     uncertain_constraints,
     violated_constraints,
 )
+from restshape.replay.step_errors import UNKNOWN, StepErrors
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 
 BY_ERROR, BY_JUMP, BY_PLACE = "its estimated error", "a jump of the mesh", "the mesh at its singular place"
 BY_PREDICTION = "the distance of the prediction from the solution"
-UNKNOWN = sys.float_info.max
-"""What a value may be off by, to either side, where nothing says by how much it is."""
+BY_STEPS = "the error of its time steps"
 
 
 class UncertainLimits:
@@ -39,7 +38,7 @@ class UncertainLimits:
         limits: by quantity.
         singular: quantities without a limit under refinement.
         own_row: gives the columns of the frame that only its analysis has, which may violate constraints of its own.
-        exact: quantities of the shape alone, which no prediction changes.
+        exact: quantities of the shape alone, which no prediction changes, nor a time step.
     """
 
     def __init__(
@@ -51,10 +50,12 @@ class UncertainLimits:
     ) -> None:
         self.limits, self.singular, self.own_row, self.exact = limits, singular, own_row, exact
         self._jumps: dict[str, float] = {}
+        self._steps = StepErrors()
 
     def __call__(self, row: RowValues) -> RowValues:
         """The columns of a frame that was solved which change, with its errors and jumps in the row."""
         values = {name: number(row, f"q_{name}") for name in self.limits}
+        self._steps.take(row, self.limits)
         errors, why = {}, {}
         for name in self.limits:
             errors[name], why[name] = max(self._doubts(name, row))
@@ -90,6 +91,7 @@ class UncertainLimits:
             (0.0 if math.isnan(error) else error, BY_ERROR),
             (self._jumps.get(name, 0.0), BY_JUMP),
             (self._of_prediction(name, row), BY_PREDICTION),
+            (0.0 if name in self.exact else self._steps.error(name), BY_STEPS),
         ]
 
     def _of_prediction(self, name: str, row: RowValues) -> float:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import sqrt
+from dataclasses import replace
+from math import pi, sqrt
 
 import numpy as np
 
@@ -31,6 +32,8 @@ Source of the orders of magnitude: M. F. Ashby, Materials Selection in Mechanica
 (charts of modulus against density, from foams and elastomers to diamond and tungsten); its ends, gels, aerogels and
 osmium, are rounded outwards.
 """
+STEPS, LEAST_STEPS = 20, 10
+"""Time steps a period below which a motion is off by more than 0.8 % in frequency, (w dt)^2 / 12, and not resolved."""
 GRID = 40
 """Places in each direction at which a thickness that varies is averaged."""
 
@@ -47,19 +50,35 @@ def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
 def inspect_motion(scene: Scene, outline: Outline) -> Inspection:
     """What `inspect_solid` sees, and the record of the base excitation."""
     seen, ground = inspect_solid(scene, outline), scene.effects.get("ground", {})
+    time_step = scene.effects.get("dynamics", {}).get("time_step", DynamicsKeys().time_step)
     if ground.get("file") is None:
-        return seen
+        return replace(seen, warnings=(*seen.warnings, *_coarse_steps(ground.get("frequency"), time_step)))
     record = read_record(scene.folder / ground["file"])
     last, peak = float(record.times[-1] - record.times[0]), abs(ground["scale"]) * record.peak
     data = {"ground": {"samples": len(record.times), "step": record.step, "duration": last, "peak": peak}}
     text = f"{ground['file']}: {len(record.times)} samples over {last:.6g} s, at most {peak:.4g} m/s^2"
-    time_step, warnings = scene.effects.get("dynamics", {}).get("time_step", DynamicsKeys().time_step), seen.warnings
+    warnings = seen.warnings
     if time_step > 1.001 * record.step:
         what = (
             f"effects.dynamics.time_step = {time_step:g} s passes over samples of the record, {record.step:g} s apart"
         )
         warnings = (*warnings, f"{what}: a time step of {record.step:g} s sees them all")
     return Inspection(seen.data | data, [*seen.rows, ("ground motion", text)], warnings, seen.singular)
+
+
+def _coarse_steps(frequency: float | None, time_step: float) -> Iterator[str]:
+    """Time steps that are long beside the period of a harmonic base excitation."""
+    if frequency is None:
+        return
+    steps = 1.0 / (frequency * time_step)
+    if steps < STEPS:
+        share = (2.0 * pi / steps) ** 2 / 12.0
+        off = f"is off by about {100.0 * share:.2g} % in frequency" if steps > LEAST_STEPS else "is not resolved"
+        fine = 1.0 / (STEPS * frequency)
+        yield (
+            f"effects.dynamics.time_step = {time_step:g} s takes {steps:.3g} steps a period of the ground's "
+            f"{frequency:g} Hz: a motion of that frequency {off}: a time step of {fine:.2g} s takes {STEPS}"
+        )
 
 
 def inspect_body(scene: Scene, outline: Outline) -> Inspection:
