@@ -16,7 +16,7 @@ from restshape.mesh.moving import MovingMesh
 from restshape.mesh.quality import areas
 from restshape.replay.columns import columns_of
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN, Limit
-from restshape.replay.mesh_jumps import MeshJumps
+from restshape.replay.mesh_jumps import OTHER_EDGES, MeshJumps
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.summary import summarise
@@ -69,6 +69,19 @@ def test_long_steps_are_compared_on_the_shape_before(tmp_path, monkeypatch):
         np.testing.assert_array_equal(back.cells, mesh.cells)
     changed = [row for row in rows[1:] if row["level"] > 1]
     assert changed and all(abs(row["energy_jump"]) < 0.05 * row["q_energy"] for row in changed)
+
+
+def test_frames_whose_shape_has_other_edges_say_that_they_have_none(tmp_path):
+    """A hole far away is cut and deleted: a new mesh each time, with no shape in common with the old one."""
+    events = [{"do": "hole", "name": "far", "center": [1.7, 0.5], "radius": 0.1}, {"do": "delete", "on": "far"}]
+    scene, script = write_scene(tmp_path, plate(0.2)), write_script(tmp_path, [*COARSE, *events])
+    rows = rows_of(make_replay(scene, script, overrides=ASKED))
+    said = [row["event"] for row in rows if OTHER_EDGES in row["note"]]
+    assert said == ["hole", "delete"]
+    compared = [row for row in rows[1:] if row["level"] == 3 and row["event"] == "drag"]
+    assert compared and all(np.isfinite(row["energy_jump"]) for row in compared)
+    unsaid = rows_of(make_replay(scene, script, overrides=["solve.jumps=false"]))
+    assert not any(OTHER_EDGES in row["note"] for row in unsaid)
 
 
 def test_they_change_no_frame_and_can_be_left_out(tmp_path):

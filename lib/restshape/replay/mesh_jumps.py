@@ -13,7 +13,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Analysis, Context, State
 from restshape.analysis.frame import Frame
 from restshape.analysis.made_analysis import made_analysis
-from restshape.analysis.row_values import number
+from restshape.analysis.row_values import number, text
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.replay.columns import jump_column, jumps_wanted
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from restshape.shape.script_frame import ScriptFrame
 
 log = logging.getLogger(__name__)
+
+OTHER_EDGES = "no jumps of the mesh: the shape before has other edges"
+"""Note of a frame with a new mesh that has no shape in common with the old one."""
 
 
 @contextmanager
@@ -69,11 +72,15 @@ class MeshJumps:
         self._last: tuple[Scene | None, dict[str, float]] = (None, {})
         self._before: State[Problem] | None = None
         self._others: tuple[OtherMesh, ...] = ()
+        self._topology: tuple[int, ...] = ()
+        self._incomparable = False
 
     def note(self, moving: Follower, mesh_update: MeshUpdate) -> None:
         """Keep what a frame's mesh is to be compared with, before the next frame changes it."""
         self._others = moving.other_meshes(mesh_update.old_mesh) if self.wanted and mesh_update.level > 1 else ()
         self._before = self.analysis.state if self._others else None
+        known, self._topology = self._topology, _topology(moving) if self.wanted else ()
+        self._incomparable = mesh_update.level > 2 and bool(known) and known != self._topology
 
     def __call__(self, edit: ScriptFrame, row: RowValues) -> RowValues:
         """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared."""
@@ -88,7 +95,10 @@ class MeshJumps:
             if not other.before or before:
                 found |= self._jumps(edit.scene, other, before if other.before else values)
         self._last, self._others = (edit.scene, values), ()
-        return {jump_column(name): value for name, value in found.items()}
+        jumps: RowValues = {jump_column(name): value for name, value in found.items()}
+        if self._incomparable and np.isnan(list(found.values())).all():
+            jumps["note"] = "; ".join(filter(None, (text(row, "note"), OTHER_EDGES)))
+        return jumps
 
     def _jumps(self, scene: Scene, other: OtherMesh, known: dict[str, float]) -> dict[str, float]:
         """Quantities on the new mesh less those on the old one, of the same shape."""
@@ -105,3 +115,9 @@ class MeshJumps:
         # A load factor is infinite where nothing buckles.
         jumps = {name: sign * (found[name] - value) for name, value in known.items() if name in found}
         return {name: jump for name, jump in jumps.items() if np.isfinite(jump)}
+
+
+def _topology(moving: Follower) -> tuple[int, ...]:
+    """How many edges the loops of the shape have, and how many points there are."""
+    outline = moving.mesh.outline
+    return (len(outline.points), *(len(loop.edges) for loop in outline.loops))
