@@ -137,7 +137,7 @@ def known_error(record: Row) -> float:
     return max(record["error"], record["uncertainty"] or 0.0)
 
 
-def picks(records: Sequence[Row], within: float | None, error: float | None) -> list[Row]:
+def picks(records: Sequence[Row], within: float | None, error: float | None, diverges: str = "") -> list[Row]:
     """The most accurate record within a time, or the fastest below an error; then those to try where it does not hold.
 
     With both bounds the most accurate comes first. After it each record is faster than all before where a time is
@@ -147,6 +147,7 @@ def picks(records: Sequence[Row], within: float | None, error: float | None) -> 
         records: of a study.
         within: median time of a frame [ms].
         error: relative.
+        diverges: why no finer point can be below an error; empty where one can.
 
     Raises:
         UserError: there is none.
@@ -165,6 +166,14 @@ def picks(records: Sequence[Row], within: float | None, error: float | None) -> 
         )
     below = [r for r in kept if error is None or known_error(r) < error]
     vague = [r for r in kept if error is not None and r["error"] < error]
+    if diverges and not below:
+        nearest = min(kept, key=lambda r: r["error"])
+        raise UserError(
+            f"no point has an error below {percent(error)}, and no finer one will: {diverges}; the most accurate, "
+            f"{nearest['name']}, has {percent(nearest['error'])}",
+            "--error",
+            "study another quantity: the stress elsewhere or averaged, a displacement, an energy",
+        )
     if vague and not below:
         raise UserError(
             f"no point is known to have an error below {percent(error)}: the reference itself is known to "

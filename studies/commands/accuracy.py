@@ -358,12 +358,12 @@ def choose(args: argparse.Namespace, study: Any, within: float | None, error: fl
 
     It comes with `holds`, and with what was found of those tried `before` it, in words.
     """
-    from restshape_studies.accuracy.chosen import chosen_line, hopeless, rerun, write_scene
+    from restshape_studies.accuracy.chosen import chosen_line, hopeless, not_converging, rerun, write_scene
     from restshape_studies.accuracy.front import percent, picks
 
     path = args.write or args.out / f"{study.case.name}-chosen.toml"
     found, before = {}, []
-    for picked in picks(study.records, within, error):
+    for picked in picks(study.records, within, error, not_converging(study)):
         if found:
             before.append(f"{found['name']}: {chosen_line(found)}")
         error_there = f"error {percent(picked['error'])} at {len(picked['frames'])} of {counted(study.total, 'frame')}"

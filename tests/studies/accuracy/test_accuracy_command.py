@@ -15,6 +15,7 @@ from small_scenes import HEAD, across, drag, plate, write_scene, write_script
 from vibrating import dynamics, tower
 
 from restshape.cli.main import main
+from restshape.errors import UserError
 
 QUICK = ("--sizes", "2,1", "--orders", "1", "--policies", "auto", "--samples", "2", "--tolerances", "1e-6")
 
@@ -81,7 +82,8 @@ def chosen_of(tmp_path, monkeypatch, capsys, whole: dict, within, error) -> tupl
 
     monkeypatch.setattr(chosen, "rerun", rerun)
     monkeypatch.setattr(chosen, "write_scene", lambda case, picked, path: None)
-    study = SimpleNamespace(case=SimpleNamespace(name="small"), records=[FASTEST, FINER, FINEST], total=40)
+    case, asked = SimpleNamespace(name="small"), SimpleNamespace(of=None)
+    study = SimpleNamespace(case=case, asked=asked, records=[FASTEST, FINER, FINEST], total=40)
     found = choose(SimpleNamespace(write=None, out=tmp_path), study, within, error)
     return found, capsys.readouterr().out
 
@@ -105,6 +107,17 @@ def test_a_wish_that_no_pick_meets_is_reported(tmp_path, monkeypatch, capsys):
     # What is faster than a pick that is fast enough and not accurate enough is less accurate still.
     found, _ = chosen_of(tmp_path, monkeypatch, capsys, whole, 5.0, 0.02)
     assert found["name"] == "finest" and not found["holds"] and not found["before"]
+
+
+def test_a_quantity_that_does_not_converge_is_said_to_be_one_where_no_point_is_below_the_error(tmp_path):
+    records = [
+        record | {"order": 1, "size": size, "errors": {}, "quantities": {"peak": known}}
+        for record, size in ((FASTEST, 2.0), (FINER, 1.0))
+        for known in [{"worst": 0.8 * size**0.01, "uncertainty": 0.0, "solver": 0.0}]
+    ]
+    study = SimpleNamespace(case=None, asked=SimpleNamespace(of="peak"), records=records)
+    with pytest.raises(UserError, match=r"peak does not converge: its error falls as h\^0.01"):
+        choose(SimpleNamespace(write=None, out=tmp_path), study, None, 1e-9)
 
 
 @pytest.mark.parametrize(

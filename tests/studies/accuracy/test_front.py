@@ -82,6 +82,16 @@ def test_where_nothing_fits_the_nearest_is_reported(within, error, words):
     assert words in reported.value.what and reported.value.do
 
 
+def test_no_finer_points_are_advised_where_none_converges():
+    why = "peak does not converge: its error falls as h^0.01 (order 1)"
+    vague = [record(0.001, 5.0, uncertainty=0.02)]
+    for points in (POINTS, vague):
+        with pytest.raises(UserError, match=r"no finer one will: peak does not converge") as reported:
+            picks(points, None, 1e-3, why)
+        assert "finer" not in reported.value.do
+    assert picks(POINTS, None, 0.05, why) == picks(POINTS, None, 0.05)
+
+
 def test_nothing_can_be_picked_from_nothing():
     with pytest.raises(UserError, match="no point of the study"):
         picks([record(None, 1.0)], 1.0, None)
