@@ -111,11 +111,11 @@ def test_a_wish_that_no_pick_meets_is_reported(tmp_path, monkeypatch, capsys):
 
 def test_a_quantity_that_does_not_converge_is_said_to_be_one_where_no_point_is_below_the_error(tmp_path):
     records = [
-        record | {"order": 1, "size": size, "errors": {}, "quantities": {"peak": known}}
+        record | {"varied": "", "policy": "auto", "order": 1, "size": size, "errors": {}, "quantities": {"peak": known}}
         for record, size in ((FASTEST, 2.0), (FINER, 1.0))
         for known in [{"worst": 0.8 * size**0.01, "uncertainty": 0.0, "solver": 0.0}]
     ]
-    study = SimpleNamespace(case=None, asked=SimpleNamespace(of="peak"), records=records)
+    study = SimpleNamespace(case=SimpleNamespace(name="small"), asked=SimpleNamespace(of="peak"), records=records)
     with pytest.raises(UserError, match=r"peak does not converge: its error falls as h\^0.01"):
         choose(SimpleNamespace(write=None, out=tmp_path), study, None, 1e-9)
 
