@@ -53,4 +53,4 @@ def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
         size = largest(series[name])
         for one in known.values():
             one["share"] = one["jump"] / size if size > ROUNDING * sizes[name] else 0.0
-    return {"frames": frames, "jumps": jumps, "singular": sorted(replay.errors.singular)}
+    return {"frames": frames, "jumps": jumps, "singular": sorted(replay.errors.singular.ever)}

@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.analysis.quantity_errors import LEAVE_OUT, NO_ERRORS, NONE_HERE
 from restshape.analysis.row_values import text, whole
-from restshape.errors import ReplayProblem, UserError
+from restshape.errors import UserError
 from restshape.replay.columns import error_column, estimated_quantities
 from restshape.scene.plain_values import table_in
 from restshape.scene.quantity import ALL_ERRORS
@@ -18,21 +18,6 @@ if TYPE_CHECKING:
     from restshape.analysis.analysis import QuantityErrors, RowValues
     from restshape.application import Application
     from restshape.scene.model import Scene
-    from restshape.shape.protocol import Session
-
-
-def singular_quantities(scene: Scene, application: Application, session: Session) -> dict[str, float]:
-    """Quantities without a limit under refinement on the first shape, with the exponent lambda of displacements."""
-    found: dict[str, float] = {}
-    outline = session.outline
-    for physics in application.physics:
-        if physics.inspect_shape and outline is not None:
-            try:
-                found |= physics.inspected(scene, outline).singular
-            except ReplayProblem:
-                # The first frame says what is wrong with the shape.
-                continue
-    return found
 
 
 class QuantityErrorColumns:
@@ -42,7 +27,7 @@ class QuantityErrorColumns:
         scene: of the replay.
         application: of the scene.
         estimates: of the analysis that gives the quantities; None: it has none.
-        singular: quantities without a limit under refinement.
+        singular: quantities without a limit under refinement; may change from frame to frame.
 
     Raises:
         UserError: a quantity asks for an error that this analysis does not estimate.
@@ -64,7 +49,7 @@ class QuantityErrorColumns:
                 raise scene.located(UserError(NONE_HERE, f"quantities.{asked}.error", LEAVE_OUT))
             self.note = NO_ERRORS if given.get(ALL_ERRORS) is True else ""
             self.names = []
-        self.singular = [name for name in self.names if name in singular]
+        self.singular = singular
 
     def __call__(self, row: RowValues) -> RowValues:
         """The columns of a frame that was solved; infinite where a quantity has no limit under refinement.

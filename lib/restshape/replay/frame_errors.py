@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from restshape.analysis.analysis import Context
 from restshape.replay.columns import ESTIMATES
 from restshape.replay.constraints import limits_of
-from restshape.replay.error_columns import QuantityErrorColumns, singular_quantities
+from restshape.replay.error_columns import QuantityErrorColumns
 from restshape.replay.mesh_jumps import MeshJumps
+from restshape.replay.singular_quantities import SingularQuantities
 from restshape.replay.uncertain_limits import UncertainLimits
 from restshape.scene.quantity import CORE
 
@@ -37,7 +38,7 @@ class FrameErrors:
 
     Attributes:
         estimating: errors are estimated beside each frame.
-        singular: quantities without a limit under refinement on the first shape, with the exponent of displacements.
+        singular: quantities without a limit under refinement.
         jumps: of quantities where the mesh changes.
     """
 
@@ -57,13 +58,13 @@ class FrameErrors:
             UserError: errors of quantities cannot be estimated.
         """
         scene, application = request.scene, request.application
-        self.singular = singular_quantities(scene, application, session)
-        self.quantity_errors = QuantityErrorColumns(scene, application, self._estimator, self.singular)
+        self.singular = SingularQuantities(scene, application, session)
+        self.quantity_errors = QuantityErrorColumns(scene, application, self._estimator, self.singular.now)
         steady = {kind for effect in application.effects.values() if not effect.transient for kind in effect.quantities}
         timeless = steady if any(application.effects[name].transient for name in scene.effects) else set()
         exact = [name for name, one in scene.quantities.items() if one.kind in {*CORE, *timeless}]
         limits, own_row = limits_of(scene.quantities), self.analysis.row
-        self.uncertain_limits = UncertainLimits(limits, self.singular, own_row, exact)
+        self.uncertain_limits = UncertainLimits(limits, self.singular.now, own_row, exact)
 
     def add_to(self, row: RowValues, edit: ScriptFrame, answered: bool) -> None:
         """Put a frame's errors into its row.
@@ -74,6 +75,7 @@ class FrameErrors:
         """
         row.update(self._estimates(row, answered))
         if self.estimating and answered:
+            row.update(self.singular(edit, row))
             row.update(self.quantity_errors(row))
             row.update(self.jumps(edit, row))
             row.update(self.uncertain_limits(row))

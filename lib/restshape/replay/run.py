@@ -50,9 +50,9 @@ def run_replay(
     comm = PETSc.COMM_WORLD
     first = comm.rank == 0
     replay = _replay(request, recorder)
-    singular = replay.errors.singular
+    singular = replay.errors.singular.ever
     if recorder:
-        recorder.add_header(_surroundings(comm) | {"singular": singular})
+        recorder.add_header(_surroundings(comm) | {"singular": dict(singular)})
     check = Parity(replay) if parity else None
     units = {name: quantity.unit for name, quantity in request.scene.quantities.items()}
     tally, rows, interrupted = Tally(units, load_scales(request.scene)), [], False

@@ -23,7 +23,8 @@ def singular_notes(singular: Mapping[str, float]) -> list[str]:
 
 def _note(name: str, exponent: float) -> str:
     how = f"r^{exponent - 1.0:.3f} there" if exponent else "a point load there"
-    return f"{name} is taken at a singular place ({how}): its value is one of the mesh size; restshape check says more"
+    more = "restshape check says more of the first shape"
+    return f"{name} is taken at a singular place ({how}): its value is one of the mesh size; {more}"
 
 
 def marked(name: str, singular: Mapping[str, float]) -> str:

@@ -92,7 +92,7 @@ class Sweep:
             run.status, run.why = UNSOLVED, _plain(error)
             return False
         self._replay = replay
-        self.singular = replay.errors.singular | self.singular
+        self.singular = replay.errors.singular.ever | self.singular
         return True
 
     def _read(self, run: SweptRun) -> tuple[Scene, Script]:

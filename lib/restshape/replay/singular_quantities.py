@@ -1,0 +1,69 @@
+"""Which quantities of a replay are taken at singular places, as edits make and remove these."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from restshape.analysis.row_values import text, whole
+from restshape.errors import ReplayProblem, UserError
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import RowValues
+    from restshape.application import Application
+    from restshape.scene.model import Scene
+    from restshape.shape.outline import Outline
+    from restshape.shape.protocol import Session
+    from restshape.shape.script_frame import ScriptFrame
+
+AT, NO_MORE = "at a singular place from here on", "at no singular place any more"
+
+
+class SingularQuantities:
+    """Finds the singular places of the first shape, and of those at which an edit begins, ends or has a new mesh.
+
+    An exponent takes as long as some frames, so that the frames of a drag between keep what was last found.
+
+    Args:
+        scene: of the replay.
+        application: of the scene.
+        session: at its first shape.
+
+    Attributes:
+        now: quantities without a limit under refinement, with the exponent lambda of displacements; changes in place.
+        ever: those of all shapes so far, with the least exponent of each.
+    """
+
+    def __init__(self, scene: Scene, application: Application, session: Session) -> None:
+        self.application, self.session = application, session
+        self._seen, self._moving = session.outline, False
+        self.now = self._found(scene, session.outline)
+        self.ever = dict(self.now)
+
+    def __call__(self, edit: ScriptFrame, row: RowValues) -> RowValues:
+        """Look at the shape of a frame that was solved; the note of one that changes what is singular."""
+        began, self._moving = not self._moving, not edit.edit_ended
+        outline = self.session.outline
+        if outline is self._seen or not (began or edit.edit_ended or whole(row, "level") > 1):
+            return {}
+        self._seen = outline
+        try:
+            found = self._found(edit.scene, outline)
+        except UserError:
+            return {}
+        come, gone = sorted(found.keys() - self.now.keys()), sorted(self.now.keys() - found.keys())
+        self.now.clear()
+        self.now.update(found)
+        self.ever.update({name: min(value, self.ever.get(name, value)) for name, value in found.items()})
+        said = [f"{', '.join(names)} {words}" for names, words in ((come, AT), (gone, NO_MORE)) if names]
+        return {"note": "; ".join(filter(None, (text(row, "note"), *said)))} if said else {}
+
+    def _found(self, scene: Scene, outline: Outline | None) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for physics in self.application.physics:
+            if physics.inspect_shape and outline is not None:
+                try:
+                    found |= physics.inspected(scene, outline).singular
+                except ReplayProblem:
+                    # The frame says what is wrong with the shape.
+                    continue
+        return found

@@ -1,0 +1,84 @@
+"""Singular places that edits make and remove, against Williams's angle: re-entrant corners alone are singular."""
+
+import math
+
+import numpy as np
+import pytest
+from small_scenes import CLAMPED, HEAD, STEEL, make_replay, rows_of, write_scene, write_script
+
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
+from restshape.replay.singular_quantities import AT, NO_MORE
+
+STRIP = (
+    HEAD
+    + """
+[shape]
+outline = ["bottom", "right", "t1", "t2", "left"]
+vertices = { a = [0, 0], b = [2, 0], c = [2, 1], m = [1, TOP], d = [0, 1] }
+[shape.edges]
+bottom = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+t1 = { line = ["c", "m"] }
+t2 = { line = ["m", "d"] }
+left = { line = ["d", "a"] }
+"""
+    + STEEL
+    + CLAMPED
+    + '[loads.pull]\non = "right"\ntraction = [1e6, 0]\n[mesh]\nsize = 0.25\n[quantities]\n'
+    + 'tip = { stress = "von_mises", at = "m", max = "1 GPa" }\n'
+)
+
+
+def moved(folder, top, to, frames=3):
+    """The rows of a replay in which the middle of the upper side goes from one height to another."""
+    scene = write_scene(folder, STRIP.replace("TOP", str(top)))
+    events = [{"do": "press", "on": "m"}, {"do": "drag", "to": [1.0, to], "frames": frames}, {"do": "release"}]
+    return rows_of(make_replay(scene, write_script(folder, events)))
+
+
+@pytest.mark.parametrize("to", [0.6, 1.3])
+def test_a_corner_that_an_edit_makes_is_singular_where_it_is_reentrant(tmp_path, to):
+    rows = moved(tmp_path, 1.0, to)
+    errors = [row["tip_error"] for row in rows]
+    assert all(math.isfinite(error) for error in errors[:2]) and rows[0]["constraint_status"] == HOLDS
+    if to < 1.0:
+        assert errors[2:] == [math.inf] * 4 and {row["constraint_status"] for row in rows[2:]} == {UNCERTAIN}
+        assert f"tip {AT}" in rows[2]["note"] and not any(AT in row["note"] for row in rows[3:])
+    else:
+        assert np.isfinite(errors).all() and not any(AT in row["note"] for row in rows)
+
+
+def test_a_corner_that_an_edit_makes_convex_is_singular_no_more(tmp_path):
+    rows = moved(tmp_path, 0.6, 1.3, frames=1)
+    assert rows[0]["tip_error"] == math.inf and rows[0]["constraint_status"] == UNCERTAIN
+    assert f"tip {NO_MORE}" in rows[2]["note"] and math.isfinite(rows[2]["tip_error"])
+    assert {row["constraint_status"] for row in rows[2:]} == {HOLDS}
+
+
+def test_a_square_hole_that_an_edit_cuts_is_singular(tmp_path, command):
+    text = STRIP.replace("TOP", "1.0").replace('at = "m", max', "max")
+    scene = write_scene(
+        tmp_path, text.replace('fix = ["x", "y"]', 'fix = ["x"]') + '[supports.b]\non = "a"\nfix = ["y"]\n'
+    )
+    square = [[0.8, 0.4], [1.2, 0.4], [1.2, 0.7], [0.8, 0.7]]
+    script = write_script(tmp_path, [{"do": "hole", "name": "sq", "polygon": square}])
+    rows = rows_of(make_replay(scene, script))
+    assert f"tip {AT}" in rows[1]["note"] and rows[1]["tip_error"] == math.inf
+    done = command("replay", scene, script)
+    assert "tip is taken at a singular place (r^-0.456" in done.stdout, done.stdout
+
+
+def test_frames_within_a_drag_take_no_time_for_it(tmp_path, monkeypatch):
+    """Exponents of new angles take as long as some frames."""
+    seen = []
+    from restshape.replay import singular_quantities
+
+    found = singular_quantities.SingularQuantities._found
+    monkeypatch.setattr(
+        singular_quantities.SingularQuantities,
+        "_found",
+        lambda self, scene, outline: seen.append(outline) or found(self, scene, outline),
+    )
+    rows = moved(tmp_path, 1.0, 0.95, frames=8)
+    # The first shape, the first one that moved, and the last one.
+    assert len(seen) == 3 + sum(row["level"] > 1 for row in rows[3:-1]) and rows[-1]["constraint_status"] != FAILS
