@@ -160,7 +160,7 @@ def test_arcs_and_lines_that_meet_without_a_corner(tmp_path, order):
     assert {outline.edges[edge].kind for edge, _ in hole.edges} == {"arc", "line"}
 
 
-def pierced(path: Path, sides: int, order: int) -> Path:
+def with_round_hole(path: Path, sides: int, order: int) -> Path:
     """A square with a round hole of so many sides."""
     with Drawn() as geo:
         square = [geo.addPoint(*place, 0, 0.2) for place in ((0, 0), (1, 0), (1, 1), (0, 1))]
@@ -178,14 +178,14 @@ def pierced(path: Path, sides: int, order: int) -> Path:
 
 @pytest.mark.parametrize(("sides", "order"), [(8, 1), (11, 1), (12, 1), (4, 2), (11, 2)])
 def test_a_hole_of_few_sides_is_round(tmp_path, sides, order):
-    outline = read_mesh(pierced(tmp_path / "a.msh", sides, order))[1]
+    outline = read_mesh(with_round_hole(tmp_path / "a.msh", sides, order))[1]
     assert outline.area() == pytest.approx(1.0 - np.pi * 0.2**2, rel=1e-9)
     hole = next(loop for loop in outline.loops if loop.kind == "hole")
     assert [outline.edges[edge].kind for edge, _ in hole.edges] == ["arc", "arc"]
 
 
 def test_a_hexagon_of_straight_sides_stays_one(tmp_path):
-    outline = read_mesh(pierced(tmp_path / "a.msh", 6, 1))[1]
+    outline = read_mesh(with_round_hole(tmp_path / "a.msh", 6, 1))[1]
     assert outline.area() == pytest.approx(1.0 - 1.5 * np.sqrt(3.0) * 0.2**2, rel=1e-9)
 
 
