@@ -356,6 +356,8 @@ def test_one_key_for_all_errors_is_a_note_where_there_are_none(tmp_path, app, ef
     row = first_frame(write_scene(tmp_path, text + f"[effects.{effect}")).row
     assert row["note"] == f"no errors of quantities are estimated here: {quantity_errors.NONE_HERE}"
     assert len(row["note"]) <= 160 and "stretch_error" not in row
+    # A scene of a motion may ask for frequencies too, which have no error there.
+    assert "frequencies without a motion" in row["note"]
 
 
 def test_a_truth_in_quotes_is_advised_to_drop_them(tmp_path):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from restshape.analysis.linear_system import LinearSystem
 
 NONE_HERE = (
-    "errors of quantities are estimated in steady linear scenes that are symmetric, of frequencies and of load factors"
+    "errors are estimated in symmetric steady linear scenes, and of load factors and frequencies without a motion"
 )
 NO_ERRORS = f"no errors of quantities are estimated here: {NONE_HERE}"
 LEAVE_OUT = "leave error = true out"
