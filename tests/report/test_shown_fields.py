@@ -21,6 +21,7 @@ from small_scenes import (
 )
 
 from restshape.cli.main import main
+from restshape.cli.quantity_tables import percent
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
 from restshape.replay.singular_notes import marked
@@ -84,6 +85,26 @@ def test_a_component_is_shown_where_it_is_asked_for(recorded):
     assert mark.text.startswith("across") and recorded.points(0)[mark.node][0] == pytest.approx(2.0)
     with pytest.raises(UserError, match="no field 'heat'"):
         shown_field(recorded, "heat")
+
+
+def test_a_part_of_a_body_with_one_stress_everywhere_has_no_mark_elsewhere(tmp_path):
+    """A pull without a support across gives one stress: that at a corner is not marked at another node."""
+    held = '\n[supports.wall]\non = "left"\nfix = ["x"]\n\n[supports.pin]\non = "a"\nfix = ["x", "y"]\n'
+    asked = '\n[quantities]\nerror = true\natc = { stress = "von_mises", at = "c" }\n'
+    scene = write_scene(tmp_path, HEAD + block(2, 1) + STEEL + held + PULLED + asked + meshed(0.5))
+    out = tmp_path / "out.vtkhdf"
+    assert main(["replay", str(scene), "--out", str(out)]) == 0
+    with Recording(out) as recording:
+        field, words = shown_field(recording, "von_mises"), caption(recording, 0, scenery(recording), 200)
+        flat = field.values(recording, 0)
+        assert np.ptp(flat) < 1e-9 * flat.max()
+        assert not any(mark.text.startswith("atc") for mark in marks(recording, 0, field, recording.cells(0)))
+    # What rounding leaves of the estimated error is none.
+    assert "error 0 %" in words
+
+
+def test_an_error_that_is_rounding_is_shown_as_0():
+    assert percent(2.2e-14) == "0 %" and percent(2.2e-4) == "0.022 %"
 
 
 def test_colours_are_those_of_all_frames(recorded):

@@ -74,7 +74,10 @@ def _ends(values: list[float | None], size: float) -> list[float | None]:
 
 
 def percent(share: float) -> str:
-    """A share in per cent, with two digits."""
+    """A share in per cent, with two digits; 0 where it is rounding alone."""
+    from restshape.replay.rounding import cleared
+
+    share = cleared(share, 1.0)
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 

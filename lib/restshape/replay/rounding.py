@@ -71,4 +71,4 @@ def without_rounding(values: Reals, scale: float) -> Reals:
 
 def cleared(value: float, scale: float) -> float:
     """A value, or 0 where it is rounding alone."""
-    return 0.0 if abs(value) < ROUNDING * scale else value
+    return 0.0 if abs(value) < ROUNDING * abs(scale) else value

@@ -8,6 +8,7 @@ import numpy as np
 from restshape.outputs.si_numbers import si
 from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
+from restshape.replay.rounding import cleared
 from restshape.report.field import shown_field
 from restshape.report.recorded_quantities import limits_of, quantity_units
 from restshape.report.style import LEVEL_LABELS
@@ -140,18 +141,25 @@ def frame_words(recording: Recording, i: int) -> Iterator[str]:
     yield f"frame {i}"
     yield from recording.moments(i)
     if "level" in recording.table:
-        level = int(recording.table["level"][i])
-        yield LEVEL_LABELS[level] if level else "values changed" if with_values(recording)[i] else "idle"
+        yield _what_it_does(recording, i)
     if predicted(recording)[i]:
         yield "predicted"
     estimate = float(column(recording, "estimate")[i])
     if np.isfinite(estimate):
-        yield f"error {100.0 * estimate:.2g} %"
+        yield f"error {100.0 * cleared(estimate, 1.0):.2g} %"
     if uncertain(recording)[i]:
         yield "limit uncertain"
     worst = worst_frame(recording)
     if worst and worst[0] == i:
         yield worst[1]
+
+
+def _what_it_does(recording: Recording, i: int) -> str:
+    """The level of a frame, and whether it rests; of a refused one what was to be done."""
+    level, event = int(recording.table["level"][i]), texts(recording, "event")[i]
+    if refused(recording)[i] and event:
+        return event
+    return LEVEL_LABELS[level] if level else "values changed" if with_values(recording)[i] else "idle"
 
 
 def failure(recording: Recording, i: int, solved: bool = True) -> str:

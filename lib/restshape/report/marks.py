@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.outputs.si_numbers import si
 from restshape.replay.recording import Recording
+from restshape.replay.rounding import cleared
 from restshape.report.field import ShownField
 from restshape.report.recorded_quantities import quantity_specs
 
@@ -37,8 +38,9 @@ def marks(recording: Recording, i: int, field: ShownField, cells: np.ndarray) ->
     """The places of frame i that are marked, as many as there are `SYMBOLS` at most.
 
     A quantity that is an extreme of the field is where the field has its value, also where it looks at one edge only.
-    Without any it is the largest value of the field, and the smallest where colours do not begin
-    at 0.
+    One that looks at a part of the body is not marked where several nodes have its value: the recording does not say
+    which of them are of the part. Without any it is the largest value of the field, and the smallest where colours do
+    not begin at 0.
 
     Args:
         recording: of a shape in the plane.
@@ -51,11 +53,13 @@ def marks(recording: Recording, i: int, field: ShownField, cells: np.ndarray) ->
     if not len(known):
         return []
     flat, nodes = values.ravel()[known], cells.ravel()[known]
-    found = _of_quantities(recording, i, field, flat) or _of_field(field, flat)
+    found = _of_quantities(recording, i, field, flat, nodes) or _of_field(field, flat)
     return [Mark(int(nodes[place]), text, marker, letter) for (place, text), (marker, letter) in zip(found, SYMBOLS)]
 
 
-def _of_quantities(recording: Recording, i: int, field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:
+def _of_quantities(
+    recording: Recording, i: int, field: ShownField, flat: np.ndarray, nodes: np.ndarray
+) -> list[tuple[int, str]]:
     found = []
     for name, spec in quantity_specs(recording.header).items():
         value = float(recording.table.get(f"q_{name}", np.full(recording.n, np.nan))[i])
@@ -64,9 +68,13 @@ def _of_quantities(recording: Recording, i: int, field: ShownField, flat: np.nda
             continue
         far = np.abs((np.abs(flat) if reduce in EXTREMES[2:] else flat) - value)
         place = int(far.argmin())
-        if far[place] <= SAME * abs(value):
+        same = far <= SAME * abs(value)
+        of_all = spec.get("at", "all") == "all"
+        if same[place] and (of_all or (nodes[same] == nodes[place]).all()):
             error = float(recording.table.get(f"{name}_error", np.full(recording.n, np.nan))[i])
-            found.append((place, f"{name} {si(value, field.look.unit, 4)}{_beside(error, field.look.unit)}"))
+            found.append(
+                (place, f"{name} {si(value, field.look.unit, 4)}{_beside(cleared(error, value), field.look.unit)}")
+            )
     return found
 
 
