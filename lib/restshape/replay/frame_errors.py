@@ -1,5 +1,7 @@
 """What is known of the errors of frames, measured off their time."""
 
+# More than 15 modules: it joins all that is known of errors, each of a module of its own.
+
 from __future__ import annotations
 
 from math import nan
@@ -9,6 +11,7 @@ from restshape.analysis.analysis import Context
 from restshape.replay.columns import ESTIMATES
 from restshape.replay.constraints import limits_of
 from restshape.replay.error_columns import QuantityErrorColumns
+from restshape.replay.linear_theory import LinearTheory
 from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.singular_quantities import SingularQuantities
 from restshape.replay.uncertain_limits import UncertainLimits
@@ -40,11 +43,13 @@ class FrameErrors:
         estimating: errors are estimated beside each frame.
         singular: quantities without a limit under refinement.
         jumps: of quantities where the mesh changes.
+        linear_theory: whether answers are within it.
     """
 
     def __init__(self, request: Request, comm: PETSc.Comm, stages: Stages, parts: ReplayParts) -> None:
         self.analysis, self.prediction = parts.analysis, parts.prediction
         self.estimating = True
+        self.linear_theory = LinearTheory(parts.analysis)
         # Kept from session to session, with all that it has found of the mesh.
         self._estimator = parts.analysis.quantity_errors
         self.follow(parts.session, request)
@@ -76,6 +81,7 @@ class FrameErrors:
         row.update(self._estimates(row, answered))
         if self.estimating and answered:
             row.update(self.singular(edit, row))
+            self.linear_theory.note(row)
             row.update(self.quantity_errors(row))
             row.update(self.jumps(edit, row))
             row.update(self.uncertain_limits(row))

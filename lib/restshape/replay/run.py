@@ -77,6 +77,7 @@ def run_replay(
     summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)
     summary |= {"reasons": tally.reasons, "largest_residual": tally.largest_residual}
     summary |= {"guess": request.policy.guess, "interrupted": interrupted, "rows": rows, "singular": singular}
+    summary |= replay.errors.linear_theory.summary()
     if request.application.report:
         summary |= request.application.report.summarised(rows)
     if check:
