@@ -1,6 +1,7 @@
 """Errors of quantities of linear scenes: derivatives against differences, estimates against finer meshes."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -258,7 +259,11 @@ def test_a_limit_nearer_than_the_error_is_uncertain_on_both_sides(tmp_path):
     for part in (0.5, -0.5):
         status, note, findings = statuses[part]
         assert status == UNCERTAIN
-        assert note == "stretch is nearer to its limit than its estimated error"
+        side = HOLDS if part > 0.0 else FAILS
+        assert note.startswith(f"stretch {side}, but uncertain: ") and note.endswith(": its estimated error")
+        sizes = {"n": 1e-9, "µ": 1e-6, "m": 1e-3}
+        found = [float(number) * sizes[prefix] for number, prefix in re.findall(r"([\d.]+) ([nµm])m", note)]
+        assert found == pytest.approx([value, error, value + part * error], rel=0.05)
         assert [one["kind"] for one in json.loads(findings)] == ["uncertainty"]
     status, note, findings = statuses[-2.0]
     assert status == FAILS and not note and [one["kind"] for one in json.loads(findings)] == ["limit"]

@@ -43,6 +43,7 @@ def test_a_corner_that_an_edit_makes_is_singular_where_it_is_reentrant(tmp_path,
     assert all(math.isfinite(error) for error in errors[:2]) and rows[0]["constraint_status"] == HOLDS
     if to < 1.0:
         assert errors[2:] == [math.inf] * 4 and {row["constraint_status"] for row in rows[2:]} == {UNCERTAIN}
+        assert "tip holds, but uncertain: " in rows[2]["note"] and "at a singular place" in rows[2]["note"]
         assert f"tip {AT}" in rows[2]["note"] and not any(AT in row["note"] for row in rows[3:])
     else:
         assert np.isfinite(errors).all() and not any(AT in row["note"] for row in rows)

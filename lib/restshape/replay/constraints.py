@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 HOLDS, UNCERTAIN, FAILS = "holds", "uncertain", "fails"
 """Uncertain: a value is nearer to its limit, on either side, than its estimated error or what the mesh does to it."""
+UNSURE = "but uncertain:"
+"""In the note of an uncertain value, before its numbers."""
 LIMIT, MIN, MAX = "limit", "min", "max"
 """Kind of a finding on a quantity, and its details: below the least value, above the largest one."""
 UNCERTAINTY = "uncertainty"

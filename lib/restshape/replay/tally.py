@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from array import array
 from collections import Counter, defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
 from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column
-from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN, UNSURE
 from restshape.replay.reservoir import Reservoir
 from restshape.replay.rounding import ROUNDING, largest, scales
 
@@ -22,6 +23,7 @@ PERCENTS = (50.0, 95.0, 99.0)
 REASONS = ("refused", "note")
 """Columns of texts of which each is kept once, with its first frame."""
 MOST_REASONS = 1000
+NUMBERS = re.compile(f"(?<={UNSURE})[^;:]*")
 SINGULAR = "singular"
 Summary = dict[str, object]
 """What `replay --json` writes, by key."""
@@ -146,7 +148,7 @@ class Tally:
     def _add_texts(self, row: RowValues) -> None:
         for column, known in self.reasons.items():
             reason = text(row, column)
-            if reason and reason not in known and len(known) < MOST_REASONS:
+            if reason and reason not in known and len(known) < MOST_REASONS and not _is_known(reason, known):
                 known[reason] = (whole(row, "line"), whole(row, "index"))
         if status := text(row, "constraint_status"):
             self._counts[status] += 1
@@ -229,6 +231,12 @@ class Tally:
             **{key: values for key, values in series.items() if key == SIMULATED},
             **self._rest(),
         }
+
+
+def _is_known(reason: str, known: Iterable[str]) -> bool:
+    """Whether a reason is known but for the numbers of values that are uncertain, which each frame has others of."""
+    plain = NUMBERS.sub("", reason)
+    return plain != reason and any(NUMBERS.sub("", one) == plain for one in known)
 
 
 def _error(value: float) -> float | str | None:

@@ -8,25 +8,33 @@ from typing import TYPE_CHECKING
 
 from restshape.analysis.row_values import number, text, whole
 from restshape.findings import decode_findings, encode_findings
+from restshape.first_use import made
 from restshape.replay.columns import error_column, jump_column
 from restshape.replay.constraints import (
     FAILS,
+    HOLDS,
     LIMIT,
+    MIN,
     UNCERTAIN,
+    UNSURE,
     Limits,
     formatted_constraint,
     uncertain_constraints,
+    value_and_bound,
     violated_constraints,
 )
 from restshape.replay.step_errors import UNKNOWN, StepErrors
+from restshape.scene.quantity import in_unit
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
     from restshape.analysis.row_values import RowValue
+    from restshape.findings import Finding
 
-BY_ERROR, BY_JUMP, BY_PLACE = "its estimated error", "a jump of the mesh", "the mesh at its singular place"
-BY_PREDICTION = "the distance of the prediction from the solution"
-BY_STEPS = "the error of its time steps"
+BY_ERROR, BY_JUMP, BY_PLACE = "its estimated error", "a jump of the mesh", "at a singular place, finer meshes give more"
+BY_PREDICTION, BY_STEPS = "the error of the prediction", "the errors of its time steps"
+UNESTIMATED = {BY_PREDICTION: "a prediction of unknown error", BY_STEPS: "less than ten time steps a period"}
+"""What is said where nothing gives the size of an error."""
 
 
 class UncertainLimits:
@@ -72,7 +80,7 @@ class UncertainLimits:
         others = [one for one in decode_findings(text(row, "findings")) if one not in beyond]
         own, left = self.own_row(), [formatted_constraint(one) for one in others if one.kind == LIMIT]
         fails = bool(left) or text(own, "constraint_status") == FAILS
-        notes = [f"{one.subjects[0]} is nearer to its limit than {why[one.subjects[0]]}" for one in uncertain]
+        notes = [_note(one, errors[one.subjects[0]], why[one.subjects[0]]) for one in uncertain]
         return {
             "constraint_status": FAILS if fails else UNCERTAIN,
             "violated_constraints": "; ".join(filter(None, (text(own, "violated_constraints"), *left))),
@@ -88,7 +96,7 @@ class UncertainLimits:
         error = number(row, error_column(name))
         return [
             (math.inf if name in self.singular else 0.0, BY_PLACE),
-            (0.0 if math.isnan(error) else error, BY_ERROR),
+            (error if math.isfinite(error) else 0.0, BY_ERROR),
             (self._jumps.get(name, 0.0), BY_JUMP),
             (self._of_prediction(name, row), BY_PREDICTION),
             (0.0 if name in self.exact else self._steps.error(name), BY_STEPS),
@@ -100,3 +108,16 @@ class UncertainLimits:
             return 0.0
         share = number(row, "estimate")
         return UNKNOWN if math.isnan(share) else share * abs(number(row, f"q_{name}"))
+
+
+def _note(finding: Finding, error: float, why: str) -> str:
+    """The side of its limit on which a value is, by how much it may be off, and why."""
+    value, bound = value_and_bound(finding)
+    beyond = made(finding.value) > made(finding.bound)
+    status = FAILS if beyond != (finding.detail == MIN) and finding.value != finding.bound else HOLDS
+    limit = f"{'at least' if finding.detail == MIN else 'at most'} {bound}"
+    known = error < UNKNOWN
+    off = f" ± {in_unit(finding.unit, error, 2)}" if known else ""
+    return (
+        f"{finding.subjects[0]} {status}, {UNSURE} {value}{off}, {limit}: {why if known else UNESTIMATED.get(why, why)}"
+    )
