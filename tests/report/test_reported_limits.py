@@ -126,4 +126,4 @@ def test_limits_have_one_rounding_everywhere(bound, shown):
     assert formatted_constraint(found).endswith(f"at most {shown}")
     axes = Figure().subplots()
     draw_limits(axes, 1.0, 350.0, 360.0, {"max": bound}, "K")
-    assert axes.get_title(loc="right") == f"max {shown}"
+    assert axes.get_title(loc="right") == f"max {shown}" + ("" if bound > 350.0 else ", beyond the axis")

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -33,6 +34,26 @@ def test_nothing_of_the_pictures_of_a_report_is_cut_off(plate, tmp_path, monkeyp
         getattr(module, draw)(recording, tmp_path / "picture.png")
     assert len(figures) == 1
     check_figure(figures[0])
+
+
+def test_a_legend_of_all_kinds_and_huge_numbers_are_not_cut_off(tmp_path, monkeypatch):
+    figures, n = [], 8
+    monkeypatch.setattr(quantity_panels, "save_picture", lambda figure, path: figures.append(figure))
+    refused = np.array(["outside"] + [""] * (n - 1))
+    table = {"level": np.arange(n) % 4, "refused": refused, "event": refused, "t": np.arange(n) / 60.0}
+    table |= {"iterations": np.ones(n), "index": np.arange(n)}
+    for name, values in (("small", np.linspace(1.0, 2.0, n)), ("huge", np.linspace(1e14, 9e14, n))):
+        table |= {f"q_{name}": values, f"{name}_error": 0.1 * values, f"{name}_jump": 0.1 * values}
+    header = {"title": "all kinds", "limits": {"small": {"max": 1.5}, "huge": {"max": 1e17}}}
+    recording = SimpleNamespace(table=table, n=n, header=header, summary="8 frames", path=tmp_path / "a")
+    assert quantity_panels.draw_quantities(recording, tmp_path / "picture.png")
+    (figure,) = figures
+    assert len(figure.legends[0].get_texts()) == 7
+    check_figure(figure)
+    small, huge = figure.axes
+    assert small.get_title(loc="right") == "max 1.5"
+    assert huge.get_title(loc="right") == "max 1e+17, beyond the axis"
+    assert not huge.yaxis.get_offset_text().get_text()
 
 
 @pytest.mark.parametrize("values", [(0.0, 1.0), (-1234.5678, -1234.5), (2015.697, 2015.698), (1e-3, 5e-3)])

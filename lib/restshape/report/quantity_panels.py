@@ -4,7 +4,9 @@ from pathlib import Path
 from textwrap import shorten
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
 
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
@@ -28,6 +30,8 @@ NAMED = 0.24
 LEAST_SPAN = 1e-4
 """Least span of an axis, over the size of its values."""
 BAND = "#c6dbef"
+POWERS = 1e5
+"""From this size on pure numbers have their power of ten beside each: above the axis it would cover the name."""
 MOST = 12
 """Quantities in a picture."""
 SHOWN_BEYOND = 1.5
@@ -84,7 +88,10 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
     axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.margins(y=0.12)
-    axes.ticklabel_format(axis="y", useOffset=False)
+    if not unit and factor * float(np.abs(known).max(initial=0.0)) >= POWERS:
+        axes.yaxis.set_major_formatter("{x:g}")
+    else:
+        axes.ticklabel_format(axis="y", useOffset=False)
     if len(known):
         least_span(axes, factor * float(known.min()), factor * float(known.max()))
         draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown)
@@ -128,10 +135,12 @@ def draw_limits(axes: Axes, factor: float, low: float, high: float, limit: dict[
     span = max(high - low, 1e-3 * max(abs(low), abs(high)))
     words = []
     for key, bound in limit.items():
-        if low - SHOWN_BEYOND * span <= bound <= high + SHOWN_BEYOND * span:
+        shown = low - SHOWN_BEYOND * span <= bound <= high + SHOWN_BEYOND * span
+        if shown:
             axes.axhline(factor * bound, color=REFUSED, lw=1.0, ls="--", zorder=1)
-        words.append(f"{key} {factor * bound:.{limit_digits(bound)}g} {unit}".rstrip())
-    axes.set_title(", ".join(words), loc="right", pad=2, color=REFUSED, fontsize=8)
+        number = f"{factor * bound:.{limit_digits(bound)}g} {unit}".rstrip()
+        words.append(f"{key} {number}{'' if shown else ', beyond the axis'}")
+    axes.set_title("; ".join(words), loc="right", pad=2, color=REFUSED, fontsize=8)
 
 
 def _shade(axes: Axes, frames: np.ndarray) -> None:
@@ -157,5 +166,15 @@ def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray
         axes.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3, label=f"refused ({stopped.sum()}), no value")
     handles, names = axes.get_legend_handles_labels()
     if names:
-        axes.figure.legend(handles, names, loc="lower center", ncols=len(names))
-    return 1 if names else 0
+        return _in_lines(axes.figure, handles, names)
+    return 0
+
+
+def _in_lines(figure: Figure | SubFigure, handles: list[Artist], names: list[str]) -> int:
+    """Puts a legend below, in as few lines as the figure's width allows; how many these are."""
+    for lines in range(1, len(names) + 1):
+        legend = figure.legend(handles, names, loc="lower center", ncols=-(-len(names) // lines))
+        if legend.get_window_extent().width <= figure.bbox.width or lines == len(names):
+            break
+        legend.remove()
+    return lines
