@@ -3,7 +3,9 @@
 import pytest
 from small_scenes import HEAD, STEEL, block, head, meshed, write_scene, write_script
 
-from restshape.cli.bare_numbers import bare_numbers, bare_numbers_set
+from restshape.cli.bare_numbers import bare_numbers
+from restshape.cli.check_scene import starting_outline
+from restshape.cli.doubts import script_doubts
 from restshape.cli.main import main
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -55,7 +57,7 @@ def test_values_that_a_script_sets_and_angles_that_it_turns_by(tmp_path, capsys)
     ]
     path = write_script(tmp_path, events)
     script = load_script(path, scene)
-    (reported,) = bare_numbers_set(scene, script, 0.3)
+    (reported,) = script_doubts(scene, starting_outline(scene), script)
     assert reported.startswith("line 3: set mesh.size: a length without a unit") and '"5 mm" or "5 m"?' in reported
     assert [one.partition(":")[0] for one in script.warnings] == ["line 4"] and '"30 deg"' in script.warnings[0]
     main(["check", str(scene.path), str(path)])

@@ -61,7 +61,7 @@ def test_nothing_is_odd_about_steel_and_its_mass_is_known(tmp_path):
     ],
 )
 def test_values_that_no_material_has(tmp_path, values, words):
-    (warning,) = warned(scene_of(tmp_path, **values))
+    (warning,) = [one for one in warned(scene_of(tmp_path, **values)) if not one.startswith("loads:")]
     assert words in warning and "material.m" in warning
 
 
@@ -82,11 +82,11 @@ def test_a_drawing_without_a_unit(tmp_path):
     drawing.header["$INSUNITS"] = 0
     drawing.saveas(tmp_path / "part.dxf")
     text = HEAD + '[shape]\nfile = "part.dxf"\n[material.m]\nE = 1e9\nnu = 0.3\n' + meshed(0.002)
-    (warning,) = warned(load_scene(write_scene(tmp_path, text)))
+    warning = next(one for one in warned(load_scene(write_scene(tmp_path, text))) if one.startswith("shape.file:"))
     assert "no unit ($INSUNITS), and is read in millimetres: 0.02 m x 0.01 m" in warning
     drawing.header["$INSUNITS"] = 4
     drawing.saveas(tmp_path / "part.dxf")
-    assert warned(load_scene(tmp_path / "scene.toml")) == []
+    assert [one[:6] for one in warned(load_scene(tmp_path / "scene.toml"))] == ["loads:"]
 
 
 def test_gaps_that_are_closed_are_reported(tmp_path):

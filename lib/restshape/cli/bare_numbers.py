@@ -9,9 +9,6 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel
 
 from restshape.application import application
-from restshape.errors import UserError
-from restshape.scene.edit_script import Script, Set
-from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.values import annotation_of, dimension_of
 
@@ -20,8 +17,6 @@ COLD = 150.0
 """Temperature [K] below which a number without a unit is rather one in degrees Celsius."""
 SHAPES = ("shape", "bodies", "start")
 """Tables whose lengths make the size that others are measured by, or lie anywhere."""
-MOST_SETS = 50
-"""Events `set` of a script that are looked at."""
 
 
 def bare_numbers(scene: Scene, size: float) -> list[str]:
@@ -41,21 +36,6 @@ def bare_numbers(scene: Scene, size: float) -> list[str]:
         fix = support.get("fix") if isinstance(support, Mapping) else None
         for axis, value in fix.items() if isinstance(fix, Mapping) else ():
             found += _doubt(f"supports.{name}.fix.{axis}", dimensions.get(axis), value, size)
-    return found
-
-
-def bare_numbers_set(scene: Scene, script: Script, size: float) -> list[str]:
-    """The same of values that a script sets, which are in SI units whatever its header's are."""
-    known, found = set(bare_numbers(scene, size)), []
-    for event in [one for one in script.events if isinstance(one, Set)][:MOST_SETS]:
-        try:
-            revised = revise(scene, event.key, event.value)
-        except UserError:
-            # The frame will say why it is refused.
-            continue
-        new = [words for words in bare_numbers(revised, size) if words not in known]
-        known.update(new)
-        found += [f"line {event.line}: set {words}" for words in new]
     return found
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from restshape.application import application
-from restshape.cli.bare_numbers import FULL_TURN, bare_numbers, bare_numbers_set
+from restshape.cli.bare_numbers import FULL_TURN, bare_numbers
+from restshape.errors import UserError
 from restshape.mesh.curve_edges import curve_edges
 from restshape.mesh.sizing import PER_CIRCLE
 from restshape.replay.rounding import load_scales
-from restshape.scene.edit_script import Script
-from restshape.scene.model import Scene
+from restshape.scene.edit_script import Script, Set
+from restshape.scene.load import revise
+from restshape.scene.model import Material, Scene
 from restshape.scene.plain_values import table_in
 from restshape.scene.quantity import CORE, in_unit, limit_in_unit
 from restshape.shape.imported_shape import imported_shape
@@ -22,13 +24,19 @@ FAR_OFF = 1e-3
 TOLERATED = 1.1
 """Edges of a curve that turn by less than this times what is usual are as usual."""
 
+LENGTHS = ("displacement", "distance")
+"""Quantities whose limits are hardly larger than the shape."""
+EARTH, STRONG = 9.81, 10.0
+"""Gravity of the earth [m/s^2], and the multiple of it from which on it is hardly meant."""
+MOST_SETS = 50
+"""Events `set` of a script that are looked at."""
+
 
 def doubts(scene: Scene, outline: Outline) -> list[str]:
     """What a user may have meant otherwise, a line each, of a scene and its first outline."""
     return [
         *_sizes(scene, _size(outline)),
-        *bare_numbers(scene, _size(outline)),
-        *_low_limits(scene, _size(outline)),
+        *_values(scene, outline),
         *_limits_in_time(scene),
         *_mesh(scene, outline),
         *_drawing(scene, outline),
@@ -37,8 +45,38 @@ def doubts(scene: Scene, outline: Outline) -> list[str]:
 
 
 def script_doubts(scene: Scene, outline: Outline, script: Script) -> list[str]:
-    """What a user may have meant otherwise in a script, a line each."""
-    return bare_numbers_set(scene, script, _size(outline))
+    """What a user may have meant otherwise in values that a script sets, a line each, as if the scene had them.
+
+    Numbers without a unit are in SI units whatever the script's header says.
+    """
+    known, found = set(_seen(scene, outline)), []
+    for event in [one for one in script.events if isinstance(one, Set)][:MOST_SETS]:
+        try:
+            words = _seen(revise(scene, event.key, event.value), outline)
+        except UserError:
+            # The frame will say why it is refused.
+            continue
+        found += [f"line {event.line}: set {one}" for one in words if one not in known]
+        known.update(words)
+    return found
+
+
+def _seen(scene: Scene, outline: Outline) -> list[str]:
+    """What is odd about values of a scene, also for its physics."""
+    physics = application(scene.app).physics
+    return [*_values(scene, outline), *(one for each in physics for one in each.inspected(scene, outline).warnings)]
+
+
+def _values(scene: Scene, outline: Outline) -> list[str]:
+    """What is odd about values of any scene."""
+    size = _size(outline)
+    return [
+        *bare_numbers(scene, size),
+        *_low_limits(scene, size),
+        *_far_limits(scene, size),
+        *_high_loads(scene, size),
+        *_strong_gravity(scene),
+    ]
 
 
 def _size(outline: Outline) -> float:
@@ -59,9 +97,7 @@ def _sizes(scene: Scene, size: float) -> Iterator[str]:
 
 def _low_limits(scene: Scene, size: float) -> Iterator[str]:
     """Limits on stress far below what the loads give in a solid block of the shape's size."""
-    thick = [m.thickness for m in scene.material.values() if isinstance(getattr(m, "thickness", None), int | float)]
-    loads = load_scales(scene)
-    usual = max(loads.get("Pa", 0.0), loads.get("N", 0.0) / (max(thick) * size) if thick else 0.0)
+    usual = _usual_stress(scene, size)
     for name, quantity in scene.quantities.items():
         if quantity.unit == "Pa" and quantity.max is not None and 0.0 < quantity.max < FAR_OFF * usual:
             limit, nominal = limit_in_unit("Pa", quantity.max), in_unit("Pa", usual, 3)
@@ -69,6 +105,54 @@ def _low_limits(scene: Scene, size: float) -> Iterator[str]:
                 f"quantities.{name}.max: {limit} is far below the {nominal} that the "
                 'loads give over the whole shape: is its unit right? A number without one is in Pa: "190 MPa"'
             )
+
+
+def _usual_stress(scene: Scene, size: float) -> float:
+    """The stress [Pa] that the loads give in a solid block of the shape's size."""
+    thick = [m.thickness for m in scene.material.values() if isinstance(getattr(m, "thickness", None), int | float)]
+    loads = load_scales(scene)
+    return max(loads.get("Pa", 0.0), loads.get("N", 0.0) / (max(thick) * size) if thick else 0.0)
+
+
+def _far_limits(scene: Scene, size: float) -> Iterator[str]:
+    """Limits without a unit on displacements and distances that are larger than the shape."""
+    written = table_in(scene.raw, "quantities")
+    for name, quantity in scene.quantities.items():
+        for key in ("min", "max") if quantity.kind in LENGTHS else ():
+            limit = table_in(written, name).get(key)
+            if isinstance(limit, int | float) and abs(limit) > size:
+                yield (
+                    f"quantities.{name}.{key}: a limit without a unit is in metres, and {limit:g} m is more than the "
+                    f'{size:.3g} m of the whole shape: "{limit:g} mm" or "{limit:g} m"?'
+                )
+
+
+def _high_loads(scene: Scene, size: float) -> Iterator[str]:
+    """Loads that would double the length of a solid block of the shape's size."""
+    moduli = [E for one in scene.material.values() for E in _moduli(one)]
+    stiffness = max(moduli, default=0.0)
+    if 0.0 < stiffness < (usual := _usual_stress(scene, size)):
+        yield (
+            f"loads: they give {in_unit('Pa', usual, 3)} over the whole shape, more than the stiffness of its "
+            f"material, {in_unit('Pa', stiffness, 3)}: are their units right?"
+        )
+
+
+def _moduli(material: Material) -> Sequence[float]:
+    """Young's moduli of a material [Pa]; none of one that has no stiffness."""
+    grained = getattr(material, "orthotropic", None)
+    return grained.E if grained is not None else [getattr(material, "E", 0.0) or 0.0]
+
+
+def _strong_gravity(scene: Scene) -> Iterator[str]:
+    """Gravity far above that of the earth, as of a number in mm/s^2."""
+    g = scene.effects.get("gravity", {}).get("g")
+    pull = math.hypot(*g) if isinstance(g, list | tuple) else 0.0
+    if pull > STRONG * EARTH:
+        yield (
+            f"effects.gravity.g: {pull:g} m/s^2 is {pull / EARTH:.3g} times the gravity of the earth, {EARTH} m/s^2: "
+            "is its unit right?"
+        )
 
 
 def _limits_in_time(scene: Scene) -> Iterator[str]:

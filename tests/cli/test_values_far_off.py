@@ -1,0 +1,53 @@
+"""Loads, limits and gravity far off what is meant, in a scene and where a script sets them; bodies without load."""
+
+import pytest
+from small_scenes import block, head, write_scene, write_script
+
+BODY = block(0.12, 0.1) + (
+    "[material.m]\nE = 2e11\nnu = 0.3\nrho = 7850\nthickness = 0.005\n"
+    '[supports.left]\non = "left"\nfix = { x = 0, y = 0 }\n'
+)
+PULL = '[loads.w]\non = "right"\nforce = [0, -500]\n'
+SAG = '[quantities.sag]\ndisplacement = "y"\nat = "right"\nmax = 0.01\n'
+MESH = "[mesh]\nsize = 0.05\n"
+
+
+def warnings_of(run):
+    # 1 where a script's event is refused, as that of a limit is.
+    assert run.returncode in (0, 1), run.stderr
+    return [line for line in (run.stdout + run.stderr).splitlines() if line.startswith("warning")]
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("material.m.E", 210, "material.m: a stiffness of 210 Pa"),
+        ("material.m.rho", 7.85, "material.m: with this stiffness and density sound goes at"),
+        ("material.m.thickness", 5, "material.m: the thickness of 5 m is more than the 0.12 m"),
+        ("loads.w.force", [0, -5e9], "loads: they give 8.33 TPa over the whole shape"),
+        ("quantities.sag.max", 1, "quantities.sag.max: a limit without a unit is in metres, and 1 m is more than"),
+        ("effects.gravity.g", [0, -9810], "effects.gravity.g: 9810 m/s^2 is 1e+03 times"),
+    ],
+)
+def test_values_of_scenes_and_of_scripts(tmp_path, command, key, value, words):
+    scene = write_scene(tmp_path, head("solid") + BODY + PULL + SAG + MESH + "[effects.gravity]\ng = [0, -9.81]\n")
+    assert warnings_of(command("check", scene)) == []
+    assert any(words in line for line in warnings_of(command("check", scene, "--set", f"{key}={value}")))
+    same = [{"t": 0.1 * k, "do": "set", "key": key, "value": value} for k in (1, 2)]
+    found = warnings_of(command("check", scene, write_script(tmp_path, same)))
+    assert sum(words in line for line in found) == 1 and all(one.startswith("warning: line 2: set ") for one in found)
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [("", True), (PULL, False), ("[effects.gravity]\n", False), ("[effects.large_deformation]\n", True)],
+)
+def test_a_body_that_nothing_loads(tmp_path, command, more, says):
+    scene = write_scene(tmp_path, head("solid") + BODY + MESH + more)
+    assert sum("all answers are 0" in line for line in warnings_of(command("check", scene))) == says
+    assert command("replay", scene).stderr.count("all answers are 0") == says
+
+
+def test_a_body_whose_support_moves_is_loaded(tmp_path, command):
+    scene = write_scene(tmp_path, head("solid") + BODY.replace("y = 0 }", "y = 0.001 }") + MESH)
+    assert warnings_of(command("check", scene)) == []
