@@ -37,7 +37,9 @@ def test_what_is_no_frequency_has_no_note():
 def test_the_table_of_a_replay_has_units_notes_and_errors(capsys):
     values = {"first": [440.0, 466.16], "sag": [-1e-3, None]}
     summary = {"quantities": values, "quantity_errors": {"first": [0.5, 0.25]}, "jumps": {}, "singular": {}}
-    print_quantities(summary | {"scales": {"first": 440.0, "sag": 1e-3}, "units": {"first": "Hz", "sag": "m"}})
+    print_quantities(
+        summary | {"predicted": 0, "scales": {"first": 440.0, "sag": 1e-3}, "units": {"first": "Hz", "sag": "m"}}
+    )
     head, *rows = [line.split("  ") for line in capsys.readouterr().out.splitlines()[1:]]
     table = [[cell.strip() for cell in row if cell.strip()] for row in rows]
     assert table[0] == [
