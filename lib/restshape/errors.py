@@ -6,6 +6,11 @@ def printable(text: str) -> str:
     return "".join(c for c in text if c in "\n\t" or not (ord(c) < 32 or 127 <= ord(c) < 160 or c in DIRECTIONS))
 
 
+def one_line(path: object) -> str:
+    """The name of a file as a message shows it: on one line, without what a terminal would obey."""
+    return " ".join(printable(str(path)).split("\n"))
+
+
 def quoted(text: str, most: int = 60) -> str:
     """A text in quotes, for a message; of a long one its beginning."""
     return repr(text if len(text) <= most else f"{text[: most - 3]}...")

@@ -17,7 +17,7 @@ from restshape.application import application, applications
 from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.quantity_descriptions import quantity_rows
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
@@ -80,7 +80,7 @@ def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:
         draw_scene(scene, outline, {name for _, name in used_names(scene)}, path)
     except OSError as error:
         raise UserError(f"the picture cannot be written: {error.strerror}", str(path), "choose another name") from error
-    print(f"wrote {path}")
+    print(f"wrote {one_line(path)}")
 
 
 def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Outline]:

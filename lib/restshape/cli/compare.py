@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from restshape.cli.options import add_json, print_table, write_json
-from restshape.errors import UserError, printable
+from restshape.errors import UserError, one_line, printable
 from restshape.outputs.kinds import PICTURES, PictureFile
 from restshape.outputs.si_numbers import counted, si
 
@@ -159,4 +159,4 @@ def _draw(path: PictureFile, first: Result, second: Result, found: Compared) -> 
             drawn = draw_comparison(first, second, found, path)
     except OSError as error:
         raise UserError(f"cannot be written: {error.strerror}", f"--out {path}", "name another file") from error
-    print(f"wrote {path}" if drawn else "note: there is nothing to draw")
+    print(f"wrote {one_line(path)}" if drawn else "note: there is nothing to draw")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from restshape.cli.options import add_json, add_set, refuse_files_of_scene, write_json
 from restshape.cli.parser import add_edits
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.claims import refuse_outputs
 from restshape.outputs.kinds import ExportFile
 
@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     """Writes the file and says what it shows; the exit code."""
     result = (_of_recording if args.source.suffix == RECORDING else _of_scene)(args)
     row, count, t = result["frame"], result["frames"], result["t"]
-    print(f"wrote {result['file']}: frame {row} of {count} (0 to {count - 1}), t = {t:.3f} s")
+    print(f"wrote {one_line(result['file'])}: frame {row} of {count} (0 to {count - 1}), t = {t:.3f} s")
     for note in result["notes"]:
         print(f"note: {note}")
     write_json(args, result)

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from restshape.application import application
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 
 SUMMARY = "write a commented scene and edit script to start from"
 FILES = ("scene.toml", "edits.jsonl")
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     except OSError as error:
         raise UserError(f"cannot write here: {error.strerror}", str(args.dir), "name another folder") from error
     scene, edits = (args.dir / name for name in FILES)
-    print(f"wrote {scene} and {edits}; next:")
+    print(f"wrote {one_line(scene)} and {one_line(edits)}; next:")
     print(f"  restshape check {scene} {edits}")
     print(f"  restshape replay {scene} {edits}")
     return 0

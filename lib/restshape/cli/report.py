@@ -14,7 +14,7 @@ from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.quantity_cells import cells, tone, tuning
 from restshape.cli.report_looks import add_looks, read_looks
 from restshape.cli.report_pictures import draw_report
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import AnimationFile, PictureFile
 from restshape.outputs.si_numbers import counted, si
@@ -76,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
         pictures = draw_report(recording, folder, args, looks, application)
     print()
     for picture in pictures:
-        print(f"wrote {picture}")
+        print(f"wrote {one_line(picture)}")
     write_json(args, {**data, "pictures": [str(picture) for picture in pictures]})
     return 0
 

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from restshape.cli.options import add_json, write_json
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import RecordingFile
 from restshape.outputs.si_numbers import counted
 
@@ -28,6 +28,6 @@ def run(args: argparse.Namespace) -> int:
         raise UserError("a recording's name ends in .vtkhdf", f"--out {args.out}", do)
     good, count = salvage(args.recording, args.out)
     are = "is" if len(good) == 1 else "are"
-    print(f"wrote {args.out}: {len(good)} of {counted(count, 'frame')} {are} good: {ranges(good)}")
+    print(f"wrote {one_line(args.out)}: {len(good)} of {counted(count, 'frame')} {are} good: {ranges(good)}")
     write_json(args, {"frames": count, "good": good})
     return 0

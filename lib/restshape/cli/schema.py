@@ -7,7 +7,7 @@ from operator import or_
 from typing import Annotated, Any
 
 from restshape.application import applications
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import SchemaFile
 
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
         except OSError as error:
             what = f"{args.out} cannot be written: {(error.strerror or str(error)).lower()}"
             raise UserError(what, "--out", "name another file") from error
-        print(f"wrote {args.out}")
+        print(f"wrote {one_line(args.out)}")
     else:
         print(text)
     return 0

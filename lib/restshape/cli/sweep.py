@@ -19,7 +19,7 @@ from restshape.cli.quantity_cells import cells, unit_of
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing
 from restshape.cli.verbosity import add_verbose
-from restshape.errors import UserError, printable
+from restshape.errors import UserError, one_line, printable
 from restshape.outputs.kinds import PICTURES, PictureFile, SweepFile
 from restshape.outputs.si_numbers import counted
 from restshape.policy import GUESSES, POLICIES
@@ -208,7 +208,7 @@ def _write(
                 draw_sweep(sweep.scene, swept, runs, args.out, bool(args.edits), sweep.singular)
         except OSError as error:
             raise UserError(f"cannot be written: {error.strerror}", f"--out {args.out}", "name another file") from error
-        print(f"wrote {args.out}")
+        print(f"wrote {one_line(args.out)}")
 
 
 def _values(run: SweptRun) -> str:
