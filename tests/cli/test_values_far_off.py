@@ -51,3 +51,12 @@ def test_a_body_that_nothing_loads(tmp_path, command, more, says):
 def test_a_body_whose_support_moves_is_loaded(tmp_path, command):
     scene = write_scene(tmp_path, head("solid") + BODY.replace("y = 0 }", "y = 0.001 }") + MESH)
     assert warnings_of(command("check", scene)) == []
+
+
+def test_gravity_without_density_is_refused_as_by_replay(tmp_path, command):
+    bare = BODY.replace("rho = 7850\n", "")
+    scene = write_scene(tmp_path, head("solid") + bare + PULL + MESH + "[effects.gravity]\n")
+    checked, replayed = command("check", scene), command("replay", scene)
+    assert checked.returncode == replayed.returncode == 2
+    assert "the material has no density" in checked.stderr
+    assert checked.stderr.replace("restshape check", "restshape replay") == replayed.stderr

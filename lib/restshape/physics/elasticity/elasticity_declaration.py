@@ -146,7 +146,7 @@ PLANE_SOLIDS = Physics(
     orders=(2, 1),
     order_why="at equal time of a frame their error is smaller than that of first order",
     check=check_solids,
-    check_shape="restshape.physics.elasticity.outline_checks:check_supports",
+    check_shape="restshape.physics.elasticity.outline_checks:check_plane_solid",
     inspect_shape="restshape.physics.elasticity.inspection:inspect_solid",
     columns=buckling_columns,
 )

@@ -5,6 +5,7 @@ import numpy as np
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.thickness import Thickness
+from restshape.physics.elasticity.body_load import require_density
 from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
@@ -12,6 +13,20 @@ from restshape.shape.outline import Outline
 
 GRID = 60
 """Places in each direction at which a thickness is looked at."""
+
+
+def check_plane_solid(scene: Scene, outline: Outline) -> None:
+    """Makes sure that the supports hold the body, as far as the outline shows, and that gravity has a mass to pull.
+
+    Raises:
+        UserError: they leave it free to move, or a material has no density.
+    """
+    check_supports(scene, outline)
+    pull = scene.effects.get("gravity", {}).get("g")
+    try:
+        require_density(scene, None if pull is None else np.array(pull))
+    except UserError as error:
+        raise scene.located(error) from error
 
 
 def check_supports(scene: Scene, outline: Outline) -> None:
