@@ -2,6 +2,7 @@
 
 import json
 import math
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -18,7 +19,7 @@ from restshape.physics.elasticity.corner_exponents import (
     kolosov,
     least_root,
 )
-from restshape.physics.elasticity.singular_places import singular_places, singular_quantities
+from restshape.physics.elasticity.singular_places import SingularPlace, singular_places, singular_quantities, warning
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 
@@ -388,3 +389,19 @@ def test_places_of_a_mesh_file_are_marked(tmp_path, restshape):
     assert restshape("replay", scene, "--json", "b.json").returncode == 0
     marked = json.loads((tmp_path / "b.json").read_text())["singular"]
     assert set(marked) == {"peak", "held"} and marked["peak"] == pytest.approx(0.544484, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("corners", "says"),
+    [
+        (1, "at the re-entrant corner A:"),
+        (2, "corner A (and so, or less, at B): "),
+        (5, "corner A (and so, or less, at B, C and 2 more): "),
+    ],
+)
+def test_a_warning_names_three_places_and_counts_the_others(corners, says):
+    places = [SingularPlace(k, "ABCDE"[k], "re-entrant corner", 0.5 + 0.01 * k) for k in range(corners)]
+    words = warning("peak", SimpleNamespace(stress="von_mises"), places)
+    assert says in words
+    away = {1: "A:", 2: "A, B:", 5: "A, B, C and 2 more:"}[corners]
+    assert f"take it away from {away}" in words

@@ -15,7 +15,7 @@ from restshape.mesh.thickness import Thickness
 from restshape.physics.elasticity.ground_record import read_record
 from restshape.physics.elasticity.modal_effect import modal_keys
 from restshape.physics.elasticity.motion_effects import DynamicsKeys
-from restshape.physics.elasticity.singular_places import singular_quantities, warning
+from restshape.physics.elasticity.singular_places import places_of_quantities, warning
 from restshape.physics.elasticity.thickness_layers import FLOOR, usual_layers
 from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Inspection
@@ -42,10 +42,10 @@ GRID = 40
 
 def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
     """The mass of a plane solid, values that no material has, and quantities at singular places."""
-    places = singular_quantities(scene, outline)
+    places = places_of_quantities(scene, outline)
     seen = inspect_body(scene, outline)
-    warnings = [warning(name, scene.quantities[name], place) for name, place in places.items()]
-    singular = {name: place.exponent for name, place in places.items()}
+    warnings = [warning(name, scene.quantities[name], there) for name, there in places.items()]
+    singular = {name: there[0].exponent for name, there in places.items()}
     return Inspection(seen.data, seen.rows, (*seen.warnings, *_unloaded(scene), *warnings), singular)
 
 

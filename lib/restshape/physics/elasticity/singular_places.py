@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,8 @@ TURN = np.radians(15.0) + 1e-6
 """Turn of the border at a point inside of a polyline [rad] up to which the polyline stands for a smooth curve."""
 STRAIGHT = np.radians(1.0)
 """Turn of the border between two materials [rad] below which it is smooth at a vertex."""
+NAMED = 3
+"""Places that a warning names."""
 MATERIALS = "meeting of materials"
 POINT = "point load"
 SUPPORT = "point support"
@@ -62,8 +64,13 @@ def singular_places(
 
 
 def singular_quantities(scene: Scene, outline: Outline) -> dict[str, SingularPlace]:
-    """The worst singular place of each quantity that does not converge there: stress that is not averaged, and
-    displacements and positions of a point that bears a point load.
+    """The worst singular place of each quantity that does not converge there: see `places_of_quantities`."""
+    return {name: places[0] for name, places in places_of_quantities(scene, outline).items()}
+
+
+def places_of_quantities(scene: Scene, outline: Outline) -> dict[str, list[SingularPlace]]:
+    """The singular places, the worst first, of each quantity that does not converge there: stress that is not averaged,
+    and displacements and positions of a point that bears a point load.
     """
     if not any(_moves(one) or _unbounded(one) for one in scene.quantities.values()):
         return {}
@@ -72,24 +79,33 @@ def singular_quantities(scene: Scene, outline: Outline) -> dict[str, SingularPla
     places = sorted(asked, key=lambda place: place.exponent)
     found = {}
     for name, quantity in scene.quantities.items():
-        there = (place for place in places if _diverges(quantity, place) and _holds(outline, quantity, place.point))
-        if (worst := next(there, None)) is not None:
-            found[name] = worst
+        there = [place for place in places if _diverges(quantity, place) and _holds(outline, quantity, place.point)]
+        if there:
+            found[name] = there
     return found
 
 
-def warning(name: str, quantity: Quantity, place: SingularPlace) -> str:
-    """What is wrong with a quantity at a singular place, and what to ask for instead."""
+def warning(name: str, quantity: Quantity, places: Sequence[SingularPlace]) -> str:
+    """What is wrong with a quantity at singular places, the worst first, and what to ask for instead."""
+    place, names = places[0], listed([one.name for one in places])
     what = "stress" if quantity.stress is not None else "displacement"
     if place.exponent:
         how = f"goes as r^{place.exponent - 1.0:.3f}"
     else:
         how = "goes as 1/r" if what == "stress" else "goes as log r"
-    do = f'take it away from {place.name}: at = a hole, an edge or a region that leaves it out, or reduce = "mean"'
+    do = f'take it away from {names}: at = a hole, an edge or a region that leaves it out, or reduce = "mean"'
     if what == "displacement":
         do = "spread the load over an edge, or ask at another place"
     where = f"at the {place.cause} {place.name}" + (", if that bears a force" if place.cause == SUPPORT else "")
+    if len(places) > 1:
+        where += f" (and so, or less, at {listed([one.name for one in places[1:]], NAMED - 1)})"
     return f"quantities.{name}: {what} {how} {where}: its value is one of the mesh size and does not converge; {do}"
+
+
+def listed(names: Sequence[str], most: int = NAMED) -> str:
+    """The first names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 # --- where ------------------------------------------------------------------------------------------------------------
