@@ -4,9 +4,7 @@ from pathlib import Path
 from textwrap import shorten
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
 
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
@@ -16,6 +14,7 @@ from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
 from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
+from restshape.report.legends import legend_below
 from restshape.report.recorded_quantities import limits_of, quantity_units
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import GOAL, INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, REFUSED, new_figure
@@ -166,15 +165,5 @@ def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray
         axes.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3, label=f"refused ({stopped.sum()}), no value")
     handles, names = axes.get_legend_handles_labels()
     if names:
-        return _in_lines(axes.figure, handles, names)
+        return legend_below(axes.figure, handles, names)
     return 0
-
-
-def _in_lines(figure: Figure | SubFigure, handles: list[Artist], names: list[str]) -> int:
-    """Puts a legend below, in as few lines as the figure's width allows; how many these are."""
-    for lines in range(1, len(names) + 1):
-        legend = figure.legend(handles, names, loc="lower center", ncols=-(-len(names) // lines))
-        if legend.get_window_extent().width <= figure.bbox.width or lines == len(names):
-            break
-        legend.remove()
-    return lines
