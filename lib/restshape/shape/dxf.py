@@ -102,6 +102,7 @@ def _curves_of(entity: Any, layer: str, label: str, scale: float, path: Path) ->
     """The curves of an entity, in metres."""
     kind = entity.dxftype()
     source = f"{kind} on layer {layer}"
+    _refuse_radius(entity, source, path)
     found = _curves(entity, kind, source)
     if found is None:
         do = f"use {READ}; shape.layers reads some layers alone; explode hatches"
@@ -111,6 +112,18 @@ def _curves_of(entity: Any, layer: str, label: str, scale: float, path: Path) ->
         replace(curve, points=np.asarray(curve.points, float)[:, :2] * scale, label=label, source=source, region=region)
         for curve in found
     ]
+
+
+def _refuse_radius(entity: Any, what: str, path: Path) -> None:
+    """Refuses a circle or an arc whose radius is no length.
+
+    Raises:
+        UserError: it is not a number greater than 0.
+    """
+    radius = entity.dxf.radius if entity.dxftype() in ("CIRCLE", "ARC") else 1.0
+    if not 0.0 < radius < np.inf:
+        wrong = f"{what}: a radius of {radius:g} is none: it must be a number greater than 0"
+        raise UserError(wrong, path.name, "mend it in the drawing")
 
 
 def _curves(entity: Any, kind: str, source: str) -> list[Curve] | None:
