@@ -1,5 +1,7 @@
 """Each quantity over the edit, with its limits, what happened, and gaps where there is no value."""
 
+# More than 15 modules: a panel shows a quantity with all that is known of it.
+
 from pathlib import Path
 from textwrap import shorten
 
