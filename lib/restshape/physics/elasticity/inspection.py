@@ -34,7 +34,7 @@ osmium, are rounded outwards.
 """
 STEPS, LEAST_STEPS = 20, 10
 """Time steps a period below which a motion is off by more than 0.8 % in frequency, (w dt)^2 / 12, and not resolved."""
-AT_REST = {"solid", "large_deformation"}
+STATIC = {"solid", "large_deformation"}
 """Effects of bodies that nothing loads or moves but `[loads]` and `[supports]`."""
 GRID = 40
 """Places in each direction at which a thickness that varies is averaged."""
@@ -50,9 +50,9 @@ def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
 
 
 def _unloaded(scene: Scene) -> Iterator[str]:
-    """That nothing loads a body at rest; what buckles or moves has its own words."""
+    """That nothing loads a static body; what buckles or moves has its own words."""
     prescribed = [value for support in scene.supports.values() for value in support.fix.values()]
-    if scene.effects.keys() <= AT_REST and not scene.loads and all(value == 0 for value in prescribed):
+    if scene.effects.keys() <= STATIC and not scene.loads and all(value == 0 for value in prescribed):
         yield (
             "loads: there is none, and no gravity and no prescribed displacement: all answers are 0; "
             "add [loads.NAME] or [effects.gravity]"
