@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import PictureFile
 
 
@@ -25,5 +25,5 @@ def run(args: argparse.Namespace) -> int:
             draw(recording, args.frames, args.out)
     except OSError as error:
         raise UserError(f"cannot be written: {error.strerror}", f"--out {args.out}", "name another file") from error
-    print(f"wrote {args.out}")
+    print(f"wrote {one_line(args.out)}")
     return 0

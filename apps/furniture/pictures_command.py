@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
         for name in args.only or PICTURES:
             path = args.out.with_name(f"{args.out.name}-{name}.png")
             draw_named(name, path, args.piece, tuple(args.joints) if args.joints else None)
-            print(f"wrote {path}")
+            print(f"wrote {one_line(path)}")
     except OSError as error:
         raise UserError(f"cannot be written: {error.strerror}", f"--out {args.out}", "name another stem") from error
     return 0

@@ -4,7 +4,7 @@ import argparse
 
 from restshape_apps.metallophone.stage import add_frame, analysed
 
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import PictureFile
 
 
@@ -27,5 +27,5 @@ def run(args: argparse.Namespace) -> int:
     for path, drawn in ((args.out, draw), (args.rasp, draw_rasp)):
         if path:
             drawn(analysis, path)
-            print(f"wrote {path}")
+            print(f"wrote {one_line(path)}")
     return 0

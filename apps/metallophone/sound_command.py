@@ -4,7 +4,7 @@ import argparse
 
 from restshape_apps.metallophone.stage import add_frame, analysed
 
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import SoundFile
 
 
@@ -29,5 +29,6 @@ def run(args: argparse.Namespace) -> int:
     shapes = analysis.state.body.shapes(analysis.state.modes.vectors[analysis.state.modes.chosen])[:, node]
     write_wav(args.out, struck(analysis.frequencies, np.linalg.norm(shapes, axis=1), args.damping, args.seconds))
     x, y = analysis.space.X[node]
-    print(f"wrote {args.out}: struck at ({x:.4g}, {y:.4g}) m, {', '.join(f'{f:.1f}' for f in analysis.frequencies)} Hz")
+    tones = ", ".join(f"{f:.1f}" for f in analysis.frequencies)
+    print(f"wrote {one_line(args.out)}: struck at ({x:.4g}, {y:.4g}) m, {tones} Hz")
     return 0

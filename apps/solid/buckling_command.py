@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from restshape.cli.options import add_set
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import PictureFile
 
 
@@ -26,5 +26,5 @@ def run(args: argparse.Namespace) -> int:
     if not isinstance(analysis, BucklingAnalysis):
         raise UserError("the scene does not ask for buckling", str(args.scene), "add [effects.buckling]")
     draw(analysis, args.out)
-    print(f"wrote {args.out}")
+    print(f"wrote {one_line(args.out)}")
     return 0

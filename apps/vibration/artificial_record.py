@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import TABLE_MARK, TableFile
 
@@ -91,5 +91,5 @@ def run(args: argparse.Namespace) -> int:
     if not (0.0 < args.peak < np.inf and 0.0 < args.frequency < np.inf):
         raise UserError("peak and frequency are positive", "--peak, --frequency", "leave them out")
     write_whole(Path(args.out), record_text(Ground(peak=args.peak, frequency=args.frequency)))
-    print(f"wrote {args.out}")
+    print(f"wrote {one_line(args.out)}")
     return 0

@@ -14,7 +14,7 @@ from restshape.cli.options import add_json, add_set, print_table, require_mesh, 
 from restshape.cli.ranks import launched
 from restshape.cli.script_notes import note_script
 from restshape.cli.verbosity import add_verbose
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import PointsFile, SceneFile
 from restshape.outputs.si_numbers import counted
 from restshape.policy import POLICIES
@@ -127,10 +127,10 @@ def run(args: argparse.Namespace) -> int:
             chosen = choose(args, found, within, error)
             write_page(found, args.out, command, chosen)
             valid = chosen["holds"] and valid
-        print(f"wrote {args.out / case.name}.md and .png\n", flush=True)
+        print(f"wrote {one_line(args.out / case.name)}.md and .png\n", flush=True)
     if len(studies) > 1:
         write_index(studies, args.out, command, meshless)
-        print(f"wrote {args.out / 'README.md'}")
+        print(f"wrote {one_line(args.out / 'README.md')}")
     return 0 if valid else 1
 
 
@@ -369,7 +369,7 @@ def choose(args: argparse.Namespace, study: Any, within: float | None, error: fl
         error_there = f"error {percent(picked['error'])} at {len(picked['frames'])} of {counted(study.total, 'frame')}"
         print(f"picked: {picked['name']}, {picked['frame_ms']:.3g} ms a frame, {error_there}", flush=True)
         write_scene(study.case, picked, path)
-        print(f"wrote {path}")
+        print(f"wrote {one_line(path)}")
         found = rerun(study, picked, path, within, error, announce) | {"before": before}
         print(chosen_line(found), flush=True)
         if found["holds"] or hopeless(found):

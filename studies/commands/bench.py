@@ -24,7 +24,7 @@ from restshape.application import applications
 from restshape.cli.options import add_json, add_set, require_mesh, write_json
 from restshape.cli.shipped import script_of
 from restshape.cli.verbosity import add_verbose
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import writable
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import PictureFile
@@ -193,4 +193,4 @@ def _draw(path: Path, draw: Any, data: Any) -> None:
             draw()
     except OSError as error:
         raise UserError(f"{path} cannot be written: {error.strerror}", "--out", "choose another folder") from error
-    print(f"wrote {path}")
+    print(f"wrote {one_line(path)}")

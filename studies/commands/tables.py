@@ -6,7 +6,7 @@ from typing import Any
 
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.cli.verbosity import add_verbose
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import PageFile
 from restshape.outputs.si_numbers import counted
@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
         # Where a mesh turns on the last digits, another type of CPU has other counts.
         return _check(text, [_lines(markdown_table, row) for row in rows if not row.get("rounding")], args.out)
     write_whole(args.out, HEADER + thesis_table(shown))
-    print(f"wrote {args.out}")
+    print(f"wrote {one_line(args.out)}")
     return 0
 
 

@@ -1,5 +1,8 @@
 """Names of files that hold what a terminal obeys are printed without it, and on one line."""
 
+import re
+from pathlib import Path
+
 from small_scenes import block, head, write_scene
 
 BODY = block(0.12, 0.1) + (
@@ -22,3 +25,21 @@ def test_names_of_what_is_written(tmp_path, command):
         assert run.returncode == 0, run.stderr
         wrote = [line for line in run.stdout.splitlines() if line.startswith("wrote ")]
         assert wrote and all("es[31mc ape" in line for line in wrote) and "\x1b" not in run.stdout
+
+
+ROOT = Path(__file__).parents[2]
+UNSAFE = re.compile(r"""print\(\s*f?["'][^"'\n]*\bwrote \{(?!one_line\()|\bwrote ["'] *[,+]""")
+"""What prints the name of a written file as it is."""
+
+
+def test_no_source_prints_the_name_of_a_written_file_as_it_is():
+    paths = [path for room in ("lib", "apps", "studies", "verification") for path in (ROOT / room).rglob("*.py")]
+    assert len(paths) > 500
+    found = [path for path in paths if "tests" not in path.parts and UNSAFE.search(path.read_text(encoding="utf-8"))]
+    assert found == []
+
+
+def test_what_prints_a_name_as_it_is_is_found():
+    for line in ('print(f"wrote {path}")', "print(f'wrote {args.out}: 3 frames')", 'print("wrote ", path)'):
+        assert UNSAFE.search(line)
+    assert not UNSAFE.search('print(f"wrote {one_line(path)}")')

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.application import application
+from restshape.errors import one_line
 from restshape.outputs.kinds import PictureFile
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.replayed_files import replay_files
@@ -80,5 +81,5 @@ def run(args: argparse.Namespace) -> int:
         from restshape_studies.pictures.score import draw_score
 
         draw_score(args.picture, ways, load_scene(SCENE).quantities["strength"].max)
-        print(f"wrote {args.picture}")
+        print(f"wrote {one_line(args.picture)}")
     return 0

@@ -24,6 +24,7 @@ from restshape.algebra.traits import Traits
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.cli.options import add_json, write_json
+from restshape.errors import one_line
 from restshape.mesh.generate import generate
 from restshape.outputs.kinds import PictureFile
 from restshape.physics.cloth.cloth_problem import ClothProblem
@@ -205,5 +206,5 @@ def run(args: argparse.Namespace) -> int:
         from restshape_studies.pictures.cycles import draw_cycles
 
         draw_cycles(args.picture, courses, REST)
-        print(f"wrote {args.picture}")
+        print(f"wrote {one_line(args.picture)}")
     return 0

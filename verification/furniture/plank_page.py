@@ -11,6 +11,7 @@ from restshape_verification.furniture.plank_precision import draw_plank_precisio
 from restshape_verification.furniture.plank_study import ALL, DENSE, EXACT, PlankStudy, study_planks
 
 from restshape.cli.options import print_table
+from restshape.errors import one_line
 from restshape.guidance.ranges import SAMPLES
 
 Lines = list[list[str]]
@@ -139,5 +140,5 @@ def study_and_write(
         if rows:
             print_table(f"{case.name}: {kind}", heads, rows, right=heads)
     write_plank_page(found, folder, command)
-    print(f"wrote {folder / case.name}.md and .png\n", flush=True)
+    print(f"wrote {one_line(folder / case.name)}.md and .png\n", flush=True)
     return found.records, found.scene.title

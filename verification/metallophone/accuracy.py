@@ -12,7 +12,7 @@ from restshape_studies.bench.job import Job, Outcome, run
 
 from restshape.application import application
 from restshape.cli.options import add_json, print_table, write_json
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import PictureFile
 
 FOLDER = application("metallophone").folder
@@ -163,5 +163,5 @@ def run(args: argparse.Namespace) -> int:
         from restshape_studies.pictures.accuracy import draw_accuracy
 
         draw_accuracy(records, args.picture)
-        print(f"wrote {args.picture}")
+        print(f"wrote {one_line(args.picture)}")
     return 0

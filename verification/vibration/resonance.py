@@ -1,5 +1,7 @@
 """A building's resonance: amplitude of its motion, harmonic response and eigenfrequency by the place of the window."""
 
+# More than 15 modules: it runs three analyses of one scene, and compares them.
+
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +14,7 @@ from restshape.analysis.harmonic import harmonic_response
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.errors import one_line
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import CsvFile, PictureFile
 from restshape.policy import policy
@@ -135,5 +138,5 @@ def run(args: argparse.Namespace) -> int:
         from restshape_studies.pictures.response import draw_response
 
         draw_response(args.picture, found)
-        print(f"wrote {args.picture}")
+        print(f"wrote {one_line(args.picture)}")
     return 0
