@@ -5,12 +5,13 @@ restshape harmonic SCENE [EDITS] [--frame N] --range FROM TO [--csv FILE] [--pic
 Of each displacement along x or y among the scene's quantities: its amplitude relative to the ground under a ground
 acceleration of amplitude A, its phase against the acceleration, and the ratio of its amplitude in space to that of the
 ground's displacement. Damping is the scene's. Each frequency is a direct solve of (K - w^2 M + i w C) U = -M 1 A.
+The frequencies are evenly spaced, with more of them within the half-power bandwidth of each resonance.
 """
 
 import argparse
 
 import numpy as np
-from restshape_apps.vibration.harmonic_sweep import Sweep, sweep
+from restshape_apps.vibration.harmonic_sweep import Sweep, resonant_sweep
 from restshape_apps.vibration.stage import add_structure, structure
 
 from restshape.cli.options import print_table, write_json
@@ -33,7 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_structure(parser)
     parser.add_argument("--range", type=float, nargs=2, required=True, metavar=("FROM", "TO"), help="frequencies [Hz]")
-    parser.add_argument("--points", type=int, default=200, metavar="N", help="frequencies (%(default)s)")
+    parser.add_argument("--points", type=int, default=200, metavar="N", help="evenly spaced frequencies (%(default)s)")
     parser.add_argument("--acceleration", type=float, default=1.0, metavar="A", help="of the ground [m/s^2] (1)")
     parser.add_argument("--csv", type=TableFile, metavar="FILE", help="write the sweep as a table")
     parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="draw it (.png, .svg)")
@@ -48,8 +49,11 @@ def run(args: argparse.Namespace) -> int:
         raise UserError("2 to 10,000 frequencies can be computed", "--points", "--points 200")
     if not 0.0 < args.acceleration < np.inf:
         raise UserError("the amplitude of the ground is positive", "--acceleration", "leave it out")
-    found = sweep(structure(args), np.linspace(low, high, args.points), args.acceleration)
+    shape = structure(args)
+    found = resonant_sweep(shape, low, high, args.points, args.acceleration)
     _print(found)
+    if not shape.damped:
+        print("the scene has no damping: amplitudes at resonance are not bounded, and no peak is looked for")
     if args.csv:
         write_whole(args.csv, table(found))
     if args.picture:

@@ -38,6 +38,12 @@ class Structure:
         excitation = self.analysis.state.integration.excitation
         return np.array([1.0, 0.0]) if excitation is None else excitation.direction
 
+    @property
+    def damped(self) -> bool:
+        """Whether the scene damps the motion; if not, amplitudes at resonance are not bounded."""
+        damping = self.analysis.state.integration.damping
+        return damping.alpha > 0.0 or damping.beta > 0.0
+
     def inertia(self) -> np.ndarray:
         """M 1 (n,) [kg] at the free unknowns, along the direction of the ground."""
         body = self.analysis.body

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from restshape_apps.vibration import modes
-from restshape_apps.vibration.harmonic_sweep import sweep
+from restshape_apps.vibration.harmonic_sweep import resonant_sweep, summit, sweep
 from restshape_apps.vibration.stage import structure_of
 from small_scenes import make_replay, rows_of, write_script
 
@@ -96,6 +96,59 @@ def test_a_slender_column_with_its_mass_on_top_is_one_oscillator():
     # The top sways a little more than the centre of the mass below it: by `factor`.
     np.testing.assert_allclose(swept.transmissibility["sway"][:1], ratio[:1], rtol=0.01)
     assert swept.transmissibility["sway"][2] == pytest.approx(factor * ratio[2], rel=0.02)
+
+
+def test_the_peak_of_a_lightly_damped_oscillator_is_found_between_coarse_points(tmp_path, capsys):
+    """One mass on a spring: its static amplitude grows by 1 / (2 z sqrt(1 - z^2)) at f sqrt(1 - 2 z^2).
+
+    Of C = beta K the damping is z = pi f beta. Here it is 0.4 %, and the points are 30 bandwidths apart.
+    """
+    heavy = (
+        "shape.regions={head={polygon=[[0.05,3.6],[0.45,3.6],[0.45,3.95],[0.05,3.95]]}}",
+        'material.lead={E="700 GPa",nu=0.3,rho="2e6 kg/m^3",thickness="20 mm",region="head"}',
+        "material.aluminium.rho=1",
+        'effects.damping={beta="1 ms"}',
+    )
+    file = tmp_path / "a.json"
+    words = [word for value in heavy for word in ("--set", value)]
+    assert main(["harmonic", str(COLUMN), "--range", "0.01", "4", "--points", "17", "--json", str(file), *words]) == 0
+    data = json.loads(file.read_text())
+    frequencies, amplitudes = np.array(data["frequency"]), np.array(data["quantities"]["sway"]["amplitude"])
+    assert (frequencies[0], frequencies[-1]) == (0.01, 4.0) and set(np.linspace(0.01, 4, 17)) <= set(frequencies)
+    peak = int(np.argmax(amplitudes))
+    z = np.pi * frequencies[peak] * 1e-3
+    assert 0.003 < z < 0.01
+    assert amplitudes[peak] / amplitudes[0] == pytest.approx(0.5 / z / np.sqrt(1 - z**2), rel=5e-3)
+    assert f"{1e3 * amplitudes[peak]:.4g}" in capsys.readouterr().out
+    # Half of the power at f (1 -+ z): the refined points resolve the peak.
+    inside = np.abs(frequencies / frequencies[peak] - 1) < 1.01 * z
+    assert inside.sum() >= 5
+    assert (amplitudes[inside].min() / amplitudes[peak]) ** 2 == pytest.approx(0.5, rel=0.05)
+
+
+@pytest.mark.slow
+def test_peaks_of_overlapping_modes_are_those_of_a_fine_grid(shape):
+    """200 frequencies about the largest amplitude within 1 % of it, each solved by itself."""
+    found = resonant_sweep(shape, 1.0, 12.0, 6)
+    amplitudes = np.abs(found.relative["drift"])
+    place = found.frequencies[np.argmax(amplitudes)]
+    fine = np.abs(sweep(shape, place * np.linspace(0.99, 1.01, 200)).relative["drift"]).max()
+    assert amplitudes.max() == pytest.approx(fine, rel=1e-5)
+
+
+def test_without_damping_no_peak_is_looked_for(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["harmonic", str(COLUMN), "--range", "1", "40", "--points", "5", "--json", "a.json"]) == 0
+    assert "no damping" in capsys.readouterr().out
+    assert len(json.loads((tmp_path / "a.json").read_text())["frequency"]) == 5
+
+
+@pytest.mark.parametrize(("z", "points"), [(0.01, [0.9, 1.0, 1.2]), (0.2, [0.5, 0.9, 1.5])])
+def test_three_points_of_one_mode_give_its_summit(z, points):
+    """|U| of one oscillator of 1 Hz is largest at sqrt(1 - 2 z^2) Hz."""
+    r = np.array(points)
+    found = summit(r, 1 / np.hypot(1 - r**2, 2 * z * r))
+    assert found == pytest.approx(np.sqrt(1 - 2 * z**2), rel=1e-9)
 
 
 COMMON = ["--set", "mesh.size=2", "--json", "a.json"]
