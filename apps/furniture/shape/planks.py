@@ -184,6 +184,9 @@ LEAST_SLANT = 0.25
 FLUSH = 1e-6
 """How far two faces may be from one plane for an end to be joined to both [m]."""
 
+EDGE = 1e-9
+"""How far beside a face the middle of an end may be that is drawn on its very edge [m], as in the kernel."""
+
 LYING = 1e-3
 """How far a side that cannot be lengthened may be from the floor, or lean, to stand on it [m]."""
 
@@ -199,7 +202,8 @@ def joints_near(
     """Joints of all ends that lie near a face of another plank, and come to it from outside.
 
     An end is joined to the nearest face, and to others in the plane of that one. An end that has a joint already gets
-    more of them in its plane only, one that stands on the floor none.
+    more of them in its plane only, one that stands on the floor none. Where two planks meet in a corner, each with an
+    end at the other's face, they are joined once: by the end that is steeper, else by that of the plank drawn first.
 
     Args:
         planks: all planks.
@@ -226,7 +230,18 @@ def joints_near(
                 for j, face in new
                 if _in_one_plane(planks[j], face, planks[first[0]], first[1])
             ]
-    return tuple(found)
+    return _once(planks, found, joints)
+
+
+def _once(planks: Sequence[Plank], found: Sequence[Joint], joints: Sequence[Joint]) -> tuple[Joint, ...]:
+    """What was found, without joints of planks that are joined the other way round: two planes meet in one line."""
+    kept = [(joint.i, joint.j) for joint in joints]
+    once = []
+    for joint in sorted(found, key=lambda one: -round(abs(float(planks[one.i].axes[2, one.side // 2])), 6)):
+        if (joint.j, joint.i) not in kept:
+            kept.append((joint.i, joint.j))
+            once.append(joint)
+    return tuple(joint for joint in found if joint in once)
 
 
 def _spot(plank: Plank, side: int, other: Plank, near: float) -> tuple[float, int] | None:
@@ -247,7 +262,7 @@ def _spot(plank: Plank, side: int, other: Plank, near: float) -> tuple[float, in
     low, high = -1.0, 1.0
     for at, way, size in zip(place[:2], half[:2], other.size[:2]):
         if abs(way) < 1e-9:
-            low, high = (low, high) if abs(at) <= 0.5 * size else (0.0, 0.0)
+            low, high = (low, high) if abs(at) <= 0.5 * size + EDGE else (0.0, 0.0)
             continue
         ends = sorted(((-0.5 * size - at) / way, (0.5 * size - at) / way))
         low, high = max(low, ends[0]), min(high, ends[1])
