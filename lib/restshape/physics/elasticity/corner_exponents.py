@@ -30,6 +30,8 @@ LEAST, MOST = 0.02, 0.999
 STARTS = (20, 6)
 """Points in both directions from which roots are looked for."""
 STEPS = 45
+FOUND = 1e-13
+"""Change of a root in a step below which it is looked for no further; nor is it far from the strip."""
 CLOSE = 1e-6
 """Change of a root in the last step that counts as none: double roots, as of a crack, are found to 1e-8."""
 
@@ -92,17 +94,22 @@ def _least_root(sectors: tuple[Sector, ...], sides: tuple[Condition, Condition] 
     real = np.linspace(LEAST, MOST, STARTS[0])
     imaginary = np.linspace(0.0, 1.0, STARTS[1])
     roots = (real[:, None] + 1j * imaginary).ravel()
-    change = np.full(len(roots), np.inf)
+    change = np.full(len(roots), np.inf, dtype=complex)
+    moving = np.arange(len(roots))
     step = 1e-6
     for _ in range(STEPS):
-        here = _determinant(roots, sectors, sides)
-        rate = (_determinant(roots + step, sectors, sides) - here) / step
+        starts = roots[moving]
+        here, beside = np.split(_determinant(np.concatenate([starts, starts + step]), sectors, sides), 2)
         with np.errstate(all="ignore"):
-            change = here / rate
-        change = np.where(np.isfinite(change), change, 0.0)
+            steps = here / ((beside - here) / step)
+        steps = np.where(np.isfinite(steps), steps, 0.0)
         # Long steps leave the strip in which roots are looked for.
-        change *= np.minimum(1.0, 0.1 / np.maximum(np.abs(change), 1e-300))
-        roots = roots - change
+        steps *= np.minimum(1.0, 0.1 / np.maximum(np.abs(steps), 1e-300))
+        roots[moving], change[moving] = starts - steps, steps
+        near = (np.abs(roots[moving].real - 0.5) < 1.0) & (np.abs(roots[moving].imag) < 3.0)
+        moving = moving[near & (np.abs(steps) > FOUND)]
+        if not len(moving):
+            break
     good = (np.abs(change) < CLOSE) & (roots.real > LEAST) & (roots.real < MOST) & (np.abs(roots.imag) < 3.0)
     found = roots[good]
     if not len(found):
