@@ -2,9 +2,10 @@
 
 import pytest
 
-from restshape.cli.quantity_cells import cells, tone, tuning, unit_of
+from restshape.cli.quantity_cells import cells, tone, unit_of
 from restshape.cli.quantity_tables import print_quantities
 from restshape.outputs.si_numbers import counted
+from restshape.report.recorded_quantities import recorded_tuning
 
 
 def test_values_have_the_prefix_of_the_largest():
@@ -31,7 +32,21 @@ def test_notes(frequency, a4, words):
 
 def test_what_is_no_frequency_has_no_note():
     assert tone(440.0, "Pa") == "" and tone(None, "Hz") == ""
-    assert tuning({"effects": {"modal": {"a4": 442.0}}}) == 442.0 and tuning({}) == 440.0
+
+
+@pytest.mark.parametrize(
+    ("header", "a4"),
+    [
+        ({"a4": 443.5}, 443.5),
+        ({"scene_values": {"effects": {"modal": {"a4": "442 Hz"}}}}, 442.0),
+        ({"scene_values": {"effects": {"modal": {"a4": 442}}}}, 442.0),
+        ({"scene_values": {"effects": {"modal": {"a4": "pitch"}}}}, 440.0),
+        ({"scene_values": {"effects": {}}}, 440.0),
+        ({}, 440.0),
+    ],
+)
+def test_recordings_know_their_tuning(header, a4):
+    assert recorded_tuning(header) == a4
 
 
 def test_the_table_of_a_replay_has_units_notes_and_errors(capsys):

@@ -37,6 +37,23 @@ def test_recording_holds_frequencies_tones_and_modes(command, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("a4", ['"442 Hz"', "442", '"1.3*tuned"'])
+def test_notes_of_tables_are_tuned_as_the_scene_says(command, tmp_path, a4):
+    text = (SCENES / "bar_100.toml").read_text().replace("[quantities]", '[parameters]\ntuned = "340 Hz"\n[quantities]')
+    scene = tmp_path / "bar.toml"
+    scene.write_text(text.replace("modes = 1", f"modes = 1\na4 = {a4}"))
+    replayed = command("replay", scene, *settings(), "--out", "bar.vtkhdf", "--json", "bar.json")
+    assert replayed.returncode == 0, replayed.stderr
+    pitch = json.loads((tmp_path / "bar.json").read_text())["quantities"]["pitch"][0]
+    # C7 is 27 half tones above A4.
+    cents = round(1200.0 * np.log2(pitch / 442.0) - 2700.0)
+    words = f"C7 {cents:+d} cents".replace("-", "\N{MINUS SIGN}")
+    reported = command("report", "bar.vtkhdf", "--animation", "none")
+    for table in (replayed.stdout, reported.stdout):
+        assert words in table
+
+
+@pytest.mark.slow
 def test_report_draws_a_recording_of_modes(command, tmp_path):
     scene, edits = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl"
     command("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf")

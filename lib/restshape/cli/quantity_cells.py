@@ -1,14 +1,12 @@
 """Cells of tables of quantities: numbers with unit and SI prefix as in pictures, and the notes of tones."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import isfinite
-from typing import Any
 
-from restshape.analysis.pitch import note
+from restshape.analysis.pitch import A4, note
 from restshape.outputs.si_numbers import si
 
 MISSING = "–"
-A4 = 440.0
 HEARD = (16.0, 20e3)
 """Frequencies [Hz] that are tones."""
 
@@ -23,13 +21,6 @@ def cells(values: Sequence[float | None], unit: str, digits: int = 5) -> list[st
 def unit_of(symbol: str) -> str:
     """A unit as tables and pictures write it."""
     return symbol.replace("^2", "²").replace("^3", "³")
-
-
-def tuning(scene: Mapping[str, Any]) -> float:
-    """The frequency [Hz] of the tone A4 that the values of a scene say."""
-    modal = (scene.get("effects") or {}).get("modal") or {}
-    found = modal.get("a4")
-    return float(found) if isinstance(found, int | float) else A4
 
 
 def tone(frequency: float | None, unit: str, a4: float = A4) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from restshape.analysis.pitch import A4
 from restshape.cli.options import print_table
-from restshape.cli.quantity_cells import A4, MISSING, cells, tone
+from restshape.cli.quantity_cells import MISSING, cells, tone
 from restshape.outputs.si_numbers import si
 
 SINGULAR = "singular"

@@ -18,7 +18,7 @@ from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_li
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
 from restshape.cli.parser import add_edits
-from restshape.cli.quantity_cells import tuning, unit_of
+from restshape.cli.quantity_cells import unit_of
 from restshape.cli.quantity_tables import percent, print_quantities
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing, exit_code
@@ -189,7 +189,9 @@ def _stop_other_ranks(error: BaseException) -> None:
 def _print_and_write(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -> int:
     """Print the tables, write the JSON file, and give the exit code."""
     summary["units"] = {name: unit_of(one.unit) for name, one in request.scene.quantities.items()}
-    summary["a4"] = tuning(request.scene.raw)
+    from restshape.analysis.pitch import tuning
+
+    summary["a4"] = tuning(request.scene.effects)
     # What is printed may find nobody who reads it.
     found = {key: value for key, value in summary.items() if key not in NOT_IN_JSON}
     write_json(args, {"origin": request.origin(), **found})

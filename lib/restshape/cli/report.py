@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application, applications
 from restshape.cli.options import add_json, print_table, write_json
-from restshape.cli.quantity_cells import cells, tone, tuning
+from restshape.cli.quantity_cells import cells, tone
 from restshape.cli.report_looks import add_looks, read_looks
 from restshape.cli.report_pictures import draw_report
 from restshape.errors import UserError, one_line
@@ -231,7 +231,9 @@ def _quantity(row: dict[str, Any], extras: Sequence[str]) -> list[str]:
 
 def _tones(recording: Recording, rows: list[dict[str, Any]]) -> dict[str, list[str]]:
     """The notes of the first and the last value of quantities that are tones, by name; empty where none is."""
-    a4 = tuning(recording.header.get("scene_values") or {})
+    from restshape.report.recorded_quantities import recorded_tuning
+
+    a4 = recorded_tuning(recording.header)
     found = {row["quantity"]: [tone(row[key], row["unit"], a4) for key in ("first", "last")] for row in rows}
     return found if any(map(any, found.values())) else {}
 

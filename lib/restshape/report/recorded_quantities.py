@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.analysis.pitch import A4
 from restshape.application import applications
 from restshape.replay.recording import Recording
 from restshape.scene.key_aliases import by_todays_names
@@ -48,6 +49,17 @@ def limits_of(recording: Recording) -> dict[str, dict[str, float]]:
             if numbers := {key: value for key, value in numbers.items() if np.isfinite(value)}:
                 found[name] = numbers
     return found
+
+
+def recorded_tuning(header: Mapping[str, Any]) -> float:
+    """The frequency of the tone A4 [Hz]; of recordings of version 0.1 that of their scene, where it is a number."""
+    if isinstance(a4 := header.get("a4"), float):
+        return a4
+    scene = header.get("scene_values")
+    effects = scene.get("effects") if isinstance(scene, Mapping) else None
+    modal = effects.get("modal") if isinstance(effects, Mapping) else None
+    found = _number(modal.get("a4", A4), "frequency") if isinstance(modal, Mapping) else A4
+    return found if 0.0 < found < np.inf else A4
 
 
 @cache
