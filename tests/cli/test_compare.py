@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
 
-from restshape.comparison.header_differences import header_differences
+from restshape.comparison.header_differences import header_differences, shortened
 from restshape.comparison.result import read_result
 from restshape.comparison.result_comparison import compared as compared_results
 from restshape.comparison.series_difference import series_difference
@@ -206,3 +206,29 @@ def test_tables_have_units(command, tmp_path, replayed):
         if one["largest"]:
             assert si(one["largest"], units[name]) in rows[name]
     assert f"{si(found['fields']['displacement']['largest'], 'm')}" in rows["displacement"]
+
+
+def test_values_are_written_as_scenes_have_them():
+    values = (["bottom", "höhe"], True, {"x": 0}, None, "5 mm", [0.0, 1])
+    shown = ['["bottom", "höhe"]', "true", '{"x": 0}', "-", "5 mm", "[0.0, 1]"]
+    assert [shortened(value) for value in values] == shown
+
+
+@pytest.mark.slow
+def test_which_file_lacks_what_is_said(command, tmp_path, replayed):
+    scene = write_scene(tmp_path, BAR, "bar.toml")
+    (first, one), (second, other) = replayed(scene, "a"), replayed(scene, "b", "--set", "material.steel.E=1.9e11")
+    code, _, said = compared(command, tmp_path, one, second, "--tolerance", "0.2")
+    assert code == 0 and "\nquantities differ by at most 0.2" in said
+    assert f"note: quantities alone are compared: {one} does not have fields" in said
+    assert "neither file has fields" in compared(command, tmp_path, one, other)[2]
+    assert "note:" not in compared(command, tmp_path, first, second)[2]
+    # Loads are shown as the scene has them, not again as sizes that were found from them.
+    text = BAR.replace('"100 MPa"', '"200 MPa"') + "whole = { area = true }\n"
+    longer = write_scene(tmp_path, text, "longer.toml")
+    third, _ = replayed(longer, "c")
+    _, found, said = compared(command, tmp_path, first, third)
+    assert "quantities of B only: whole" in said and "of A only" not in said
+    assert "loads.pull.traction" in said and not any(
+        key.startswith(("load_scales", "limits")) for key in found["header"]
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -86,7 +86,7 @@ def _print(args: argparse.Namespace, found: Compared, first: Result, second: Res
         print(f"frames: {found.frames[0]} and {found.frames[1]}; the first {min(found.frames)} are compared")
     _print_list("frames refused in one of them only", found.refused)
     _print_list("frames with another constraint status", found.status)
-    _print_list("quantities of one of them only", found.alone)
+    _print_alone("quantities", found.alone, [one.quantities for one in (first, second)])
     if found.quantities:
         _print_differences("quantities", "quantity", found.quantities, first.units | second.units)
         for note in singular_notes(first.singular | second.singular):
@@ -95,13 +95,16 @@ def _print(args: argparse.Namespace, found: Compared, first: Result, second: Res
         ways = ", ".join(f"{way} in {counted(count, 'frame')}" for way, count in found.fields.ways.items() if count)
         print(f"meshes: {ways}")
         _print_differences("fields", "field", [found.fields.points, *found.fields.fields], _field_units(first, second))
-        _print_list("fields of one of them only", found.fields.alone)
+        _print_alone("fields", found.fields.alone, [one.recording.fields for one in (first, second) if one.recording])
     if found.times:
         heads = ("time a frame", "A [ms]", "B [ms]", "B / A")
         rows = [(k, f"{a:.3f}", f"{b:.3f}", f"{b / a:.2f}" if a else "-") for k, (a, b) in found.times.items()]
         print_table("times", heads, rows, right=heads[1:])
     _print_list("columns and fields with other bits", found.columns or [])
     print(_sentence(args, found))
+    if unknown := [one_line(one.path) for one in (first, second) if one.recording is None]:
+        those = "neither file has" if len(unknown) == 2 else f"{unknown[0]} does not have"
+        print(f"note: quantities alone are compared: {those} fields, which recordings (.vtkhdf) hold")
 
 
 def _print_differences(title: str, what: str, differences: list[SeriesDifference], units: Mapping[str, str]) -> None:
@@ -134,14 +137,22 @@ def _print_list(title: str, values: list[int] | list[str]) -> None:
         print(printable(f"{title}: {', '.join(map(str, values[:SHOWN]))}{more}"))
 
 
+def _print_alone(what: str, names: list[str], both: Sequence[Container[str]]) -> None:
+    """Print which quantities or fields one of the results does not have, and which of them."""
+    for which, own, other in (("A", *both), ("B", *reversed(both))):
+        _print_list(f"{what} of {which} only", [name for name in names if name in own and name not in other])
+    _print_list(f"{what} with values of another kind", [name for name in names if all(name in one for one in both)])
+
+
 def _sentence(args: argparse.Namespace, found: Compared) -> str:
     """What the comparison comes to."""
     from restshape.comparison.result_comparison import SAME_BITS, SAME_VALUES, WITHIN
 
+    what = "quantities and fields" if found.fields else "quantities"
     return {
         SAME_BITS: "the same bits, times left out" + (f": {found.hashes[0]}" if found.hashes else ""),
-        SAME_VALUES: "the same values in all frames",
-        WITHIN: f"quantities and fields differ by at most {args.tolerance:g} of their largest values",
+        SAME_VALUES: "the same values of all quantities in all frames",
+        WITHIN: f"{what} differ by at most {args.tolerance:g} of their largest values",
     }.get(found.outcome, "they differ" + (f" by more than {args.tolerance:g}" if args.tolerance else ""))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -9,7 +10,7 @@ from restshape.bounds import NESTING
 from restshape.comparison.result import Result
 
 TEXT = "script_text"
-REPEATED = ("overrides", "units")
+REPEATED = ("units", "overrides", "load_scales", "limits", "a4")
 """Keys that repeat what the scene says."""
 SHOWN = 60
 """Characters of a value that is shown."""
@@ -31,8 +32,9 @@ def header_differences(first: Result, second: Result) -> list[HeaderDifference]:
     """
     whole = all(one.recording for one in (first, second))
     # A JSON file does not have the values of its scene.
-    repeated = REPEATED if whole else REPEATED[1:]
-    both = [_flat({key: value for key, value in one.header.items() if key not in repeated}) for one in (first, second)]
+    repeated = REPEATED if whole else REPEATED[:1]
+    said = [{k: v for k, v in one.header.items() if k not in repeated and v != {}} for one in (first, second)]
+    both = [_flat(header) for header in said]
     keys = dict.fromkeys([*both[0], *both[1]] if whole else [key for key in both[0] if key in both[1]])
     found = []
     for key in keys:
@@ -70,6 +72,7 @@ def _script(first: object, second: object) -> HeaderDifference:
 
 
 def shortened(value: object) -> str:
-    """A value for a table."""
-    text = "-" if value is None else str(value)
+    """A value for a table, written as a scene has it."""
+    written = json.dumps(value, ensure_ascii=False) if isinstance(value, bool | list | dict) else str(value)
+    text = "-" if value is None else written
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 1]}…"
