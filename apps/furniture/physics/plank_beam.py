@@ -34,7 +34,7 @@ class Actions:
         span: (k,) lengths along the beam over which each is spread, with a density that runs straight [m].
         force: (k,) along the normal [N].
         couple: (k,) about along x normal [N m].
-        holds: (k,) whether it holds the beam, as a joint does, or loads it.
+        holds: (k,) whether it supports the beam, as a joint with a leg does, or loads it.
         own: a force spread evenly over the length [N/m].
         length: of the beam [m].
     """
@@ -87,8 +87,9 @@ class Actions:
         return np.where(point, found, spread).sum(axis=1) + own
 
     def constrained(self) -> np.ndarray:
-        """Places (h,) that are constrained [m]."""
-        place, span = self.place[self.holds], self.span[self.holds]
+        """Places (h,) that support the beam [m]; where nothing does, as without feet, all that acts on it."""
+        holds = self.holds if self.holds.any() else np.ones(len(self.holds), dtype=bool)
+        place, span = self.place[holds], self.span[holds]
         return np.concatenate([place - span / 2, place + span / 2])
 
     def on_floor(self, up: float) -> "Actions | None":

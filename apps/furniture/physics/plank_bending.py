@@ -6,6 +6,7 @@ import numpy as np
 from restshape_apps.furniture.physics.fasteners import wood
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.plank_beam import Actions, Line, deflection
+from restshape_apps.furniture.shape.planks import on_floor_without
 
 STATIONS = 201
 
@@ -17,7 +18,7 @@ class PlankBending:
     Args:
         s: (k,) stations along the plank from its middle [m].
         moment: (k,) bending moment [N m].
-        deflection: (k,) along the plank's normal, 0 at the outermost places where it is constrained [m].
+        deflection: (k,) along the plank's normal, 0 at the outermost places that support it [m].
         max_deflection: the largest deflection [m].
         stress: the largest bending stress [Pa].
         utilisation: of its bending strength, in parts of it.
@@ -36,7 +37,8 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
 
     The plank is an Euler-Bernoulli beam of its whole width: planks much longer than wide are met best. Its weight is
     spread evenly, a joint's force over the part of the beam along which the joint runs. A plank that lies on the floor
-    is pushed where it would go through it; one that stands on a long edge is held along it, and does not bend.
+    is pushed where it would go through it; one that stands on a long edge is held along it, and does not bend. Joints
+    support it to whose other plank a way of joints leads from the floor past this one; what hangs on it loads it.
 
     Args:
         furniture: the model, tested at no change of its design parameters.
@@ -74,6 +76,7 @@ def _actions(furniture: Furniture, plank: int, case: int, line: Line, a: int) ->
     geometry, forces, piece = furniture.geometry(), furniture.forces(case), furniture.piece
     board = piece.planks[plank]
     rows: list[tuple[np.ndarray, float, np.ndarray, np.ndarray, bool]] = []
+    borne = on_floor_without(piece, plank)
     for k, joint in enumerate(piece.joints):
         if plank not in (joint.i, joint.j):
             continue
@@ -84,7 +87,8 @@ def _actions(furniture: Furniture, plank: int, case: int, line: Line, a: int) ->
         # The rotation of j seen from i opens a joint, so that its couple has the other sign.
         c = np.array([forces.twist[k, 1], forces.twist[k, 0], forces.bending[k]]) @ frame
         span = float(geometry.length[k] * abs(geometry.y[k] @ line.along))
-        rows.append((geometry.p[k], span, sign * h, -sign * c, True))
+        holds = (joint.j if joint.i == plank else joint.i) in borne
+        rows.append((geometry.p[k], span, sign * h, -sign * c, holds))
     for k, foot in enumerate(piece.feet):
         if foot.plank == plank and foot.side // 2 == a:
             for c in range(4 * k, 4 * k + 4):

@@ -314,3 +314,18 @@ def parts_of(piece: Piece) -> tuple[tuple[int, ...], ...]:
         part = [new if one == old else one for one in part]
     found = [tuple(k for k, one in enumerate(part) if one == name) for name in dict.fromkeys(part)]
     return tuple(sorted(found, key=lambda planks: -len(planks)))
+
+
+def on_floor_without(piece: Piece, plank: int) -> set[int]:
+    """The planks that joints connect with a foot although one plank is away."""
+    beside: dict[int, list[int]] = {}
+    for joint in piece.joints:
+        beside.setdefault(joint.i, []).append(joint.j)
+        beside.setdefault(joint.j, []).append(joint.i)
+    found, left = {plank}, [foot.plank for foot in piece.feet]
+    while left:
+        one = left.pop()
+        if one not in found:
+            found.add(one)
+            left += beside.get(one, [])
+    return found - {plank}

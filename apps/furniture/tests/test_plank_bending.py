@@ -8,7 +8,7 @@ from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.physics.plank_beam import Actions, deflection
 from restshape_apps.furniture.physics.plank_bending import PlankBending, plank_bending
 from restshape_apps.furniture.pieces import cantilever
-from restshape_apps.furniture.shape.planks import Load, Piece, Plane, Plank, feet_near
+from restshape_apps.furniture.shape.planks import Load, Piece, Plane, Plank, feet_near, joints_near, on_floor_without
 from restshape_apps.furniture.small_pieces import bench, nailed_along, placed
 
 G = 9.80665
@@ -48,6 +48,38 @@ def test_a_plank_on_two_supports_sags_between_them() -> None:
     expected = 5 * w * L**4 / (384 * EI) + P * L**3 / (48 * EI) - w * a**2 / 2 * L**2 / (8 * EI)
     assert np.abs(np.interp(0.0, found.s, found.deflection)) == pytest.approx(expected, rel=1e-3)
     assert np.abs(found.moment).max() == pytest.approx(P * L / 4 + w * L**2 / 8 - w * a**2 / 2, rel=1e-3)
+
+
+@pytest.mark.parametrize("place", [-0.58, 0.25, 0.0])
+def test_a_hanging_batten_is_no_support(place: float) -> None:
+    # Legs that turn freely, 1 m apart; a batten of 50 mm is nailed to the board alone, over an end or between the legs.
+    bare, soft = bench(0.0, mu=0.0, kilograms=20.0), Compliance(least_overlap=1e-6)
+    batten = Plank.between("batten", (place, 0, 0.5), (place, 0, 0.45), (0, 0.3, 0), 0.002, wood="pine")
+    planks = (*bare.planks, batten)
+    hung = replace(bare, planks=planks, joints=joints_near(planks))
+    assert len(hung.joints) == 3
+    one, other = bent(bare, 0, soft), bent(hung, 0, soft)
+    EI, L = 11e9 * 0.3 * 0.02**3 / 12, 1.0
+    weigh = Furniture(hung, soft)
+    weigh.test()
+    P, x = weigh.geometry().mass[3] * G, abs(place)
+    # By its weight P the middle goes down, or up where it hangs on the overhang.
+    b = 0.5 * L - x
+    more = P * b * (3 * L**2 - 4 * b**2) / (48 * EI) if b > 0.0 else P * b * L**2 / (16 * EI)
+    assert lifted(one, 0.0) - lifted(other, 0.0) == pytest.approx(more, rel=0.01, abs=1e-9)
+    assert other.max_deflection == pytest.approx(one.max_deflection, rel=0.005)
+
+
+def test_a_shelf_between_hangers_is_supported_by_them() -> None:
+    # A shelf on two boards that hang from the top: the way to the floor goes past the shelf.
+    piece = bench(0.0, kilograms=0.0)
+    hangers = [Plank.between(f"hanger {x}", (x, 0, 0.5), (x, 0, 0.3), (0, 0.3, 0), 0.01) for x in (-0.3, 0.3)]
+    shelf = Plank.between("shelf", (-0.295, 0, 0.35), (0.295, 0, 0.35), (0, 0.3, 0), 0.01)
+    planks = (*piece.planks, *hangers, shelf)
+    hung = replace(piece, planks=planks, joints=joints_near(planks), weights=())
+    assert on_floor_without(hung, 5) == {0, 1, 2, 3, 4} and on_floor_without(hung, 0) == {1, 2}
+    found = bent(hung, 5)
+    assert abs(lifted(found, 0.295)) < 1e-9 and abs(lifted(found, -0.295)) < 1e-9 < found.max_deflection
 
 
 def test_an_overhang_sags_under_a_mass_at_its_very_end() -> None:
