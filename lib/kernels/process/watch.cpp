@@ -101,6 +101,8 @@ void watch(const Limits& wanted) {
     action.sa_flags = SA_RESTART;
     sigaction(SIGALRM, &action, nullptr);
     set_timer(period);
+    // A command may be done before the first tick.
+    if (limits.bytes > 0 && resident() > limits.bytes) end(limits.large, 'm');
 }
 
 void set_outlet(const Outlet& wanted) { outlet = wanted; }

@@ -134,7 +134,8 @@ def _start_recorder(path: Path, request: Request) -> Recorder:
     from restshape.replay.columns import columns_of
     from restshape.replay.recorder import Recorder
 
-    return Recorder.start(path, request.header(), columns_of(request.scene, request.application))
+    # It opens the file while PETSc starts.
+    return Recorder.start(path, request.header(), columns_of(request.scene, request.application), wait=False)
 
 
 def _run(
