@@ -80,7 +80,7 @@ def pieces(
 
 
 def suggestions(path: Path, name: str = "table") -> None:
-    """A piece and its first suggestions: arrows, and end states translucent; a support plank where there is one."""
+    """A piece and what its first suggestions make of it, with arrows; a support plank where there is one."""
     furniture = model(PIECES[name]())
     result = state(furniture)
     found = suggest(furniture).found[:SIDES]

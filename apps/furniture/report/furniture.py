@@ -36,7 +36,7 @@ FOOT, LOAD, MOVED = "#0072b2", INK, "#d55e00"
 NAMES, NAMED_AT = "#444444", 0.22
 """Colour of the names of planks, and where on their lengths they are."""
 OPACITY = 0.38
-"""Of a suggestion's end state, which is not hidden."""
+"""Of the colour over what a suggestion changes, which nothing hides."""
 ROOM = (0.3, 0.14, 0.2, 0.2)
 """Left, right, below and above the box, in parts of its width in the picture: for numbers and arrows."""
 ROUNDED = 1e-5
@@ -65,7 +65,7 @@ class DesignDirectionView:
 
     Args:
         direction: (n, 8) change of the design parameters by a unit of t.
-        t: its end state is shown there; 0 shows none.
+        t: its end state is drawn there; 0 draws the piece as it is.
         ranges: where it is valid, shown as an annotation beside the plank that moves most; None: not shown.
         low, high: of t, as far as it was looked at.
         valid: the piece as it is is valid: its range is black, else red.
@@ -117,7 +117,7 @@ class PieceView:
         return flat if np.ndim(places) > 1 else flat[0]
 
     def planks(self, planks: Sequence[Plank], ghosts: bool = False) -> None:
-        """Planks with their edges; or, translucent and before all others, those that are not there yet."""
+        """Planks with their edges; or, as a translucent colour over all others, those that an edit changes."""
         places = np.concatenate([np.zeros((0, 3)), *(plank.corners() for plank in planks)])
         faces = np.concatenate([np.zeros((0, 4), dtype=int), *(FACES + 8 * k for k in range(len(planks)))])
         if ghosts:
@@ -187,21 +187,22 @@ def draw_piece(
     box: tuple[np.ndarray, np.ndarray] | None = None,
     names: Collection[str] = (),
 ) -> None:
-    """Draw a piece as it is, with its joints, feet and weights.
+    """Draw a piece with its joints, feet and weights: as it is, or the end state of an edit, with forces found there.
 
     Args:
         axes: emptied and given equal scales.
         furniture: its model; it is tested here.
         title: over the picture.
-        direction_view: an edit of which an end state or a range is shown.
+        direction_view: an edit of which the end state is drawn, or a range shown.
         case: of the loads.
         numbers: forces of feet in newtons, and masses, are written beside their arrows.
         box: corners [m] that hold all, such as those of several pictures side by side.
         names: of planks that are written at them.
     """
     end = direction_view.end(furniture) if direction_view else None
-    whole = not furniture.test().flaws & LOST
     piece = furniture.moved()
+    shown = Furniture(end, furniture.compliance) if end else furniture
+    whole = not shown.test().flaws & LOST
     low, high = box or bounds(piece, *([end] if end else []))
     camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
     view = PieceView(axes, camera, float((high - low).max()))
@@ -209,15 +210,15 @@ def draw_piece(
     factor, unit = length_unit(view.size)
     axes.set_axis_off()
     sides = draw_box(view.image.scene, axes, camera, low, high, factor, unit, _points(axes, window))
-    view.planks(piece.planks)
+    view.planks((end or piece).planks)
     if end:
         view.planks([plank for plank, other in zip(end.planks, _changed(piece, end)) if other], ghosts=True)
     if whole:
         # Where a joint is lost, there are no forces.
-        forces = furniture.forces(case)
-        _draw_joints(view, furniture, forces)
-        _draw_feet(view, furniture, forces, numbers)
-    _draw_loads(view, furniture, case, numbers)
+        forces = shown.forces(case)
+        _draw_joints(view, shown, forces)
+        _draw_feet(view, shown, forces, numbers)
+    _draw_loads(view, shown, case, numbers)
     if end:
         _draw_moves(view, piece, end, direction_view.direction)
     if direction_view and direction_view.ranges is not None:

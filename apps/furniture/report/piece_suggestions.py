@@ -1,4 +1,4 @@
-"""Pictures of suggestions: the piece that was let go, and beside it what each suggestion would do."""
+"""Pictures of suggestions: the piece that was let go, and beside it the piece that each suggestion makes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from textwrap import shorten, wrap
 
 import numpy as np
 from restshape_apps.furniture.guidance.suggested import Suggestion
+from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.report import guided
 from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
-from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece
+from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece, worst_case
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.session.plank_session import PlankFrame
@@ -18,14 +19,18 @@ from restshape_apps.furniture.session.plank_session import PlankFrame
 from restshape.outputs.picture_files import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
-from restshape.report.style import REFUSED, new_figure
+from restshape.report.style import INK, REFUSED, new_figure
 from restshape.report.tables import rows_of
 
 LINES = 4
 """Lines of a title for what a suggestion does."""
 MEANING = (
-    "orange: what a suggestion moves, lengthens or adds, where it is shown; arrows: which way, short ones drawn longer"
+    "First the piece as it is, then what each suggestion makes of it, with forces found there under the loads that use "
+    "its joints most. Orange: what is moved, longer or added; arrows: which way, short ones drawn longer"
 )
+BREAKS = "Red: a joint that breaks, with its utilisation, and headings of what does not hold"
+DOUBTS = "Amber heading: it holds, but what follows is doubtful, or a quantity beyond its limit"
+MOMENTS = "Amber joint: overloaded by moments that do not count, with its utilisation by them"
 
 
 def searches(recording: Recording) -> np.ndarray:
@@ -58,13 +63,25 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
     names = [plank.name for plank in furniture.piece.planks if few]
     draw_piece(panels[0], furniture, words, None, case, few, box, names)
     panels[0].set_title(words, fontsize=8.5, loc="left", color=REFUSED)
+    moments = False
     for number, (axes, suggestion, direction_view) in enumerate(zip(panels[1:], suggestion_list, direction_views), 1):
-        draw_piece(axes, furniture, _title(number, suggestion), direction_view, case, False, box)
-        if suggestion.doubt:
-            axes.set_title(_title(number, suggestion), fontsize=8.5, loc="left", color=DOUBT)
+        made, worst = _made(furniture, direction_view)
+        moments |= bool(made.test().doubts)
+        draw_piece(axes, furniture, "", direction_view, worst, False, box)
+        colour = REFUSED if not suggestion.valid else DOUBT if suggestion.doubt else INK
+        axes.set_title(_title(number, suggestion), fontsize=8.5, loc="left", color=colour)
+    parts = [MEANING, BREAKS, *([DOUBTS] if any(one.doubt for one in suggestion_list) else [])]
+    meaning = ". ".join([*parts, *([MOMENTS] if moments else [])])
     name = shorten(scene_name(recording), 80, placeholder=" …")
-    finish_sheet(figure, panels, count, across, f"{name}: suggestions in frame {i}\n{MEANING}")
+    lines = wrap(meaning, int(14 * figure.get_figwidth()))
+    finish_sheet(figure, panels, count, across, "\n".join([f"{name}: suggestions in frame {i}", *lines]))
     save_picture(figure, path)
+
+
+def _made(furniture: Furniture, direction_view: DesignDirectionView) -> tuple[Furniture, int]:
+    """The model of the piece that a suggestion makes, and the case of the loads that is worst there."""
+    made = Furniture(direction_view.end(furniture) or furniture.piece)
+    return made, 0 if made.test().flaws & LOST else worst_case(made)
 
 
 def _direction_view(suggestion: Suggestion, frame: PlankFrame) -> DesignDirectionView:

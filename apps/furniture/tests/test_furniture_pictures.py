@@ -146,6 +146,18 @@ def test_an_end_state_is_translucent_and_has_arrows(arrows) -> None:
     assert len(moves(arrows)) == 1 and near(pixels, MOVED) > 0
 
 
+def test_a_suggestion_has_the_utilisation_of_the_piece_that_it_makes() -> None:
+    furniture = model(table(kilograms=50.0))
+    one = next(s for s in suggest(furniture).found if s.valid)
+    made = model(furniture.moved(one.gamma))
+    furniture.test()
+    axes, pixels = drawn(furniture, DesignDirectionView(one.direction, one.t), numbers=False)
+    (cmap, norm), forces = utilisation_colours(), made.forces(0)
+    assert near(drawn(furniture, numbers=False)[1], REFUSED) > 0 and near(pixels, REFUSED) == 0
+    seen = at(axes, pixels, made.geometry().p)
+    assert seen == pytest.approx(cmap(norm(forces.utilisation))[:, :3], abs=0.02)
+
+
 def moves(arrows) -> list[tuple[np.ndarray, np.ndarray]]:
     """Start and end of the arrows of what moves."""
     return [(start, end) for start, end, colour in arrows if colour == MOVED]

@@ -145,6 +145,11 @@ def test_suggestions_show_arrows_and_end_states(recorded, tmp_path, monkeypatch)
         assert title.startswith(f"{one['number']}: ") and one["words"].split(";")[0] in title
         assert not space(axes).veil.empty
     assert space(before).veil.empty
+    legend = made[0].get_suptitle().replace("\n", " ")
+    assert "what each suggestion makes of it" in legend and "Red: a joint that breaks" in legend
+    assert ("Amber heading: it holds, but" in legend) is any(
+        "holds, but" in axes.get_title(loc="left") for axes in panels
+    )
 
 
 def test_a_recording_has_the_pieces_of_its_frames(recorded):
