@@ -22,7 +22,7 @@ TABLE = "tests/statuses.json"
 COARSE = {
     "bar_150": 0.009,
     "bar_200": 0.009,
-    "bridge": 0.5,
+    "bridge": 0.4,
     "building": 1.7,
     "catenary": 0.04,
     "column": 0.03,

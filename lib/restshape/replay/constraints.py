@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
 
 HOLDS, UNCERTAIN, FAILS = "holds", "uncertain", "fails"
-"""Uncertain: a value is nearer to its limit, on either side, than its estimated error or what the mesh does to it."""
+"""Uncertain: a value is nearer to its limit, on either side, than errors and jumps of the mesh may move it."""
 UNSURE = "but uncertain:"
 """In the note of an uncertain value, before its numbers."""
 LIMIT, MIN, MAX = "limit", "min", "max"

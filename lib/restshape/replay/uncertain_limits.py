@@ -31,7 +31,10 @@ if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValue
     from restshape.findings import Finding
 
-BY_ERROR, BY_JUMP, BY_PLACE = "its estimated error", "a jump of the mesh", "at a singular place, finer meshes give more"
+ERROR_FACTOR = 2.0
+"""True errors up to so many times the estimated one count: the least effectivity that tests accept of it is 0.5."""
+BY_ERROR, BY_JUMP = "twice its estimated error", "a jump of the mesh"
+BY_PLACE = "at a singular place, finer meshes give more"
 BY_PREDICTION, BY_STEPS = "the error of the prediction", "the errors of its time steps"
 UNESTIMATED = {BY_PREDICTION: "a prediction of unknown error", BY_STEPS: "less than ten time steps a period"}
 """What is said where nothing gives the size of an error."""
@@ -96,7 +99,7 @@ class UncertainLimits:
         error = number(row, error_column(name))
         return [
             (math.inf if name in self.singular else 0.0, BY_PLACE),
-            (error if math.isfinite(error) else 0.0, BY_ERROR),
+            (ERROR_FACTOR * error if math.isfinite(error) else 0.0, BY_ERROR),
             (self._jumps.get(name, 0.0), BY_JUMP),
             (self._of_prediction(name, row), BY_PREDICTION),
             (0.0 if name in self.exact else self._steps.error(name), BY_STEPS),
