@@ -14,6 +14,8 @@ from restshape.outputs.si_numbers import scaled_unit
 from restshape.physics.elasticity.ground_record import GroundRecord
 from restshape.report.style import INK, LEVELS, new_figure
 
+MOST = 8
+"""Lines that a legend names."""
 COLOURS = (LEVELS[1], LEVELS[2], LEVELS[3], LEVELS[-1], INK)
 
 
@@ -55,7 +57,9 @@ def draw_sweep(path: Path, found: Sweep, name: str) -> None:
         below.plot(found.frequencies, phase, **look)
     above.set_ylabel(f"amplitude [{unit}]")
     above.set_ylim(bottom=0.0)
-    above.legend(loc="upper right")
+    handles, names = above.get_legend_handles_labels()
+    more = f"{len(names) - MOST} more quantities are not named"
+    above.legend(handles[:MOST], names[:MOST], loc="upper right", title=more if len(names) > MOST else None)
     below.set(ylabel="phase [°]", xlabel="frequency [Hz]", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
     below.set_xlim(found.frequencies[0], found.frequencies[-1])
     for axes in (above, below):

@@ -170,3 +170,40 @@ def test_round_shapes_look_round_and_have_their_size(tmp_path, monkeypatch):
         middles = 0.5 * (line[1:] + line[:-1])
         assert np.hypot(*middles.T).min() > 0.9999
     assert "2 × 2 m" in figures[0].get_suptitle()
+
+
+RING = """
+[shape]
+outline = ["a", "b", "c"]
+vertices.p = [18, 0]
+vertices.q = [-9, 15.588457268119896]
+vertices.r = [-9, -15.588457268119896]
+edges.a = { arc = ["p", "q"], bulge = 0.5773502691896257 }
+edges.b = { arc = ["q", "r"], bulge = 0.5773502691896257 }
+edges.c = { arc = ["r", "p"], bulge = 0.5773502691896257 }
+holes.bore.circle = { center = [0, 0], radius = 5 }
+regions.ring.circle = { center = [0, 0], radius = 10 }
+"""
+
+
+@pytest.mark.slow
+def test_a_ring_has_its_name_in_its_material_its_hole_empty_and_its_own_width(tmp_path, monkeypatch):
+    """A disc of 36 m with a ring of 5 m to 10 m: three arcs of 120 degrees, so that no vertex is at its top."""
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    names = ", ".join(f'"bore.{k}"' for k in (1, 2, 3, 4))
+    loads = "".join(f"[loads.push{k}]\non = [{names}]\npressure = {k + 1}\n" for k in range(40))
+    scene = write_scene(tmp_path, HEAD + RING + STEEL + CLAMPED.replace("left", "a") + loads + meshed(2))
+    assert main(["check", str(scene), "--picture", str(tmp_path / "scene.png")]) == 0
+    (axes,) = figures[0].axes
+    (name,) = [text for text in axes.texts if text.get_text() == "ring"]
+    FigureCanvasAgg(figures[0]).draw()
+    box = name.get_window_extent().transformed(axes.transData.inverted())
+    assert 5 < np.hypot(*np.mean(box.get_points(), axis=0)) < 10
+    looks = {one.get_facecolor()[:3]: one for one in axes.patches}
+    empty = looks[1.0, 1.0, 1.0]
+    assert np.hypot(*empty.get_xy().T).max() == pytest.approx(5)
+    assert empty.get_zorder() > max(one.get_zorder() for one in axes.patches if one is not empty)
+    assert "36 × 36 m" in figures[0].get_suptitle()
+    words = [text.get_text() for text in figures[0].texts if text.get_text().startswith(("support", "load", "and"))]
+    assert len(words) == 17 and words[-1] == "and 25 more supports and loads"

@@ -4,10 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.shape.outline import Entity, Outline
+from restshape.report.inner_points import inner_point
+from restshape.shape.outline import Outline
 
 ALONG = 7
 """Points along a chain of edges at which arrows stand, at most."""
+CHORD = 2e-5
+"""How far curves are drawn from themselves, over the size of the shape."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,7 @@ class Place:
         points: (k, 2) its vertices, of an entity without edges [m].
         at: (p, 2) points spread over it, where arrows stand [m].
         outwards: (p, 2) unit vectors out of the body at these; 0 at vertices.
-        inside: its middle (2,) [m] where it is taken for all that it surrounds.
+        inside: a point (2,) [m] in the material of an area, or in a hole; else its middle.
     """
 
     lines: list[np.ndarray]
@@ -37,12 +40,19 @@ def place_of(outline: Outline, name: str) -> Place:
     """
     entity = outline.entity(name)
     edges = list(entity.edges) if name != "all" else list(outline.entity("outline").edges)
-    lines = [outline.polyline(edge) for edge in edges]
+    lines = [smooth(outline, edge) for edge in edges]
     points = outline.points[list(entity.vertices)] if not edges else np.empty((0, 2))
     at, outwards = _spread(outline, edges)
     if not edges:
         at, outwards = points, np.zeros_like(points)
-    return Place(lines, points, at, outwards, _middle(outline, entity, lines, points))
+    middle = _middle(outline, lines, points)
+    inside = inner_point(outline, name, entity, middle) if entity.loops else middle
+    return Place(lines, points, at, outwards, inside)
+
+
+def smooth(outline: Outline, edge: int) -> np.ndarray:
+    """Points (m, 2) along an edge [m] whose chords nobody sees."""
+    return outline.polyline(edge, CHORD * outline.size)
 
 
 def _spread(outline: Outline, edges: list[int]) -> tuple[np.ndarray, np.ndarray]:
@@ -70,5 +80,5 @@ def _sense(outline: Outline, edge: int) -> float:
     return 1.0
 
 
-def _middle(outline: Outline, entity: Entity, lines: list[np.ndarray], points: np.ndarray) -> np.ndarray:
+def _middle(outline: Outline, lines: list[np.ndarray], points: np.ndarray) -> np.ndarray:
     return np.concatenate([*lines, points]).mean(axis=0) if lines or len(points) else outline.points.mean(axis=0)

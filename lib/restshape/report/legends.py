@@ -1,5 +1,7 @@
 """Legends below pictures."""
 
+from collections.abc import Sequence
+
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure, SubFigure
 
@@ -12,3 +14,9 @@ def legend_below(figure: Figure | SubFigure, handles: list[Artist], names: list[
             break
         legend.remove()
     return lines
+
+
+def first_named(names: Sequence[str], most: int) -> str:
+    """The first names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

@@ -53,11 +53,12 @@ class Labels:
             place: in the axes' own coordinates.
             text, colour, size: of the name.
             first: the way (2,) that is tried first.
-            on_it: the place itself is tried before all.
+            on_it: the place itself is tried before all; a name that goes elsewhere has a line to it.
         """
         at = (np.asarray(place, dtype=float) - self._low) * self._scale
         half = 0.5 * size * np.array([LETTER * max(map(len, text.split("\n"))), HIGH * (text.count("\n") + 1)])
         shift = self._free(at, half, first, on_it)
+        beside = 0.0 if on_it else float(np.linalg.norm(half)) + 6.0
         box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.4}
         line = {"arrowstyle": "-", "lw": 0.5, "color": colour, "shrinkA": 0, "shrinkB": 1}
         self.axes.annotate(
@@ -71,7 +72,7 @@ class Labels:
             fontsize=size,
             bbox=box,
             zorder=9,
-            arrowprops=line if np.linalg.norm(shift) > np.linalg.norm(half) + 6.0 else None,
+            arrowprops=line if np.linalg.norm(shift) > beside else None,
             annotation_clip=False,
         )
 

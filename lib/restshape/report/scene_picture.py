@@ -2,7 +2,7 @@
 
 # More than 15 modules: whatever a scene may hold is drawn here.
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from textwrap import shorten, wrap
 
@@ -11,14 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path as Curve
 
 from restshape.application import application
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.report.conditions import SUPPORT, Moved, draw_loads, draw_supports, load_colours
-from restshape.report.entity_outlines import place_of
+from restshape.report.entity_outlines import place_of, smooth
+from restshape.report.legends import first_named
 from restshape.report.name_labels import Labels
 from restshape.report.style import BODY, GOAL, INK, new_figure
 from restshape.scene.condition_words import load_words, support_words
@@ -30,13 +29,19 @@ WIDE, TALL = 7.6, 7.0
 LEFT, BELOW, RIGHT, LINE, LETTER = 0.85, 0.6, 0.25, 0.165, 0.078
 ROOM = 0.16
 """Around the shape for arrows and names, over its size."""
-CHORD = 2e-5
-"""How far curves are drawn from themselves, over the size of the shape."""
 HEAD = 4.0
 """Half the width of the head of an arrow [points]."""
 MOST_NAMES = 40
 """Names of a kind; of more those alone that the scene uses."""
-REGION, NAME, POINT = "#f2e3c6", "#555555", "#7a3e9d"
+MOST_ON, MOST_CONDITIONS = 8, 16
+"""Names of what a support or a load is on, and supports and loads, that the legend writes; it counts the others."""
+NAME, POINT = "#555555", "#7a3e9d"
+FILLED = {
+    "outline": {"facecolor": BODY, "alpha": 0.6, "zorder": 1},
+    "region": {"facecolor": "#f2e3c6", "zorder": 2},
+    "hole": {"facecolor": "white", "zorder": 2.5},
+}
+"""Looks of loops by their kind: a hole in a region is empty, too."""
 
 
 def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> None:
@@ -53,7 +58,7 @@ def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> No
     low, high = outline.bounds()
     size = float(max(high - low))
     factor, unit = length_unit(size)
-    legend = _legend(scene, outline, ", ".join(named))
+    legend = _legend(scene, outline, first_named([*named], MOST_ON))
     corners = np.vstack([low, high, *goals])
     low_all, high_all = corners.min(axis=0) - ROOM * size, corners.max(axis=0) + ROOM * size
     aspect = float((high_all - low_all)[0] / (high_all - low_all)[1])
@@ -84,7 +89,7 @@ def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> No
 
 def _title(scene: Scene, outline: Outline, factor: float, unit: str, room: int) -> list[str]:
     """The scene's name, its size, and how fine its mesh is to be."""
-    width, height = factor * np.ptp(np.concatenate([smooth(outline, e) for e in range(len(outline.edges))]), axis=0)
+    width, height = factor * np.subtract(*outline.bounds()[::-1])
     name = shorten(scene.title or scene.path.name, room, placeholder=" …")
     mesh = f"mesh size {factor * scene.mesh.size:.4g} {unit}, order {scene.mesh.order}" if scene.mesh.size else ""
     size = f"{width:.4g} × {height:.4g} {unit}, area {outline.area():.4g} m²"
@@ -93,15 +98,9 @@ def _title(scene: Scene, outline: Outline, factor: float, unit: str, room: int) 
 
 def _body(axes: Axes, outline: Outline, factor: float) -> None:
     """The material in grey without its holes, regions in another colour, and all edges."""
-    codes, points = [], []
-    for loop in (loop for loop in outline.loops if loop.kind != "region"):
-        corners = factor * loop_points(outline, loop.edges)
-        points.append(np.vstack([corners, corners[:1]]))
-        codes += [Curve.MOVETO, *[Curve.LINETO] * (len(corners) - 1), Curve.CLOSEPOLY]
-    axes.add_patch(PathPatch(Curve(np.vstack(points), codes), facecolor=BODY, alpha=0.6, edgecolor="none", zorder=1))
-    for loop in (loop for loop in outline.loops if loop.kind == "region"):
-        corners = factor * loop_points(outline, loop.edges)
-        axes.fill(*corners.T, facecolor=REGION, edgecolor="none", zorder=2)
+    for kind, look in FILLED.items():
+        for loop in (loop for loop in outline.loops if loop.kind == kind):
+            axes.fill(*(factor * loop_points(outline, loop.edges)).T, edgecolor="none", **look)
     edges = [factor * smooth(outline, edge) for edge in range(len(outline.edges))]
     axes.add_collection(LineCollection(edges, colors=INK, linewidths=0.8, zorder=5), autolim=False)
     loose = outline.points[list(outline.embedded)]
@@ -111,11 +110,6 @@ def _body(axes: Axes, outline: Outline, factor: float) -> None:
 def loop_points(outline: Outline, edges: tuple[tuple[int, bool], ...]) -> np.ndarray:
     """Points (m, 2) around a loop [m], the first one not repeated."""
     return np.concatenate([smooth(outline, edge)[:: 1 if forward else -1][:-1] for edge, forward in edges])
-
-
-def smooth(outline: Outline, edge: int) -> np.ndarray:
-    """Points (m, 2) along an edge [m] whose chords nobody sees."""
-    return outline.polyline(edge, CHORD * outline.size)
 
 
 def name_entities(
@@ -168,13 +162,16 @@ def goals_of(scene: Scene) -> dict[str, np.ndarray]:
 def _legend(scene: Scene, outline: Outline, goals: str) -> list[tuple[str, str]]:
     """What colours mean: a colour and words each; groups with what is in them."""
 
-    def on(names: list[str]) -> str:
-        parts = [f"{name} ({', '.join(outline.groups[name])})" if name in outline.groups else name for name in names]
-        return ", ".join(parts)
+    def on(names: Sequence[str]) -> str:
+        groups = outline.groups
+        parts = [f"{name} ({first_named(groups[name], MOST_ON)})" if name in groups else name for name in names]
+        return first_named(parts, MOST_ON)
 
     found = [(SUPPORT, f"support {name} on {on(one.on)}: {support_words(one)}") for name, one in scene.supports.items()]
     loads = zip(scene.loads.items(), load_colours(scene))
     found += [(colour, f"load {name} on {on(one.on)}: {load_words(one)}") for (name, one), colour in loads]
+    if len(found) > MOST_CONDITIONS:
+        found = [*found[:MOST_CONDITIONS], ("white", f"and {len(found) - MOST_CONDITIONS} more supports and loads")]
     return found + ([(GOAL, f"goal {goals}")] if goals else [])
 
 
