@@ -5,7 +5,7 @@
 import os
 import tempfile
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import reduce
 from pathlib import Path
@@ -27,6 +27,7 @@ from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import SCENE_MARK, SceneFile
+from restshape.outputs.si_numbers import counted
 from restshape.scene.load import load_scene
 from restshape.scene.overrides import parse_override
 from restshape.scene.permits import allow
@@ -36,6 +37,9 @@ FILES = (("shape", "file"), ("mesh", "file"), ("effects", "ground", "file"))
 LEAST_RATE = 0.5
 """Power of the mesh size with which the error of a quantity falls at least, or it counts as one that does not converge:
 errors of stress at a re-entrant corner fall with the exponent less 1, which is below 0."""
+AGREE = 0.03
+"""Share of the error on the finest mesh: references that differ by less in a quantity have it settled between them. One
+that grows as h^-p, or falls as the root of h, differs by more between references of which one is 1.5 times as fine."""
 
 
 def write_scene(case: Case, picked: dict[str, Any], path: Path) -> None:
@@ -123,7 +127,7 @@ def rerun(
     with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
         kept = KeptPoints(Path(folder) / "kept", {})
         again = referred(case, asked, scene, app, [own], sampling, kept, on_run, play)
-        on_run(f"{case.name}: the picked setting over {again.total} frames")
+        on_run(f"{case.name}: the picked setting over {counted(again.total, 'frame')}")
         longer = replace(asked, seconds=10.0 * asked.seconds)
         again.asked = longer
         measured = one(again, setting, kept.folder, play, whole=True)
@@ -152,30 +156,43 @@ def rerun(
 def not_converging(study: Study) -> str:
     """Why the quantity that a setting was picked for has no error that could hold; empty where it converges.
 
-    Its errors, against a reference that has no limit either, fall more slowly than the root of the mesh size.
+    Its errors, against a reference that has no limit either, fall more slowly than the root of the mesh size. Errors
+    of a smooth quantity may do so by chance, as where they change their sign on the coarse meshes; but of that both
+    references know the same value.
     """
     if study.asked.of in (None, "field"):
         return ""
     policies = [record["policy"] for record in study.records if not record["varied"]]
     policy = "auto" if "auto" in policies or not policies else policies[0]
     observed = rates(study.records, policy).get(f"q_{study.asked.of}", {})
-    if not observed or max(observed.values()) >= LEAST_RATE:
+    if not observed or max(observed.values()) >= LEAST_RATE or _settled(study.records, policy, study.asked.of):
         return ""
     found = ", ".join(f"h^{p:.2f} (order {order})" for order, p in observed.items())
     return f"{study.asked.of} does not converge: its error falls as {found}; restshape check says where it is taken"
+
+
+def _settled(records: Sequence[dict[str, Any]], policy: str, name: str) -> bool:
+    """Whether both references agree in a quantity far better than the finest meshes of the grid with them."""
+    grid = [r for r in records if not r["varied"] and r["policy"] == policy and r.get("quantities", {}).get(name)]
+    finest = min((r["size"] for r in grid), default=0.0)
+    known = [r["quantities"][name] for r in grid if r["size"] == finest]
+    worst = max((one["worst"] for one in known if one["worst"] is not None), default=0.0)
+    return worst > 0.0 and known[0]["uncertainty"] < AGREE * worst
 
 
 def chosen_line(chosen: dict[str, Any]) -> str:
     """Whether a pick holds, in words."""
     wanted = [f"within {chosen['within']:.4g} ms"] if chosen["within"] is not None else []
     wanted += [f"below {percent(chosen['below'])}"] if chosen["below"] is not None else []
+    frames = counted(chosen["frames"], "frame")
     if chosen["frame_ms"] is None or chosen["error"] is None:
-        return f"{' and '.join(wanted)}: not known over {chosen['frames']} frames: {chosen['problem']}"
+        return f"{' and '.join(wanted)}: not known over {frames}: {chosen['problem']}"
     status = "holds" if chosen["holds"] else "DOES NOT HOLD"
     if chosen.get("diverges"):
         status += f": {chosen['diverges']}"
-    measured = f"{chosen['frame_ms']:.3g} ms a frame, p50, over {chosen['frames']} frames"
-    measured += f", and an error of {percent(chosen['error'])} at {len(chosen['sampled'])} of them"
+    at = "" if chosen["frames"] == 1 else f" at {len(chosen['sampled'])} of them"
+    measured = f"{chosen['frame_ms']:.3g} ms a frame, p50, over {frames}"
+    measured += f", and an error of {percent(chosen['error'])}{at}"
     if chosen["below"] is not None and (chosen["uncertainty"] or 0.0) >= chosen["below"]:
         measured += f", where the reference itself is known to {percent(chosen['uncertainty'])} only"
     return f"{' and '.join(wanted)}: {status}: {measured}"

@@ -11,7 +11,7 @@ from restshape_studies.accuracy.setting import present, shown
 from restshape_studies.accuracy.study import Study
 
 from restshape.application import application
-from restshape.outputs.si_numbers import si
+from restshape.outputs.si_numbers import counted, si
 
 Row = dict[str, Any]
 Facts = list[tuple[str, str]]
@@ -57,7 +57,7 @@ def facts(study: Study) -> Facts:
     found, front = slope(study.records), front_of(study.records)
     return [
         ("reference's uncertainty", f"{percent(study.uncertainty)} ({measure_name(study.measure)})"),
-        ("slope p of the front", f"– ({len(front)} points)" if found is None else f"{found:.2f}"),
+        ("slope p of the front", f"– ({counted(len(front), 'point')})" if found is None else f"{found:.2f}"),
         *_rates(study),
         *compared_values(study),
         ("reuse below the tolerance", reuse_fact(study)),

@@ -12,6 +12,7 @@ from restshape_studies.accuracy.reference import Plan
 from restshape_studies.bench.job import STOPPED
 
 from restshape import __version__
+from restshape.outputs.si_numbers import counted
 
 Row = dict[str, Any]
 
@@ -64,6 +65,14 @@ class KeptPoints:
         """Keeps what both reported, beside the fields that they wrote into the folder."""
         text = json.dumps({"plan": asdict(plan), "fine": fine, "coarse": coarse})
         (self.folder / "reference.json").write_text(text)
+
+    def words(self) -> str:
+        """What is kept of a study that is interrupted, and that the same command goes on."""
+        points = len(self._points.read_text().split("\n")) - 1 if self._points.is_file() else 0
+        if not (self.folder / "reference.json").is_file():
+            return "interrupted before the reference was known: nothing is kept"
+        kept = f"the reference and {counted(points, 'point')}" if points else "the reference"
+        return f"interrupted; kept in {self.folder}: {kept}; the same command goes on from there"
 
     def done(self) -> None:
         """The study has all: nothing is kept."""

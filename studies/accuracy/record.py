@@ -10,6 +10,7 @@ import numpy as np
 from restshape_studies.accuracy.setting import Setting
 from restshape_studies.bench.job import Outcome
 
+from restshape.outputs.si_numbers import counted
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
 
@@ -93,10 +94,10 @@ def record(name: str, scene: Scene, setting: Setting, outcome: Outcome, truth: T
         return blank | {"problem": blank["problem"] or "the process reported nothing"}
     frames = [frame for frame in run["frames"] if "errors" in frame]
     problems = [f"frame {frame['index']}: {frame['problem']}" for frame in run["frames"] if "problem" in frame]
-    problems += without(run["refused"], "have no solution")
+    problems += without(run["refused"], "a solution")
     problems += without(
         run["lost"],
-        f"have no solution at the tolerance {run['tight_tolerance']:g}, so that the error is not split",
+        f"a solution at the tolerance {run['tight_tolerance']:g}, so that the error is not split",
     )
     times = {key: run[key] for key in ("frame_ms", "total_s", "unknowns", "elements", "timed_frames", "replayed")}
     found = blank | times | {"problem": nameless("; ".join(problems)), "frames": frames}
@@ -151,11 +152,13 @@ def nameless(text: str) -> str:
 
 
 def without(refused: dict[str, str], what: str) -> list[str]:
-    """What is said of frames without a solution, in one line; nothing where there are none."""
+    """What is said of frames without something, in one line; nothing where there are none."""
     if not refused:
         return []
     first = next(iter(refused))
-    return [f"{len(refused)} frames {what}, the first one is {first}: {refused[first].splitlines()[0]}"]
+    return [
+        f"{counted(len(refused), 'frame')} without {what}, the first one is {first}: {refused[first].splitlines()[0]}"
+    ]
 
 
 def _summed(values: list[float]) -> Row:

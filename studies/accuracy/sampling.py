@@ -56,9 +56,13 @@ def sampled(scene: Scene, script: Script, frames: int | None, count: int, motion
         do = (
             f"more frames: the first that does is {later[0]} (--frames {later[0] + total})"
             if later
-            else "drag something"
+            else "drag something in it; without --edits, and no script beside the scene, the first shape is studied"
         )
-        raise UserError(f"{what} changes the shape", str(script.path or scene.path), do)
+        raise UserError(
+            f"{what} changes the shape or a value, so that there is nothing to study",
+            str(script.path or scene.path),
+            do,
+        )
     if script.header.analysis != "every frame":
         raise UserError(
             "the script has its frames analysed on demand only, so that they have no time to report",

@@ -164,31 +164,47 @@ def study(
     deadline = Deadline(start, asked.budget, play)
     with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
         kept = KeptPoints((out or Path(folder)) / f".{case.name}-points", _question(case, asked, scene, script, total))
-        found = referred(case, asked, scene, app, tried, (frames, total), kept, on_run, deadline.play)
-        found.omissions = omitted
-        waiting = 0
-        for k, setting in enumerate(tried, 1):
-            record = kept.records.get(setting.name)
-            if record is None and (why := too_slow(found.records, setting, asked.within)):
-                found.omissions.append(Omission(setting.name, why))
-                continue
-            if record is None and deadline.left > 0.0:
-                on_run(f"{case.name}: {k} of {len(tried)}: {setting.name}")
-                record = deadline.whole(one(found, setting, kept.folder, deadline.play))
-                if record:
-                    kept.add(record)
-            if record is None:
-                found.omissions.append(Omission(setting.name, SPENT))
-                waiting += 1
-                continue
-            found.records.append(record)
-            mark_pareto(found.records)
-            on_point(found.records)
-        if not waiting:
-            kept.done()
+        try:
+            found = referred(case, asked, scene, app, tried, (frames, total), kept, on_run, deadline.play)
+            found.omissions = omitted
+            _run_points(found, tried, kept, deadline, on_run, on_point)
+        except KeyboardInterrupt:
+            on_run(f"{case.name}: {kept.words()}" if out else f"{case.name}: interrupted: nothing is kept")
+            raise
     mark_pareto(found.records)
     found.seconds = monotonic() - start
     return found
+
+
+def _run_points(
+    found: Study,
+    tried: list[Setting],
+    kept: KeptPoints,
+    deadline: "Deadline",
+    on_run: Callable[[str], None],
+    on_point: Callable[[list[dict[str, Any]]], None],
+) -> None:
+    """Gives a study the records of all settings; other arguments as in `study`."""
+    waiting = 0
+    for k, setting in enumerate(tried, 1):
+        record = kept.records.get(setting.name)
+        if record is None and (why := too_slow(found.records, setting, found.asked.within)):
+            found.omissions.append(Omission(setting.name, why))
+            continue
+        if record is None and deadline.left > 0.0:
+            on_run(f"{found.case.name}: {k} of {len(tried)}: {setting.name}")
+            record = deadline.whole(one(found, setting, kept.folder, deadline.play))
+            if record:
+                kept.add(record)
+        if record is None:
+            found.omissions.append(Omission(setting.name, SPENT))
+            waiting += 1
+            continue
+        found.records.append(record)
+        mark_pareto(found.records)
+        on_point(found.records)
+    if not waiting:
+        kept.done()
 
 
 SPENT = "the time of --budget is spent: the same command goes on from here"

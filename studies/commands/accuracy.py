@@ -63,7 +63,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--within", metavar="TIME", help="pick the most accurate point whose median frame takes no longer, e.g. 16ms"
     )
-    parser.add_argument("--error", metavar="ERROR", help="pick the fastest point whose error is below, e.g. 1%%")
+    parser.add_argument(
+        "--error", metavar="ERROR", help="pick the fastest point whose error is below, e.g. 1%%, or 0.01"
+    )
     parser.add_argument(
         "--write",
         type=SceneFile,
@@ -173,7 +175,7 @@ def read(args: argparse.Namespace) -> tuple[Any, float | None, float | None]:
             raise UserError(f"no policy is named {name!r}", "--policies", f"choose from {','.join(POLICIES)}")
     budget = bound(args.budget, "time", "--budget", "5min")
     choice = Choice(sizes, orders and tuple(int(order) for order in orders), tolerances, policies)
-    within, error = bound(args.within, "time", "--within", "16ms"), bound(args.error, "number", "--error", "1%")
+    within, error = bound(args.within, "time", "--within", "16ms"), share(args.error, "--error")
     if args.write and ((within is None and error is None) or len(args.scenes) > 1):
         raise UserError(
             "nothing is picked that could be written", "--write", "one scene, and --within 16ms or --error 1%"
@@ -226,6 +228,23 @@ def bound(text: str | None, dimension: str, where: str, example: str) -> float |
     if value <= 0.0:
         raise UserError(f"{text} is not above 0", where, f"write {where} {example}")
     return value
+
+
+def share(text: str | None, where: str) -> float | None:
+    """A positive share, in per cent or as a number below 1, and said again in per cent where it is a number.
+
+    Raises:
+        UserError: it cannot be read, is not positive, or is a number of 1 or more, which may be meant in per cent.
+    """
+    found = bound(text, "number", where, "1%")
+    if text is None or found is None or "%" in text:
+        return found
+    if found >= 1.0:
+        raise UserError(
+            f"{text} without % is {100.0 * found:g} %", where, f"write {where} {found:g}% or {found / 100:g}"
+        )
+    announce(f"{where} {text}: below {100.0 * found:g} %")
+    return found
 
 
 def cases_of(args: argparse.Namespace) -> list[Any]:
@@ -339,7 +358,8 @@ def print_points(study: Any) -> None:
     """Print the table of a study, its front, and what was left out."""
     from restshape_studies.accuracy.facts import HEADS, facts, left_out, rows
 
-    title = f"{study.case.name}: {counted(study.total, 'frame')}, errors at frames {', '.join(map(str, study.frames))}"
+    title = f"{study.case.name}: {counted(study.total, 'frame')}, errors at frame{'s' * (len(study.frames) > 1)} "
+    title += ", ".join(map(str, study.frames))
     print_table(title, HEADS, rows(study), right=HEADS[:8])
     for name, value in facts(study):
         print(f"{name}: {value}")
@@ -366,7 +386,8 @@ def choose(args: argparse.Namespace, study: Any, within: float | None, error: fl
     for picked in picks(study.records, within, error, not_converging(study)):
         if found:
             before.append(f"{found['name']}: {chosen_line(found)}")
-        error_there = f"error {percent(picked['error'])} at {len(picked['frames'])} of {counted(study.total, 'frame')}"
+        at = "" if study.total == 1 else f" at {len(picked['frames'])} of {counted(study.total, 'frame')}"
+        error_there = f"error {percent(picked['error'])}{at}"
         print(f"picked: {picked['name']}, {picked['frame_ms']:.3g} ms a frame, {error_there}", flush=True)
         write_scene(study.case, picked, path)
         print(f"wrote {one_line(path)}")

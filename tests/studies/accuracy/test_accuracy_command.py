@@ -10,7 +10,7 @@ import pytest
 from restshape_studies.accuracy import chosen
 from restshape_studies.accuracy.chosen import write_scene as write_chosen
 from restshape_studies.accuracy.study import Case
-from restshape_studies.commands.accuracy import choose
+from restshape_studies.commands.accuracy import choose, share
 from small_scenes import HEAD, across, drag, plate, write_scene, write_script
 from vibrating import dynamics, tower
 
@@ -113,7 +113,7 @@ def test_a_quantity_that_does_not_converge_is_said_to_be_one_where_no_point_is_b
     records = [
         record | {"varied": "", "policy": "auto", "order": 1, "size": size, "errors": {}, "quantities": {"peak": known}}
         for record, size in ((FASTEST, 2.0), (FINER, 1.0))
-        for known in [{"worst": 0.8 * size**0.01, "uncertainty": 0.0, "solver": 0.0}]
+        for known in [{"worst": 0.8 * size**0.01, "uncertainty": 0.1, "solver": 0.0}]
     ]
     study = SimpleNamespace(case=SimpleNamespace(name="small"), asked=SimpleNamespace(of="peak"), records=records)
     with pytest.raises(UserError, match=r"peak does not converge: its error falls as h\^0.01"):
@@ -141,6 +141,42 @@ def test_a_quantity_at_a_singular_place_never_holds(monkeypatch, rates, converge
         }
         reported |= {"holds": False, "diverges": why}
         assert "DOES NOT HOLD: peak does not converge" in chosen.chosen_line(reported) and chosen.hopeless(reported)
+
+
+def test_a_smooth_quantity_whose_error_rises_by_chance_converges():
+    """The hoop stress of a thick ring: both references know it to 3e-5, and meshes of triangles to some per cent."""
+    smooth = diverging_or_not([(1.0, 0.0044), (0.71, 0.052), (0.5, 0.015)], 3.1e-5)
+    assert chosen.rates(smooth.records, "auto")["q_hoop"]["1"] < chosen.LEAST_RATE
+    assert chosen.not_converging(smooth) == ""
+
+
+def test_stress_that_grows_without_limit_does_not_converge():
+    """As h^-p, against a reference 64 times as fine at the corner, beside one 1.5 times as coarse as that."""
+    for p in (0.35, 0.05):
+        points = [(size, 1.0 - (64.0 * size) ** -p) for size in (1.0, 0.71, 0.5)]
+        assert "hoop does not converge" in chosen.not_converging(diverging_or_not(points, 1.0 - 1.5**-p))
+
+
+def diverging_or_not(points, uncertainty):
+    """A study of the points (size, error) of elements of the first order."""
+    known = [{"worst": far, "uncertainty": uncertainty, "solver": 0.0} for _, far in points]
+    records = [
+        FASTEST | {"varied": "", "policy": "auto", "order": 1, "size": size, "errors": {}, "quantities": {"hoop": one}}
+        for (size, _), one in zip(points, known)
+    ]
+    return SimpleNamespace(asked=SimpleNamespace(of="hoop"), records=records)
+
+
+def test_one_frame_is_one():
+    one = {"within": 5.0, "below": None, "frame_ms": 1.0, "error": 0.001, "frames": 1, "sampled": [0], "holds": True}
+    line = chosen.chosen_line(one)
+    assert "over 1 frame, and an error of 0.1 %" in line and "of them" not in line
+
+
+def test_a_share_without_a_sign_is_said_in_per_cent(capsys):
+    assert share("1 %", "--error") == 0.01 and share(None, "--error") is None
+    assert capsys.readouterr().err == ""
+    assert share("0.5", "--error") == 0.5 and "--error 0.5: below 50 %" in capsys.readouterr().err
 
 
 def test_ranks_of_mpi_are_refused(small, tmp_path, monkeypatch, capsys):
@@ -171,6 +207,8 @@ def test_what_a_scene_says_stays_where_a_setting_is_written(small, tmp_path):
         (("--within", "16"), "'16' has no unit"),
         (("--within", "16 kg"), "is a mass, but a time is wanted"),
         (("--error", "0 %"), "is not above 0"),
+        (("--error", "1"), "1 without % is 100 %"),
+        (("--error", "2.5"), "write --error 2.5% or 0.025"),
         (("--sizes", "2,big"), "no positive numbers"),
         (("--orders", "3"), "has no elements of order 3"),
         (("--policies", "lazy"), "no policy is named 'lazy'"),
@@ -196,7 +234,10 @@ def test_scenes_of_no_use_for_a_study_are_refused(small, tmp_path, capsys):
     assert "no script beside the scene names it" in capsys.readouterr().err
     idle = write_script(tmp_path, [{"do": "idle", "frames": 3}], "idle.jsonl")
     assert main(["accuracy", str(scene), "--edits", str(idle), *out]) == 2
-    assert "no frame of the script changes the shape" in capsys.readouterr().err
+    assert (
+        "no frame of the script changes the shape or a value, so that there is nothing to study"
+        in capsys.readouterr().err
+    )
     sets = write_script(tmp_path, [{"do": "set", "key": "mesh.size", "value": 0.1}], "sets.jsonl")
     assert main(["accuracy", str(scene), "--edits", str(sets), *out]) == 2
     assert "sets mesh.size itself" in capsys.readouterr().err
@@ -255,5 +296,5 @@ def test_a_static_scene_without_a_script_is_studied_on_its_first_shape(command, 
     assert (
         "none: the first shape" in page
         and "stretch, closed form" in page
-        and "1 frame, errors at frames 0" in reported.stdout
+        and "1 frame, errors at frame 0" in reported.stdout
     )

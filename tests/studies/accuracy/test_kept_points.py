@@ -110,9 +110,37 @@ def test_a_study_that_is_stopped_goes_on_with_the_points_that_are_left(tmp_path,
     assert not second.omissions and written[1:] == [ran[:1], ran] and not (tmp_path / ".plate-points").exists()
 
 
+@pytest.mark.parametrize(("after", "words"), [(0, "nothing is kept"), (1, "the reference and 1 point; the same")])
+def test_a_study_that_is_interrupted_says_what_is_kept(tmp_path, monkeypatch, after, words):
+    scene = write_scene(tmp_path, plate(0.25))
+    edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.55, 0.5), 3)))
+    asked, ran, said = Asked(Choice((2.0, 1.0), (1,), (1e-6,), ("auto",)), samples=2), [], []
+
+    def one(found, setting, folder, play):
+        if len(ran) == 1:
+            raise KeyboardInterrupt
+        ran.append(setting.name)
+        return known_point(setting.name)
+
+    def referred(*given):
+        if not after:
+            raise KeyboardInterrupt
+        (given[6].folder / "reference.json").write_text("{}")
+        return empty_study()
+
+    monkeypatch.setattr(module, "one", one)
+    monkeypatch.setattr(module, "referred", referred)
+    with pytest.raises(KeyboardInterrupt):
+        study(Case("plate", scene, edits), asked, said.append, out=tmp_path)
+    assert words in said[-1] and said[-1].startswith("plate: interrupted")
+    assert (str(tmp_path / ".plate-points") in said[-1]) == bool(after)
+
+
 def empty_study():
     """A study with a reference and no points."""
-    return SimpleNamespace(records=[], omissions=[])
+    return SimpleNamespace(
+        records=[], omissions=[], case=SimpleNamespace(name="plate"), asked=SimpleNamespace(within=None)
+    )
 
 
 def test_points_are_a_table(tmp_path):
