@@ -78,7 +78,7 @@ def test_what_failed_is_reported_with_its_reason_and_without_folders():
         printed(frame(0, 0.02, 0.0, 2.4), {"index": 7, "problem": "refused: too thin"}, refused={"3": "thin\n  try: x"})
     )
     assert lost["problem"].startswith("frame 7: refused: too thin") and lost["problem"].endswith("3: thin")
-    assert "1 frames" in lost["problem"] and "try" not in lost["problem"]
+    assert "1 frame without a solution" in lost["problem"] and "try" not in lost["problem"]
     mark_pareto([stopped, lost])
     assert [r["pareto"] for r in (stopped, lost)] == [False, True] and row(lost)[-1] == "front"
     lines = left_out(SimpleNamespace(records=[stopped, lost], omissions=[Omission("order 2", "no such elements")]))
