@@ -274,18 +274,23 @@ def test_ranges_are_decimal_numbers_with_units():
     ]
     assert swept[1].numbers == (60.0, 55.0, 50.0) and swept[1].unit == "GPa" and swept[3].numbers == ()
     assert list(combinations(swept[2:])) == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    assert swept_keys(["a=0,6mm"])[1][0].values == ("0", '"6 mm"')
     assert swept_keys(["a=1:4:1"])[1][0].values == ("1", "2", "3", "4")
 
 
 @pytest.mark.parametrize(
     ("word", "what"),
     [
-        ("a=1:2:0", "no number of these steps"),
+        ("a=1:2:0", "STEP is 0"),
+        ("a=1mm:2mm:0", "STEP is 0"),
+        ("a=10mm:20mm:5", "STEP has no unit.*\n.*a=10mm:20mm:5mm"),
+        ("a=4,6mm", "4 has no unit.*\n.*--set a=4mm,6mm"),
+        ("a=4mm,6,0.1 m,7", "6 has no unit.*\n.*--set a=4mm,6m,0.1m,7m"),
         ("a=1:2:-1", "no number of these steps"),
         ("a=1mm:2m:1mm", "several units"),
         ("a=1,,2", "empty value"),
         ("a=0:1e30:1", "more than"),
-        ("a=0:1e-3:1e-999", "no number of these steps"),
+        ("a=0:1e-3:1e-999", "STEP is 0"),
         ("a=1e999:2:1", "larger than"),
         ("a", "key=value"),
     ],

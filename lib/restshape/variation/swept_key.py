@@ -84,11 +84,31 @@ def _swept_key(word: str) -> SweptKey | None:
     if not all(parts):
         raise UserError(f"{text!r} has an empty value", f"--set {key}", EXAMPLE)
     numbers = [_number(part) for part in parts]
+    _refuse_bare(key.strip(), parts, numbers)
     units = {found[1] for found in numbers if found}
     known = all(numbers) and len(units) == 1
     values = tuple(_written(*found) if found else part for found, part in zip(numbers, parts))
     plain = tuple(float(found[0]) for found in numbers if found) if known else ()
     return SweptKey(key.strip(), values, plain, units.pop() if known else "")
+
+
+def _refuse_bare(key: str, parts: Sequence[str], numbers: Sequence[tuple[str, str] | None]) -> None:
+    """Refuses numbers without a unit beside such with one: 4 of 4,6mm is hardly meant as 4 m; 0 is 0 in all units.
+
+    Raises:
+        UserError: there are some; it proposes the unit of the next value that has one, or else of the last.
+    """
+    units = [found[1] for found in numbers if found and found[1]]
+    bare = [found[0] for found in numbers if found and not found[1] and float(found[0]) != 0.0]
+    if not units or not bare:
+        return
+    unit, proposed = units[-1], list(parts)
+    for k in reversed(range(len(parts))):
+        if found := numbers[k]:
+            unit = found[1] or unit
+            proposed[k] = found[0] + unit
+    what = f"{bare[0]} has no unit, but other values of the list have one"
+    raise UserError(what, f"--set {key}={','.join(parts)}", f"write --set {key}={','.join(proposed)}")
 
 
 def _number(text: str) -> tuple[str, str] | None:
@@ -111,13 +131,20 @@ def _range(key: str, text: str, ends: Sequence[tuple[str, str]]) -> SweptKey:
     """The values FROM, FROM + STEP ... up to TO, each the nearest decimal number."""
     where = f"--set {key}={text}"
     units = {unit for _, unit in ends if unit}
-    if len(units) > 1 or (units and not ends[2][1] and not all(unit for _, unit in ends)):
+    first, last, step = (float(number) for number, _ in ends)
+    if step == 0.0:
+        words = [number + unit for number, unit in ends[:2]]
+        example = ":".join([*words, f"{(last - first) / 4.0:g}{ends[1][1]}"]) if last != first else words[0]
+        raise UserError("STEP is 0: no steps lead from FROM to TO", where, f"write for example --set {key}={example}")
+    if len(units) > 1:
         raise UserError("the three numbers of a range have several units", where, "write all three in one unit")
     unit = units.pop() if units else ""
-    first, last, step = (float(number) for number, _ in ends)
+    if unit and not ends[2][1]:
+        example = ":".join(f"{number}{unit}" for number, _ in ends)
+        raise UserError("STEP has no unit, but the range has one", where, f"write --set {key}={example}")
     if not all(abs(value) <= bounds.NUMBER for value in (first, last, step)):
         raise UserError(f"a number is larger than {bounds.NUMBER:g}", where, "take a smaller one, or another unit")
-    if step == 0.0 or (last - first) / step < 0.0:
+    if (last - first) / step < 0.0:
         raise UserError("no number of these steps leads to the end of the range", where, "give STEP another sign")
     count = (last - first) / step + ROUNDED
     if count >= bounds.SWEEP_VALUES:
