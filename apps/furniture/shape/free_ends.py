@@ -9,7 +9,7 @@ import numpy as np
 from restshape_apps.furniture.shape.planks import LEAST_SLANT, SIDES, Piece
 
 FAR = 0.25
-"""How far before an end what it may have missed is looked for [m], and at most half of its plank's length."""
+"""How far before an end what it may have missed is looked for [m]; half of its plank's length where that is less."""
 ASIDE = 0.03
 """How far beside a face an end may pass that may have missed it [m]."""
 BEYOND = 0.06

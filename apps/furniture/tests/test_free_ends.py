@@ -61,3 +61,11 @@ def test_a_drawn_rail_notes_its_free_ends(tmp_path) -> None:
 
 def test_pieces_of_the_application_have_no_end_that_missed() -> None:
     assert not {path.stem: found for path in sorted(SCENES.glob("*.toml")) if (found := free_ends(drawn(path.stem)))}
+
+
+@pytest.mark.parametrize(("length", "gap", "warned"), [(0.7, 0.24, 1), (0.7, 0.26, 0), (0.4, 0.19, 1), (0.4, 0.21, 0)])
+def test_near_is_250_mm_or_half_of_the_length_where_that_is_less(tmp_path, length: float, gap: float, warned: int):
+    # The legs of the bench have faces at -0.49 and 0.49 m; the rail ends `gap` before the right one.
+    far = 0.49 - gap
+    found = piece(tmp_path, more=rail([far - length, 0, 0.2], [far, 0, 0.2], [0, 0.1, 0]))
+    assert len([one for one in free_ends(found) if one.side == 1 and one.gap > 0.0]) == warned
