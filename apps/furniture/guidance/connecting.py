@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
+from restshape_apps.furniture.shape.free_ends import free_ends
 from restshape_apps.furniture.shape.plank_edits import connected
 from restshape_apps.furniture.shape.planks import FLUSH, LEAST_SLANT, Piece, Plank, parts_of
 
@@ -24,12 +25,16 @@ class Connection:
         piece: with the part where it is joined.
         way: (3,) how far that is [m].
         flaws: what the full test still finds.
+        free: ends of the part that nothing holds there, near a face.
+        name: its kind.
     """
 
     words: str
     piece: Piece
     way: np.ndarray
     flaws: int
+    free: int = 0
+    name: str = "a part joined"
 
 
 def connections(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
@@ -58,7 +63,9 @@ def _joined(piece: Piece, part: Sequence[int], way: np.ndarray) -> Connection | 
     except UserError:
         # The fastener does not suit these planks.
         return None
-    return None if flaws & (LOST | OVERLAPPING) else Connection(_words(piece, joined, part, way), joined, way, flaws)
+    if flaws & (LOST | OVERLAPPING):
+        return None
+    return Connection(_words(piece, joined, part, way), joined, way, flaws, len(free_ends(joined, part)))
 
 
 def _ways(piece: Piece, part: Sequence[int]) -> Iterator[np.ndarray]:

@@ -18,6 +18,7 @@ from restshape_apps.furniture.guidance.connecting import connections
 from restshape_apps.furniture.guidance.doubts import depends, doubts
 from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
 from restshape_apps.furniture.guidance.force_space import durability_space
+from restshape_apps.furniture.guidance.lengthening import lengthenings
 from restshape_apps.furniture.guidance.preferences import farthest_move, kept_modes, locked
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.ranked import ranked
@@ -251,13 +252,13 @@ class Design:
             found = [self._along(one, one.span[1] >= LONGEST, one.flaws == 0) for one in search.found]
             tried, tested, why = search.tried, search.tested, search.why
         elif flaws & APART:
-            found = [Suggestion.of(one) for one in connections(self.piece, most)]
+            found = [Suggestion.of(one) for one in (*lengthenings(self.piece), *connections(self.piece, most))]
             tried, tested, why = 0, len(found), "no move of a part joins it to the rest: draw a plank between them"
         elif flaws & OVERLAPPING or not flaws & (UNSTABLE | WEAK):
-            found, tried, tested = [], 0, 0
+            found, tried, tested = [Suggestion.of(one) for one in lengthenings(self.piece)], 0, 0
             why = "planks overlap: move them apart" if flaws & OVERLAPPING else "no equilibrium was found"
         elif flaws & UNSTABLE and not self.piece.feet:
-            found, tried, tested = [], 0, 0
+            found, tried, tested = [Suggestion.of(one) for one in lengthenings(self.piece)], 0, 0
             why = "nothing stands on the floor: draw a plank that does, or connect one that is near it"
         else:
             searches = self._combined(most)
@@ -265,11 +266,13 @@ class Design:
             tried, tested = (sum(counts) for counts in zip(*((sum(one.tried), one.tested) for one in searches)))
             why = self._why_none(searches[-1])
             why += f"; {FASTENING} may help" if flaws & WEAK else ""
+            added = [Suggestion.of(one) for one in lengthenings(self.piece)]
             if flaws & WEAK and not flaws & UNSTABLE:
                 supports = [Suggestion.supported(self.piece, one) for one in support_planks(self.furniture)]
                 others = [Suggestion.by(one) for one in remedies(self.piece, self._obeys)]
-                added = [one for one in (*supports, *others) if self._unlocked(one)]
-                found = [*found[: max(most - len(added), 0)], *added]
+                added += [*supports, *others]
+            added = [one for one in added if self._unlocked(one)]
+            found = [*found[: max(most - len(added), 0)], *added]
         unlocked = [one for one in _distinct(self.piece, found) if self._unlocked(one)]
         why = f"what would mend it changes what is kept: {', '.join(self.guidance.keep)}" if found else why
         near = self._nearest([one for one in unlocked if self._near(self.after(one))])

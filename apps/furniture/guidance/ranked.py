@@ -9,8 +9,9 @@ from restshape_apps.furniture.guidance.preferences import preserved, way_of_mate
 from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.shape.planks import Piece
 
-Rank = tuple[bool, bool, int, float]
-"""Whether something is still wrong, or doubtful, how much is not kept, and how far material goes [m]."""
+Rank = tuple[bool, bool, int, int, float]
+"""Whether something is still wrong, or doubtful, how much is not kept, how many ends of what is joined stay free, and
+how far material goes [m]."""
 
 
 def ranked(piece: Piece, found: Sequence[tuple[Suggestion, Piece]]) -> list[Suggestion]:
@@ -25,8 +26,8 @@ def ranked(piece: Piece, found: Sequence[tuple[Suggestion, Piece]]) -> list[Sugg
     seen: Counter[tuple] = Counter()
     places = []
     for rank, one in order:
-        kind = (*rank[:3], one.kind)
-        places.append(((*rank[:3], seen[kind]), one))
+        kind = (*rank[:4], one.kind)
+        places.append(((*rank[:4], seen[kind]), one))
         seen[kind] += 1
     return [one for _, one in sorted(places, key=lambda pair: pair[0])]
 
@@ -34,6 +35,6 @@ def ranked(piece: Piece, found: Sequence[tuple[Suggestion, Piece]]) -> list[Sugg
 def _rank(piece: Piece, one: Suggestion, after: Piece) -> Rank:
     if one.setting is not None:
         # The drawing stays, and the hand that drew it may want to change that first.
-        return not one.valid, bool(one.doubt), 0, piece.size
+        return not one.valid, bool(one.doubt), 0, 0, piece.size
     lost = preserved(piece, after).count(False)
-    return not one.valid, bool(one.doubt), lost, round(way_of_material(piece, after), 9)
+    return not one.valid, bool(one.doubt), lost, one.free, round(way_of_material(piece, after), 9)

@@ -29,6 +29,7 @@ class Suggestion:
         rest: what is still wrong where it is shown; empty where it is valid.
         doubt: what is doubtful where it is valid; empty where nothing is.
         setting: key of the scene and its value, of what is no other drawing; None elsewhere.
+        free: ends of what it joins that nothing holds there, near a face.
     """
 
     words: str
@@ -43,6 +44,7 @@ class Suggestion:
     rest: str = ""
     doubt: str = ""
     setting: Setting | None = None
+    free: int = 0
 
     @classmethod
     def along(
@@ -58,8 +60,8 @@ class Suggestion:
 
     @classmethod
     def of(cls, one: Connection) -> Suggestion:
-        """The suggestion that joins a part to the rest."""
-        return cls(one.words, None, 1.0, (0.0, 1.0), one.flaws == 0, one.piece, name="a part joined")
+        """The suggestion that joins a part to the rest, or free ends to what they missed."""
+        return cls(one.words, None, 1.0, (0.0, 1.0), one.flaws == 0, one.piece, name=one.name, free=one.free)
 
     @classmethod
     def by(cls, one: Remedy) -> Suggestion:

@@ -1,0 +1,104 @@
+"""Suggestions that bring free ends to what they missed: planks become longer, or shorter, and are joined."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from restshape_apps.furniture.guidance import amounts
+from restshape_apps.furniture.guidance.connecting import Connection
+from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
+from restshape_apps.furniture.shape.free_ends import FreeEnd, free_ends
+from restshape_apps.furniture.shape.plank_edits import connected
+from restshape_apps.furniture.shape.planks import SIDES, Piece, Plank, parts_of
+
+from restshape.errors import UserError
+
+NAME = "a free end joined"
+"""Kind of these suggestions."""
+
+
+def lengthenings(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
+    """Planks made longer, or shorter, until their free ends meet what they missed; what leaves nothing wrong first.
+
+    All free ends of a plank go at once, or where that is no joint each alone; and those of all planks at once. Of a
+    piece in parts only what makes parts fewer is shown, of another one only what leaves less wrong.
+
+    Args:
+        piece: with closed joints.
+        shown: at most so many.
+    """
+    before = Furniture(piece).test()
+    apart, worst = len(parts_of(piece)), max(before.pull, before.shear)
+    found = []
+    for ends in _sets(piece):
+        one = _joined(piece, ends)
+        if one is None or len(parts_of(one.piece)) > apart:
+            continue
+        after = Furniture(one.piece).test()
+        fewer = len(parts_of(one.piece)) < apart or bin(after.flaws).count("1") < bin(before.flaws).count("1")
+        if fewer or (after.flaws == before.flaws and max(after.pull, after.shear) < worst):
+            found.append(one)
+    return tuple(sorted(found, key=lambda one: one.flaws != 0)[:shown])
+
+
+def _sets(piece: Piece) -> Iterator[tuple[FreeEnd, ...]]:
+    """Free ends that are tried together."""
+    missed = [one for one in free_ends(piece) if one.aside == 0.0 and not one.tilted]
+    planks = {one.plank: tuple(other for other in missed if other.plank == one.plank) for one in missed}
+    good = []
+    for ends in planks.values():
+        some = [ends] if _joined(piece, ends) else [(one,) for one in ends]
+        yield from some
+        good += [one for one in some if len(some) == 1]
+    if len(good) > 1:
+        yield tuple(one for ends in good for one in ends)
+
+
+def _joined(piece: Piece, ends: Sequence[FreeEnd]) -> Connection | None:
+    """The piece with these ends at what they missed; None where one of them is not joined there."""
+    planks = list(piece.planks)
+    for one in ends:
+        planks[one.plank] = _longer(planks[one.plank], one)
+    grown, fastener = replace(piece, planks=tuple(planks)), piece.joints[0].fastener if piece.joints else "nail-thesis"
+    try:
+        for plank in dict.fromkeys(one.plank for one in ends):
+            grown = connected(grown, plank, piece.reach, fastener)
+        made = Furniture(grown).moved()
+        flaws = Furniture(made).test().flaws
+    except UserError:
+        # The fastener does not suit these planks.
+        return None
+    joined = {(joint.i, joint.side) for joint in made.joints} | {(foot.plank, foot.side) for foot in made.feet}
+    if flaws & (LOST | OVERLAPPING) or any((one.plank, one.side) not in joined for one in ends):
+        return None
+    way = sum(one.gap * _outwards(piece.planks[one.plank], one.side) for one in ends)
+    left = len(free_ends(made, {one.plank for one in ends}))
+    return Connection("; ".join(_words(piece, ends)), made, way, flaws, left, NAME)
+
+
+def _longer(plank: Plank, one: FreeEnd) -> Plank:
+    """The plank with one end where it meets what it missed."""
+    a = one.side // 2
+    size = plank.size.copy()
+    size[a] += one.gap
+    return replace(plank, centre=plank.centre + 0.5 * one.gap * _outwards(plank, one.side), size=size)
+
+
+def _outwards(plank: Plank, side: int) -> np.ndarray:
+    """The unit vector (3,) in which one end of a plank looks."""
+    return plank.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
+
+
+def _words(piece: Piece, ends: Sequence[FreeEnd]) -> Iterator[str]:
+    """What each plank does, and what it meets."""
+    for plank in dict.fromkeys(one.plank for one in ends):
+        own = [one for one in ends if one.plank == plank]
+        ways = (f"{_amount(one.gap)} at its end {SIDES[one.side]}" for one in own)
+        met = dict.fromkeys("the floor" if one.other < 0 else piece.planks[one.other].name for one in own)
+        yield f"{piece.planks[plank].name} {' and '.join(ways)}, to meet {' and '.join(met)}"
+
+
+def _amount(gap: float) -> str:
+    return f"{amounts.amount(abs(gap), 'm')} {'longer' if gap > 0.0 else 'shorter'}"

@@ -1,0 +1,122 @@
+"""Ends that miss what they were meant to meet: the first suggestion is the length with which they meet it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from restshape_apps.furniture.guidance.design import Design, Guidance
+from restshape_apps.furniture.guidance.lengthening import NAME, lengthenings
+from restshape_apps.furniture.pieces import drawn
+from restshape_apps.furniture.shape.plank_scene import piece_of
+from restshape_apps.furniture.shape.planks import Piece, parts_of
+from restshape_apps.furniture.tests.furniture_scenes import HEAD, write_edits
+from small_scenes import make_replay
+
+from restshape.scene.load import load_scene
+
+STOOL = """
+[wood]
+name = "pine"
+thickness = "18 mm"
+
+[fastener]
+name = "screw"
+spacing = "30 mm"
+
+[floor]
+friction = 0.6
+
+[planks.seat]
+from = [-0.2, 0, 0.45]
+to = [0.2, 0, 0.45]
+width = [0, 0.28, 0]
+
+[planks.left]
+from = [-0.15, 0, 0]
+to = [-0.15, 0, 0.441]
+width = [0, 0.26, 0]
+
+[planks.right]
+from = [0.15, 0, LOW]
+to = [0.15, 0, 0.441]
+width = [0, 0.26, 0]
+
+[planks.rail]
+from = [FROM, 0, 0.2]
+to = [TO, 0, 0.2]
+width = [0, 0.2, 0]
+
+[weights.sitter]
+on = "seat"
+mass = "60 kg"
+
+[pushes.shove]
+on = "seat"
+force = ["160 N", 0, 0]
+
+[effects.gravity]
+[effects.push]
+[effects.guidance]
+"""
+"""A stool whose legs have faces at -0.141 and 0.141 m; it breaks unless the rail meets both."""
+
+
+def written(tmp_path: Path, start: float, end: float, low: float = 0.0) -> Path:
+    path = tmp_path / "stool.toml"
+    path.write_text(HEAD + STOOL.replace("FROM", repr(start)).replace("TO", repr(end)).replace("LOW", repr(low)))
+    return path
+
+
+def stool(tmp_path: Path, start: float, end: float, low: float = 0.0) -> Design:
+    return Design.closed(piece_of(load_scene(written(tmp_path, start, end, low))), Guidance())
+
+
+def rail(piece: Piece) -> tuple[float, float]:
+    """Where the rail's ends are along x [m]."""
+    plank = piece.planks[piece.index("rail")]
+    return tuple(sorted(float(plank.end(side)[0]) for side in (0, 1)))
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "words"),
+    [
+        (-0.141, 0.117, "rail 24 mm longer at its end +x, to meet right"),
+        (-0.121, 0.117, "rail 20 mm longer at its end -x and 24 mm longer at its end +x, to meet left and right"),
+        (-0.101, 0.121, "rail 40 mm longer at its end -x and 20 mm longer at its end +x, to meet left and right"),
+        (-0.141, 0.171, "rail 30 mm shorter at its end +x, to meet right"),
+    ],
+)
+def test_a_rail_that_misses_a_leg_is_first_lengthened_to_meet_it(tmp_path, start: float, end: float, words: str):
+    design = stool(tmp_path, start, end)
+    assert not design.furniture.test().valid
+    first = design.suggestion_list.found[0]
+    assert first.valid and first.kind == NAME and first.words == words
+    assert rail(first.piece) == pytest.approx((-0.141, 0.141), abs=1e-9)
+    assert len(parts_of(first.piece)) == 1 and first.piece.joints != design.piece.joints
+
+
+def test_moves_that_leave_an_end_free_come_after(tmp_path):
+    found = stool(tmp_path, -0.121, 0.117).suggestion_list.found
+    moves = [one for one in found if one.kind == "a part joined"]
+    assert [one.free for one in moves] == [1] * len(moves) and moves
+    assert found[0].free == 0
+
+
+def test_a_leg_above_the_floor_is_lengthened_to_stand_on_it(tmp_path):
+    design = stool(tmp_path, -0.141, 0.141, low=0.05)
+    one = next(one for one in lengthenings(design.piece))
+    assert one.words == "right 50 mm longer at its end -x, to meet the floor" and one.flaws == 0
+    assert {foot.plank for foot in one.piece.feet} == {1, 2}
+    assert np.linalg.norm(one.way) == pytest.approx(0.05)
+
+
+def test_a_lengthening_is_chosen_like_others(tmp_path):
+    scene = written(tmp_path, -0.121, 0.117)
+    script = write_edits(tmp_path, {"do": "choose", "number": 1})
+    rows = list(make_replay(scene, script).frames())
+    assert [row["constraint_status"] for row in rows] == ["fails", "holds"]
+
+
+@pytest.mark.parametrize("name", ["table", "shelf-1", "chair-1", "scales"])
+def test_pieces_without_free_ends_have_none(name: str):
+    assert lengthenings(drawn(name)) == ()
