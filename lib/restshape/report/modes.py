@@ -4,11 +4,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
-from restshape.report.style import INK, new_figure
+from restshape.report.outlines import border, lines
+from restshape.report.style import COLOURS, INK, SIGNED, new_figure
 
 ACROSS = 3
 """Most pictures side by side."""
@@ -27,7 +30,8 @@ def draw_modes(
 ) -> None:
     """Draw the deflection of each mode in colour and, in black, the lines where it is still.
 
-    Modes that move in the plane are drawn by the size of their motion.
+    Modes that move in the plane are drawn by the size of their motion; bent ones over the outline at rest, dashed. The
+    amplitude of a mode is arbitrary: colours go to its largest deflection.
 
     Args:
         path: picture file.
@@ -42,22 +46,29 @@ def draw_modes(
     width, height = np.ptp(X, axis=0)
     factor, unit = length_unit(float(max(width, height)))
     each = 10.0 / across
-    figure = new_figure(10.0, 0.5 + down * (0.75 + each * min(1.4, height / width)))
+    figure = new_figure(10.8, 0.5 + down * (0.75 + each * min(1.4, height / width)))
+    drawn: dict[bool, ScalarMappable] = {}
     grid = np.atleast_1d(figure.subplots(down, across)).ravel()
+    rest = factor * lines(X, border(cells)) if bend else ()
     for axes, shape, name in zip(grid, shapes, names):
         normal = np.abs(shape[:, 2]).max() > 0.0
         values = shape[:, 2] if normal else np.hypot(shape[:, 0], shape[:, 1])
         largest = np.abs(values).max()
-        colours, low = ("RdBu_r", -largest) if normal else ("viridis", 0.0)
+        look = {"cmap": SIGNED, "vmin": -1.0, "vmax": 1.0} if normal else {"cmap": COLOURS, "vmin": 0.0, "vmax": 1.0}
         triangulation = Triangulation(*(factor * (X + bend / largest * shape[:, :2])).T, triangles)
-        axes.tripcolor(triangulation, values, shading="gouraud", cmap=colours, vmin=low, vmax=largest)
+        drawn[normal] = axes.tripcolor(triangulation, values / largest, shading="gouraud", **look)
         if normal:
             axes.tricontour(triangulation, values, levels=[0.0], colors=INK, linewidths=1.2)
+        axes.add_collection(LineCollection(rest, colors=INK, linewidths=0.7, linestyles="--"))
         axes.set_title(name)
         axes.set_aspect("equal")
         axes.set_xlabel(f"x [{unit}]")
         axes.set_ylabel(f"y [{unit}]")
+    for normal, picture in drawn.items():
+        bar = figure.colorbar(picture, ax=list(grid), fraction=0.05, aspect=30)
+        bar.set_label(f"{'deflection' if normal else 'size of the motion'} / its largest, amplitude arbitrary")
+        bar.outline.set_visible(False)
     for axes in grid[len(shapes) :]:
         axes.set_visible(False)
-    figure.suptitle(title)
+    figure.suptitle(f"{title}\ndashed: shape at rest" if bend else title)
     save_picture(figure, path)

@@ -175,6 +175,7 @@ FREE_VIBRATIONS = Physics(
     derived={"in_plane_modes": IN_PLANE_MODES, "grain": GRAIN, "regions": REGIONS},
     orders=(2, 1),
     mesh_keys=("layers",),
+    pictured={"size_of_mode_1": PictureField("size of mode 1, amplitude arbitrary", "")},
     none_requested="the amplitude of a mode is arbitrary, and so are its stresses and strains",
     check=check_vibrations,
     check_shape="restshape.physics.elasticity.outline_checks:check_thickness",

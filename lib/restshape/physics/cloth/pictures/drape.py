@@ -10,6 +10,7 @@ import numpy as np
 from restshape.outputs.si_numbers import length_unit, scaled_unit
 from restshape.physics.cloth.body_columns import recorded_bodies
 from restshape.physics.cloth.pictures.body_surfaces import body_surface
+from restshape.physics.cloth.pictures.pins import pins
 from restshape.replay.recording import Recording
 from restshape.report.camera import Camera
 from restshape.report.tables import column
@@ -39,6 +40,7 @@ class DrapeScenery:
         bottom, top: tensions at the ends of the colour bar [N/m].
         extend: at which ends of it there are others beyond, as matplotlib names them.
         bodies: whether there are any.
+        pins: nodes (k,) that supports hold, by frame.
     """
 
     low: np.ndarray
@@ -48,6 +50,7 @@ class DrapeScenery:
     top: float
     extend: str
     bodies: bool
+    pins: Mapping[int, np.ndarray]
 
     @property
     def unit(self) -> tuple[float, str]:
@@ -107,6 +110,7 @@ def drape_scenery(recording: Recording, frames: np.ndarray) -> DrapeScenery:
         (X.min(axis=0), X.max(axis=0)),
         *_colour_range(np.concatenate(values)),
         bool(shown),
+        pins(recording, frames),
     )
 
 

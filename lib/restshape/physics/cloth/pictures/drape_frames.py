@@ -19,7 +19,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from restshape.outputs.picture_files import save_picture
-from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, drape_scenery
+from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, drape_scenery, places
 from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames, even, pause, write_animation
@@ -45,6 +45,8 @@ EACH_X, EACH_Y = 0.42, 0.2
 PATTERN = 0.6
 """Scale of the flat pattern over that of the view from above."""
 ANIMATED_DPI = 90
+PINNED = {"ls": "", "marker": "o", "ms": 3.5, "mfc": "white", "mec": REFUSED, "mew": 1.0, "zorder": 6, "clip_on": False}
+"""Marks on what supports hold."""
 
 
 class DrapeDrawing:
@@ -77,6 +79,7 @@ class DrapeDrawing:
         above.set_xticks(factor * marks(*flat[:2], factor, int(np.clip(wide * place.width / EACH_X, 2, 4))))
         above.set_yticks(factor * marks(*flat[2:], factor, int(np.clip(high * place.height / EACH_Y, 2, 4))))
         self.images = from_side, DrapeImage(above, Camera.above(), scenery, factor)
+        self.constrained = [axes.plot([], [], **PINNED)[0] for axes in panels]
         self._add_pattern(pattern)
 
     def _add_pattern(self, axes: Axes) -> None:
@@ -104,9 +107,18 @@ class DrapeDrawing:
         self.body.set_verts(polygons(X, cells))
         self.body.set_array(np.ma.masked_invalid(self.scenery.colour[0] * recording.field(i, TENSION)))
         self.rest.set_segments(lines(X, border(cells)))
+        self._mark_pins(recording, i)
         factor, unit = self.scenery.unit
         width, height = factor * np.ptp(X, axis=0)
         self.size.set_text(f"flat pattern\n{width:.4g} × {height:.4g} {unit}")
+
+    def _mark_pins(self, recording: Recording, i: int) -> None:
+        """Put marks on the nodes that supports hold in frame i, in each of the views."""
+        constrained = self.scenery.pins.get(i, [])
+        x, X = places(recording, i)[constrained], recording.points(i)[constrained]
+        views = [image.factor * image.camera.project(x) for image in self.images]
+        for marked, at in zip(self.constrained, [*views, X]):
+            marked.set_data(*at.T)
 
 
 def convergence_words(recording: Recording, i: int) -> tuple[str, bool]:
@@ -208,6 +220,7 @@ def _legend(figure: Figure, recording: Recording, scenery: DrapeScenery, drawing
     name = shorten(scene_name(recording), 60, placeholder=" …")
     drawn = "true places, in perspective and from above"
     drawn += "; dashes: body behind cloth" * scenery.bodies
+    drawn += "; circles: supports" * any(map(len, scenery.pins.values()))
     figure.suptitle(f"{name}\n{drawn}", color=INK, fontsize=10, y=1.0 - 0.08 / high)
 
 

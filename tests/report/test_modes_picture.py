@@ -1,0 +1,44 @@
+"""Pictures of modes: what their colours mean, and where the shape rests."""
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+
+from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS
+from restshape.report.modes import draw_modes
+
+X = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]])
+CELLS = np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def drawn(tmp_path, monkeypatch, shape, **words):
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    draw_modes(tmp_path / "a.png", X, CELLS, np.array([shape]), ["load factor 2"], "column", **words)
+    return figures[0]
+
+
+def test_a_bent_mode_has_its_outline_at_rest_and_a_bar_of_shares(tmp_path, monkeypatch):
+    shape = np.array([[0, 0, 0], [0, 0, 0], [7.0, 0, 0], [7.0, 0, 0]])
+    figure = drawn(tmp_path, monkeypatch, shape, bend=0.3)
+    axes, bar = figure.axes
+    (rest,) = [one for one in axes.collections if isinstance(one, LineCollection)]
+    ends = {tuple(map(tuple, np.sort(line, axis=0))) for line in rest.get_segments()}
+    assert ends == {tuple(map(tuple, np.sort(X[[k, (k + 1) % 4]], axis=0))) for k in range(4)}
+    assert "dashed: shape at rest" in figure.get_suptitle()
+    assert "amplitude arbitrary" in bar.get_ylabel() and "size of the motion" in bar.get_ylabel()
+    (colours,) = [one for one in axes.collections if one not in (rest,)]
+    assert isinstance(colours.norm, Normalize) and (colours.norm.vmin, colours.norm.vmax) == (0.0, 1.0)
+    assert colours.get_array().max() == 1.0
+
+
+def test_a_mode_out_of_the_plane_has_a_bar_of_both_signs(tmp_path, monkeypatch):
+    shape = np.array([[0, 0, -3.0], [0, 0, 0], [0, 0, 1.5], [0, 0, 0]])
+    figure = drawn(tmp_path, monkeypatch, shape)
+    bar = figure.axes[-1]
+    assert bar.get_ylim() == (-1.0, 1.0) and "deflection" in bar.get_ylabel()
+    assert not any(len(one.get_segments()) for one in figure.axes[0].collections if type(one) is LineCollection)
+
+
+def test_the_size_of_a_mode_is_named_for_people():
+    assert FREE_VIBRATIONS.pictured["size_of_mode_1"].label == "size of mode 1, amplitude arbitrary"
