@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from cloths import BALL, CONTACT, write_cloth
 from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
 
 from restshape import bounds
@@ -197,6 +198,24 @@ def test_nonlinear_runs_continue_unless_they_shall_start_from_rest(command, tmp_
     assert [one["analysis"] for one in on] == ["new", "reused", "reused"]
     # The solution is unique here.
     assert values_of(on, "stretch") == pytest.approx(values_of(from_rest, "stretch"), rel=1e-5)
+
+
+@pytest.mark.slow
+def test_runs_start_from_rest_where_friction_remembers_the_path(command, tmp_path):
+    """Each value is that of a replay of its own, to the bit; cloth on smooth bodies goes on."""
+    scene = write_cloth(tmp_path, BALL, CONTACT, "[quantities]\nlow = { position = 'z', reduce = 'min' }\n")
+    words = ("--set", "mesh.size=0.5", "--set", "effects.drape.tolerance=1e-2")
+    ended = command("sweep", scene, *words, "--set", "bodies.ball.friction=0.0,0.8,0.2", "--json", "a.json")
+    assert ended.returncode == 0, ended.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert [one["analysis"] for one in found["runs"]] == 3 * ["new"]
+    assert "from rest" in found["notes"][0] and "friction" in found["notes"][0] and found["notes"][0] in ended.stdout
+    assert command("replay", scene, *words, "--set", "bodies.ball.friction=0.2", "--json", "b.json").returncode == 0
+    own = json.loads((tmp_path / "b.json").read_text())["quantities"]["low"][0]
+    assert values_of(found["runs"], "low")[2] == own
+    smooth = ("--set", "bodies.ball.friction=0", "--set", "supports.pin={on='a',fix=['x','y','z']}")
+    runs = runs_of(command, tmp_path, scene, *words, *smooth, "--set", "material.cotton.E=2e6,3e6")
+    assert [one["analysis"] for one in runs] == ["new", "reused"]
 
 
 @pytest.mark.slow

@@ -172,6 +172,7 @@ def _write(
 ) -> None:
     """Print the table, and write the JSON file and the picture."""
     from restshape.replay.singular_notes import singular_notes
+    from restshape.variation.sweep_notes import sweep_notes
     from restshape.variation.swept_run import REUSED
 
     data = {
@@ -180,6 +181,7 @@ def _write(
         "keys": [one.key for one in swept],
         "interrupted": interrupted,
         "singular": sweep.singular,
+        "notes": (notes := sweep_notes(sweep.remembered)),
         "runs": [one.plain() for one in runs],
     }
     write_json(args, data)
@@ -192,7 +194,7 @@ def _write(
         f"{seconds:.2f} s of processor time"
     )
     _print_runs(args, sweep, swept, runs)
-    for note in singular_notes(sweep.singular):
+    for note in (*singular_notes(sweep.singular), *notes):
         print(note)
     if failed := [one for one in runs if one.why]:
         for one in failed[:5]:
@@ -205,7 +207,7 @@ def _write(
 
         try:
             with drawn_from(fingerprint(data)):
-                draw_sweep(sweep.scene, swept, runs, args.out, bool(args.edits), sweep.singular)
+                draw_sweep(sweep.scene, swept, runs, args.out, bool(args.edits), sweep.singular, notes)
         except OSError as error:
             raise UserError(f"cannot be written: {error.strerror}", f"--out {args.out}", "name another file") from error
         print(f"wrote {one_line(args.out)}")

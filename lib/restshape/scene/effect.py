@@ -93,6 +93,7 @@ class DerivedEffect:
             where it is no part that could be left out.
         drives: it loads the body or sets it in motion.
         needs: the effect without which it cannot be.
+        remembers: equilibria depend on the path to them, so that one from rest is another one than one that goes on.
     """
 
     summary: str
@@ -101,3 +102,4 @@ class DerivedEffect:
     without: Callable[[Table, frozenset[str]], Table] | None = None
     drives: bool = False
     needs: str = ""
+    remembers: bool = False

@@ -9,12 +9,19 @@ FIXED = ("app", "quantities", "solve")
 """What an analysis, and the columns of its replay, are made for."""
 
 
+def remembered(scene: Scene, app: Application) -> list[str]:
+    """Summaries of the parts of a scene's physics that make its answer depend on the path to it."""
+    planned = plan(scene, app)
+    return [part.summary for name, part in app.derived.items() if part.remembers and planned.on(name)]
+
+
 def can_follow(old: Scene, new: Scene, app: Application, continued: bool) -> bool:
     """Whether the analysis of a scene may go on to another one, and gives what one of its own would.
 
-    Its equations determine the solution alone, not the way to it: they are linear, or give eigenvalues.
+    Its equations determine the solution alone, not the way to it: they are linear, or give eigenvalues. Nonlinear ones
+    may follow a branch of solutions where `continued`, and never do where a part of the physics remembers the path.
     """
-    if any(app.transient(scene) for scene in (old, new)):
+    if any(app.transient(scene) or remembered(scene, app) for scene in (old, new)):
         return False
     if not continued and plan(new, app).solver.equations == "nonlinear":
         return False

@@ -17,7 +17,7 @@ from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene, ShapeSpec
 from restshape.shape.outline import Outline
-from restshape.variation.analysis_reuse import can_follow
+from restshape.variation.analysis_reuse import can_follow, remembered
 from restshape.variation.following_session import FollowingSession, Standing
 from restshape.variation.sweep_request import SweepRequest
 from restshape.variation.swept_run import DONE, INVALID, NEW, REUSED, UNSOLVED, SweptRun, errors_count, quantity_columns
@@ -29,6 +29,7 @@ class Sweep:
     Attributes:
         scene: of the last run that was valid, and `columns` that show its quantities; None before.
         singular: quantities at singular places in one of the runs, with the exponent of displacements.
+        remembered: parts of the physics that make equilibria of one of the runs depend on the path to them.
     """
 
     def __init__(self, request: SweepRequest) -> None:
@@ -36,6 +37,7 @@ class Sweep:
         self.scene: Scene | None = None
         self.columns: list[str] | None = None
         self.singular: dict[str, float] = {}
+        self.remembered: list[str] = []
         self._replay: Replay | None = None
         self._moved = False
         self._start: tuple[ShapeSpec, Outline] | None = None
@@ -64,6 +66,7 @@ class Sweep:
             return
         self.scene, names = scene, quantity_columns(scene, application(scene.app))
         self.columns = self.columns or names
+        self.remembered = [*dict.fromkeys(self.remembered + remembered(scene, application(scene.app)))]
         last, self._replay = self._replay, None
         if last and self._follow(last, scene, script):
             run.analysis = REUSED

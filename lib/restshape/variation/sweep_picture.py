@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from textwrap import shorten
+from textwrap import fill, shorten
 
 import numpy as np
 from matplotlib import colormaps
@@ -35,6 +35,7 @@ def draw_sweep(
     path: Path,
     several: bool,
     singular: Mapping[str, float],
+    notes: Sequence[str] = (),
 ) -> None:
     """Writes the picture, in the format that the path's suffix names.
 
@@ -47,6 +48,7 @@ def draw_sweep(
         path: of the picture.
         several: runs have several frames: the values between least and largest are shaded.
         singular: quantities at singular places, whose panels are marked.
+        notes: lines that stand under the axis.
 
     Raises:
         UserError: a file is there that restshape has not drawn.
@@ -68,7 +70,8 @@ def draw_sweep(
         _panel(axes, swept, runs, column, limits.get(name, {}), unit, several, sizes[column])
         axes.set_title(marked(name, singular), loc="left", pad=2)
     along = swept[-1]
-    panels[-1].set_xlabel(f"{along.key} [{along.unit}]" if along.unit else along.key)
+    label = f"{along.key} [{along.unit}]" if along.unit else along.key
+    panels[-1].set_xlabel("\n".join([label, *(fill(note, 110) for note in notes)]))
     if not along.numbers:
         labels = [shorten(value.strip('"'), LABEL, placeholder="…") for value in along.values]
         panels[-1].set_xticks(range(len(labels)), labels)

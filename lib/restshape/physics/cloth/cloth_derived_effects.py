@@ -26,6 +26,7 @@ FRICTION = DerivedEffect(
     "no body has friction",
     _smooth_bodies,
     needs="contact",
+    remembers=True,
 )
 SYMMETRY = DerivedEffect(
     "planes of symmetry",
