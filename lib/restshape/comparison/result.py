@@ -14,7 +14,7 @@ from restshape.arrays import AnyArray, Flags, Reals
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
 from restshape.report.recorded_quantities import quantity_units
-from restshape.report.tables import column, refused
+from restshape.report.tables import column, refused, singular
 
 RESULT_BYTES = bounds.SCRIPT_BYTES
 """Text of a result that is read."""
@@ -56,6 +56,8 @@ class Result:
     @property
     def singular(self) -> dict[str, float]:
         """Quantities at singular places, with the exponent of displacements there."""
+        if self.recording:
+            return singular(self.recording)
         known = self.header.get("singular")
         return {name: float(value) for name, value in known.items()} if isinstance(known, dict) else {}
 

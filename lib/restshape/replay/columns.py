@@ -9,6 +9,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.findings import FINDINGS_BYTES
+from restshape.replay.recorded_places import PLACES_BYTES, SINGULAR_PLACES, places_wanted
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -92,7 +93,8 @@ def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLik
         if column in known:
             what = f"a column of it would be {column}, which is another column"
             raise scene.located(UserError(what, f"quantities.{name}", "give it another name"))
-    return known | dict.fromkeys(own, np.float64)
+    places = {SINGULAR_PLACES: f"S{PLACES_BYTES}"} if places_wanted(scene, application) else {}
+    return known | dict.fromkeys(own, np.float64) | places
 
 
 def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) -> dict[str, npt.DTypeLike]:

@@ -27,6 +27,7 @@ def _note(name: str, exponent: float) -> str:
     return f"{name} is taken at a singular place ({how}): its value is one of the mesh size; {more}"
 
 
-def marked(name: str, singular: Mapping[str, float]) -> str:
-    """The name of a quantity, with a mark where it does not converge."""
-    return f"{name} ({MARK})" if name in singular else name
+def marked(name: str, singular: Mapping[str, float], frames: str = "") -> str:
+    """The name of a quantity, with a mark where it does not converge, in these frames where it does in others."""
+    mark = f"{MARK}, in frames {frames}" if frames else MARK
+    return f"{name} ({mark})" if name in singular else name

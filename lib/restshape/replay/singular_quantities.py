@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from restshape.analysis.row_values import text, whole
 from restshape.errors import ReplayProblem, UserError
+from restshape.replay.recorded_places import SINGULAR_PLACES, encode_places, places_wanted
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -21,7 +22,8 @@ AT, NO_MORE = "at a singular place from here on", "at no singular place any more
 class SingularQuantities:
     """Finds the singular places of the first shape, and of those at which an edit begins, ends or has a new mesh.
 
-    An exponent takes as long as some frames, so that the frames of a drag between keep what was last found.
+    An exponent takes as long as some frames, so that the frames of a drag between keep what was last found, at the
+    control points where it was found.
 
     Args:
         scene: of the replay.
@@ -36,18 +38,23 @@ class SingularQuantities:
     def __init__(self, scene: Scene, application: Application, session: Session) -> None:
         self.application, self.session = application, session
         self._seen, self._moving = session.outline, False
-        self.now = self._found(scene, session.outline)
+        self._recorded = places_wanted(scene, application)
+        self.now, self._points = self._found(scene, session.outline)
         self.ever = dict(self.now)
 
     def __call__(self, edit: ScriptFrame, row: RowValues) -> RowValues:
-        """Look at the shape of a frame that was solved; the note of one that changes what is singular."""
+        """Look at the shape of a frame that was solved; its singular places, and the note where they change."""
+        note = self._looked(edit, row)
+        return note | {SINGULAR_PLACES: self._places()} if self._recorded else note
+
+    def _looked(self, edit: ScriptFrame, row: RowValues) -> RowValues:
         began, self._moving = not self._moving, not edit.edit_ended
         outline = self.session.outline
         if outline is self._seen or not (began or edit.edit_ended or whole(row, "level") > 1):
             return {}
         self._seen = outline
         try:
-            found = self._found(edit.scene, outline)
+            found, self._points = self._found(edit.scene, outline)
         except UserError:
             return {}
         come, gone = sorted(found.keys() - self.now.keys()), sorted(self.now.keys() - found.keys())
@@ -57,13 +64,22 @@ class SingularQuantities:
         said = [f"{', '.join(names)} {words}" for names, words in ((come, AT), (gone, NO_MORE)) if names]
         return {"note": "; ".join(filter(None, (text(row, "note"), *said)))} if said else {}
 
-    def _found(self, scene: Scene, outline: Outline | None) -> dict[str, float]:
-        found: dict[str, float] = {}
+    def _places(self) -> str:
+        """What is singular, and where the control points are now, for the row."""
+        outline = self.session.outline
+        if not self.now or outline is None:
+            return ""
+        return encode_places(self.now, [outline.points[k] for k in self._points if k < len(outline.points)])
+
+    def _found(self, scene: Scene, outline: Outline | None) -> tuple[dict[str, float], tuple[int, ...]]:
+        """Quantities with their exponents, and control points."""
+        found, points = dict[str, float](), tuple[int, ...]()
         for physics in self.application.physics:
             if physics.inspect_shape and outline is not None:
                 try:
-                    found |= physics.inspected(scene, outline).singular
+                    seen = physics.inspected(scene, outline)
                 except ReplayProblem:
                     # The frame says what is wrong with the shape.
                     continue
-        return found
+                found, points = found | seen.singular, (*points, *seen.singular_points)
+        return found, points

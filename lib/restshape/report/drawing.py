@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.tri import Triangulation
 
 from restshape.replay.recording import Recording
-from restshape.report.marks import SYMBOLS, Mark, marks
+from restshape.report.marks import CROSS, SYMBOLS, Mark, marks, singular_points
 from restshape.report.outlines import border, lines, sides
 from restshape.report.scenery import Scenery
 from restshape.report.segments import Segments
@@ -62,7 +62,9 @@ class Drawing:
         goals = [factor * curve for curve in scenery.goals if goal]
         axes.add_collection(LineCollection(goals, colors=GOAL, linewidths=1.3), autolim=False)
         self.marks = [_ring(axes, marker) for marker, _ in SYMBOLS]
-        self.artists += self.marks
+        # Singular places.
+        self.crosses = _ring(axes, CROSS)
+        self.artists += [*self.marks, self.crosses]
         xmin, xmax, ymin, ymax = (value * factor for value in scenery.extent)
         axes.set(xlim=(xmin, xmax), ylim=(ymin, ymax), aspect="equal")
 
@@ -83,6 +85,12 @@ class Drawing:
         self.rest.show(factor * lines(X, around if moved else around[:0]))
         found = marks(recording, i, scenery.field, cells) if scenery.field and scenery.seen.solved[i] else []
         self._put(found, x)
+        self._cross(singular_points(recording, i) if scenery.seen.solved[i] else np.empty((0, 2)), X, x)
+
+    def _cross(self, points: np.ndarray, X: np.ndarray, x: np.ndarray) -> None:
+        """Crosses singular places (k, 2) of the shape at rest, where their nodes are drawn."""
+        nodes = [int(((X - point) ** 2).sum(axis=1).argmin()) for point in points]
+        self.crosses.set_data(*x[nodes].T)
 
     def _put(self, found: Sequence[Mark], x: np.ndarray) -> None:
         at = {mark.marker: x[mark.node] for mark in found}

@@ -14,7 +14,7 @@ from restshape.outputs.picture_files import save_picture
 from restshape.replay.recording import Recording
 from restshape.report.drawing import Drawing
 from restshape.report.happenings import failure, frame_words
-from restshape.report.marks import marks
+from restshape.report.marks import marks, singular_words
 from restshape.report.overlay import USUAL, overlay
 from restshape.report.recorded_quantities import limits_of
 from restshape.report.scenery import Scenery
@@ -160,6 +160,8 @@ def findings(recording: Recording, i: int, scenery: Scenery) -> list[str]:
     found = []
     if scenery.field and scenery.seen.solved[i]:
         found = [f"{mark.letter} {mark.text}" for mark in marks(recording, i, scenery.field, recording.cells(i))]
+    if scenery.seen.solved[i]:
+        found += singular_words(recording, i)
     why = failure(recording, i, bool(scenery.seen.solved[i]))
     return [*found, *([why] if why else [])]
 

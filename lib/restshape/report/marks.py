@@ -9,9 +9,12 @@ from restshape.replay.recording import Recording
 from restshape.replay.rounding import cleared
 from restshape.report.field import ShownField
 from restshape.report.recorded_quantities import quantity_specs
+from restshape.report.tables import places_of_frame
 
 SYMBOLS = (("o", "○"), ("s", "□"), ("^", "△"), ("D", "◇"))
 """Markers, and letters that look like them."""
+CROSS, CROSS_LETTER = "x", "×"
+"""Of a singular place."""
 SAME = 1e-9
 """Relative difference up to which a value of the field is that of a quantity."""
 EXTREMES = ("max", "min", "absmax", "peak")
@@ -55,6 +58,17 @@ def marks(recording: Recording, i: int, field: ShownField, cells: np.ndarray) ->
     flat, nodes = values.ravel()[known], cells.ravel()[known]
     found = _of_quantities(recording, i, field, flat, nodes) or _of_field(field, flat)
     return [Mark(int(nodes[place]), text, marker, letter) for (place, text), (marker, letter) in zip(found, SYMBOLS)]
+
+
+def singular_points(recording: Recording, i: int) -> np.ndarray:
+    """Singular places (k, 2) of frame i, of its shape at rest [m]."""
+    return places_of_frame(recording, i).points
+
+
+def singular_words(recording: Recording, i: int) -> list[str]:
+    """What is said of the crosses of frame i."""
+    found = places_of_frame(recording, i)
+    return [f"{CROSS_LETTER} singular places: {', '.join(found.exponents)}"] if len(found.points) else []
 
 
 def _of_quantities(

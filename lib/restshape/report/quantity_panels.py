@@ -2,6 +2,7 @@
 
 # More than 15 modules: a panel shows a quantity with all that is known of it.
 
+from collections.abc import Mapping
 from pathlib import Path
 from textwrap import shorten
 
@@ -11,7 +12,7 @@ from matplotlib.axes import Axes
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.replay.columns import error_column, jump_column
-from restshape.replay.recording import Recording
+from restshape.replay.recording import Recording, ranges
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
 from restshape.report.frame_axis import frame_axis
@@ -20,7 +21,7 @@ from restshape.report.legends import legend_below
 from restshape.report.recorded_quantities import limits_of, quantity_units
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import GOAL, INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, REFUSED, new_figure
-from restshape.report.tables import column, quantity_scales, refused, singular
+from restshape.report.tables import at_singular_places, column, quantity_scales, refused, singular
 from restshape.scene.quantity import limit_digits
 
 JUMP = jump_column("")
@@ -35,6 +36,8 @@ POWERS = 1e5
 """From this size on pure numbers have their power of ten beside each: above the axis it would cover the name."""
 MOST = 12
 """Quantities in a picture."""
+FRAMES_LETTERS = 32
+"""Of the frames above a panel in which its quantity is taken at a singular place."""
 SHOWN_BEYOND = 1.5
 """A limit is in the picture where it is within so many spans of the values; else it is named at its edge."""
 
@@ -52,6 +55,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     figure = new_figure(10.0, FRAMED + EACH * len(shown))
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     units, stopped, sizes = quantity_units(recording.header), refused(recording), quantity_scales(recording)
+    known = singular(recording)
     for axes, name in zip(panels, shown):
         values, jumps, errors = (
             without_rounding(column(recording, one), sizes[name])
@@ -61,7 +65,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
         _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
         _jumps(axes, values, jumps, units.get(name, ""))
         _band(axes, values, errors, units.get(name, ""))
-        axes.set_title(marked(name, singular(recording)), loc="left", pad=2)
+        axes.set_title(_title(recording, name, known), loc="left", pad=2)
         _shade(axes, np.flatnonzero(stopped))
     frame_axis(panels[-1], recording.n)
     left_out = f", {len(names) - MOST} more quantities are not shown" if len(names) > MOST else ""
@@ -71,6 +75,13 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     stack_panels(figure, panels, [1] * len(shown), [NAMED] * len(shown), legend)
     save_picture(figure, path)
     return True
+
+
+def _title(recording: Recording, name: str, known: Mapping[str, float]) -> str:
+    """The name of a quantity, and in which frames it is taken at a singular place where not in all."""
+    there, valued = at_singular_places(recording, name), np.isfinite(column(recording, f"q_{name}"))
+    frames = np.flatnonzero(there).tolist() if (valued & ~there).any() else []
+    return marked(name, known, shorten(ranges(frames), FRAMES_LETTERS, placeholder=" …"))
 
 
 def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str, float], unit: str) -> None:

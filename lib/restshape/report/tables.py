@@ -8,6 +8,7 @@ import numpy as np
 
 from restshape.replay.columns import error_column, jump_column
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
+from restshape.replay.recorded_places import SINGULAR_PLACES, RecordedPlaces, decode_places
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import ROUNDING, cleared, largest, scales, without_rounding
 from restshape.replay.summary import percentiles
@@ -133,9 +134,27 @@ def quantity_scales(recording: Recording) -> dict[str, float]:
 
 
 def singular(recording: Recording) -> dict[str, float]:
-    """Quantities that are taken at singular places, with the exponent of displacements there."""
+    """Quantities that are taken at singular places in a frame, with the least exponent of displacements there."""
     known = recording.header.get("singular")
-    return {name: float(value) for name, value in known.items()} if isinstance(known, dict) else {}
+    found = {name: float(value) for name, value in known.items()} if isinstance(known, dict) else {}
+    for text in dict.fromkeys(recording.table.get(SINGULAR_PLACES, ())):
+        for name, value in decode_places(text).exponents.items():
+            found[name] = min(value, found.get(name, value))
+    return found
+
+
+def places_of_frame(recording: Recording, i: int) -> RecordedPlaces:
+    """What frame i has at singular places; none in recordings that do not say."""
+    return decode_places(str(recording.table.get(SINGULAR_PLACES, [""] * recording.n)[i]))
+
+
+def at_singular_places(recording: Recording, name: str) -> np.ndarray:
+    """Whether a quantity is taken at a singular place in each frame (n,); of earlier recordings, in the first one."""
+    texts = recording.table.get(SINGULAR_PLACES)
+    if texts is None:
+        return np.full(recording.n, name in singular(recording))
+    known = {text: name in decode_places(text).exponents for text in dict.fromkeys(texts)}
+    return np.array([known[text] for text in texts], dtype=bool)
 
 
 def quantity_extras(recording: Recording, name: str, scale: float) -> dict[str, Any]:
@@ -158,11 +177,12 @@ def jumped(recording: Recording, least: float) -> np.ndarray:
 
     Those at singular places, and those that are zero but for rounding, are left out.
     """
-    known, frames = singular(recording), np.zeros(recording.n, dtype=bool)
+    frames = np.zeros(recording.n, dtype=bool)
     for name, scale in quantity_scales(recording).items():
         size = largest(column(recording, f"q_{name}"))
-        if name not in known and size > ROUNDING * scale:
-            frames |= np.abs(np.nan_to_num(column(recording, jump_column(name)))) > least * size
+        if size > ROUNDING * scale:
+            large = np.abs(np.nan_to_num(column(recording, jump_column(name)))) > least * size
+            frames |= large & ~at_singular_places(recording, name)
     return np.flatnonzero(frames)
 
 

@@ -99,12 +99,14 @@ class Inspection:
         rows: the same for people.
         warnings: what makes answers bad, for people.
         singular: quantities without a limit under refinement, with the exponent lambda of stress r^(lambda - 1).
+        singular_points: control points of the outline at which they have none, the worst first.
     """
 
     data: dict[str, object] = field(default_factory=dict)
     rows: Rows = field(default_factory=list)
     warnings: tuple[str, ...] = ()
     singular: dict[str, float] = field(default_factory=dict)
+    singular_points: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,9 @@ def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
     seen = inspect_body(scene, outline)
     warnings = [warning(name, scene.quantities[name], there) for name, there in places.items()]
     singular = {name: there[0].exponent for name, there in places.items()}
-    return Inspection(seen.data, seen.rows, (*seen.warnings, *_unloaded(scene), *warnings), singular)
+    worst = sorted((place.exponent, place.point) for there in places.values() for place in there)
+    points = tuple(dict.fromkeys(point for _, point in worst))
+    return Inspection(seen.data, seen.rows, (*seen.warnings, *_unloaded(scene), *warnings), singular, points)
 
 
 def _unloaded(scene: Scene) -> Iterator[str]:
@@ -75,7 +77,8 @@ def inspect_motion(scene: Scene, outline: Outline) -> Inspection:
             f"effects.dynamics.time_step = {time_step:g} s passes over samples of the record, {record.step:g} s apart"
         )
         warnings = (*warnings, f"{what}: a time step of {record.step:g} s sees them all")
-    return Inspection(seen.data | data, [*seen.rows, ("ground motion", text)], warnings, seen.singular)
+    rows = [*seen.rows, ("ground motion", text)]
+    return replace(seen, data=seen.data | data, rows=rows, warnings=warnings)
 
 
 def _coarse_steps(frequency: float | None, time_step: float) -> Iterator[str]:
