@@ -58,6 +58,27 @@ def test_nodes_move_where_the_shape_changes(command, tmp_path):
     assert {one["analysis"] for one in runs[1:]} == {"reused"}
 
 
+def test_moved_meshes_are_told_of_and_from_rest_each_run_has_its_own(command, tmp_path):
+    """Values of moved meshes are others than those of own ones, which are the same up and down."""
+    scene = write_scene(tmp_path, plate(size=0.25))
+
+    def swept(values, *words):
+        ended = command("sweep", scene, "--set", f"shape.vertices.c.1={values}", *words, "--json", "a.json")
+        assert ended.returncode == 0, ended.stderr
+        return json.loads((tmp_path / "a.json").read_text()), ended.stdout
+
+    up, said = swept("0.5,0.6,0.7")
+    assert [one["level"] for one in up["runs"]][1:] != [3, 3]
+    assert up["notes"] and up["notes"][0] in said and "--from-rest" in up["notes"][0]
+    assert "level" in said and "3 reconstruction" in said
+    own, said = swept("0.5,0.6,0.7", "--from-rest")
+    down, _ = swept("0.7,0.6,0.5", "--from-rest")
+    assert own["notes"] == [] and "level" not in said
+    assert [one["level"] for one in own["runs"]] == [3, 3, 3]
+    assert values_of(own["runs"], "peak") == pytest.approx(values_of(down["runs"], "peak")[::-1], rel=1e-9)
+    assert values_of(up["runs"], "peak")[1:] != pytest.approx(values_of(own["runs"], "peak")[1:], rel=1e-9)
+
+
 def test_keys_give_their_product_and_settings_of_the_mesh_a_new_mesh(command, tmp_path):
     words = ("--set", "mesh.size=0.25,0.125", "--set", "loads.pull.traction=['100 MPa', 0], ['50 MPa', 0]")
     runs = runs_of(command, tmp_path, write_scene(tmp_path, BAR), *words)

@@ -45,7 +45,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--from-rest",
         action="store_true",
-        help="nonlinear: find each solution from rest, not from that of the run before, whose branch it follows",
+        help="each run has a mesh of its own, and nonlinear ones find their solution from rest, not from that of the run "
+        "before, whose branch they follow",
     )
     add_limits(parser)
     add_verbose(parser)
@@ -181,7 +182,7 @@ def _write(
         "keys": [one.key for one in swept],
         "interrupted": interrupted,
         "singular": sweep.singular,
-        "notes": (notes := sweep_notes(sweep.remembered)),
+        "notes": (notes := sweep_notes(sweep.remembered, runs)),
         "runs": [one.plain() for one in runs],
     }
     write_json(args, data)
@@ -222,18 +223,23 @@ def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], r
     """Print a row a run: its values, its status, and each quantity at the end and its extremes."""
     from restshape.variation.swept_run import run_scales
 
+    from restshape.replay.level_names import MOVES
+    from restshape.variation.sweep_notes import meshes_moved
+
     keys, columns = [one.key for one in swept], sweep.columns or []
+    levels = ["level"] * any(meshes_moved(runs))
     parts = ("", " min", " max") if args.edits else ("",)
-    heads = [*keys, "status", *(f"{name.removeprefix('q_')}{part}" for name in columns for part in parts)]
+    heads = [*keys, "status", *levels, *(f"{name.removeprefix('q_')}{part}" for name in columns for part in parts)]
     if args.edits:
-        heads[len(keys) + 1 : len(keys) + 1] = ["frames", "refused"]
+        heads[len(keys) + 1 + len(levels) : len(keys) + 1 + len(levels)] = ["frames", "refused"]
     rows, sizes = [], run_scales(sweep.scene, runs)
     for one in runs:
         row = one.table_row(bool(args.edits))
         shown = [_cells(row, name, parts, sweep, sizes[name]) for name in columns]
         status = f"{one.status}, {one.constraint_status}" if one.constraint_status else one.status
         counts = [one.frames, one.refused] if args.edits else []
-        rows.append([*(row[key] for key in keys), status, *counts, *(cell for many in shown for cell in many)])
+        level = [f"{one.level} {MOVES[one.level]}" if one.level in MOVES else ""] * len(levels)
+        rows.append([*(row[key] for key in keys), status, *level, *counts, *(cell for many in shown for cell in many)])
     print_table("quantities", heads, rows, right=heads[len(keys) + 1 :])
 
 

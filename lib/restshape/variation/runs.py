@@ -141,8 +141,9 @@ class Sweep:
             return False
         known = self._start[1] if self._start and (imported or scene.shape == self._start[0]) else None
         before = Standing(outline, last.scene, self._moved)
+        own_mesh = self.request.edits is not None or not self.request.continued
         try:
-            session = FollowingSession(scene, script, app, before, self.request.edits is not None, known)
+            session = FollowingSession(scene, script, app, before, own_mesh, known)
             if imported and session.first_change != "values":
                 return False
             replay.follow(session, self._asked(scene, script))

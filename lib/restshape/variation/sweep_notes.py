@@ -2,13 +2,32 @@
 
 from collections.abc import Sequence
 
+from restshape.outputs.si_numbers import counted
+from restshape.variation.swept_run import SweptRun
 
-def sweep_notes(remembered: Sequence[str]) -> list[str]:
-    """Says that each run starts from rest, and why; empty where nothing remembers its path.
+MOVED = (1, 2)
+"""Levels of reuse of a mesh that keep its nodes or most of its cells."""
+
+
+def sweep_notes(remembered: Sequence[str], runs: Sequence[SweptRun]) -> list[str]:
+    """The notes, a line each: which runs start from rest, and which have the mesh of another shape.
 
     Args:
         remembered: parts of the physics whose equilibria depend on the path to them.
+        runs: that are done.
     """
-    if not remembered:
-        return []
-    return [f"each run starts from rest: equilibria depend on the path to them ({', '.join(remembered)})"]
+    found = []
+    if remembered:
+        found.append(f"each run starts from rest: equilibria depend on the path to them ({', '.join(remembered)})")
+    if moved := sum(meshes_moved(runs)):
+        found.append(
+            f"the mesh of the run before has moved to the shape of {counted(moved, 'run')}: values differ from those on "
+            "a mesh of their own, and with the order of runs, within the error of the mesh; --from-rest gives each run "
+            "its own mesh"
+        )
+    return found
+
+
+def meshes_moved(runs: Sequence[SweptRun]) -> list[bool]:
+    """Of each run whether it begins on the mesh of the run before, moved to its shape."""
+    return [one.level in MOVED for one in runs]

@@ -19,7 +19,8 @@ class SweepRequest:
         edits: script that each run replays; None: the first shape only.
         policy, guess: as of a replay; None: the scene's.
         calibration: seconds a unit of counted work.
-        continued: nonlinear solutions start from that of the run before, and follow its branch.
+        continued: meshes move with the shape, and nonlinear solutions start from that of the run before, and follow its
+            branch; else each run has a mesh of its own, and starts from rest.
     """
 
     scene: Path
