@@ -58,7 +58,7 @@ def test_nodes_move_where_the_shape_changes(command, tmp_path):
     assert {one["analysis"] for one in runs[1:]} == {"reused"}
 
 
-def test_moved_meshes_are_told_of_and_from_rest_each_run_has_its_own(command, tmp_path):
+def test_moved_meshes_are_noted_and_from_rest_each_run_has_its_own(command, tmp_path):
     """Values of moved meshes are others than those of own ones, which are the same up and down."""
     scene = write_scene(tmp_path, plate(size=0.25))
 

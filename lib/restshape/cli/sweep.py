@@ -45,8 +45,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--from-rest",
         action="store_true",
-        help="each run has a mesh of its own, and nonlinear ones find their solution from rest, not from that of the run "
-        "before, whose branch they follow",
+        help="each run has a mesh of its own, and nonlinear ones find their solution from rest, not from that of the "
+        "run before, whose branch they follow",
     )
     add_limits(parser)
     add_verbose(parser)
@@ -221,10 +221,9 @@ def _values(run: SweptRun) -> str:
 
 def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], runs: list[SweptRun]) -> None:
     """Print a row a run: its values, its status, and each quantity at the end and its extremes."""
-    from restshape.variation.swept_run import run_scales
-
     from restshape.replay.level_names import MOVES
     from restshape.variation.sweep_notes import meshes_moved
+    from restshape.variation.swept_run import run_scales
 
     keys, columns = [one.key for one in swept], sweep.columns or []
     levels = ["level"] * any(meshes_moved(runs))

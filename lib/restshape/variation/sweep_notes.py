@@ -21,9 +21,9 @@ def sweep_notes(remembered: Sequence[str], runs: Sequence[SweptRun]) -> list[str
         found.append(f"each run starts from rest: equilibria depend on the path to them ({', '.join(remembered)})")
     if moved := sum(meshes_moved(runs)):
         found.append(
-            f"the mesh of the run before has moved to the shape of {counted(moved, 'run')}: values differ from those on "
-            "a mesh of their own, and with the order of runs, within the error of the mesh; --from-rest gives each run "
-            "its own mesh"
+            f"the mesh of the run before has moved to the shape of {counted(moved, 'run')}: values differ from those "
+            "on a mesh of their own, and with the order of runs, within the error of the mesh; --from-rest gives each "
+            "run its own mesh"
         )
     return found
 
