@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
 
+from restshape.comparison import comparison_picture
 from restshape.comparison.header_differences import header_differences, shortened
 from restshape.comparison.result import read_result
 from restshape.comparison.result_comparison import compared as compared_results
@@ -132,6 +133,25 @@ def test_a_bit_of_a_field_is_found(command, tmp_path, replayed):
     # The command refuses it: its checksum is not right.
     ended = command("compare", first, changed)
     assert ended.returncode == 2 and "damaged" in ended.stderr
+
+
+@pytest.mark.slow
+def test_fields_have_their_exaggeration_and_what_is_marked(tmp_path, replayed, monkeypatch):
+    """The larger displacement of both becomes 8 % of the size: with half the modulus, half the exaggeration."""
+    scene = write_scene(tmp_path, BAR)
+    figures, (first, _) = [], replayed(scene, "a")
+    second, _ = replayed(scene, "b", "--set", "material.steel.E=100e9")
+    monkeypatch.setattr(comparison_picture, "save_picture", lambda figure, path: figures.append(figure))
+    results = read_result(first), read_result(second)
+    with closing(results[0].recording), closing(results[1].recording):
+        comparison_picture.draw_comparison(*results, compared_results(*results), tmp_path / "a.png")
+    (figure,) = figures
+    part = figure.subfigs[-1]
+    # The end moves by traction times length over the modulus, 2 mm of 2 m.
+    assert part._suptitle.get_text() == "deformation ×80 in both  ·  dashed: shape at rest"
+    said = [axes.get_title(loc="left").replace("\n", " ") for axes in part.axes[:2]]
+    assert "largest displacement 1 mm" in said[0] and "largest displacement 2 mm" in said[1]
+    assert all("○ peak 100 MPa" in one for one in said)
 
 
 @pytest.mark.slow

@@ -16,21 +16,23 @@ from restshape.comparison.result import Result
 from restshape.comparison.result_comparison import Compared
 from restshape.errors import UserError
 from restshape.outputs.picture_files import save_picture
-from restshape.outputs.si_numbers import scaled_unit
+from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.replay.recording import Recording
 from restshape.replay.singular_notes import marked
 from restshape.report.drawing import Drawing
 from restshape.report.field import own_pictures, shown_field
 from restshape.report.frame_axis import frame_axis
-from restshape.report.frames import add_colour_bar
+from restshape.report.frames import LETTER, add_colour_bar, findings, wrapped
 from restshape.report.quantity_panels import EACH, FRAMED, least_span
-from restshape.report.scenery import Scenery, scenery
+from restshape.report.scenery import Scenery, scale_text, scenery
 from restshape.report.style import INK, LEVELS, new_figure
 
 MOST = 8
 """Quantities in the picture, those that differ most."""
 WIDTH, PANEL, HIGHEST = 10.0, 4.0, 5.0
 """Width of the figure and of a panel of fields, and the largest height of such a panel [inch]."""
+CAPTION = 4.2
+"""Width of what stands above a panel of fields [inch]."""
 SECOND = LEVELS[3]
 """Colour of the second result."""
 
@@ -55,7 +57,9 @@ def draw_comparison(first: Result, second: Result, found: Compared, path: Path) 
         _draw_quantities(parts[0], names, first, second, frame)
     if first.recording and second.recording and sceneries:
         _draw_fields(parts[-1], (first.recording, second.recording), sceneries, frame)
-    parts[0].suptitle(f"{_name(first.path)} and {_name(second.path)}: {found.outcome}", x=0.01, ha="left", color=INK)
+    titles = [f"{_name(first.path)} and {_name(second.path)}: {found.outcome}", fields_title(sceneries)]
+    for part, title in zip(parts, titles if len(parts) > 1 else ["\n".join(filter(None, titles))]):
+        part.suptitle(title, x=0.01, ha="left", color=INK)
     save_picture(figure, path)
     return True
 
@@ -101,7 +105,7 @@ def _height(common: Scenery) -> float:
 
 
 def _draw_fields(part: SubFigure, recordings: Sequence[Recording], sceneries: Sequence[Scenery], frame: int) -> None:
-    """The fields of a frame of both recordings, with one colour bar."""
+    """The fields of a frame of both recordings, with one colour bar, and what is exaggerated and marked."""
     *panels, bar = part.subplots(1, 3, width_ratios=(1.0, 1.0, 0.03))
     for axes, recording, common in zip(panels, recordings, sceneries):
         drawing = Drawing(axes, common)
@@ -109,9 +113,27 @@ def _draw_fields(part: SubFigure, recordings: Sequence[Recording], sceneries: Se
         for artist in drawing.artists:
             # Else the layout takes what they are before they are drawn for their size.
             artist.set_in_layout(False)
-        axes.set_title(f"{_name(recording.path)}, frame {frame}", loc="left", pad=3)
+        axes.set_title(_caption(recording, frame, common), loc="left", pad=3)
         axes.set(xlabel=f"x [{common.unit[1]}]", ylabel=f"y [{common.unit[1]}]" if axes is panels[0] else "")
     add_colour_bar(part, bar, recordings[0], sceneries[0])
+
+
+def fields_title(sceneries: Sequence[Scenery]) -> str:
+    """What is exaggerated in panels of one scale, and what dashes are; empty where nothing deforms."""
+    if not any(one.deforms and one.largest for one in sceneries):
+        return ""
+    scale = sceneries[0].scale
+    how = "true deformation" if scale == 1.0 else f"deformation ×{scale_text(scale)}"
+    goals = "  ·  red: goal" if any(one.goals for one in sceneries) else ""
+    return f"{how} in both  ·  dashed: shape at rest{goals}"
+
+
+def _caption(recording: Recording, frame: int, common: Scenery) -> str:
+    """Whose frame a panel shows and when it is, its largest displacement, and what its rings mark."""
+    words = [_name(recording.path), f"frame {frame}", *recording.moments(frame)]
+    largest = float(common.seen.largest[frame])
+    words += [f"largest displacement {si(largest, 'm')}"] * bool(common.deforms and np.isfinite(largest))
+    return wrapped([*words, *findings(recording, frame, common)], int(CAPTION / LETTER))
 
 
 def _sceneries(first: Recording | None, second: Recording | None, frame: int) -> list[Scenery]:
