@@ -224,9 +224,9 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         if counts[k] or k != "still"
     ]
     print_table("time a frame", heads, rows, right=heads[1:])
+    python = f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); " if counts["1"] else ""
     print(
-        f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); "
-        f"{counted(summary['iterations'], 'iteration')}, {counted(summary['refreshes'], 'factorisation')}, "
+        f"{python}{counted(summary['iterations'], 'iteration')}, {counted(summary['refreshes'], 'factorisation')}, "
         f"largest true residual {summary['largest_residual']:.1e}"
     )
     if summary["predicted"]:

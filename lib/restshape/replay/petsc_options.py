@@ -12,7 +12,7 @@ AT_THE_END = ("log_", "malloc", "memory_", "objects_", "options_", "citations", 
 """Beginnings of options that PETSc looks at only when it ends."""
 
 WITHOUT_EFFECT = {
-    "ksp_view": "-v names each KSP and PC, -ksp_monitor shows its iterations",
+    "ksp_view": "-v names each KSP and PC, -{prefix}ksp_monitor shows its iterations",
     "ksp_rtol": "solve.tolerance of the scene ends each solve",
     "ksp_atol": "solve.tolerance of the scene ends each solve",
     "ksp_max_it": "each solve sets its own limit, after which the preconditioner is rebuilt",
@@ -71,7 +71,7 @@ def without_effect(words: Sequence[str]) -> list[str]:
         for ending in WITHOUT_EFFECT
         if name.endswith(ending) and not name.endswith(f"{WITH_EFFECT}{ending}")
     )
-    return [f"-{name} ({WITHOUT_EFFECT[ending]})" for name, ending in found]
+    return [f"-{name} ({WITHOUT_EFFECT[ending].format(prefix=name.removesuffix(ending))})" for name, ending in found]
 
 
 def _is_used(option: str) -> bool:

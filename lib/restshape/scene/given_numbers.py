@@ -89,7 +89,8 @@ def edited_number(scene: Scene, key: str, value: object) -> str:
     for given in (
         _given(raw, value_below(scene, at), at, None, scene.parameters) if isinstance(raw, dict | list) else ()
     ):
-        if not isinstance(value_below(value, given.key[len(at) :]), str):
+        written = value_below(value, given.key[len(at) :])
+        if not isinstance(written, str) or reads_as_quantity(written):
             raise _formula_gives(given)
     return ".".join(at) if at != split_key(key) else key
 
