@@ -133,6 +133,6 @@ def test_setting_a_given_number_sets_its_parameter_or_says_which(tmp_path):
             edited_number(scene, key, [0, 1] if key.endswith("force") else 1)
         assert all(name in str(caught.value) for name in names)
     # A quantity is no formula: it would take the place of one without a word.
-    with pytest.raises(UserError, match="parameters.P"):
+    with pytest.raises(UserError, match=r"parameters\.P"):
         edited_number(scene, "loads.pull.force", [0, "-3 kN"])
     assert edited_number(scene, "loads.pull.force", [0, "2*P"]) == "loads.pull.force"
