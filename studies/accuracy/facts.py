@@ -102,7 +102,8 @@ def reuse_fact(study: Study) -> str:
     if failed:
         return f"FAILURE at {len(failed)} of {len(known)} points: {'; '.join(failed)}"
     worst = max(record["parts"]["reuse"] / record["tolerance"] for record in known)
-    return f"at {len(known)} of {len(study.records)} points, at most {worst:.1e} of it"
+    of = f"all {len(known)}" if len(known) == len(study.records) else f"{len(known)} of {len(study.records)}"
+    return f"at {of} points, at most {worst:.1e} of it"
 
 
 def solver_fact(study: Study) -> str:

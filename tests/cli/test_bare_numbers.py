@@ -7,6 +7,7 @@ from restshape.cli.bare_numbers import bare_numbers
 from restshape.cli.check_scene import starting_outline
 from restshape.cli.doubts import script_doubts
 from restshape.cli.main import main
+from restshape.scene.bare_lengths import bare_lengths
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -36,6 +37,30 @@ def scene_of(folder, size="0.02", y="0"):
 def test_lengths_beyond_the_shape(tmp_path, change, words):
     found = bare_numbers(scene_of(tmp_path, **change), 0.3)
     assert len(found) == bool(words) and all(words in one for one in found)
+
+
+BEAM = (
+    HEAD
+    + '[parameters]\nlong = LONG\nhigh = "20 mm"\nn = 400\n[shape]\noutline = ["bottom", "right", "top", "left"]\n'
+    + '[shape.vertices]\na = [0, 0]\nb = ["long", 0]\nc = ["long", "high + n*1e-9 m"]\nd = [0, "high"]\n'
+    + '[shape.edges]\nbottom = { line = ["a", "b"] }\nright = { line = ["b", "c"] }\ntop = { line = ["c", "d"] }\n'
+    + 'left = { line = ["d", "a"] }\n'
+    + STEEL
+    + '[mesh]\nsize = "10 mm"\n'
+)
+
+
+def test_a_length_of_the_shape_without_a_unit_is_named_with_its_line(command, tmp_path):
+    write_scene(tmp_path, BEAM.replace("LONG", "200"), "long.toml")
+    line = (tmp_path / "long.toml").read_text().splitlines().index("long = 200") + 1
+    for name in ("check", "replay"):
+        refused = command(name, "long.toml")
+        assert refused.returncode == 2 and f"look at long.toml: parameters.long (line {line}) first" in refused.stderr
+        assert '"200 mm" or "200 m"?' in refused.stderr and "parameters.n" not in refused.stderr
+    for right in ('"200 mm"', "0.2", "2"):
+        write_scene(tmp_path, BEAM.replace("LONG", right), "right.toml")
+        assert "parameters.long: a length" not in command("check", "right.toml").stdout
+    assert bare_lengths(load_scene(write_scene(tmp_path, BEAM.replace("LONG", "200")))) != []
 
 
 @pytest.mark.parametrize(("initial", "odd"), [("0", False), ("293.15", False), ('"20 degC"', False), ("20", True)])

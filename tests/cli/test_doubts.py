@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from argparse import Namespace
 from pathlib import Path
 
 import ezdxf
@@ -10,6 +11,7 @@ from small_scenes import HEAD, block, meshed, plate, write_scene
 
 from restshape.cli.check_scene import add_drawing, starting_outline
 from restshape.cli.doubts import doubts
+from restshape.cli.limits import large_drawing, messages
 from restshape.errors import UserError
 from restshape.physics.elasticity.inspection import inspect_solid
 from restshape.scene.load import load_scene
@@ -167,3 +169,60 @@ def test_formulas_have_their_values_beside_them(command, tmp_path):
     assert "force (F/2 + 1 = 1001, -F*x) N on right" in shown
     assert "2 kN = 2000 in SI units" in shown
     assert [line.split()[2:] for line in shown.splitlines() if line.startswith("parameter n")] == [["3"]]
+
+
+def test_rounding_beside_the_body_is_shown_as_0_and_limits_have_units(command, tmp_path):
+    """A quarter of a disc whose corner cos(pi/2) puts at 6e-17 m, under its lower left corner."""
+    text = (
+        HEAD
+        + '[parameters]\nR = "200 mm"\nq = "90 deg"\n[shape]\noutline = ["bottom", "round", "left"]\n'
+        + '[shape.vertices]\na = [0, "-R*cos(q)"]\nb = ["R", 0]\nc = ["R*cos(q)", "R*1.0"]\n[shape.edges]\n'
+        + 'bottom = { line = ["a", "b"] }\nround = { arc = ["b", "c"], bulge = 0.41421356237309503 }\n'
+        + 'left = { line = ["c", "a"] }\n[material.m]\nE = 210e9\nnu = 0.3\n[supports.left]\non = "left"\n'
+        + 'fix = ["x", "y"]\n[loads.b]\non = "bottom"\ntraction = [-0.0, "-1 Pa"]\n[quantities]\n'
+        + 'sag = { displacement = "y", at = "b", reduce = "mean", reference = "-R/1e4", max = "R/1000" }\n'
+    )
+    write_scene(tmp_path, text + meshed(0.02))
+    shown = command("check", "scene.toml")
+    assert shown.returncode == 0, shown.stderr
+    lines = {line.split()[0]: " ".join(line.split()[1:]) for line in shown.stdout.splitlines() if line.strip()}
+    assert lines["bounding"].endswith("lower left corner (0, 0) m") and "traction (0, -1) Pa" in lines["load"]
+    assert lines["shape.vertices.a.1"] == "-R*cos(q) 0 m" and lines["shape.vertices.c.0"] == "R*cos(q) 0 m"
+    assert lines["quantities.sag.max"] == "R/1000 0.0002 m" and lines["quantities.sag.reference"] == "-R/1e4 -20 µm"
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"), [("wall", "use one of: "), ("ball", "use one of: "), ("al", "'all'"), ("lefft", "'left'")]
+)
+def test_all_is_not_meant_by_names_that_begin_otherwise(tmp_path, name, hint):
+    with pytest.raises(UserError) as reported:
+        scene_of(tmp_path, change=('on = "right"', f'on = "{name}"'))
+    assert hint in reported.value.do
+    outline = outline_from_spec(scene_of(tmp_path).shape)
+    with pytest.raises(UserError) as reported:
+        outline.entity(name)
+    assert ("did you mean" in reported.value.do) == (hint[0] == "'")
+
+
+def test_one_entry_is_one(tmp_path):
+    with pytest.raises(UserError, match="at least 1 entry is wanted here"):
+        scene_of(tmp_path, change=('outline = ["bottom", "right", "top", "left"]', "outline = []"))
+
+
+@pytest.mark.parametrize(("size", "named"), [(5_000_000, True), (1000, False)])
+def test_a_large_drawing_is_named_where_the_first_frame_takes_too_long(tmp_path, size, named):
+    (tmp_path / "part.dxf").write_bytes(b" " * size)
+    scene = write_scene(tmp_path, HEAD + '[shape]\nfile = "part.dxf"\n')
+    file = large_drawing(Namespace(scene=scene))
+    slow, large = messages("check", 60.0, 1e9, "", file)
+    assert ("try: part.dxf has 5 MB: read some of its layers alone" in slow) == named and (file in large)
+    assert large_drawing(Namespace()) == large_drawing(Namespace(scene=tmp_path / "none.toml")) == ""
+
+
+def test_plane_strain_without_a_thickness_is_of_a_metre_of_depth(command, tmp_path):
+    text = HEAD + block(0.2, 0.1) + BODY.format(E="210e9", rho="7850", thickness="0.01") + meshed(0.02)
+    strain = text.replace("plane_stress", "plane_strain")
+    for change, words in (("", "in plane strain: 1 m of depth"), ("thickness = 0.02", "thickness 20 mm")):
+        write_scene(tmp_path, strain.replace("thickness = 0.01", change))
+        shown = command("check", "scene.toml").stdout
+        assert words in shown and "thickness 1 m" not in shown and "warning" not in shown

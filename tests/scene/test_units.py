@@ -6,6 +6,7 @@ import pytest
 
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import si
+from restshape.scene.expressions import Expression
 from restshape.scene.units import DIMENSIONS, EXAMPLES, UnitError, length_unit, quantity, reads_as_quantity, unit
 
 
@@ -123,6 +124,31 @@ def test_a_slash_holds_for_one_factor():
 def test_formulas_do_not_read_as_quantities():
     assert reads_as_quantity("12 mm") and reads_as_quantity("1e3")
     assert not any(reads_as_quantity(text) for text in ("x", "-P*y", "2*x", "3/x", "1 + 2"))
+
+
+@pytest.mark.parametrize(
+    ("text", "written"),
+    [
+        ("100 N*mu", '"(100 N)*mu"'),
+        ("100 N*2*mu", '"(100 N)*2*mu"'),
+        ("100 N-mu*20 N", '"(100 N)-mu*(20 N)"'),
+        ("1000 kg/m^3*mu", 'a = "1000 kg/m^3" in [parameters], and "a*mu" here'),
+        ("1000 kg/m^3*9.81 m/s^2", 'a = "1000 kg/m^3", b = "9.81 m/s^2" in [parameters], and "a*b" here'),
+    ],
+)
+def test_messages_say_how_formulas_that_begin_with_a_unit_are_written(text, written):
+    with pytest.raises(UnitError) as reported:
+        quantity(text, "force")
+    assert "reads as one number with the unit" in reported.value.what
+    assert reported.value.do == f"if it is a formula, write {written}"
+
+
+def test_what_is_proposed_for_formulas_is_one():
+    known = {"a": 1000.0, "b": 9.81, "mu": 0.3}
+    for text, value in (("(100 N)*mu", 30.0), ("(100 N)-mu*(20 N)", 94.0), ("a*b", 9810.0)):
+        assert float(Expression(text).evaluate(0.0, 0.0, known)) == pytest.approx(value)
+    name, do = Expression("2*1000 kg/m^3").missing(known)
+    assert name == "m" and "compound unit" in do
 
 
 def test_length_unit():

@@ -60,10 +60,13 @@ def amount(finding: Finding) -> str:
     if finding.value is None or finding.bound is None:
         return ""
     if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
-        # A single fastener bears no twist.
-        alone = finding.detail == kinds.TWIST and finding.value > kinds.MOST_UTILISATION
-        return "more than any" if alone else _share(finding.value)
+        return "" if _bears_no_twist(finding) else _share(finding.value)
     return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
+
+
+def _bears_no_twist(finding: Finding) -> bool:
+    """Whether a joint is twisted that has a single fastener, so that no amount of it is borne."""
+    return finding.detail == kinds.TWIST and (finding.value or 0.0) > kinds.MOST_UTILISATION
 
 
 def amount_beyond_reach(finding: Finding, worst: bool = False) -> str:
@@ -128,13 +131,19 @@ def _falls(findings: list[Finding], parts: Sequence[tuple[str, ...]]) -> str:
 
 def _weak(findings: list[Finding], worst: Worst) -> str:
     joints = [
-        f"{' on '.join(one.subjects)} at {'up to ' if one in worst else ''}{amount(one)}"
-        f" of its {STRENGTHS.get(one.detail, 'strength')}"
+        f"{' on '.join(one.subjects)} {_overload(one, worst)}"
         + (f" under {_load(one.case)}" if one.case != kinds.WEIGHTS else "")
         for one in findings
         if one.subjects
     ]
     return f"weak: joint {_listed(joints, _omitted(findings))}" if joints else "a joint is weak"
+
+
+def _overload(one: Finding, worst: Worst) -> str:
+    """By how much a joint is overloaded, in which way."""
+    if _bears_no_twist(one):
+        return "in twist, which its single fastener does not bear"
+    return f"at {'up to ' if one in worst else ''}{amount(one)} of its {STRENGTHS.get(one.detail, 'strength')}"
 
 
 def _depends(findings: list[Finding], worst: Worst) -> str:

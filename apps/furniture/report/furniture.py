@@ -15,6 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize, to_rgb
 from matplotlib.figure import Figure
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
+from restshape_apps.furniture.physics.plank_findings import MOST_UTILISATION
 from restshape_apps.furniture.report.labels import Labels
 from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.shape.planks import Piece, Plank
@@ -295,7 +296,18 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
         # Level with its left end.
         left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
         most, colour = (forces.moment_utilisation[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
-        view.words(left, f"{np.ceil(100.0 * most) / 100.0:.2f}", colour, 0.0, -4.0)
+        view.words(left, joint_label(float(most)), colour, 0.0, -4.0)
+
+
+def joint_label(utilisation: float) -> str:
+    """The utilisation of a joint that breaks, or what breaks it where no amount is borne: one fastener bears no twist.
+
+    Args:
+        utilisation: above 1; infinite of that.
+    """
+    if utilisation > MOST_UTILISATION:
+        return "twist"
+    return f"{np.ceil(100.0 * utilisation) / 100.0:.2f}" if utilisation < 100.0 else f"{utilisation:.3g}"
 
 
 def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: bool) -> None:

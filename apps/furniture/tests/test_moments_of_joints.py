@@ -9,6 +9,7 @@ from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, 
 from restshape_apps.furniture.physics.furniture import Forces, Furniture
 from restshape_apps.furniture.physics.joint_compliance import UtilisationRange
 from restshape_apps.furniture.pieces import SCENES, drawn
+from restshape_apps.furniture.report.furniture import joint_label
 from restshape_apps.furniture.report.guided import CAUSES, doubt_causes
 from small_scenes import make_replay
 
@@ -178,7 +179,14 @@ def test_one_screw_holds_no_twist(tmp_path) -> None:
     own = 420.0 * 0.018 * 0.018 * 0.591 * G * 0.3
     assert analysis.forces[0].twist[joint, 1] == pytest.approx(0.5 * G * 0.6 + own, rel=0.05)
     assert row["constraint_status"] == "uncertain" and np.isinf(analysis.forces[0].twist_utilisation[joint])
-    assert "not counted: joint arm on post at more than any of its strength in twist" in row["violated_constraints"]
+    assert (
+        "not counted: joint arm on post in twist, which its single fastener does not bear"
+        in row["violated_constraints"]
+    )
+
+
+def test_labels_of_pictures_are_numbers_or_words() -> None:
+    assert [joint_label(one) for one in (1.001, 12.341, 4321.0, np.inf)] == ["1.01", "12.35", "4.32e+03", "twist"]
 
 
 def test_scenes_of_the_application_have_none_of_it() -> None:

@@ -5,7 +5,7 @@
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -16,19 +16,22 @@ from pydantic import BaseModel
 from restshape.application import application, applications
 from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.options import print_table, read_scene, write_json
+from restshape.cli.quantity_cells import unit_of
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError, one_line
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
 from restshape.outputs.si_numbers import si
+from restshape.replay.rounding import cleared
 from restshape.scene.application_registry import clashes_with
+from restshape.scene.bare_lengths import with_bare_lengths
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.descriptions import keys_in_words, listing, with_symbol
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.given_numbers import GivenNumber, given_numbers
 from restshape.scene.key_aliases import notes
-from restshape.scene.model import Scene
+from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Rows
 from restshape.scene.plain_values import table_in
 from restshape.scene.plan import Plan, as_written, plan
@@ -38,7 +41,9 @@ from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 
 LISTED = 12
-"""Gaps that are printed one by one."""
+"""Gaps, and curves, that are printed one by one."""
+VALUES = ("min", "max", "reference")
+"""Keys of a quantity that have its unit."""
 
 
 def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
@@ -55,7 +60,7 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     data["formulas"] = {".".join(one.key): {"formula": one.formula.text, "value": one.value} for one in given}
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "content"), rows)
     if given:
-        print_table("formulas", ("key", "formula", "value"), formula_rows(given))
+        print_table("formulas", ("key", "formula", "value"), formula_rows(scene, given))
     for clash in clashes_with(app, applications().values()):
         print(f"note: {clash}; this scene's application decides")
     if args.picture:
@@ -96,7 +101,7 @@ def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Ou
         try:
             refuse_endless(outline, scene.mesh.size, scene.mesh.near)
         except UserError as error:
-            raise scene.located(error) from error
+            raise with_bare_lengths(scene.located(error), scene) from error
     found = [physics.inspected(scene, outline) for physics in application(scene.app).physics]
     seen = [warning for one in found for warning in one.warnings]
     effects = replace(effects, warnings=(*effects.warnings, *doubts(scene, outline), *seen))
@@ -161,7 +166,7 @@ def starting_outline(scene: Scene) -> Outline:
         try:
             outline = outline_from_spec(scene.shape, scene.folder)
         except UserError as error:
-            raise scene.located(error) from error
+            raise with_bare_lengths(scene.located(error), scene) from error
     for key, name in used_names(scene):
         try:
             outline.entity(name)
@@ -232,11 +237,11 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
     rows.append(("area", f"{outline.area():.6g} m^2"))
     (x, y), (width, height) = outline.bounds()[0], np.subtract(*outline.bounds()[::-1])
-    corner = with_symbol((float(x), float(y)), "length")
+    corner = with_symbol(tuple(cleared(float(one), max(width, height)) for one in (x, y)), "length")
     rows.append(("bounding box", f"{si(width, 'm', 6)} x {si(height, 'm', 6)}, lower left corner {corner}"))
     known = scene.parameters
     rows += [(f"parameter {name}", _parameter(scene, name)) for name in known]
-    rows += [(f"material {name}", keys_in_words(m, (), known)) for name, m in scene.material.items()]
+    rows += [(f"material {name}", _material(m, effects, known)) for name, m in scene.material.items()]
     rows += summed(scene, effects, outline)[1]
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
     rows += [
@@ -250,21 +255,38 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     mesh, solve = scene.mesh, scene.solve
     rows.append(("mesh", mesh.file or f"size {si(mesh.size, 'm', 6)}, {mesh.relocation} relocation"))
     rows.append(("elements", element_words(scene)))
-    rows += [
-        (
-            f"curves of {one.name}",
-            f"{one.count} mesh edges of at most {si(one.length, 'm')}, {np.degrees(one.turn):.3g} degrees each at most",
-        )
-        for one in scene_curves(scene, outline)[:12]
-    ]
+    for one in scene_curves(scene, outline)[:LISTED]:
+        turn = cleared(float(np.degrees(one.turn)), 1.0)
+        edges = f"{one.count} mesh edges of at most {si(one.length, 'm')}"
+        rows.append((f"curves of {one.name}", f"{edges}, {turn:.3g} degrees each at most"))
     rows.append(("solve", f"tolerance {solve.tolerance:g}, policy {solve.policy}"))
     rows += [("note", note) for note in notes(scene.raw)]
     return rows + [("warning", warning) for warning in effects.warnings]
 
 
-def formula_rows(given: Sequence[GivenNumber]) -> list[tuple[str, str, str]]:
-    """A row for each number that a formula of the parameters gives: its key, the formula, and the value."""
-    return [(".".join(one.key), one.formula.text, f"{one.value:.6g} {one.symbol}".rstrip()) for one in given]
+def formula_rows(scene: Scene, given: Sequence[GivenNumber]) -> list[tuple[str, str, str]]:
+    """A row for each number that a formula of the parameters gives: its key, the formula, and the value.
+
+    A length that is rounding beside the longest of them is 0.
+    """
+    longest = max((abs(one.value) for one in given if one.dimension == "length"), default=0.0)
+    rows = []
+    for one in given:
+        # Limits and references have the unit of their quantity, whatever it is.
+        owner = scene.quantities.get(one.key[1]) if one.key[0] == "quantities" and len(one.key) == 3 else None
+        value = cleared(one.value, longest) if one.dimension == "length" else one.value
+        symbol = one.symbol or (unit_of(owner.unit) if owner and one.key[2] in VALUES else "")
+        text = f"{value + 0.0:.6g} {symbol}".rstrip()
+        rows.append((".".join(one.key), one.formula.text, si(value, symbol, 6) if "e" in text.split()[0] else text))
+    return rows
+
+
+def _material(material: Material, effects: Plan, parameters: Mapping[str, float]) -> str:
+    """The values of a material; of plane strain without a thickness the depth that forces and energies are of."""
+    models = (getattr(effects.settings(name), "model", "") for name in ("solid", "modal"))
+    if "plane_strain" in models and "thickness" not in material.model_fields_set:
+        return f"{keys_in_words(material, ('thickness',), parameters)}, in plane strain: 1 m of depth"
+    return keys_in_words(material, (), parameters)
 
 
 def _parameter(scene: Scene, name: str) -> str:

@@ -11,6 +11,7 @@ from restshape.errors import UserError
 from restshape.mesh.curve_edges import curve_edges
 from restshape.mesh.sizing import PER_CIRCLE
 from restshape.replay.rounding import load_scales
+from restshape.scene.bare_lengths import bare_lengths
 from restshape.scene.edit_script import Script, Set
 from restshape.scene.load import revise
 from restshape.scene.model import Material, Scene
@@ -35,6 +36,7 @@ MOST_SETS = 50
 def doubts(scene: Scene, outline: Outline) -> list[str]:
     """What a user may have meant otherwise, a line each, of a scene and its first outline."""
     return [
+        *bare_lengths(scene),
         *_sizes(scene, _size(outline)),
         *_values(scene, outline),
         *_limits_in_time(scene),

@@ -6,11 +6,14 @@ import argparse
 import math
 import os
 import sys
+import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from restshape.bounds import FRAME_SECONDS, MEMORY_SHARE
+from restshape.errors import one_line
 from restshape.outputs.kinds import CsvFile, RecordingFile, SweepFile
 
 if TYPE_CHECKING:
@@ -21,6 +24,8 @@ LIMIT_REACHED = 3
 OTHER_RANKS = 10.0
 """Seconds that other ranks give the first one to say what has happened, and to keep the frames."""
 RANKS_HERE = ("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "PMI_LOCAL_SIZE")
+LARGE_FILE = 4e6
+"""Bytes of a drawing whose reading takes longer than a usual frame."""
 KEPT = (CsvFile, RecordingFile, SweepFile)
 """Outputs that are written frame by frame, or run by run."""
 UNITS = {"": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12}
@@ -84,18 +89,45 @@ def limited(args: argparse.Namespace) -> Iterator[Callable[[], None]]:
     seconds = args.frame_limit + (0.0 if first_rank() or not args.frame_limit else OTHER_RANKS)
     sys.stderr.flush()
     kept = "; the frames before it are kept" if any(isinstance(one, KEPT) for one in vars(args).values()) else ""
-    _kernels.watch(seconds, int(memory), LIMIT_REACHED, *messages(args.command, args.frame_limit, memory, kept))
+    _kernels.watch(
+        seconds,
+        int(memory),
+        LIMIT_REACHED,
+        *messages(args.command, args.frame_limit, memory, kept, large_drawing(args)),
+    )
     try:
         yield _kernels.begin_frame
     finally:
         _kernels.stop_watching()
 
 
-def messages(command: str, seconds: float, memory: float, kept: str) -> tuple[str, str]:
-    """What is said where a frame takes too long, and where memory runs out."""
+def large_drawing(args: argparse.Namespace) -> str:
+    """The drawing or the mesh of the scene of a command that is a large file, with its size; empty where none is."""
+    try:
+        scene = Path(args.scene)
+        raw = tomllib.loads(scene.read_text(encoding="utf-8"))
+        named = scene.parent / (raw.get("shape", {}).get("file") or raw["mesh"]["file"])
+        size = named.stat().st_size
+    # Whatever is wrong with the scene is said where it is read.
+    except (AttributeError, KeyError, TypeError, ValueError, OSError, RecursionError):
+        return ""
+    return f"{one_line(named.name)[:60]} has {size / 1e6:.0f} MB" if size > LARGE_FILE else ""
+
+
+def messages(command: str, seconds: float, memory: float, kept: str, file: str = "") -> tuple[str, str]:
+    """What is said where a frame takes too long, and where memory runs out.
+
+    Args:
+        command: that runs.
+        seconds, memory: its limits [s], [bytes].
+        kept: what becomes of the frames before.
+        file: `large_drawing`, which is the likely cause in the first frame.
+    """
     slow = f"frame %d takes longer than {seconds:g} s{kept}"
     large = f"in frame %d more than {memory / 1e9:.3g} GB of memory are in use{kept}"
     do = "look for a coordinate in the wrong unit, take a coarser mesh, or raise"
+    if file:
+        do = f"{file}: read some of its layers alone (shape.layers), export less, take a coarser mesh, or raise"
     return (
         f"restshape {command}: {slow}\n  try: {do} --frame-limit\n",
         f"restshape {command}: {large}\n  try: {do} --memory-limit\n",

@@ -19,7 +19,10 @@ def parity_lines(found: dict[str, Any]) -> list[str]:
             f"parity with cold solves: FAILS in {failed} of {counted(compared, 'frame')} ({_kinds(found['failed'])})"
         )
     else:
-        first = f"parity with cold solves: holds for {compared} of {counted(found['frames'], 'frame')}"
+        frames = found["frames"]
+        every = f"all {counted(frames, 'frame')}" if frames > 1 else "the frame"
+        of = every if compared == frames else f"{compared} of {counted(frames, 'frame')}"
+        first = f"parity with cold solves: holds for {of}"
     lines = [
         f"{first}; entries differ by at most {found['entries']:.1e} relative, solutions by {found['solution']:.1e} "
         f"(tolerance {found['tolerance']:.0e})",

@@ -33,7 +33,7 @@ def si(value: float, unit: str = "", digits: int = 3, like: float | None = None)
     if not isfinite(value):
         return "–"
     factor, shown = scaled_unit(value if like is None else like, unit)
-    text = f"{value * factor:.{digits}g}"
+    text = f"{value * factor + 0.0:.{digits}g}"
     if "e" in text and 1 <= abs(value * factor) < 1e5:
         text = f"{value * factor:.0f}"
     return f"{text} {shown}".rstrip()

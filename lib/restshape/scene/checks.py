@@ -11,8 +11,9 @@ from restshape.scene.load_kind import ENTITIES, any_of
 from restshape.scene.model import EdgeLoop, Load, Quantity, Scene
 from restshape.scene.permits import outside
 from restshape.scene.scene_parameters import Parameters
-from restshape.scene.source import Source, suggestion
+from restshape.scene.source import Source, name_suggestion, suggestion
 from restshape.scene.units import article
+from restshape.scene.values import RESERVED
 
 
 def check_scene(scene: Scene, application: Application, source: Source, parameters: Parameters) -> None:
@@ -117,7 +118,7 @@ def _check_shape(scene: Scene, source: Source) -> None:
 def _refuse_absent(name: str, known: Iterable[str], kind: str, place: tuple[str, ...], source: Source) -> None:
     """Refuses a name that names nothing of its kind."""
     if name not in known:
-        raise source.error(place, f"there is no {kind} {name!r}", suggestion(name, sorted(known)))
+        raise source.error(place, f"there is no {kind} {name!r}", name_suggestion(name, sorted(known), RESERVED))
 
 
 def check_parameters(scene: Scene, _: Application, source: Source) -> None:

@@ -21,7 +21,10 @@ def listing(value: object, parameters: Mapping[str, float] | None = None) -> str
         return f"({', '.join(listing(one, parameters) for one in value)})"
     if isinstance(value, Expression):
         return value.text if parameters is None else f"{value.text}{_value(value, parameters)}"
-    return str(value) if isinstance(value, bool | str) else f"{value:.6g}"
+    if isinstance(value, bool | str):
+        return str(value)
+    text = f"{value:.6g}"
+    return "0" if text == "-0" else text
 
 
 def _value(formula: Expression, parameters: Mapping[str, float]) -> str:

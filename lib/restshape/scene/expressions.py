@@ -15,7 +15,7 @@ from restshape.errors import ValueProblem, quoted
 from restshape.scene import duals
 from restshape.scene.duals import Dual
 from restshape.scene.temperature_scales import check_temperatures, in_kelvins
-from restshape.scene.units import UnitError, in_si
+from restshape.scene.units import UNITS, UnitError, in_si
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -114,6 +114,8 @@ class Expression:
             if name in coordinates or name in CONSTANTS or name in parameters:
                 continue
             near = get_close_matches(name, [*coordinates, *CONSTANTS, *parameters], n=1)
+            if self.has_units and name in UNITS:
+                return name, 'give a number with a compound unit a name in [parameters], such as a = "1000 kg/m^3"'
             return name, f"did you mean {near[0]!r}?" if near else ""
         return None
 

@@ -31,6 +31,19 @@ def suggestion(word: str, known: Sequence[str]) -> str:
     return f"use one of: {', '.join(known)}" if known else ""
 
 
+def name_suggestion(word: str, known: Sequence[str], always: Sequence[str]) -> str:
+    """The same of a name in a scene; of the names that there are always, a wrong one hardly means another beginning.
+
+    Args:
+        word: that is not known.
+        known: names, with those that there are always.
+        always: such as "all", which is near to "wall".
+    """
+    likely = [name for name in known if name not in always or name[:2] == word.lower()[:2]]
+    found = suggestion(word, likely)
+    return found if found.startswith("did") else f"use one of: {', '.join(known)}"
+
+
 def read_text(path: Path, kind: str, most: int) -> str:
     """The text of a file.
 

@@ -308,7 +308,7 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
             raise UnitError(f"{quoted(value)} is not a number with a unit", example)
         if match[2]:
             zero = ZEROS.get(match[2].strip(), 0.0)
-            factor, powers = UNITS["K"] if zero else unit(match[2])
+            factor, powers = UNITS["K"] if zero else _unit_of(value, match[2])
             if dimension is not None and powers != DIMENSIONS[dimension]:
                 if dimension == "density" and powers == MASS_BY_AREA:
                     by_area = float(match[1]) * factor
@@ -323,6 +323,61 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
         shown = quoted(value) if isinstance(value, str) else "the number" if isinstance(value, int) else value
         raise UnitError(f"{shown} is not a finite number")
     return number, "temperature" if zero else dimension
+
+
+def _unit_of(value: str, text: str) -> tuple[float, Powers]:
+    """The unit of a number, as `unit` gives it.
+
+    Raises:
+        UnitError: it is not known; of what is rather a formula, it says how to write that.
+    """
+    try:
+        return unit(text)
+    except UnitError as error:
+        if do := _as_formula(value):
+            what = f"{quoted(value)} reads as one number with the unit {quoted(text.strip())}, which is not known"
+            raise UnitError(what, do) from None
+        raise error
+
+
+def _as_formula(value: str) -> str:
+    """How to write numbers with units as a formula that begins with one of them; empty where none does.
+
+    A number with one unit stands in parentheses; one with a compound unit, which formulas do not read, is a parameter.
+    """
+    pieces = re.split(r"(?<![\^*])\s*([*/+-])\s*(?=[\d.])", value.strip())
+    found = [_leading(piece) for piece in pieces[::2]]
+    numbers = [one for one in found if one is not None]
+    if len(numbers) < len(found) or (len(pieces) == 1 and not numbers[0][1]):
+        return ""
+    plain = all(re.fullmatch(r"\S*\s*[A-Za-zµ°%]*", number) for number, _ in numbers)
+    units = [re.search(r"[A-Za-zµ°%]$|[A-Za-zµ°%]\W", number) is not None for number, _ in numbers]
+    names = [
+        number if not has_unit else f"({number})" if plain else "abcdef"[k % 6]
+        for k, ((number, _), has_unit) in enumerate(zip(numbers, units))
+    ]
+    written = "".join(name + rest + op for name, (_, rest), op in zip(names, numbers, [*pieces[1::2], ""]))
+    if plain:
+        return f'if it is a formula, write "{written}"'
+    given = ", ".join(f'{name} = "{number}"' for name, (number, _) in zip(names, numbers) if name != number)
+    return f'if it is a formula, write {given} in [parameters], and "{written}" here'
+
+
+def _leading(piece: str) -> tuple[str, str] | None:
+    """The number at the beginning of a text with its known unit, and what stands behind it; None without a number."""
+    match = NUMBER_UNIT.match(piece)
+    if match is None:
+        number = re.match(r"[\d.]+(?:[eE][+-]?\d+)?\s*(?=[*/+-])", piece)
+        return (number[0], piece[number.end() :]) if number else None
+    if not match[2]:
+        return match[1], ""
+    position = 0
+    while (factor := FACTOR.match(match[2], position)) and factor[2] in UNITS:
+        position = factor.end()
+    if position == 0:
+        return None
+    rest = match[2][position:]
+    return f"{match[1]} {match[2][:position].strip()}", rest if rest[:1] in "*/-+" else ""
 
 
 def _as_float(value: float | str) -> float:

@@ -126,7 +126,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "too_short" | "too_long":
             limit = context["min_length" if kind == "too_short" else "max_length"]
             bound = "at least" if kind == "too_short" else "at most"
-            what = f"{bound} {limit} entries are wanted here, but there are {context['actual_length']}"
+            entries = "1 entry is" if limit == 1 else f"{limit} entries are"
+            what = f"{bound} {entries} wanted here, but there are {context['actual_length']}"
             return what, _of_length(given, limit)
         case _ if kind in TABLES_OR_TRUTHS and given in ("true", "false"):
             return f"{given} is no text here", f"drop the quotes: write {given}"

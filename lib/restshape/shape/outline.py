@@ -216,7 +216,7 @@ class Outline:
                 )
             )
         known = [*besides, *self.layout.entities, *self.groups]
-        near = get_close_matches(name, known, 1)
+        near = get_close_matches(name, [one for one in known if one not in RESERVED or one[:2] == name[:2]], 1)
         some = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
         raise UserError(f"the shape has no entity named {name!r}", do=f"did you mean {near[0]!r}?" if near else some)
 

@@ -14,6 +14,7 @@ from restshape.application import Application
 from restshape.arrays import Reals
 from restshape.bounds import REACH
 from restshape.errors import UserError
+from restshape.scene.bare_lengths import with_bare_lengths
 from restshape.scene.bodies import bodies_of
 from restshape.scene.edit_script import (
     Arc,
@@ -86,7 +87,10 @@ class EditSession(ScriptSession[Outline]):
         self, scene: Scene, script: Script, application: Application | None = None, outline: Outline | None = None
     ) -> None:
         super().__init__(scene, script, application)
-        self.outline = outline if outline is not None else outline_from_spec(scene.shape, scene.folder)
+        try:
+            self.outline = outline if outline is not None else outline_from_spec(scene.shape, scene.folder)
+        except UserError as error:
+            raise with_bare_lengths(error, scene) from error
         refuse_lost_names(scene, self.outline)
         self._columns = self._application.own_columns(scene)
         self._grab: ShapeGrab | SpaceGrab | None = None
