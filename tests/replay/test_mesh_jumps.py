@@ -2,6 +2,7 @@
 
 import json
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -118,7 +119,7 @@ def test_a_limit_that_a_jump_of_the_mesh_passes_is_uncertain(tmp_path):
 
 
 def test_a_jump_counts_until_the_next_new_mesh():
-    found = UncertainLimits({"q": Limit(most=1.0)}, {})
+    found = partial(UncertainLimits({}), limits={"q": Limit(most=1.0)})
     frames = [(3, 0.2), (1, math.nan), (2, 0.01), (3, 0.001), (1, math.nan)]
     statuses = [found(known_row(0.9, level, jump)).get("constraint_status", HOLDS) for level, jump in frames]
     assert statuses == [UNCERTAIN] * 3 + [HOLDS] * 2
@@ -127,7 +128,7 @@ def test_a_jump_counts_until_the_next_new_mesh():
 def test_what_an_application_finds_wrong_stays_wrong():
     for status in (FAILS, UNCERTAIN):
         own = {"constraint_status": status, "violated_constraints": "loose"}
-        limits = UncertainLimits({"q": Limit(most=1.0)}, {}, lambda own=own: own)
+        limits = partial(UncertainLimits({}, lambda own=own: own), limits={"q": Limit(most=1.0)})
         found = limits(known_row(1.05, 3, 0.2) | own)
         assert found["constraint_status"] == status and found["violated_constraints"] == "loose"
 

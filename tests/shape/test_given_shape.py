@@ -128,11 +128,13 @@ def test_what_more_than_a_parameter_gives_is_refused_in_words(tmp_path, key, wor
     assert frames[-1].outline is frames[0].outline
 
 
-def test_a_parameter_of_a_limit_is_refused(tmp_path):
+def test_a_limit_follows_its_parameter_with_the_shape(tmp_path):
     body = PLATE + '[quantities.low]\ndisplacement = "y"\nat = "tip"\nmax = "width/100"\n'
     frames = frames_of(tmp_path, body, wider())
-    assert all("quantities" in frame.refused for frame in frames[1:])
-    assert frames[-1].outline is frames[0].outline and frames[-1].scene is frames[0].scene
+    assert all(frame.refused is None for frame in frames)
+    limits = [frame.scene.quantities["low"].max for frame in frames]
+    assert limits == pytest.approx([frame.scene.parameters["width"] / 100.0 for frame in frames])
+    assert limits[0] != limits[-1] and frames[-1].outline is not frames[0].outline
 
 
 def test_the_shape_does_not_change_beneath_the_hand(tmp_path):

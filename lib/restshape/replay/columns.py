@@ -9,6 +9,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.findings import FINDINGS_BYTES
+from restshape.replay.constraints import limit_column, moving_limits
 from restshape.replay.recorded_places import PLACES_BYTES, SINGULAR_PLACES, places_wanted
 
 if TYPE_CHECKING:
@@ -89,6 +90,7 @@ def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLik
     own = {error_column(name): name for name in estimated_quantities(scene, application)}
     if jumps_wanted(scene, application):
         own |= {jump_column(name): name for name in scene.quantities}
+    own |= {limit_column(name, key): name for name, key in moving_limits(scene)}
     for column, name in own.items():
         if column in known:
             what = f"a column of it would be {column}, which is another column"

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 from restshape.analysis.row_values import findings_in, text
 from restshape.findings import Finding
-from restshape.scene.model import Quantity
+from restshape.scene.model import Quantity, Scene
+from restshape.scene.plain_values import table_in
 from restshape.scene.quantity import in_unit, limit_digits
+from restshape.scene.units import reads_as_quantity
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -49,6 +51,37 @@ def limits_of(quantities: Mapping[str, Quantity]) -> Limits:
         for name, q in quantities.items()
         if q.max is not None or q.min is not None
     }
+
+
+class MovingLimits:
+    """The limits of the frames of a session, whose parameters may move them."""
+
+    def __init__(self) -> None:
+        self._of: Mapping[str, Quantity] | None = None
+        self._limits: Limits = {}
+
+    def __call__(self, quantities: Mapping[str, Quantity]) -> Limits:
+        """The limits of the quantities of a frame's scene, found again where these are others."""
+        if quantities is not self._of:
+            self._of, self._limits = quantities, limits_of(quantities)
+        return self._limits
+
+
+def limit_column(quantity: str, key: str) -> str:
+    """The column of a limit, `min` or `max`, that follows parameters."""
+    return f"{quantity}_{key}"
+
+
+def moving_limits(scene: Scene) -> list[tuple[str, str]]:
+    """The limits that formulas of parameters give: of which quantity, and `min` or `max`."""
+    written = table_in(scene.raw, "quantities")
+    return [
+        (name, key)
+        for name, one in scene.quantities.items()
+        for key in (MIN, MAX)
+        for raw in (table_in(written, name).get(key, table_in(written, name).get(one.renamed[key])),)
+        if isinstance(raw, str) and not reads_as_quantity(raw)
+    ]
 
 
 def recorded_limits(quantities: Mapping[str, Quantity]) -> dict[str, dict[str, float]]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from restshape.analysis.analysis import Context
 from restshape.replay.columns import ESTIMATES
-from restshape.replay.constraints import limits_of
+from restshape.replay.constraints import MovingLimits
 from restshape.replay.error_columns import QuantityErrorColumns
 from restshape.replay.linear_theory import LinearTheory
 from restshape.replay.mesh_jumps import MeshJumps
@@ -43,6 +43,7 @@ class FrameErrors:
         estimating: errors are estimated beside each frame.
         singular: quantities without a limit under refinement.
         jumps: of quantities where the mesh changes.
+        limits: of quantities, of each frame.
         linear_theory: whether answers are within it.
     """
 
@@ -68,8 +69,8 @@ class FrameErrors:
         steady = {kind for effect in application.effects.values() if not effect.transient for kind in effect.quantities}
         timeless = steady if any(application.effects[name].transient for name in scene.effects) else set()
         exact = [name for name, one in scene.quantities.items() if one.kind in {*CORE, *timeless}]
-        limits, own_row = limits_of(scene.quantities), self.analysis.row
-        self.uncertain_limits = UncertainLimits(limits, self.singular.now, own_row, exact)
+        self.limits = MovingLimits()
+        self.uncertain_limits = UncertainLimits(self.singular.now, self.analysis.row, exact)
 
     def add_to(self, row: RowValues, edit: ScriptFrame, answered: bool) -> None:
         """Put a frame's errors into its row.
@@ -84,7 +85,7 @@ class FrameErrors:
             self.linear_theory.note(row)
             row.update(self.quantity_errors(row))
             row.update(self.jumps(edit, row))
-            row.update(self.uncertain_limits(row))
+            row.update(self.uncertain_limits(row, self.limits(edit.scene.quantities)))
 
     def _estimates(self, row: RowValues, answered: bool) -> dict[str, float]:
         """What is known of the error of the frame's answer; not numbers where it has none of its own."""

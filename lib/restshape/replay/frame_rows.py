@@ -9,10 +9,12 @@ from restshape.analysis.row_values import findings_in
 from restshape.fem.observer import areas
 from restshape.findings import encode_findings
 from restshape.replay.constraints import (
+    MovingLimits,
     constraint_status,
     formatted_constraint,
     joined,
-    limits_of,
+    limit_column,
+    moving_limits,
     violated_constraints,
 )
 from restshape.replay.rows import without_values
@@ -36,7 +38,7 @@ class FrameRows:
 
     def __init__(self, solver: FrameSolver, scene: Scene) -> None:
         self.solver, self.analysis, self.prediction = solver, solver.analysis, solver.prediction
-        self.limits = limits_of(scene.quantities)
+        self.limits, self._moving = MovingLimits(), moving_limits(scene)
 
     def observed(self, scene: Scene, refused: str) -> dict[str, float]:
         """The quantities of a frame; no numbers in a refused one, whose last solution is of another shape."""
@@ -61,8 +63,8 @@ class FrameRows:
             quantities: of `observed`.
             refused: why it shows the last solution; empty where it has one.
         """
-        solver = self.solver
-        violated = violated_constraints(self.limits, quantities) if quantities else ()
+        solver, limits = self.solver, self.limits(edit.scene.quantities)
+        violated = violated_constraints(limits, quantities) if quantities else ()
         row: RowValues = {
             "index": edit.index,
             "t": edit.t,
@@ -79,10 +81,11 @@ class FrameRows:
             "unknowns": self.analysis.unknowns,
             "elements": len(solver.space.cells if solver.known else solver.moving.mesh.cells),
             "note": self.prediction.note if self.prediction else "",
-            "constraint_status": constraint_status(self.limits, quantities),
+            "constraint_status": constraint_status(limits, quantities),
             "violated_constraints": "; ".join(map(formatted_constraint, violated)),
             "findings": violated,
             **{f"q_{name}": value for name, value in quantities.items()},
+            **self._moved(edit.scene),
             "predicted": int(solver.predicted),
             "refused": refused,
             "stale": int(bool(refused)),
@@ -92,3 +95,7 @@ class FrameRows:
             row.update(joined(row, without_values(own) if refused else own))
         row["findings"] = encode_findings(findings_in(row))
         return row
+
+    def _moved(self, scene: Scene) -> dict[str, float]:
+        """The limits of a frame that follow parameters."""
+        return {limit_column(name, key): getattr(scene.quantities[name], key) for name, key in self._moving}

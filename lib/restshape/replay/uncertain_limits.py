@@ -46,7 +46,6 @@ class UncertainLimits:
     A jump counts until the next new mesh: frames between have the answers of this mesh, not of another.
 
     Args:
-        limits: by quantity.
         singular: quantities without a limit under refinement.
         own_row: gives the columns of the frame that only its analysis has, which may violate constraints of its own.
         exact: quantities of the shape alone, which no prediction changes, nor a time step.
@@ -54,25 +53,29 @@ class UncertainLimits:
 
     def __init__(
         self,
-        limits: Limits,
         singular: Mapping[str, float],
         own_row: Callable[[], Mapping[str, RowValue]] = dict,
         exact: Collection[str] = (),
     ) -> None:
-        self.limits, self.singular, self.own_row, self.exact = limits, singular, own_row, exact
+        self.singular, self.own_row, self.exact = singular, own_row, exact
         self._jumps: dict[str, float] = {}
         self._steps = StepErrors()
 
-    def __call__(self, row: RowValues) -> RowValues:
-        """The columns of a frame that was solved which change, with its errors and jumps in the row."""
-        values = {name: number(row, f"q_{name}") for name in self.limits}
-        self._steps.take(row, self.limits)
+    def __call__(self, row: RowValues, limits: Limits) -> RowValues:
+        """The columns of a frame that was solved which change, with its errors and jumps in the row.
+
+        Args:
+            row: of the frame.
+            limits: of its scene, by quantity.
+        """
+        values = {name: number(row, f"q_{name}") for name in limits}
+        self._steps.take(row, limits)
         errors, why = {}, {}
-        for name in self.limits:
+        for name in limits:
             errors[name], why[name] = max(self._doubts(name, row))
         uncertain, violated = (
-            uncertain_constraints(self.limits, values, errors),
-            violated_constraints(self.limits, values),
+            uncertain_constraints(limits, values, errors),
+            violated_constraints(limits, values),
         )
         known = {(one.detail, one.subjects) for one in uncertain}
         certain = {one.subjects for one in violated if (one.detail, one.subjects) not in known}

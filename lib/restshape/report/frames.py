@@ -16,7 +16,7 @@ from restshape.report.drawing import Drawing
 from restshape.report.happenings import failure, frame_words
 from restshape.report.marks import marks, singular_words
 from restshape.report.overlay import USUAL, overlay
-from restshape.report.recorded_quantities import limits_of
+from restshape.report.recorded_quantities import limit_series
 from restshape.report.scenery import Scenery
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
 
@@ -122,8 +122,10 @@ def add_colour_bar(figure: Figure | SubFigure, place: Axes, recording: Recording
     bar = figure.colorbar(scenery.bar, cax=place, extend=scenery.beyond)
     bar.set_label(label)
     bar.outline.set_visible(False)
-    for name, limit in limits_of(recording).items():
-        for value in limit.values() if scenery.field.quantity_of(recording, name) else ():
+    for name, limit in limit_series(recording).items():
+        # Of those that move the first and the last.
+        ends = dict.fromkeys(float(bounds[k]) for bounds in limit.values() for k in (0, -1))
+        for value in ends if scenery.field.quantity_of(recording, name) else ():
             if scenery.bottom <= value <= scenery.top:
                 place.axhline(factor * value, color=REFUSED, lw=1.6)
                 look = {"color": REFUSED, "rotation": 90, "fontsize": 7, "ha": "right", "va": "center"}

@@ -10,7 +10,7 @@ from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import cleared
 from restshape.report.field import shown_field
-from restshape.report.recorded_quantities import limits_of, quantity_units
+from restshape.report.recorded_quantities import limit_series, quantity_units
 from restshape.report.style import LEVEL_LABELS
 from restshape.report.tables import column, predicted, refused, with_values
 
@@ -40,13 +40,15 @@ def utilisations(recording: Recording) -> dict[str, np.ndarray]:
     largest size of the values.
     """
     found = {}
-    for name, limit in limits_of(recording).items():
+    for name, limit in limit_series(recording).items():
         values = column(recording, f"q_{name}")
         size = np.abs(values[np.isfinite(values)]).max(initial=0.0) or 1.0
         used = np.full(recording.n, -np.inf)
         for key, sign in (("max", 1.0), ("min", -1.0)):
             if key in limit:
-                used = np.maximum(used, 1.0 + sign * (values - limit[key]) / (abs(limit[key]) or size))
+                used = np.maximum(
+                    used, 1.0 + sign * (values - limit[key]) / np.where(limit[key], np.abs(limit[key]), size)
+                )
         found[name] = used
     return found
 
@@ -77,7 +79,8 @@ def _margin(recording: Recording, name: str, i: int) -> str:
     It is the share of an upper limit where 0 is no use at all, else the distance in the unit of the quantity: a share
     of a lower limit, or of an absolute temperature, means nothing.
     """
-    limit, value = limits_of(recording)[name], float(column(recording, f"q_{name}")[i])
+    limit = {key: float(bounds[i]) for key, bounds in limit_series(recording)[name].items()}
+    value = float(column(recording, f"q_{name}")[i])
     left = {key: sign * (limit[key] - value) for key, sign in (("max", 1.0), ("min", -1.0)) if key in limit}
     key, unit = min(left, key=lambda one: left[one]), quantity_units(recording.header).get(name, "")
     if key == "max" and limit[key] > 0.0 and value >= 0.0 and unit != "K":

@@ -9,6 +9,7 @@ from textwrap import shorten
 import numpy as np
 from matplotlib.axes import Axes
 
+from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.replay.columns import error_column, jump_column
@@ -18,7 +19,7 @@ from restshape.replay.singular_notes import marked
 from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.legends import legend_below
-from restshape.report.recorded_quantities import limits_of, quantity_units
+from restshape.report.recorded_quantities import limit_series, quantity_units
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import GOAL, INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, REFUSED, new_figure
 from restshape.report.tables import at_singular_places, column, quantity_scales, refused, singular
@@ -47,7 +48,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
 
     Quantities with limits come first; of more than `MOST` the others are left out, and counted in the title.
     """
-    limits = limits_of(recording)
+    limits = limit_series(recording)
     names = sorted((key[2:] for key in recording.table if key.startswith("q_")), key=lambda name: name not in limits)
     if not names:
         return False
@@ -84,7 +85,7 @@ def _title(recording: Recording, name: str, known: Mapping[str, float]) -> str:
     return marked(name, known, shorten(ranges(frames), FRAMES_LETTERS, placeholder=" …"))
 
 
-def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str, float], unit: str) -> None:
+def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str, Reals], unit: str) -> None:
     """One quantity: a line with gaps, marks at reconnections and reconstructions, crosses beyond a limit."""
     frames, level = np.arange(recording.n), column(recording, "level")
     ms = 2.5 if recording.n > 1 else 8.0
@@ -106,7 +107,7 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
         axes.ticklabel_format(axis="y", useOffset=False)
     if len(known):
         least_span(axes, factor * float(known.min()), factor * float(known.max()))
-        draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown)
+        draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown, frames)
     else:
         axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
 
@@ -142,15 +143,36 @@ def least_span(axes: Axes, low: float, high: float) -> None:
         axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
 
 
-def draw_limits(axes: Axes, factor: float, low: float, high: float, limit: dict[str, float], unit: str) -> None:
-    """Lines at limits near the values; those that are far are written above the panel."""
+def draw_limits(
+    axes: Axes,
+    factor: float,
+    low: float,
+    high: float,
+    limit: Mapping[str, Reals | float],
+    unit: str,
+    x: Reals | None = None,
+) -> None:
+    """Lines at limits near the values; those that are far are written above the panel.
+
+    Args:
+        axes: of the panel.
+        factor: from the SI unit to the one that is shown.
+        low, high: the smallest and the largest value, in the SI unit.
+        limit: by `min` and `max`, in the SI unit; (n,) of frames where it moves.
+        unit: that is shown.
+        x: (n,) where frames are on the axis; None where no limit moves.
+    """
     span = max(high - low, 1e-3 * max(abs(low), abs(high)))
     words = []
-    for key, bound in limit.items():
-        shown = low - SHOWN_BEYOND * span <= bound <= high + SHOWN_BEYOND * span
-        if shown:
-            axes.axhline(factor * bound, color=REFUSED, lw=1.0, ls="--", zorder=1)
-        number = f"{factor * bound:.{limit_digits(bound)}g} {unit}".rstrip()
+    for key, one in limit.items():
+        bounds = np.atleast_1d(np.asarray(one, dtype=float))
+        shown = bounds.min() <= high + SHOWN_BEYOND * span and bounds.max() >= low - SHOWN_BEYOND * span
+        if shown and (x is None or np.ptp(bounds) == 0.0):
+            axes.axhline(factor * bounds[0], color=REFUSED, lw=1.0, ls="--", zorder=1)
+        elif shown:
+            axes.plot(x, factor * bounds, color=REFUSED, lw=1.0, ls="--", zorder=1, drawstyle="steps-mid")
+        numbers = [f"{factor * end:.{limit_digits(end)}g}" for end in (float(bounds[0]), float(bounds[-1]))]
+        number = f"{' to '.join(dict.fromkeys(numbers))} {unit}".rstrip()
         words.append(f"{key} {number}{'' if shown else ', beyond the axis'}")
     axes.set_title("; ".join(words), loc="right", pad=2, color=REFUSED, fontsize=8)
 

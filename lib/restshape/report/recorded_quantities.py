@@ -8,6 +8,8 @@ import numpy as np
 
 from restshape.analysis.pitch import A4
 from restshape.application import applications
+from restshape.arrays import Reals
+from restshape.replay.constraints import limit_column
 from restshape.replay.recording import Recording
 from restshape.scene.key_aliases import by_todays_names
 from restshape.scene.quantity import CORE, Quantity, QuantityKind
@@ -48,6 +50,18 @@ def limits_of(recording: Recording) -> dict[str, dict[str, float]]:
             numbers = {key: _number(one[key], dimension) for key in LIMITS if key in one}
             if numbers := {key: value for key, value in numbers.items() if np.isfinite(value)}:
                 found[name] = numbers
+    return found
+
+
+def limit_series(recording: Recording) -> dict[str, dict[str, Reals]]:
+    """The limits of each frame (n,), as `limits_of` has those of the first one; parameters may move them."""
+    found = {}
+    for name, limits in limits_of(recording).items():
+        moved = {key: recording.table.get(limit_column(name, key)) for key in limits}
+        found[name] = {
+            key: np.full(recording.n, limit) if (of := moved[key]) is None else np.asarray(of, dtype=float)
+            for key, limit in limits.items()
+        }
     return found
 
 

@@ -13,7 +13,7 @@ from restshape.replay.recording import Recording
 from restshape.replay.rounding import ROUNDING, cleared, largest, scales, without_rounding
 from restshape.replay.summary import percentiles
 from restshape.report.field import physics_of
-from restshape.report.recorded_quantities import limits_of, quantity_units
+from restshape.report.recorded_quantities import limit_series, quantity_units
 
 
 def column(recording: Recording, name: str, default: float = np.nan) -> np.ndarray:
@@ -168,8 +168,9 @@ def quantity_extras(recording: Recording, name: str, scale: float) -> dict[str, 
         found["error"] = "singular"
     elif np.isfinite(errors).any():
         found["error"] = cleared(float(np.nanmax(errors)), scale)
-    given = limits_of(recording).get(name, {})
-    return found | {word: given[key] for word, key in (("at_least", "min"), ("at_most", "max")) if key in given}
+    given = limit_series(recording).get(name, {})
+    # Of one that moves the last one, beside the last value.
+    return found | {w: float(given[key][-1]) for w, key in (("at_least", "min"), ("at_most", "max")) if key in given}
 
 
 def jumped(recording: Recording, least: float) -> np.ndarray:

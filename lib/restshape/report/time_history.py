@@ -6,13 +6,14 @@ from textwrap import shorten, wrap
 import numpy as np
 from matplotlib.axes import Axes
 
+from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.replay.columns import SIMULATED
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.quantity_panels import draw_limits, least_span
-from restshape.report.recorded_quantities import limits_of, quantity_units
+from restshape.report.recorded_quantities import limit_series, quantity_units
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import INK, LEVELS, new_figure
 from restshape.report.tables import column, refused
@@ -35,7 +36,7 @@ def draw_history(recording: Recording, path: Path) -> bool:
 
     Quantities with limits come first; of more than `MOST` the others are left out, and counted in the title.
     """
-    limits = limits_of(recording)
+    limits = limit_series(recording)
     names = sorted((key[2:] for key in recording.table if key.startswith("q_")), key=lambda name: name not in limits)
     times = column(recording, SIMULATED)
     if not names or not np.nanmax(times, initial=0.0) > 0.0:
@@ -78,7 +79,7 @@ def edited_spans(recording: Recording) -> list[tuple[float, float]]:
     return found
 
 
-def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: dict[str, float]) -> str:
+def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: dict[str, Reals]) -> str:
     """Draws one quantity, with gaps where it has no value, and its limits; the unit in which it is shown."""
     known = values[np.isfinite(values)]
     factor, shown = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
@@ -89,7 +90,7 @@ def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: d
     axes.ticklabel_format(axis="y", useOffset=False)
     if len(known):
         least_span(axes, factor * float(known.min()), factor * float(known.max()))
-        draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown)
+        draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown, times)
     return shown
 
 

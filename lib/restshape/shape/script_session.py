@@ -28,6 +28,8 @@ UNDO_STEPS = 100
 FIXED = ("format", "version", "app", "shape", "quantities", "solve")
 """Tables and keys of a scene that hold for a whole session."""
 
+LIMITS = {"min": None, "max": None}
+"""Values of quantities that follow parameters in a session: nothing is made for them."""
 STILL = (0.0, 0.0)
 Edited = TypeVar("Edited")
 State = tuple[Edited, Scene]
@@ -174,6 +176,13 @@ class ScriptSession(ABC, Generic[Edited]):
             UserError: it has changed such a table since a scene before.
         """
         for key in FIXED:
-            if key != "shape" and getattr(before, key) != getattr(self.scene, key):
+            if key != "shape" and _but_limits(before, key) != _but_limits(self.scene, key):
                 what = f"this changes {key} as well, which cannot be set during an edit"
                 raise UserError(what, do="change the scene, or use --set")
+
+
+def _but_limits(scene: Scene, key: str) -> object:
+    """What a scene holds at a key, of quantities all but their limits."""
+    if key != "quantities":
+        return getattr(scene, key)
+    return {name: one.model_copy(update=LIMITS) for name, one in scene.quantities.items()}
