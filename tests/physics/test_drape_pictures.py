@@ -14,7 +14,7 @@ from plates import record_plate
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.physics.cloth.pictures.body_surfaces import body_surface
-from restshape.physics.cloth.pictures.drape import drape_scenery, places, shows_cloth
+from restshape.physics.cloth.pictures.drape import bodies, drape_scenery, places, shows_cloth
 from restshape.physics.cloth.pictures.drape_frames import convergence_words, draw_drape_frames
 from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recorder import Recorder
@@ -248,6 +248,29 @@ def test_captions_report_convergence(recording):
     assert convergence_words(cloth, 0) == ("converged and stable, residual 5e-05", True)
     assert convergence_words(cloth, 1) == ("NOT CONVERGED, residual 5e-05", False)
     assert convergence_words(cloth, 2) == ("converged, but not stable, residual 5e-05", False)
+
+
+@pytest.mark.slow
+def test_a_refused_frame_shows_the_bodies_of_the_last_one_and_the_reason(recording, tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    cloth = recording(0.0, -0.1, -0.1)
+    cloth.table["refused"] = np.array(["", "", "the radius is given by a formula; write another formula"])
+    for name, values in cloth.table.items():
+        if name.startswith("bodies."):
+            values[2] = np.nan
+    (ball,) = bodies(cloth, 2).values()
+    # The ball of frame 1, which is 0.1 m further along x than that of frame 0.
+    assert ball.sphere.center == pytest.approx((0.6, 0.5, -0.5)) and ball.sphere.radius == 0.3
+    words, good = convergence_words(cloth, 2)
+    assert not good and "REFUSED, last solution shown: the radius is given by a formula" in words
+    draw_drape_frames(cloth, np.arange(3), drape_scenery(cloth, np.arange(3)), tmp_path / "a.png")
+    figure = figures[0]
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    titles = [axes._left_title.get_window_extent(renderer) for axes in figure.axes if axes.get_title(loc="left")]
+    assert len(titles) == 3 and not any(a.overlaps(b) for k, a in enumerate(titles) for b in titles[:k])
+    assert max(box.y1 for box in titles) < figure._suptitle.get_window_extent(renderer).y0
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from restshape.physics.cloth.pictures.body_surfaces import body_surface
 from restshape.physics.cloth.pictures.pins import pins
 from restshape.replay.recording import Recording
 from restshape.report.camera import Camera
-from restshape.report.tables import column
+from restshape.report.tables import column, refused
 from restshape.scene.bodies import Body
 
 TENSION = "tension"
@@ -127,5 +127,6 @@ def _colour_range(values: np.ndarray) -> tuple[float, float, str]:
 
 
 def bodies(recording: Recording, i: int) -> Mapping[str, Body]:
-    """The bodies of frame i, by name."""
-    return recorded_bodies(recording.table, i)
+    """The bodies of frame i, by name; of a refused one those of the last frame that was not."""
+    known = np.flatnonzero(~refused(recording)[: i + 1])
+    return recorded_bodies(recording.table, int(known[-1]) if len(known) else i)

@@ -8,7 +8,7 @@ from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from math import ceil
 from pathlib import Path
-from textwrap import shorten
+from textwrap import shorten, wrap
 
 import numpy as np
 from matplotlib import colormaps
@@ -24,8 +24,8 @@ from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames, even, pause, write_animation
 from restshape.report.camera import Camera
-from restshape.report.frames import scene_name
-from restshape.report.happenings import chosen_frames
+from restshape.report.frames import LETTER, LINE, scene_name
+from restshape.report.happenings import chosen_frames, failure
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.space_axes import draw_box, marks
 from restshape.report.style import BODY as PLAIN
@@ -127,7 +127,7 @@ def convergence_words(recording: Recording, i: int) -> tuple[str, bool]:
     residual = column(recording, "residual")[i]
     size = f"residual {residual:.0e}" if np.isfinite(residual) else ""
     if refused(recording)[i]:
-        return "refused", False
+        return failure(recording, i), False
     if rests == 0:
         return f"NOT CONVERGED, {size}".rstrip(", "), False
     if rests == 1 and stays == 0:
@@ -163,13 +163,13 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
     """
     across = min(ACROSS, len(chosen))
     down = ceil(len(chosen) / across)
-    figure, grid = _sheet(scenery, across, down)
-    for i, panels in zip(map(int, chosen), grid):
+    wide = WIDTH if across > 1 else ALONE
+    captions = [_caption(recording, int(i), (wide - BAR) / across) for i in chosen]
+    figure, grid = _sheet(scenery, across, down, max(text.count("\n") for text, _ in captions))
+    for i, panels, (text, good) in zip(map(int, chosen), grid, captions):
         drawing = DrapeDrawing(panels, scenery)
         drawing.show(recording, i)
-        words, good = convergence_words(recording, i)
-        title = f" frame {i}, t = {recording.times[i]:.2f} s\n {words}"
-        panels[0].set_title(title, loc="left", pad=3, color=INK if good else REFUSED)
+        panels[0].set_title(text, loc="left", pad=3, color=INK if good else REFUSED)
     for panels in grid[len(chosen) :]:
         for axes in panels:
             axes.set_visible(False)
@@ -177,8 +177,18 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
     save_picture(figure, path)
 
 
-def _sheet(scenery: DrapeScenery, across: int, down: int) -> tuple[Figure, list[list[Axes]]]:
-    """A figure, and for each frame the axes in perspective, from above, and of the flat pattern."""
+def _caption(recording: Recording, i: int, wide: float) -> tuple[str, bool]:
+    """What stands above a frame, in lines for a panel this wide [inch], and whether its equilibrium is a stable one."""
+    words, good = convergence_words(recording, i)
+    lines = [f"frame {i}, t = {recording.times[i]:.2f} s", *wrap(words, int(wide / LETTER) - 1)]
+    return "\n".join(f" {line}" for line in lines), good
+
+
+def _sheet(scenery: DrapeScenery, across: int, down: int, more: int = 1) -> tuple[Figure, list[list[Axes]]]:
+    """A figure, and for each frame the axes in perspective, from above, and of the flat pattern.
+
+    Captions have `more` lines than one.
+    """
     left, right, bottom, top = scenery.from_aside.window(scenery.low, scenery.high)
     wide = WIDTH if across > 1 else ALONE
     each = (wide - BAR) / across
@@ -186,7 +196,8 @@ def _sheet(scenery: DrapeScenery, across: int, down: int) -> tuple[Figure, list[
     above, flat = (scenery.high - scenery.low)[:2], PATTERN * (scenery.flat[1] - scenery.flat[0])
     scale = min((each - NUMBERS - 1.5 * BETWEEN) / (above[0] + flat[0]), 0.8 * each / max(above[1], flat[1]))
     low = scale * max(above[1], flat[1])
-    band = CAPTION + tall + low + UNDER
+    caption = CAPTION + LINE * max(more - 1, 0)
+    band = caption + tall + low + UNDER
     high = TITLE + down * band
     figure = new_figure(wide, high)
     figure.set_layout_engine("none")
@@ -196,7 +207,7 @@ def _sheet(scenery: DrapeScenery, across: int, down: int) -> tuple[Figure, list[
 
     frames = []
     for k in range(across * down):
-        x, y = k % across * each, TITLE + k // across * band + CAPTION
+        x, y = k % across * each, TITLE + k // across * band + caption
         ground = y + tall + low
         frames.append(
             [
@@ -241,16 +252,16 @@ def draw_drape_animation(recording: Recording, chosen: np.ndarray, scenery: Drap
 
 def _pictures(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery) -> Iterator[np.ndarray]:
     """RGB pictures (height, width, 3) uint8, both sizes even."""
-    figure, (panels,) = _sheet(scenery, 1, 1)
+    captions = {i: _caption(recording, i, ALONE) for i in map(int, chosen)}
+    figure, (panels,) = _sheet(scenery, 1, 1, max(text.count("\n") for text, _ in captions.values()))
     figure.set_dpi(ANIMATED_DPI)
     canvas = FigureCanvasAgg(figure)
     drawing = DrapeDrawing(panels, scenery)
     caption = panels[0].set_title(" ", loc="left")
     _legend(figure, recording, scenery, drawing)
-    for i in map(int, chosen):
+    for i, (text, good) in captions.items():
         drawing.show(recording, i)
-        words, good = convergence_words(recording, i)
-        caption.set_text(f" frame {i}, t = {recording.times[i]:.2f} s, {words}")
+        caption.set_text(text)
         caption.set_color(INK if good else REFUSED)
         canvas.draw()
         yield even(canvas)
