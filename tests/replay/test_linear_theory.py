@@ -1,9 +1,14 @@
 """Displacements that linear theory gives, and is not made for: a bar under tension lengthens by sigma L / E."""
 
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
-from small_scenes import block, head, write_scene, write_script
+from small_scenes import block, head, make_replay, plate, rows_of, write_scene, write_script
+
+from restshape.physics.elasticity import stress
+from restshape.replay.linear_theory import LARGEST, LinearTheory
 
 BAR = block(0.2, 0.1) + (
     '[material.m]\nE = {E}\nnu = 0.0\nthickness = 0.01\n[supports.left]\non = "left"\nfix = {{ x = 0, y = 0 }}\n'
@@ -37,3 +42,39 @@ def test_it_is_said_once_where_a_script_softens_the_body(tmp_path, command):
     assert run.stdout.count("beyond linear theory") == 1 and "line 2, frame 1: beyond" in run.stdout
     found = json.loads((tmp_path / "out.json").read_text())["beyond_linear_theory"]
     assert found == {"displacement_over_size": pytest.approx(1.0, rel=1e-6), "frame": 2}
+
+
+def test_bounds_decide_as_the_extents_of_all_nodes_do():
+    """Of bodies that turn, shrink and get other nodes, with displacements around the largest share."""
+    random, analysis = np.random.default_rng(3), SimpleNamespace()
+    theory, says = LinearTheory(analysis), []
+    analysis.linear_displacement = lambda: u
+    for k in range(300):
+        X = random.standard_normal((random.integers(2, 40), 2)) * random.uniform(0.01, 1.0, 2)
+        u = random.standard_normal(X.shape) * LARGEST * random.uniform(0.01, 0.6) * np.ptp(X, axis=0).max()
+        analysis.space = SimpleNamespace(X=X)
+        row = {"index": k}
+        theory.note(row)
+        share = np.hypot(*np.ptp(u, axis=0)) / np.ptp(X, axis=0).max()
+        assert ("note" in row) == (share > LARGEST)
+        says.append(share)
+    assert 50 < sum(share > LARGEST for share in says) < 250
+    assert (theory.largest, theory.frame) == (max(says), int(np.argmax(says)))
+
+
+def test_small_displacements_take_no_extents(monkeypatch):
+    X = np.random.default_rng(1).random((50, 2))
+    analysis = SimpleNamespace(linear_displacement=lambda: 1e-3 * X, space=SimpleNamespace(X=X))
+    theory, seen, ptp = LinearTheory(analysis), [], np.ptp
+    monkeypatch.setattr(np, "ptp", lambda *given, **named: seen.append(1) or ptp(*given, **named))
+    for index in range(5):
+        theory.note({"index": index})
+    assert len(seen) == 1
+
+
+def test_stress_of_a_state_is_computed_once_for_all_quantities(tmp_path, monkeypatch):
+    seen, found = [], stress.COMPONENTS["von_mises"]
+    monkeypatch.setitem(stress.COMPONENTS, "von_mises", lambda s: seen.append(1) or found(s))
+    text = plate(0.3) + 'lowest = { stress = "von_mises", reduce = "min" }\n'
+    (row,) = rows_of(make_replay(write_scene(tmp_path, text)))
+    assert row["q_peak"] > row["q_lowest"] > 0.0 and len(seen) == 1

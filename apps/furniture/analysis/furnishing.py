@@ -279,6 +279,9 @@ class FurnitureAnalysis(Timeless):
         ends = (low, low <= self.design_direction.low), (high, high >= self.design_direction.high)
         return " to ".join(f"{value:.6g}{' or beyond' if is_open else ''}" for value, is_open in ends)
 
+    def linear_displacement(self) -> None:
+        """None: planks are rigid."""
+
     def solution(self) -> Solution:
         """Nothing: rigid planks have no field over a plane."""
         return Solution()

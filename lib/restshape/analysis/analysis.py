@@ -183,6 +183,9 @@ class Analysis(Protocol[P_co]):
     def solution(self) -> Solution:
         """The state, as who compares answers of different settings sees it."""
 
+    def linear_displacement(self) -> np.ndarray | None:
+        """Displacement (n, d) [m] of the nodes by linear theory, no copy; None where there is none."""
+
     def fields(self) -> Fields:
         """What a recording shows of the state."""
 

@@ -134,6 +134,10 @@ class BucklingAnalysis(Timeless):
         """Columns of a frame's row that only buckling has."""
         return row(self.state, self.modes_shown, self.solver)
 
+    def linear_displacement(self) -> np.ndarray | None:
+        """The prebuckling displacement (n, 2) [m], where that is of linear theory."""
+        return self.prebuckling.linear_displacement()
+
     def solution(self) -> Solution:
         """The prebuckling displacement, the load factors and their modes."""
         values = np.array(self.load_factors, dtype=float)

@@ -123,6 +123,9 @@ class ModalAnalysis(Timeless):
         """Columns of a frame's row that only modes have."""
         return modal_output.row(self.state)
 
+    def linear_displacement(self) -> None:
+        """None: the size of a mode is free."""
+
     def solution(self) -> Solution:
         """The frequencies [Hz], and the modes."""
         values = np.array(self.frequencies, dtype=float)

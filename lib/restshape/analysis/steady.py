@@ -236,6 +236,11 @@ class SteadyAnalysis(Timeless, Generic[P]):
         """Columns of the frame's row that only this analysis has: none."""
         return {}
 
+    def linear_displacement(self) -> np.ndarray | None:
+        """The unknowns (n, f), where they are displacements [m] of linear theory; no copy."""
+        problem = self.problem
+        return self.x if problem.linear and problem.unknowns[0].name == "displacement" else None
+
     def solution(self) -> Solution:
         """The unknowns, and what their energy is measured by."""
         problem = self.problem

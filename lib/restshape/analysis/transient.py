@@ -227,6 +227,11 @@ class TransientAnalysis:
         """Eigenfrequencies (k,) [Hz] of the present shape."""
         return made(self.modes)(self).frequencies
 
+    def linear_displacement(self) -> np.ndarray | None:
+        """The unknowns (n, f), where they are displacements [m] of linear theory; no copy."""
+        problem = self.problem
+        return self.x if problem.linear and problem.unknowns[0].name == "displacement" else None
+
     def solution(self) -> Solution:
         """The unknowns and, of second order in time, their rates, and what their energies are measured by."""
         state, problem, name = self.state, self.problem, self.problem.unknowns[0].name

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.analysis.row_values import RowValues, text, whole
+from restshape.arrays import Reals
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import Analysis
@@ -28,24 +29,39 @@ class LinearTheory:
         analysis: of the frames.
 
     Attributes:
-        largest: difference of displacements over the size of the body, the largest so far.
+        largest: difference of displacements over the size of the body, the largest so far of those that were not
+            small without computing it.
         frame: the one that has it.
     """
 
     def __init__(self, analysis: Analysis[Problem]) -> None:
         self.analysis = analysis
         self.largest, self.frame = 0.0, -1
+        self._ends = (0, 0)
 
     def note(self, row: RowValues) -> None:
         """Says so in the note of a frame's row, where its answer is a displacement of linear theory, and too large."""
-        found, space = self.analysis.solution(), self.analysis.space
-        if found.name != "displacement" or found.large or found.field is None or space is None:
+        u, space = self.analysis.linear_displacement(), self.analysis.space
+        if u is None or space is None or self._small(u, space.X):
             return
-        share = hypot(*np.ptp(found.field, axis=0)) / float(np.ptp(space.X, axis=0).max())
+        share = hypot(*np.ptp(u, axis=0)) / float(np.ptp(space.X, axis=0).max())
         if share > self.largest:
             self.largest, self.frame = share, whole(row, "index")
         if share > LARGEST:
             row["note"] = "; ".join(filter(None, (text(row, "note"), NOTE)))
+
+    def _small(self, u: Reals, X: Reals) -> bool:
+        """Whether bounds tell that displacements differ by at most `LARGEST` of the size, without extents of all nodes.
+
+        They differ by no more than twice the largest component in each direction. The body is no smaller than two of
+        its nodes are apart, for which those that were farthest from each other are taken.
+        """
+        most = 2.0 * sqrt(u.shape[1]) * max(float(u.max()), -float(u.min()))
+        first, last = self._ends
+        if len(X) <= max(self._ends) or most > LARGEST * np.abs(X[last] - X[first]).max():
+            axis = int(np.ptp(X, axis=0).argmax())
+            first, last = self._ends = int(X[:, axis].argmin()), int(X[:, axis].argmax())
+        return bool(most <= LARGEST * np.abs(X[last] - X[first]).max())
 
     def summary(self) -> dict[str, object]:
         """For programs, where it was too large: the largest share, and its frame."""

@@ -17,7 +17,6 @@ from restshape.fem.problem import STIFFNESS, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
 from restshape.physics.elasticity.nodal_stress import NodalStress
-from restshape.physics.elasticity.stress import COMPONENTS
 from restshape.physics.elasticity.target_curves import GoalDistance
 from restshape.scene.model import Quantity
 
@@ -105,11 +104,11 @@ class PlaneQuantities:
         return Assembled(self.solid.integrals(STIFFNESS)).residual(x, None, subset)
 
     def _stress(self, quantity: Quantity, nodes: np.ndarray | slice) -> Function:
-        component, nodal = COMPONENTS[quantity.stress], self.solid.nodal_stress
+        component, nodal = quantity.stress, self.solid.nodal_stress
         cells = self.space.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
         rows = nodal.recovery.rows(nodes, cells)
         reduce = reduction(self.space, quantity, nodal.recovery.nodes[rows])
-        return lambda x, *_: reduce(component(nodal(x)[rows]))
+        return lambda x, *_: reduce(nodal.component(component, x)[rows])
 
     def _distance(self, name: str, quantity: Quantity) -> Function:
         """The distance between a target curve and the deformed edges."""

@@ -35,6 +35,7 @@ class NodalStress:
         self._versions = (-1, -1)
         self._x = np.empty(0)
         self._sampled = self._nodal = np.empty(0)
+        self._components: dict[str, np.ndarray] = {}
 
     @cached_property
     def recovery(self) -> NodalFlux:
@@ -51,6 +52,14 @@ class NodalStress:
         self._follow(x)
         return self._nodal
 
+    def component(self, name: str, x: np.ndarray) -> np.ndarray:
+        """One of `COMPONENTS` [Pa] (rows,) at x (n, 2) [m], computed once a state; not to be written to."""
+        self._follow(x)
+        found = self._components.get(name)
+        if found is None:
+            found = self._components[name] = COMPONENTS[name](self._nodal)
+        return found
+
     def _follow(self, x: np.ndarray) -> None:
         versions = self.space.topology, self.space.geometry
         if versions == self._versions and np.array_equal(x, self._x):
@@ -58,6 +67,7 @@ class NodalStress:
         self._sampled = self.stresses.cauchy(x, self.recovery.points)
         self._nodal = self.recovery(self._sampled)
         self._versions, self._x = versions, x.copy()
+        self._components.clear()
 
     def fields(self, x: np.ndarray, quantities: Mapping[str, Quantity], wanted: Collection[str] = ()) -> Fields:
         """What recordings hold of them at x (n, 2) [m]: von Mises' stress, what quantities name, what is wanted.
@@ -72,8 +82,7 @@ class NodalStress:
         """
         stresses = [name for key in wanted for name in REQUESTED[key]]
         named = dict.fromkeys((PICTURED, *(q.stress for q in quantities.values() if q.stress), *stresses))
-        nodal = self(x)
-        found = {field_name(name): COMPONENTS[name](nodal) for name in named}
+        found = {field_name(name): self.component(name, x) for name in named}
         if STRAIN in wanted:
             strain = self.recovery(np.ascontiguousarray(self.stresses.strain(x, self.recovery.points)))
             found |= {f"{STRAIN}_{name}": strain[:, k] for k, name in enumerate(STRAINS)}

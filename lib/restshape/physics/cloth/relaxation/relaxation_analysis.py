@@ -176,6 +176,9 @@ class RelaxationAnalysis(Timeless):
         self._estimate.update()
         return self._estimate
 
+    def linear_displacement(self) -> None:
+        """None: strains are Green's."""
+
     def solution(self) -> Solution:
         """Displacements from the flat pattern, and strains and curvatures with their stiffness."""
         cells, fabric = len(self.state.problem.mesh.cells), self.problem.fabric
