@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from argparse import ArgumentParser
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from schema_check import fits
 
 from restshape.application import applications
+from restshape.cli.main import command_parser, named_command
 from restshape.cli.schema import scene_schema
 from restshape.errors import UserError
 from restshape.scene.application_registry import installed_physics
@@ -200,3 +202,33 @@ def test_what_does_not_fit_the_schema_is_found(text):
 def test_what_is_no_part_of_a_scene_is_found(text):
     with pytest.raises((ValidationError, KeyError, UserError)):
         validate_part(tomllib.loads(text))
+
+
+def options_of(name: str) -> set[str]:
+    """The options of a command, and of those within it."""
+    parsers, found = [command_parser(name, *named_command(name, []))], set()
+    while parsers:
+        for action in parsers.pop()._actions:
+            found.update(action.option_strings)
+            inner = action.choices
+            parsers += (
+                [one for one in inner.values() if isinstance(one, ArgumentParser)] if isinstance(inner, dict) else []
+            )
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_commands_of_pages_have_the_options_that_are_named(page):
+    """In code blocks, and in code within sentences and tables, which may leave `restshape` out."""
+    text = page.read_text(encoding="utf-8")
+    for name, rest in re.findall(r"\brestshape ([a-z][a-z-]*)((?:\\\n|[^`\n|#])*)", text):
+        if named_command(name, []):
+            missing = set(re.findall(r"(?<=\s)--[a-z][a-z-]*", rest.split(" -- ")[0])) - options_of(name)
+            assert not missing, f"restshape {name}: {missing}"
+    for name, option in re.findall(r"`([a-z][a-z-]*) (--[a-z][a-z-]*)", text):
+        if name not in OTHER_PROGRAMS:
+            assert named_command(name, []) and option in options_of(name), f"{name} {option}"
+
+
+OTHER_PROGRAMS = {"restshape", "pytest", "mpiexec", "make", "git", "ruff", "pip", "python"}

@@ -14,6 +14,8 @@ from restshape.outputs.kinds import mark_sound
 PEAK = 0.9
 """Of the largest number that a WAV file holds."""
 
+ROUND = 0.1
+"""Share of a triangle's height by which a curved outline may lie outside it."""
 ATTACK = 1e-3
 """Time [s] over which the mallet's blow brings the sound up: no sound begins with a jump."""
 
@@ -60,11 +62,29 @@ def write_wav(path: Path, sound: np.ndarray, rate: int = 44100) -> None:
         raise UserError(f"cannot write: {error.strerror}", str(path), "choose a place that may be written") from error
 
 
+def _on_plate(corners: np.ndarray, place: np.ndarray) -> bool:
+    """Whether a place (2,) lies in one of the triangles (ne, 3, 2), or just outside, where the outline is curved."""
+    a, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area, to = np.cross(u, v), place - a
+    s, t = np.cross(to, v) / area, np.cross(u, to) / area
+    return bool((np.minimum(np.minimum(s, t), 1.0 - s - t) >= -ROUND).any())
+
+
 def struck_node(analysis: ModalAnalysis, at: Sequence[float] | None) -> int:
-    """The node of the plane mesh that is struck: the nearest to a place [m], or where mode 1 moves most inside."""
+    """The node of the plane mesh that is struck: the nearest to a place [m], or where mode 1 moves most inside.
+
+    Raises:
+        UserError: the place is off the plate, or in a hole of it.
+    """
     X = analysis.space.X
     if at is not None:
-        return int(np.argmin(np.linalg.norm(X - np.array(at), axis=1)))
+        place = np.array(at, dtype=float)
+        if not _on_plate(X[analysis.space.cells[:, :3]], place):
+            (left, low), (right, high) = X.min(axis=0), X.max(axis=0)
+            what = f"({at[0]:g}, {at[1]:g}) m lies off the plate, or in a hole of it"
+            spans = f"it goes from {left:.4g} to {right:.4g} m along x, from {low:.4g} to {high:.4g} m along y"
+            raise UserError(what, f"--at {at[0]:g} {at[1]:g}", f"name a place on the plate, in metres: {spans}")
+        return int(np.argmin(np.linalg.norm(X - place, axis=1)))
     first = next(iter(analysis.fields()[0].values()))
     size = np.linalg.norm(first, axis=1)
     size[np.unique(analysis.space.facets)] = 0.0

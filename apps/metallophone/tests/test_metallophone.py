@@ -1,6 +1,7 @@
 """The application metallophone: columns of tones, recordings, pictures and sounds, and what a user can get wrong."""
 
 import json
+import re
 import wave
 from pathlib import Path
 
@@ -86,6 +87,35 @@ def test_sound_has_the_frequencies_of_the_modes(tmp_path):
     loudest = np.argmax(spectrum) * rate / len(samples)
     # 3D elasticity of the free bar: bending 523 Hz and, struck in the middle, 2828 Hz; twisting is not heard there.
     assert min(abs(loudest / f - 1) for f in (523.3, 2828.2)) < 0.02
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["plate", "solid"])
+def test_what_is_struck_lies_on_the_plate(tmp_path, capsys, model):
+    """A bar of 100 x 30 mm: places in it, on its corner, beside it, in millimetres, and no number."""
+    scene, path = str(SCENES / "bar_100.toml"), tmp_path / "bar.wav"
+    words = [*settings(f"effects.modal.model={model}"), "--out", str(path), "--seconds", "0.1"]
+    for at in (("0.05", "0.015"), ("0.1", "0.03"), ("0", "0")):
+        assert main(["sound", scene, *words, "--at", *at]) == 0
+        x, y = map(float, re.search(r"struck at \(([^,]+), ([^)]+)\) m", capsys.readouterr().out).groups())
+        assert np.hypot(x - float(at[0]), y - float(at[1])) < 0.008
+    path.unlink()
+    for at in (("0.11", "0.015"), ("0.05", "-0.002"), ("50", "15"), ("nan", "0")):
+        assert main(["sound", scene, *words, "--at", *at]) == 2
+        said = capsys.readouterr().err
+        assert "lies off the plate" in said and "from 0 to 0.1 m along x" in said and not path.exists()
+
+
+def test_the_rim_of_a_disc_can_be_struck_and_its_holes_cannot():
+    t = np.linspace(0.0, 2.0 * np.pi, 13)
+    rim = np.stack([np.cos(t), np.sin(t)], axis=1)
+    # Twelve trapezoids between circles of radius 1 and 0.5, two triangles each.
+    outer = np.stack([rim[:-1], rim[1:], 0.5 * rim[:-1]], axis=1)
+    inner = np.stack([0.5 * rim[:-1], rim[1:], 0.5 * rim[1:]], axis=1)
+    ring = np.concatenate([outer, inner])
+    between = np.array([np.cos(np.pi / 12), np.sin(np.pi / 12)])
+    assert all(sound._on_plate(ring, r * between) for r in (1.0, 0.75, 0.5))
+    assert not any(sound._on_plate(ring, r * between) for r in (1.1, 0.3, 0.0))
 
 
 def heard(path: Path) -> tuple[np.ndarray, int]:
