@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from math import isfinite, log2
-from typing import Any
 
 NAMES = ("C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B")
 A4 = 440.0
@@ -25,6 +24,7 @@ def note(frequency: float, a4: float = A4) -> tuple[str, float]:
     return f"{NAMES[key % 12]}{key // 12 - 1}", 100.0 * (keys - key)
 
 
-def tuning(effects: Mapping[str, Mapping[str, Any]]) -> float:
+def tuning(effects: Mapping[str, Mapping[str, object]]) -> float:
     """The frequency of the tone A4 [Hz] by the effects of a scene, as `Scene.effects` gives them."""
-    return float(effects.get("modal", {}).get("a4", A4))
+    given = effects.get("modal", {}).get("a4", A4)
+    return float(given) if isinstance(given, int | float) else A4
