@@ -62,6 +62,23 @@ def test_loads_act_where_and_as_the_scene_says(figure):
     assert len(inside) == 1 and inside[0][0] == 0 and inside[0][1] < 0
 
 
+def test_arrows_along_their_edge_are_one_and_values_of_parameters_are_written(tmp_path, monkeypatch):
+    """A force along an edge shorter than its arrow is one arrow; along a longer one all do not overlap."""
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    loads = '[parameters]\nP = "-1000 N"\n[loads.shear]\non = "right"\nforce = [0, "P"]\n'
+    loads += '[loads.along]\non = "top"\nforce = ["1 N", 0]\n'
+    text = HEAD + BLOCK.format(width=2, height=0.2) + STEEL + CLAMPED + loads + meshed(0.2)
+    assert main(["check", str(write_scene(tmp_path, text)), "--picture", str(tmp_path / "scene.png")]) == 0
+    (axes,) = figures[0].axes
+    shear, along = (one for one in axes.get_children() if isinstance(one, Quiver))
+    assert len(shear.XY) == 1 and np.allclose(shear.XY, [2.0, 0.1])
+    # Places are 2 m / 7 apart, and an arrow is 9 % of the width of 2.64 m long.
+    assert len(along.XY) == 7 and np.allclose(np.diff(along.XY[:, 0]), -2.0 / 7.0) and along.U.max() < 2.0 / 7.0
+    words = [text.get_text().replace("\n", " ") for text in figures[0].texts]
+    assert "load shear on right: force (0, P = -1000) N" in words
+
+
 def test_supports_and_legend(figure):
     (axes,) = figure.axes
     thick = [one for one in axes.collections if isinstance(one, LineCollection) and one.get_linewidth()[0] == 3.0]

@@ -17,6 +17,8 @@ LOADS = ("#c44e00", "#117733", "#cc6699", "#882255", "#999933", "#6b4c9a")
 """Colours of the loads of a scene, in turn."""
 ARROW = 0.09
 """Length of the longest arrow of a load, over the size of the picture."""
+SHAFT, HEAD = 0.004, 4.0
+"""Width of an arrow over that of the axes, and of its head over that of the arrow."""
 
 Moved = Callable[[np.ndarray], np.ndarray]
 """Where places (n, 2) at rest [m] are drawn, in the unit of the axes."""
@@ -92,9 +94,23 @@ def _arrows(
     at = moved(place.inside[None] if inside else place.at)
     arrows = vectors * (longest / sizes.max())
     pushes = np.zeros(len(at), dtype=bool) if inside else (vectors * place.outwards).sum(axis=1) < -1e-9 * sizes.max()
+    tails = at - np.where(pushes[:, None], arrows, 0.0)
+    shown = _apart(tails, arrows, HEAD * SHAFT * abs(float(np.subtract(*axes.get_xlim()))))
     look = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "color": colour, "zorder": 6, "clip_on": False}
     for chosen, pivot in ((pushes, "tip"), (~pushes, "tail")):
-        if chosen.any():
-            axes.quiver(*at[chosen].T, *arrows[chosen].T, pivot=pivot, width=0.004, headwidth=4.0, **look)
-    tails = at - np.where(pushes[:, None], arrows, 0.0)
-    return [np.stack(ends) for ends in zip(tails, tails + arrows)]
+        if (chosen := chosen & shown).any():
+            axes.quiver(*at[chosen].T, *arrows[chosen].T, pivot=pivot, width=SHAFT, headwidth=HEAD, **look)
+    return [np.stack(ends) for ends in zip(tails[shown], (tails + arrows)[shown])]
+
+
+def _apart(tails: np.ndarray, arrows: np.ndarray, wide: float) -> np.ndarray:
+    """Which of some arrows (n, 2) along a chain are drawn: as many as keep their tips this far from the others."""
+    count = len(tails)
+    along = tails[:, None] + np.linspace(0.0, 1.0, 9)[:, None] * arrows[:, None]
+    far = np.linalg.norm((tails + arrows)[:, None, None] - along, axis=-1).min(axis=2)
+    np.fill_diagonal(far, np.inf)
+    for step in range(1, count):
+        shown = np.arange(count) % step == (count - 1) % step // 2
+        if far[np.ix_(shown, shown)].min() >= wide:
+            return shown
+    return np.arange(count) == count // 2

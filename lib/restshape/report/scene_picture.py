@@ -167,9 +167,10 @@ def _legend(scene: Scene, outline: Outline, goals: str) -> list[tuple[str, str]]
         parts = [f"{name} ({first_named(groups[name], MOST_ON)})" if name in groups else name for name in names]
         return first_named(parts, MOST_ON)
 
-    found = [(SUPPORT, f"support {name} on {on(one.on)}: {support_words(one)}") for name, one in scene.supports.items()]
+    known, supports = scene.parameters, scene.supports.items()
+    found = [(SUPPORT, f"support {name} on {on(one.on)}: {support_words(one, known)}") for name, one in supports]
     loads = zip(scene.loads.items(), load_colours(scene))
-    found += [(colour, f"load {name} on {on(one.on)}: {load_words(one)}") for (name, one), colour in loads]
+    found += [(colour, f"load {name} on {on(one.on)}: {load_words(one, known)}") for (name, one), colour in loads]
     if len(found) > MOST_CONDITIONS:
         found = [*found[:MOST_CONDITIONS], ("white", f"and {len(found) - MOST_CONDITIONS} more supports and loads")]
     return found + ([(GOAL, f"goal {goals}")] if goals else [])
