@@ -1,6 +1,7 @@
 """What `restshape check` warns of though the scene can be simulated, and a thickness that stress needs."""
 
 import json
+import math
 import shutil
 from argparse import Namespace
 from pathlib import Path
@@ -14,6 +15,8 @@ from restshape.cli.doubts import doubts
 from restshape.cli.limits import large_drawing, messages
 from restshape.errors import UserError
 from restshape.physics.elasticity.inspection import inspect_solid
+from restshape.scene.descriptions import but_rounding
+from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 
@@ -179,7 +182,7 @@ def test_rounding_beside_the_body_is_shown_as_0_and_limits_have_units(command, t
         + '[shape.vertices]\na = [0, "-R*cos(q)"]\nb = ["R", 0]\nc = ["R*cos(q)", "R*1.0"]\n[shape.edges]\n'
         + 'bottom = { line = ["a", "b"] }\nround = { arc = ["b", "c"], bulge = 0.41421356237309503 }\n'
         + 'left = { line = ["c", "a"] }\n[material.m]\nE = 210e9\nnu = 0.3\n[supports.left]\non = "left"\n'
-        + 'fix = ["x", "y"]\n[loads.b]\non = "bottom"\ntraction = [-0.0, "-1 Pa"]\n[quantities]\n'
+        + 'fix = { x = "R*cos(q)", y = -0.0 }\n[loads.b]\non = "bottom"\ntraction = [6e-17, "-1 Pa"]\n[quantities]\n'
         + 'sag = { displacement = "y", at = "b", reduce = "mean", reference = "-R/1e4", max = "R/1000" }\n'
     )
     write_scene(tmp_path, text + meshed(0.02))
@@ -188,6 +191,8 @@ def test_rounding_beside_the_body_is_shown_as_0_and_limits_have_units(command, t
     lines = {line.split()[0]: " ".join(line.split()[1:]) for line in shown.stdout.splitlines() if line.strip()}
     assert lines["bounding"].endswith("lower left corner (0, 0) m") and "traction (0, -1) Pa" in lines["load"]
     assert lines["shape.vertices.a.1"] == "-R*cos(q) 0 m" and lines["shape.vertices.c.0"] == "R*cos(q) 0 m"
+    assert lines["support"] == "left x = R*cos(q) = 0 m and y = 0 on left"
+    assert lines["supports.left.fix.x"] == "R*cos(q) 0 m"
     assert lines["quantities.sag.max"] == "R/1000 0.0002 m" and lines["quantities.sag.reference"] == "-R/1e4 -20 µm"
 
 
@@ -226,3 +231,14 @@ def test_plane_strain_without_a_thickness_is_of_a_metre_of_depth(command, tmp_pa
         write_scene(tmp_path, strain.replace("thickness = 0.01", change))
         shown = command("check", "scene.toml").stdout
         assert words in shown and "thickness 1 m" not in shown and "warning" not in shown
+
+
+def test_what_is_small_is_not_rounding():
+    known = {"t": 1e-3, "R": 0.2, "q": math.pi / 2.0}
+    for text, value in (("t^4/12", 1e-12 / 12.0), ("R - 0.2 + 1e-12", 1e-12), ("1e-16*1", 1e-16)):
+        formula = Expression(text)
+        assert but_rounding(formula, float(formula.evaluate(0.0, 0.0, known)), known) == pytest.approx(value, rel=1e-3)
+    for text in ("R*cos(q)", "R - 0.3 + 0.1"):
+        formula = Expression(text)
+        found = float(formula.evaluate(0.0, 0.0, known))
+        assert found != 0.0 and but_rounding(formula, found, known) == 0.0

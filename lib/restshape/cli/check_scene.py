@@ -27,15 +27,16 @@ from restshape.replay.rounding import cleared
 from restshape.scene.application_registry import clashes_with
 from restshape.scene.bare_lengths import with_bare_lengths
 from restshape.scene.condition_words import load_words, support_words
-from restshape.scene.descriptions import keys_in_words, listing, with_symbol
+from restshape.scene.descriptions import but_rounding, keys_in_words, listing, with_symbol
 from restshape.scene.edit_script import Script, load_script
-from restshape.scene.given_numbers import GivenNumber, given_numbers
+from restshape.scene.given_numbers import GivenNumber, Key, given_numbers
 from restshape.scene.key_aliases import notes
 from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Rows
 from restshape.scene.plain_values import table_in
 from restshape.scene.plan import Plan, as_written, plan
 from restshape.scene.scene_type import joined_sections
+from restshape.scene.units import SYMBOLS
 from restshape.shape.build import outline_from_spec
 from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
@@ -265,20 +266,23 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
 
 
 def formula_rows(scene: Scene, given: Sequence[GivenNumber]) -> list[tuple[str, str, str]]:
-    """A row for each number that a formula of the parameters gives: its key, the formula, and the value.
-
-    A length that is rounding beside the longest of them is 0.
-    """
-    longest = max((abs(one.value) for one in given if one.dimension == "length"), default=0.0)
+    """A row for each number that a formula of the parameters gives: its key, the formula, and the value."""
     rows = []
     for one in given:
-        # Limits and references have the unit of their quantity, whatever it is.
-        owner = scene.quantities.get(one.key[1]) if one.key[0] == "quantities" and len(one.key) == 3 else None
-        value = cleared(one.value, longest) if one.dimension == "length" else one.value
-        symbol = one.symbol or (unit_of(owner.unit) if owner and one.key[2] in VALUES else "")
-        text = f"{value + 0.0:.6g} {symbol}".rstrip()
+        value, symbol = but_rounding(one.formula, one.value, scene.parameters), one.symbol or _symbol(scene, one.key)
+        text = f"{value:.6g} {symbol}".rstrip()
         rows.append((".".join(one.key), one.formula.text, si(value, symbol, 6) if "e" in text.split()[0] else text))
     return rows
+
+
+def _symbol(scene: Scene, key: Key) -> str:
+    """The SI unit of a number whose key does not give it: of a limit, a closed form, or a fixed direction."""
+    if len(key) == 3 and key[0] == "quantities" and key[2] in VALUES:
+        return unit_of(scene.quantities[key[1]].unit)
+    if len(key) == 4 and key[0] == "supports" and key[2] == "fix":
+        dimensions = (one.boundary.get(key[3]) for one in application(scene.app).physics)
+        return next((SYMBOLS[dimension] for dimension in dimensions if dimension), "")
+    return ""
 
 
 def _material(material: Material, effects: Plan, parameters: Mapping[str, float]) -> str:

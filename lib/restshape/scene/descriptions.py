@@ -9,6 +9,9 @@ from restshape.scene.expressions import COORDINATES, Expression
 from restshape.scene.units import SYMBOLS, in_si
 from restshape.scene.values import annotation_of, dimension_of
 
+ROUNDING = 1e-15
+"""Share of the largest number of a sum or a product that its rounding may have."""
+
 
 def listing(value: object, parameters: Mapping[str, float] | None = None) -> str:
     """A number, the text of a formula, or several of them in parentheses.
@@ -18,7 +21,10 @@ def listing(value: object, parameters: Mapping[str, float] | None = None) -> str
         parameters: of the scene; with them a formula of parameters alone has its value beside it.
     """
     if isinstance(value, tuple | list):
-        return f"({', '.join(listing(one, parameters) for one in value)})"
+        # A component that is rounding beside the largest is 0.
+        largest = max((abs(one) for one in value if isinstance(one, int | float)), default=0.0)
+        shown = (0 if isinstance(one, float) and abs(one) < ROUNDING * largest else one for one in value)
+        return f"({', '.join(listing(one, parameters) for one in shown)})"
     if isinstance(value, Expression):
         return value.text if parameters is None else f"{value.text}{_value(value, parameters)}"
     if isinstance(value, bool | str):
@@ -31,7 +37,13 @@ def _value(formula: Expression, parameters: Mapping[str, float]) -> str:
     """The value of a formula in SI units, such as `` = 2000``; empty where it depends on the place."""
     if formula.names.intersection(COORDINATES):
         return ""
-    return f" = {float(formula.evaluate(0.0, 0.0, dict(parameters))):.6g}"
+    return f" = {but_rounding(formula, float(formula.evaluate(0.0, 0.0, dict(parameters))), parameters):.6g}"
+
+
+def but_rounding(formula: Expression, value: float, parameters: Mapping[str, float]) -> float:
+    """The value of a formula, or 0 where it is the rounding of the parameters in it, such as that of R*cos(90 deg)."""
+    sizes = [abs(parameters[name]) for name in formula.names if name in parameters]
+    return 0.0 if abs(value) < ROUNDING * max(sizes, default=0.0) else value + 0.0
 
 
 def with_symbol(value: object, dimension: object, parameters: Mapping[str, float] | None = None) -> str:
