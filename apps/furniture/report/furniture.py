@@ -56,6 +56,10 @@ STEEPEST = 0.25
 """Part of its length that an arrow of a way is seen with at least where it is made longer."""
 LEAST = 1e-4
 """The shortest way that has one, in parts of the piece's size."""
+SPOT = 0.015
+"""Half of the place that words leave free for the circle at what is under the hand, in parts of the piece's size."""
+UTILISATION, RANGE, FORCE, NAME, SIDE = range(5)
+"""Ranks of words: where there is no room for all, those of higher rank give way."""
 NUDGE = 8.0
 """How far numbers along a side are moved at most where something is drawn over them [points]."""
 
@@ -145,8 +149,11 @@ class PieceView:
         self.image.scene.arrow(start - past, end + past, "white", (SHAFT + RIM) * self.size, HALO)
         self.arrow(start, end, colour)
 
-    def words(self, place: np.ndarray, text: str, colour: str, up: float, aside: float = 0.0, **look: Any) -> None:
-        """Words beside a place, so many points above and to the right of it, or further where others are there."""
+    def words(
+        self, place: np.ndarray, text: str, colour: str, up: float, aside: float = 0.0, rank: int = 0, **look: Any
+    ) -> None:
+        """Words beside a place, so many points above and to the right of it, or further where others of lower rank
+        are there."""
         box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.6}
         word = self.axes.annotate(
             text,
@@ -162,7 +169,7 @@ class PieceView:
             arrowprops={"arrowstyle": "-", "lw": 0.5, "color": colour, "shrinkA": 0, "shrinkB": 0},
             **{"fontsize": 7, **look},
         )
-        self.labels.add(word)
+        self.labels.add(word, rank=rank)
 
 
 def utilisation_colours() -> tuple[Colormap, Normalize]:
@@ -228,10 +235,10 @@ def draw_piece(
         if plank.name in names:
             # Beside the middle, where loads often are.
             place = plank.centre + NAMED_AT * plank.size[0] * plank.axes[:, 0]
-            view.words(place, plank.name, NAMES, 0.0, 0.0, style="italic", fontsize=6.5)
+            view.words(place, plank.name, NAMES, 0.0, 0.0, NAME, style="italic", fontsize=6.5)
     for number in sides:
         number.set_zorder(9)
-        view.labels.add(number, NUDGE)
+        view.labels.add(number, NUDGE, SIDE)
     _frame(view, window)
     if title:
         axes.set_title(title, fontsize=8.5, loc="left")
@@ -296,7 +303,7 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
         # Level with its left end.
         left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
         most, colour = (forces.moment_utilisation[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
-        view.words(left, joint_label(float(most)), colour, 0.0, -4.0)
+        view.words(left, joint_label(float(most)), colour, 0.0, -4.0, UTILISATION)
 
 
 def joint_label(utilisation: float) -> str:
@@ -325,7 +332,7 @@ def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: b
         tail = at - max(ARROW * size / largest, 0.3 * ARROW) * view.size * force / size
         view.arrow(tail, at, FOOT)
         if numbers:
-            view.words(0.4 * tail + 0.6 * at, f"{size:.0f} N", FOOT, 0.0, 5.0)
+            view.words(0.4 * tail + 0.6 * at, f"{size:.0f} N", FOOT, 0.0, 5.0, FORCE)
 
 
 def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool) -> None:
@@ -351,7 +358,7 @@ def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool)
         if numbers:
             text = f"{size / g:.3g} kg" if weight else vector_words(force)
             place, up, aside = (0.5 * (tail + at), 0.0, 5.0) if weight and np.isfinite(room) else (tail, 2.0, 0.0)
-            view.words(place, text, LOAD, up, aside)
+            view.words(place, text, LOAD, up, aside, FORCE)
 
 
 def _free_way(planks: Sequence[Plank], start: np.ndarray, along: np.ndarray) -> float:
@@ -440,11 +447,11 @@ def _draw_range(view: PieceView, furniture: Furniture, direction_view: DesignDir
             )
             view.axes.plot(*np.array([place - across, place + across]).T, color=colour, lw=1.6, zorder=8)
             text = f"{'beyond ' if is_open else ''}{t * scale:+.0f}{unit}".replace("-", "\N{MINUS SIGN}")
-            view.words(at + t * speed, text, colour, 9.0 if t == right else -9.0)
+            view.words(at + t * speed, text, colour, 9.0 if t == right else -9.0, rank=RANGE)
     for left, right in direction_view.doubts:
         line = view.at(at + np.array([[left], [right]]) * speed)
         view.axes.plot(*line.T, color=DOUBT, lw=3.2, solid_capstyle="butt", zorder=8.5)
-    view.axes.plot(
-        *view.at(at + direction_view.at * speed)[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9
-    )
+    here = view.at(at + direction_view.at * speed)
+    view.axes.plot(*here[None].T, "o", ms=5, mfc="white", mec=colour, mew=1.5, zorder=9)
+    view.labels.spare(np.array([here - SPOT * view.size, here + SPOT * view.size]))
     view.reach.append(way)
