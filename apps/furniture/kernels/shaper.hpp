@@ -141,7 +141,8 @@ class Shaper {
         for (int a = 0; a < 2; ++a) {
             const T half = S.size[j][a] * 0.5;
             if (std::abs(value(d[a])) < 1e-9) {
-                if (std::abs(value(q[a])) > value(half)) return false;
+                // An end that is drawn on the very edge of the face lies on it, however its numbers are rounded.
+                if (std::abs(value(q[a])) > value(half) + 1e-9) return false;
                 continue;
             }
             const double way = value(d[a]) > 0.0 ? 1.0 : -1.0;

@@ -52,7 +52,7 @@ def corner(tmp_path, x: float) -> Piece:
     return piece_of(load_scene(path))
 
 
-@pytest.mark.parametrize("x", [0.0, 0.1, -0.3, 0.7])
+@pytest.mark.parametrize("x", [0.0, 0.1, -0.037, 0.153, 0.413])
 def test_an_l_of_two_boards_has_one_joint_with_the_forces_of_statics(tmp_path, x: float) -> None:
     piece = corner(tmp_path, x)
     assert [(joint.i, joint.side, joint.j, joint.face) for joint in piece.joints] == [(1, 0, 0, 5)]
@@ -67,7 +67,7 @@ def test_an_l_of_two_boards_has_one_joint_with_the_forces_of_statics(tmp_path, x
     assert abs(pulled.bending[0]) == pytest.approx(5.0 * height) and abs(alone.bending[0]) < 1e-5
 
 
-@pytest.mark.parametrize("x", [0.0, 0.1, -0.3, 0.7])
+@pytest.mark.parametrize("x", [0.0, 0.1, -0.037, 0.153, 0.413])
 def test_a_corner_of_upright_boards_is_joined_by_the_first(x: float) -> None:
     one = Plank.between("one", (x, 0, 0.2), (x + 0.5, 0, 0.2), (0, 0, 0.4), 0.018)
     other = Plank.between("other", (x, 0, 0.2), (x, 0.5, 0.2), (0, 0, 0.4), 0.018)
