@@ -4,9 +4,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from restshape.outputs.picture_files import save_picture
+from restshape.report.name_labels import Labels
 from restshape.report.style import INK, new_figure
 
 ORDERS = {1: "#0072b2", 2: "#d55e00"}
@@ -14,6 +17,11 @@ MARKS = {"rebuild": "s", "refactor": "^", "thesis": "D", "auto": "o"}
 OTHER = "#117733", "P"
 FAR = 10.0
 """How far below the least error the reference's uncertainty may lie to be shown."""
+
+FIRST = np.array([-1.0, 0.0])
+"""Where a name is tried first: no point is left of and below one of the front."""
+MARK = 4.0
+"""Half the width of a mark that names keep off [points]."""
 
 
 def draw_work_precision(
@@ -43,7 +51,6 @@ def draw_work_precision(
     axes.plot([100.0 * r["error"] for r in front], [r["frame_ms"] for r in front], color=INK, lw=1.2, zorder=1)
     if shown:
         axes.margins(0.06)
-        _name_varied(axes, front)
         low, high = axes.get_xlim()
         band = 100.0 * uncertainty > low / FAR
         if band:
@@ -59,25 +66,34 @@ def draw_work_precision(
         _label_narrow(axis)
     figure.legend(handles=_legend(shown, uncertainty if shown and band else 0.0), loc="outside right upper")
     figure.suptitle(f"{name}: what accuracy costs, one core", x=0.01, ha="left", color=INK)
+    _name_varied(axes, front, shown)
     save_picture(figure, path)
 
 
-def _name_varied(axes: Any, front: Sequence[Mapping[str, Any]]) -> None:
-    """Write beside points of the front what was varied alone, towards the middle of the picture."""
-    for record in (record for record in front if record["varied"]):
-        place = (100.0 * record["error"], record["frame_ms"])
-        across = axes.transAxes.inverted().transform(axes.transData.transform(place))[0]
-        right = across > 0.5
+def _name_varied(axes: Axes, front: Sequence[Mapping[str, Any]], shown: Sequence[Mapping[str, Any]]) -> None:
+    """Write beside points of the front what was varied alone, where there are no marks and no lines."""
+    varied, figure = [record for record in front if record["varied"]], axes.figure
+    if not varied:
+        return
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    over = figure.add_axes(axes.get_position(), xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    over.set_axis_off()
+
+    def places(records: Sequence[Mapping[str, Any]]) -> np.ndarray:
+        at = np.array([(100.0 * record["error"], record["frame_ms"]) for record in records])
+        at = at.reshape(-1, 2)
+        return axes.transAxes.inverted().transform(axes.transData.transform(at))
+
+    labels = Labels(over)
+    labels.keep_off([places(front)])
+    # A name begins 2 points from the middle of its own mark.
+    for of_names, wide in ((False, MARK), (True, 2.0)):
+        marks = places([record for record in shown if (record in varied) is of_names])
+        labels.keep_off((np.repeat(place[None], 2, axis=0) for place in marks), wide)
+    for record, place in zip(varied, places(varied)):
         value = f"{record['given']:.3g}" if isinstance(record["given"], float) else record["given"]
-        axes.annotate(
-            f"{record['varied'].rpartition('.')[2]} = {value}",
-            place,
-            xytext=(-7 if right else 7, -3),
-            textcoords="offset points",
-            ha="right" if right else "left",
-            fontsize=7,
-            color="#666666",
-        )
+        labels.add(place, f"{record['varied'].rpartition('.')[2]} = {value}", "#666666", 7.0, first=FIRST)
 
 
 def _label_narrow(axis: Any) -> None:
