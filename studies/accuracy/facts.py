@@ -60,9 +60,20 @@ def facts(study: Study) -> Facts:
         ("slope p of the front", f"– ({counted(len(front), 'point')})" if found is None else f"{found:.2f}"),
         *_rates(study),
         *compared_values(study),
+        *_idle(study),
         ("reuse below the tolerance", reuse_fact(study)),
         ("reuse + algebraic error, over the tolerance", solver_fact(study)),
     ]
+
+
+def _idle(study: Study) -> Facts:
+    """That the frames of a script have no times, for none of them solves anything."""
+    known = [record["frame_ms"] for record in study.records if record["error"] is not None]
+    if study.total == 1 or not known or any(known):
+        return []
+    edits = study.case.edits.name if study.case.edits else "the script"
+    why = f"no frame of {edits} moves the shape or changes the solution, so that there is nothing to time"
+    return [("time of a frame", f"not known: {why}; name a script that does: --edits FILE")]
 
 
 def _rates(study: Study) -> Facts:

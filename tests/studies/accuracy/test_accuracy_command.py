@@ -285,6 +285,18 @@ stretch = { displacement = "x", at = "b", reference = "2*P/3e9" }
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("jobs_here")
+def test_a_script_that_changes_no_solution_is_said_to_be_one(command, tmp_path):
+    """It sets a value to what it is."""
+    scene = write_scene(tmp_path, HEAD + STRIP, "bar.toml")
+    for value, idle in ((4e9, False), (3e9, True)):
+        edits = write_script(tmp_path, [{"do": "set", "key": "material.m.E", "value": value}], "same.jsonl")
+        reported = command("accuracy", scene, "--edits", edits, *QUICK, "--out", "found")
+        assert reported.returncode == 0, reported.stdout + reported.stderr
+        assert ("no frame of same.jsonl moves the shape or changes the solution" in reported.stdout) == idle
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
 def test_a_static_scene_without_a_script_is_studied_on_its_first_shape(command, tmp_path):
     """A bar that is pulled: its elongation P L / E is known, and every mesh has it."""
     scene = write_scene(tmp_path, HEAD + STRIP, "bar.toml")
