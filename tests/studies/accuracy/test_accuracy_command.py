@@ -43,7 +43,7 @@ def test_a_pick_is_written_run_again_and_holds(command, small, tmp_path):
     held = tomllib.loads(written)
     assert held["mesh"] == {"size": fastest["size"], "edges_per_circle": 8, "order": 1}
     assert held["solve"]["policy"] == "auto"
-    assert "holds: " in reported.stdout and "reuse below the tolerance: at 2 of 2 points" in reported.stdout
+    assert "holds: " in reported.stdout and "reuse below the tolerance: at all 2 points" in reported.stdout
     page = (tmp_path / "found" / "scene.md").read_text()
     for words in (
         "| mesh size |",
