@@ -194,7 +194,21 @@ HOSTILE = {
     ),
     "a long style": (svg(f"<style>{'a' * 30_000}</style>"), "style sheet"),
     "a long path": (svg(f'<path d="M0 0{" h1" * 2_000_000}"/>'), "shapes with their copies"),
-    "infinite": (svg('<path d="M0 0 h1e999 v1 z"/>'), "SVG|farther"),
+    "infinite": (svg('<path id="p" d="M0 0 h1e999 v1 z"/>'), "path 'p' has a coordinate that is no finite number"),
+    "a coordinate that is no number": (
+        svg('<g><path id="p" d="M 0 0 L 100 0 L NaN 50 Z"/></g>'),
+        "path 'p': d has no number at ' 0 0 L 100 0 L NaN 50 Z'",
+    ),
+    "an infinite corner": (svg('<polygon points="0,0 1,0 1,1e400"/>'), "polygon without an id has a coordinate"),
+    "a radius that is no number": (svg('<circle id="c" cx="1" cy="1" r="nan"/>'), "circle 'c': r has no number"),
+    "a transform that is none": (
+        svg('<rect id="r" width="1" height="1" transform="matrix(1 0 0 inf 0 0)"/>'),
+        "rect 'r': transform has no number",
+    ),
+    "a transform beyond numbers": (
+        svg('<path id="p" transform="scale(1e200)" d="M 0 0 h 1e200 v 1 z"/>'),
+        "path 'p' has a coordinate that is no finite number",
+    ),
     "far": (svg('<path d="M0 0 h1e99 v1 z"/>'), "farther"),
     "a broken path": (svg('<path d="M0 0 h x"/>'), "SVG|no curve"),
     "a broken box": (svg(PLATE, 'viewBox="0 0 a b"'), "viewBox"),

@@ -83,7 +83,7 @@ def _curves_of(shape: Any, tree: SvgTree, layers: Mapping[str, str]) -> list[Cur
     else:
         region = label if label.lower().startswith(REGION) else ""
     source = f"{type(shape).__name__.lower()} {quoted(printable(own)) if own else 'without an id'}"
-    place = Placing.of(shape.transform, tree.scale)
+    place = Placing.of(shape.transform, tree.scale, source)
     segments = svgelements.Path(shape).segments(transformed=False)
     return [
         replace(piece, label=label, loop=loop, region=region or None, source=source)

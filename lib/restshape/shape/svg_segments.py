@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from restshape.arrays import Reals
+from restshape.errors import UserError
 from restshape.shape.bsplines import edges_of_cubic, spline_of_beziers
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
 from restshape.shape.loose_curve import Curve
@@ -34,21 +35,33 @@ class Placing:
 
     Args:
         linear: (2, 2) metres, y up, by its own units, y down; shift: (2,) [m].
+        source: the shape, for messages.
     """
 
     linear: Reals
     shift: Reals
+    source: str
 
     @classmethod
-    def of(cls, matrix: Any, scale: tuple[float, float]) -> Placing:
+    def of(cls, matrix: Any, scale: tuple[float, float], source: str) -> Placing:
         """By a matrix of svgelements, into user units, and the metres in a user unit along x and y."""
         metres = np.array([[scale[0]], [-scale[1]]])
         linear = np.array([[matrix.a, matrix.c], [matrix.b, matrix.d]], dtype=float)
-        return cls(metres * linear, metres[:, 0] * (float(matrix.e), float(matrix.f)))
+        with np.errstate(all="ignore"):
+            return cls(metres * linear, metres[:, 0] * (float(matrix.e), float(matrix.f)), source)
 
     def __call__(self, points: Iterable[Any]) -> Reals:
-        """Points (n, 2) [m] of points of svgelements."""
-        return np.array([(float(p.x), float(p.y)) for p in points]) @ self.linear.T + self.shift
+        """Points (n, 2) [m] of points of svgelements.
+
+        Raises:
+            UserError: one is not finite.
+        """
+        with np.errstate(all="ignore"):
+            found: Reals = np.array([(float(p.x), float(p.y)) for p in points]) @ self.linear.T + self.shift
+        if not np.isfinite(found).all():
+            what = f"{self.source} has a coordinate that is no finite number"
+            raise UserError(what, "", "write numbers that are finite, also in its transforms")
+        return found
 
 
 def curves_of_segment(segment: Any, placed: Placing, source: str) -> list[Curve]:

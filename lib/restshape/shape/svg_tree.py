@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from restshape.bounds import NESTING, OUTLINE_PIECES
-from restshape.errors import UserError
+from restshape.errors import UserError, printable, quoted
 from restshape.scene.units import quantity
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -30,6 +30,8 @@ LENGTHS = ("x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "rx", "ry", "width
 PIXELS = {"px": 1.0, "in": 96.0, "pt": 96.0 / 72.0, "pc": 16.0, "cm": 96.0 / 2.54, "mm": 96.0 / 25.4}
 """User units in one of each unit, as CSS has them."""
 WITH_UNIT = re.compile(rf"\s*([-+.\deE]+?)\s*({'|'.join(PIXELS)})\s*")
+NO_NUMBER = re.compile("nan|inf", re.IGNORECASE)
+"""What programs write for numbers that are none; no path, no transform and no length has these letters."""
 PATH_CHARACTERS = 100
 """Characters of a path that count as one more shape."""
 ATTRIBUTE_CHARACTERS = 20_000
@@ -122,8 +124,14 @@ def _simplified(root: ElementTree.Element, where: str) -> list[str]:
 
 
 def _plain_numbers(element: ElementTree.Element, where: str) -> None:
-    """Turns lengths with a unit into user units, and refuses texts that take too long to read."""
+    """Turns lengths with a unit into user units; refuses texts that take too long to read, and what is no number."""
     for key, text in element.attrib.items():
+        if key in (*LENGTHS, "d", "points", "transform") and (none := NO_NUMBER.search(text)):
+            around = text[max(none.start() - 15, 0) : none.end() + 15]
+            name = element.get(LABEL) or element.get("id") or ""
+            what = f"{_tag(element)} {quoted(printable(name)) if name else 'without an id'}"
+            what += f": {key} has no number at {quoted(printable(around))}"
+            raise UserError(what, where, "write a finite number there")
         found = WITH_UNIT.fullmatch(text) if key in LENGTHS and len(text) < 100 else None
         if found:
             try:
