@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from restshape.bounds import NUMBER
 from restshape.errors import ReplayProblem
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
@@ -27,14 +28,18 @@ class Nodal:
         """The values (n,).
 
         Raises:
-            ReplayProblem: one is not finite, or below the least that there is of its dimension.
+            ReplayProblem: one is not finite or beyond `bounds.NUMBER`, or below the least that there is of its
+                dimension.
         """
         if not isinstance(self.value, Expression):
             return np.full(len(X), self.value)
         with np.errstate(all="ignore"):
             result = np.broadcast_to(self.value.evaluate(X[:, 0], X[:, 1], self.parameters), len(X))
-        if not np.all(np.isfinite(result)):
-            self._refuse("the expression is not a finite number", X, ~np.isfinite(result))
+        beyond = ~(np.abs(result) <= NUMBER)
+        if beyond.any():
+            first = float(result[beyond][0])
+            what = f"{first:.6g}, beyond {NUMBER:g}," if np.isfinite(first) else "not a finite number"
+            self._refuse(f"the expression is {what}", X, beyond)
         dimension = self.value.wanted or ""
         least, what = LEAST.get(dimension, (-np.inf, ""))
         below = result < least
