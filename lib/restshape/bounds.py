@@ -1,4 +1,4 @@
-"""What is too large: each bound by its name, checked before time or memory goes into what it bounds.
+"""What is too large or too small: each bound by its name, checked before time or memory goes into what it bounds.
 
 docs/safety.md lists them; a name here is a name there.
 """
@@ -25,7 +25,9 @@ NESTING = 32
 WHOLE_NUMBER = 2**63
 """Whole numbers are smaller than this, as TOML has them."""
 NUMBER = 1e60
-"""Largest number in SI units: products of four of them are still numbers."""
+"""Largest number in SI units: products of four of them are still numbers. Values of formulas, too."""
+TOLERANCE = 1e-15
+"""Least tolerance of a solve: rounding alone is 1.1e-16 of each number."""
 LENGTH = 1e9
 """Largest length or coordinate [m]."""
 UNIT_POWER = 12

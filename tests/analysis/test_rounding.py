@@ -27,7 +27,7 @@ def test_a_tolerance_below_rounding_is_reported(tolerance, reached):
 
 
 def test_a_drag_goes_on_where_rounding_ends_each_frame(tmp_path):
-    text = beam() + "\n[solve]\ntolerance = 1e-16\n"
+    text = beam() + "\n[solve]\ntolerance = 1e-15\n"
     script = write_script(tmp_path, drag("b", (1, 0), across((1, 0), (1.1, -0.05), 5)))
     made = make_replay(write_scene(tmp_path, text), script)
     areas = []
@@ -39,6 +39,15 @@ def test_a_drag_goes_on_where_rounding_ends_each_frame(tmp_path):
 
     rows = rows_of(made, look)
     for row, area in zip(rows, areas):
-        assert not row["refused"] and row["note"] == "a tolerance of 1e-16 is out of reach of rounding"
-        assert 1e-16 < row["residual"] < 1e-11
+        assert not row["refused"] and row["note"] == "a tolerance of 1e-15 is out of reach of rounding"
+        assert 1e-15 < row["residual"] < 1e-11
         assert row["q_wall_y"] == pytest.approx(1000 * 10 * area, rel=1e-11)
+
+
+@pytest.mark.parametrize("words", [("check", "scene.toml"), ("replay", "scene.toml")])
+def test_a_tolerance_that_no_rounding_reaches_is_refused(command, tmp_path, words):
+    write_scene(tmp_path, beam() + "\n[solve]\ntolerance = 1e-16\n")
+    done = command(*words)
+    assert done.returncode == 2
+    assert "solve.tolerance (line " in done.stderr
+    assert "1e-16 is too small: it must be at least 1e-15" in done.stderr

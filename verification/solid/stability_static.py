@@ -219,8 +219,8 @@ def no_load(trial: Trial) -> Iterator[Statement]:
 
 
 def rounding(trial: Trial) -> Iterator[Statement]:
-    """A tolerance of 1e-16, below what rounding lets any solver reach: it ends where rounding does."""
-    text = plate() + "[solve]\ntolerance = 1e-16\n"
+    """A tolerance of 1e-15, below what rounding lets any solver reach: it ends where rounding does."""
+    text = plate() + "[solve]\ntolerance = 1e-15\n"
     events = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.7, 0.5), 10))
     rows = trial.rows(text, events)
     cold = trial.rows(text, events, overrides=["solve.tolerance=1e-12"], policy="refactor")

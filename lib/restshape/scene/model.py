@@ -13,7 +13,7 @@ from pydantic import (
     model_validator,
 )
 
-from restshape.bounds import POLYLINE_POINTS
+from restshape.bounds import POLYLINE_POINTS, TOLERANCE
 from restshape.errors import UserError
 from restshape.scene.expressions import Value
 from restshape.scene.load_kind import LoadKind
@@ -280,13 +280,13 @@ class SolveSpec(Strict):
     can be known.
 
     Args:
-        tolerance: relative residual at which a solve has converged.
+        tolerance: relative residual at which a solve has converged, no less than rounding allows.
         policy: what is reused from frame to frame.
         factor_memory: bytes that a complete factor may take.
         jumps: whether jumps of quantities by the mesh alone are reported; left out, wherever that can be known.
     """
 
-    tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-6
+    tolerance: Annotated[Number, Field(ge=TOLERANCE, lt=1)] = 1e-6
     policy: Literal["auto", "thesis", "refactor", "rebuild"] = "auto"
     factor_memory: Annotated[Number, Field(gt=0)] = 4e9
     jumps: bool | None = None

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ConfigDict, Field
 
+from restshape.bounds import TOLERANCE
 from restshape.errors import UserError
 from restshape.physics.cloth.body_columns import body_columns
 from restshape.physics.cloth.thin_bodies import borne, may_come_through
@@ -143,7 +144,7 @@ class DrapeKeys(Strict):
 
     renamed = {"tolerance": "rest", "strategy": "way"}
 
-    tolerance: Annotated[number_of("number"), Field(gt=0, lt=1)] | None = None
+    tolerance: Annotated[number_of("number"), Field(ge=TOLERANCE, lt=1)] | None = None
     strategy: Literal["auto", "kinetic", "rayleigh", "newton", "stabilised", "cg"] = "auto"
     steps: Annotated[Whole, Field(ge=1)] = 3_000
     levels: Annotated[Whole, Field(ge=1)] | None = None
