@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import small_scenes
+from matplotlib.collections import PolyCollection
 from PIL import Image
 from plates import COLUMNS, record_plate
 from small_scenes import across, drag, write_scene, write_script
@@ -18,6 +19,7 @@ from restshape.outputs.si_numbers import length_unit, si
 from restshape.replay.level_names import LEVEL_NAMES
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
+from restshape.report import quantity_panels, timeline
 from restshape.report.animation import animated_frames
 from restshape.report.frames import LEFT, caption, layout
 from restshape.report.happenings import chosen_frames, failure
@@ -206,6 +208,34 @@ def test_predicted_frames_are_hollow_in_the_timeline(tmp_path, monkeypatch):
         names = [text.get_text() for text in figure.legends[0].get_texts()]
         assert ("predicted, not solved (5)" in names) == bool(hollow)
         assert len(names) == len(set(names))
+
+
+def test_refused_frames_have_a_mark_and_values_between_them_their_error(tmp_path, monkeypatch):
+    """Frames 1 and 3 are refused: in timelines they are no idle ones, and the value between has its whole band."""
+    columns = {"level": "i4", "iterations": "i4", "do": str, "ms": "f8", "refused": "str", "q_a": "f8", "a_error": "f8"}
+    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns) as recorder:
+        recorder.topology(np.array([[0, 1, 2]]))
+        for i in range(5):
+            row = {"level": 0, "iterations": 2, "do": "idle", "ms": 1.0, "refused": "no" if i in (1, 3) else ""}
+            row |= {"q_a": 1.0 + i, "a_error": 0.25}
+            recorder.frame(float(i), CORNERS, {}, {}, {name: row[name] for name in columns if name in row})
+    figures = []
+    for module in (timeline, quantity_panels):
+        monkeypatch.setattr(module, "save_picture", lambda figure, path: figures.append(figure))
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        draw_timeline(recording, tmp_path / "a.png")
+        assert quantity_panels.draw_quantities(recording, tmp_path / "b.png")
+    levels = figures[0].axes[0]
+    marked = {line.get_marker(): line.get_xdata().tolist() for line in levels.lines if len(line.get_xdata())}
+    assert marked == {"o": [0, 2, 4], "P": [1, 3]}
+    (panel,) = figures[1].axes
+    # The second one is that of the legend.
+    band, _ = (one for one in panel.collections if isinstance(one, PolyCollection))
+    sides = [path.get_extents() for path in band.get_paths()]
+    boxes = [(box.x0, box.x1, box.y0, box.y1) for box in sides]
+    assert boxes == [(i - 0.5, i + 0.5, 0.75 + i, 1.25 + i) for i in (0, 2, 4)]
+    (alone,) = (line for line in panel.lines if line.get_marker() == "o")
+    assert alone.get_xdata().tolist() == [0, 2, 4]
 
 
 def test_captions_of_narrow_panels_take_lines(plate):

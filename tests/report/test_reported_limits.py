@@ -94,7 +94,7 @@ def test_errors_are_a_band_around_the_quantity(recorded, tmp_path, monkeypatch):
     axes = next(axes for axes in drawn[0].axes if axes.get_title(loc="left") == "stretch")
     (band,) = (one for one in axes.collections if any(len(path.vertices) > 8 for path in one.get_paths()))
     heights = band.get_paths()[0].vertices
-    first = heights[np.isclose(heights[:, 0], 0.0), 1]
+    first = heights[np.isclose(heights[:, 0], -0.5), 1]
     factor = 10.0 ** np.round(np.log10(first.mean() / value))
     assert first.max() == pytest.approx(factor * (value + error)) and first.min() == pytest.approx(
         factor * (value - error)

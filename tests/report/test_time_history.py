@@ -9,7 +9,7 @@ from restshape.outputs import picture_files
 from restshape.replay.columns import columns
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
-from restshape.report.time_history import draw_history, edited_spans
+from restshape.report.time_history import draw_history, edited_spans, value_step
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 SWAY = 1e-3 * np.sin(np.arange(12.0))
@@ -49,9 +49,15 @@ def test_lines_are_the_recorded_values_over_simulated_time(tmp_path, monkeypatch
     assert axes.get_xlabel() == "simulated time [s]"
     (above,) = axes.child_axes
     marks = dict(zip(above.get_xticks(), (float(text.get_text()) for text in above.get_xticklabels())))
-    # Frame 11 ends at 5 s of simulated time, for one frame was refused, and at 1.1 s of edit time.
-    assert marks[0.0] == 0.0 and marks[5.0] == pytest.approx(1.1)
+    # A frame has 0.1 s of edit time and 0.5 s of simulated time, and one, from 0.8 s to 0.9 s, was refused.
+    assert marks == pytest.approx({0.0: 0.0, 1.0: 0.2, 2.0: 0.4, 3.0: 0.6, 4.0: 0.8, 4.5: 1.0})
     assert Image.open(tmp_path / "history.png").size[0] > 1000
+
+
+def test_the_step_of_values_is_the_one_of_all_frames_or_its_extremes():
+    even, finer = 0.05 * np.arange(31), 1.5 + 0.02 * np.arange(1, 7)
+    assert value_step(even) == "50 ms"
+    assert value_step(np.concatenate([even, even[-1:], finer])) == "20 ms to 50 ms"
 
 
 def test_edited_spans_begin_at_the_end_of_the_frame_before(tmp_path):

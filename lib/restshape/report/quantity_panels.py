@@ -33,6 +33,8 @@ NAMED = 0.24
 LEAST_SPAN = 1e-4
 """Least span of an axis, over the size of its values."""
 BAND = "#c6dbef"
+ALONE = 3.5
+"""Size of the mark of a value without a line to it [points]."""
 POWERS = 1e5
 """From this size on pure numbers have their power of ten beside each: above the axis it would cover the name."""
 MOST = 12
@@ -92,6 +94,8 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
     known = values[np.isfinite(values)]
     factor, shown = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
     axes.plot(frames, factor * values, color=INK, lw=1.0, marker=".", ms=ms, zorder=2)
+    alone = _alone(values)
+    axes.plot(frames[alone], factor * values[alone], ls="", color=INK, marker="o", ms=ALONE, zorder=2)
     for k in (2, 3):
         here = (level == k) & np.isfinite(values)
         axes.plot(frames[here], factor * values[here], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, zorder=3)
@@ -112,6 +116,12 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
         axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
 
 
+def _alone(values: np.ndarray) -> np.ndarray:
+    """Whether each value (n,) has none beside it, so that no line goes to it; of several frames."""
+    known = np.concatenate([[False], np.isfinite(values), [False]])
+    return known[1:-1] & ~known[:-2] & ~known[2:] & (len(values) > 1)
+
+
 def _band(axes: Axes, values: np.ndarray, errors: np.ndarray, unit: str) -> None:
     """Shades what lies within the estimated error of a quantity, where it has one."""
     known = np.isfinite(values) & np.isfinite(errors)
@@ -120,7 +130,8 @@ def _band(axes: Axes, values: np.ndarray, errors: np.ndarray, unit: str) -> None
     factor, _ = scaled_unit(float(np.abs(values[np.isfinite(values)]).max()), unit)
     low, high = (np.where(known, factor * (values + sign * errors), np.nan) for sign in (-1.0, 1.0))
     limits = axes.get_ylim()
-    axes.fill_between(np.arange(len(values)), low, high, color=BAND, linewidth=0, zorder=0.5, step="mid")
+    ends = np.repeat(np.arange(len(values), dtype=float), 2) + np.tile([-0.5, 0.5], len(values))
+    axes.fill_between(ends, np.repeat(low, 2), np.repeat(high, 2), color=BAND, linewidth=0, zorder=0.5)
     # An error many times the value is cut off.
     span = limits[1] - limits[0]
     reach = max(limits[0] - span, float(np.nanmin(low))), min(limits[1] + span, float(np.nanmax(high)))

@@ -5,6 +5,7 @@ from textwrap import shorten, wrap
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
@@ -28,6 +29,10 @@ LETTERS = 18
 """Of a name in one line beside its panel."""
 TICKS = 7
 """Marks of the edit time at most."""
+CLOSE = 0.04
+"""Marks of the edit time are no closer, over the width of the axis."""
+ROUNDING = 1e-9
+"""Of times, over the last one."""
 EDITED = "#fde8c8"
 
 
@@ -54,10 +59,10 @@ def draw_history(recording: Recording, path: Path) -> bool:
     panels[-1].set_xlabel("simulated time [s]")
     panels[-1].set_xlim(np.nanmin(times), np.nanmax(times))
     _edit_times(panels[0], times, recording.times)
-    step = si(float(np.nanmedian(np.diff(times)[np.diff(times) > 0.0])), "s")
     left_out = f", {len(names) - MOST} more quantities are not shown" if len(names) > MOST else ""
     title = shorten(scene_name(recording), 60, placeholder=" …")
-    figure.suptitle(f"{title}: {recording.summary}, a value every {step}{left_out}", x=0.01, ha="left", color=INK)
+    words = f"{title}: {recording.summary}, a value every {value_step(times)}{left_out}"
+    figure.suptitle(words, x=0.01, ha="left", color=INK)
     if edited:
         panels[0].fill_between([], [], [], color=EDITED, label="shape or values edited")
         figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center")
@@ -94,11 +99,23 @@ def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: d
     return shown
 
 
+def value_step(times: np.ndarray) -> str:
+    """Time between the values of frames (n,) [s], with its unit; the least and the largest where it changes."""
+    steps = np.diff(times)
+    least, most = (float(end(steps[steps > 0.0])) for end in (np.min, np.max))
+    # Times are sums of steps, whose last digits are rounded.
+    return si(most, "s") if most - least < ROUNDING * np.nanmax(times) else f"{si(least, 's')} to {si(most, 's')}"
+
+
 def _edit_times(axes: Axes, times: np.ndarray, edits: np.ndarray) -> None:
-    """An axis above with the edit times of some frames."""
-    marked = np.unique(np.linspace(0, len(times) - 1, TICKS).astype(int))
-    # A frame that was refused has the simulated time of the one before.
-    marked = marked[np.unique(times[marked], return_index=True)[1]]
-    above = axes.secondary_xaxis("top")
-    above.set_xticks(times[marked], [f"{edits[k]:.2f}" for k in marked])
+    """An axis above with round edit times, each at the simulated time that the edit had then."""
+    known = np.isfinite(times)
+    times, edits, above = times[known], edits[known], axes.secondary_xaxis("top")
+    round_ones = MaxNLocator(TICKS, steps=[1, 2, 5, 10]).tick_values(float(edits[0]), float(edits[-1]))
+    round_ones = round_ones[(round_ones >= edits[0] - ROUNDING) & (round_ones <= edits[-1] + ROUNDING)]
+    marked: list[tuple[float, str]] = []
+    for edit, time in zip(round_ones, np.interp(round_ones, edits, times)):
+        if not marked or time - marked[-1][0] >= CLOSE * (times[-1] - times[0]):
+            marked.append((float(time), f"{edit:.6g}"))
+    above.set_xticks([time for time, _ in marked], [text for _, text in marked])
     above.set_xlabel("edit time [s]")

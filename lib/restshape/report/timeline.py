@@ -3,6 +3,7 @@
 from math import ceil
 from pathlib import Path
 from textwrap import shorten
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -19,6 +20,9 @@ from restshape.report.tables import column, jumped, predicted, refused, with_val
 
 STATUS_MARKS = {UNCERTAIN: ("limit within the error", "d", RESTLESS), FAILS: ("limit violated", "x", REFUSED)}
 """By constraint status: its name in the legend, its mark, its colour."""
+STOPPED = -2
+"""Stands for the level of a frame that was refused."""
+REFUSALS: dict[str, Any] = {"linestyle": "none", "marker": "P", "color": REFUSED, "markersize": 4.5}
 LARGE_JUMP = 0.005
 """Jumps of a quantity where the mesh changes are marked from this share of its value on."""
 COLUMNS, GAP = 4, 0.12
@@ -38,7 +42,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
     stopped, ahead = refused(recording), predicted(recording)
     restless = column(recording, "converged", 1.0) == 0
     ms, counts = column(recording, "ms"), column(recording, "iterations")
-    kind = np.where(with_values(recording), VALUES, level)
+    kind = np.where(stopped, STOPPED, np.where(with_values(recording), VALUES, level))
     for k in (k for k in LEVELS if k in kind):
         look = {"linestyle": "none", "marker": LEVEL_MARKS[k], "color": LEVELS[k], "markersize": 3.5}
         levels.plot([], [], label=LEVEL_LABELS[k], **look)
@@ -46,7 +50,8 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         for chosen, fill in ((kind == k) & ~ahead, LEVELS[k]), ((kind == k) & ahead, "white"):
             for axes, values in zip(panels, (level, ms, counts)):
                 axes.plot(frames[chosen], values[chosen], markerfacecolor=fill, **look)
-    for axes in panels:
+    for axes, values in zip(panels, (level, ms, counts)):
+        axes.plot(frames[stopped], values[stopped], **REFUSALS)
         axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
         axes.set_axisbelow(True)
         _mark(axes, frames[stopped], REFUSED)
@@ -66,7 +71,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         handles += levels.plot([], [], "o", color=INK, markerfacecolor="white", markersize=3.5)
         names.append(f"predicted, not solved ({ahead.sum()})")
     if stopped.any():
-        handles.append(levels.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3))
+        handles += levels.plot([], [], **REFUSALS)
         names.append(f"refused ({stopped.sum()})")
     if restless.any():
         handles.append(levels.axvspan(np.nan, np.nan, color=RESTLESS, alpha=0.3))
