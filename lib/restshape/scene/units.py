@@ -136,6 +136,7 @@ UNITS = PLAIN | {
     p + name: (scale * f, powers) for name, (f, powers) in PREFIXED.items() for p, scale in PREFIXES.items()
 }
 
+UNKNOWN = "is not a known unit"
 KNOWN_UNITS = (
     f"use {', '.join([*PREFIXED, *PLAIN, 'degC'])}, or a prefix and one of {', '.join(PREFIXED)}, as in mm, kN or GPa"
 )
@@ -251,7 +252,7 @@ def _unknown_unit(word: str, text: str) -> UnitError:
     word = word or text.strip()
     alike = [name for name in UNITS if name.lower() == word.lower() and name != word]
     do = f"did you mean {' or '.join(map(repr, alike))}?" if alike else KNOWN_UNITS
-    return UnitError(f"{quoted(text.strip())} is not a known unit", do)
+    return UnitError(f"{quoted(text.strip())} {UNKNOWN}", do)
 
 
 def spelled(powers: Powers) -> str:
@@ -334,7 +335,7 @@ def _unit_of(value: str, text: str) -> tuple[float, Powers]:
     try:
         return unit(text)
     except UnitError as error:
-        if do := _as_formula(value):
+        if error.what.endswith(UNKNOWN) and (do := _as_formula(value)):
             what = f"{quoted(value)} reads as one number with the unit {quoted(text.strip())}, which is not known"
             raise UnitError(what, do) from None
         raise error
