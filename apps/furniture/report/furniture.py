@@ -351,7 +351,8 @@ def _draw_loads(view: PieceView, furniture: Furniture, case: int, numbers: bool)
         # Through what lies above, it would seem to be a load of that, and so would words there.
         tail = at - min(length, max(room, 0.5 * SHORTEST * ARROW * view.size)) * force / size
         view.arrow(tail, at, LOAD)
-        weight = g > 0.0 and np.allclose(force / size, np.array(piece.gravity) / g)
+        # A push straight down is a force, whatever mass would weigh as much.
+        weight = g > 0.0 and load in piece.weights
         if not weight:
             # One across the view has next to no arrow.
             view.axes.plot(*view.at(at)[None].T, "o", ms=3.0, color=LOAD, zorder=8)

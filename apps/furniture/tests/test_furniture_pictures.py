@@ -146,6 +146,15 @@ def test_an_end_state_is_translucent_and_has_arrows(arrows) -> None:
     assert len(moves(arrows)) == 1 and near(pixels, MOVED) > 0
 
 
+def test_a_push_straight_down_is_a_force_not_a_mass() -> None:
+    piece = table()
+    furniture = model(replace(piece, pushes=(replace(piece.weights[0], name="sit", force=(0.0, 0.0, -600.0)),)))
+    axes = new_figure(4.0, 3.5).subplots()
+    draw_piece(axes, furniture, case=1)
+    written = [text.get_text() for text in axes.texts]
+    assert "50 kg" in written and "600 N along \N{MINUS SIGN}z" in written
+
+
 def test_a_suggestion_has_the_utilisation_of_the_piece_that_it_makes() -> None:
     furniture = model(table(kilograms=50.0))
     one = next(s for s in suggest(furniture).found if s.valid)
