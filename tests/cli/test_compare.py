@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
+from vibrating import SHAKEN, dynamics, tower
 
 from restshape.comparison import comparison_picture
 from restshape.comparison.header_differences import header_differences, shortened
@@ -55,6 +56,7 @@ def test_a_repeated_replay_has_the_same_bits(command, tmp_path, replayed, dragge
     assert found["hashes"][0] == found["hashes"][1] and found["columns"] == [] and found["header"] == {}
     assert all(one["largest"] == 0.0 for one in (*found["quantities"].values(), *found["fields"].values()))
     code, found, _ = compared(command, tmp_path, one, other)
+    assert found["time"] is None
     assert code == 0 and found["outcome"] == "same values" and set(found["ms"]) == {"p50", "p95", "p99"}
     code, found, _ = compared(command, tmp_path, first, other)
     assert code == 0 and found["outcome"] == "same values"
@@ -209,9 +211,27 @@ def test_json_files_say_how_they_were_made(command, tmp_path, replayed):
     code, found, said = compared(command, tmp_path, one, other)
     assert code == 1 and found["header"]["overrides"] == [[], ["mesh.size=0.125"]]
     assert "overrides" in said and found["header"]["unknowns"][0] < found["header"]["unknowns"][1]
+    pulled, _ = replayed(scene, "c", "--set", "loads.pull.traction=['5 MPa', 0]")
+    # The load is named as the scene names it, and once.
+    assert list(compared(command, tmp_path, recording, pulled)[1]["header"]) == ["loads.pull.traction"]
     # A single frame moved nothing, so that there is no time to compare.
     assert not found["ms"] and "p50" not in said
     assert not compared(command, tmp_path, one, recording)[1]["ms"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", [0, 1])
+def test_frames_at_other_simulated_times_are_noted(command, tmp_path, replayed, place):
+    """Of steps of 10 ms and 5 ms, 4 a frame: frame 5 is at 200 ms or 100 ms. Recordings and JSON files both know."""
+    scene = tower(tmp_path, SHAKEN, dynamics(steps=4), size=0.5)
+    script = write_script(tmp_path, [{"t": 0.0, "do": "idle", "frames": 5}])
+    first = replayed(scene, "a", "--edits", script)[place]
+    second = replayed(scene, "b", "--edits", script, "--set", "effects.dynamics.time_step=0.005")[place]
+    _, found, said = compared(command, tmp_path, first, second, "--out", "both.png")
+    assert found["time"]["largest"] == pytest.approx(0.1) and found["time"]["frame"] == 5
+    assert "paired by their number" in said and "by up to 100 ms (frame 5)" in said
+    _, found, said = compared(command, tmp_path, first, first)
+    assert found["time"]["largest"] == 0.0 and "simulated times" not in said
 
 
 @pytest.mark.slow

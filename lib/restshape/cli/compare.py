@@ -84,6 +84,8 @@ def _print(args: argparse.Namespace, found: Compared, first: Result, second: Res
         print_table("how they were made", ("key", "A", "B"), rows)
     if found.frames[0] != found.frames[1]:
         print(f"frames: {found.frames[0]} and {found.frames[1]}; the first {min(found.frames)} are compared")
+    if found.apart:
+        print(_moments(found.apart))
     _print_list("frames refused in one of them only", found.refused)
     _print_list("frames with another constraint status", found.status)
     _print_alone("quantities", found.alone, [one.quantities for one in (first, second)])
@@ -105,6 +107,14 @@ def _print(args: argparse.Namespace, found: Compared, first: Result, second: Res
     if unknown := [one_line(one.path) for one in (first, second) if one.recording is None]:
         those = "neither file has" if len(unknown) == 2 else f"{unknown[0]} does not have"
         print(f"note: quantities alone are compared: {those} fields, which recordings (.vtkhdf) hold")
+
+
+def _moments(apart: SeriesDifference) -> str:
+    """Says that frames of one number are at other simulated times."""
+    if not math.isfinite(apart.largest):
+        return "note: frames are paired by their number, and none has a simulated time in both"
+    far = f"at other simulated times, by up to {si(apart.largest, 's')} (frame {apart.frame})"
+    return f"note: frames are paired by their number and are {far}: their differences are those of other moments, too"
 
 
 def _print_differences(title: str, what: str, differences: list[SeriesDifference], units: Mapping[str, str]) -> None:

@@ -57,7 +57,8 @@ def draw_comparison(first: Result, second: Result, found: Compared, path: Path) 
         _draw_quantities(parts[0], names, first, second, frame)
     if first.recording and second.recording and sceneries:
         _draw_fields(parts[-1], (first.recording, second.recording), sceneries, frame)
-    titles = [f"{_name(first.path)} and {_name(second.path)}: {found.outcome}", fields_title(sceneries)]
+    pairs = ", frames of one number at other simulated times" if found.apart else ""
+    titles = [f"{_name(first.path)} and {_name(second.path)}: {found.outcome}{pairs}", fields_title(sceneries)]
     for part, title in zip(parts, titles if len(parts) > 1 else ["\n".join(filter(None, titles))]):
         part.suptitle(title, x=0.01, ha="left", color=INK)
     save_picture(figure, path)

@@ -12,6 +12,7 @@ import numpy as np
 from restshape import bounds
 from restshape.arrays import AnyArray, Flags, Reals
 from restshape.errors import UserError
+from restshape.replay.columns import SIMULATED
 from restshape.replay.recording import Recording
 from restshape.report.recorded_quantities import quantity_units
 from restshape.report.tables import column, refused, singular
@@ -40,6 +41,7 @@ class Result:
         ms: (n,) time of each frame; None likewise.
         percentiles: p50, p95, p99 of the frames that moved [ms], where no time of each frame is known.
         recording: None of a JSON file.
+        simulated: (n,) simulated time at the end of each frame [s]; None of what is at rest.
     """
 
     path: Path
@@ -52,6 +54,7 @@ class Result:
     ms: Reals | None = None
     percentiles: dict[str, float] = field(default_factory=dict)
     recording: Recording | None = None
+    simulated: Reals | None = None
 
     @property
     def singular(self) -> dict[str, float]:
@@ -97,7 +100,8 @@ def _recorded(path: Path) -> Result:
     header = {**recording.header, "status": recording.status}
     ms = column(recording, TIME) if TIME in table else None
     units = quantity_units(recording.header)
-    return Result(path, recording.n, header, quantities, units, stopped, status, ms, {}, recording)
+    simulated = column(recording, SIMULATED) if SIMULATED in table else None
+    return Result(path, recording.n, header, quantities, units, stopped, status, ms, {}, recording, simulated)
 
 
 def _written(path: Path) -> Result:
@@ -134,4 +138,16 @@ def _written(path: Path) -> Result:
     origin = dict(origin) if isinstance(origin, dict) else {}
     units = origin.pop("units", {})
     known_units = {k: str(v) for k, v in units.items()} if isinstance(units, dict) else {}
-    return Result(path, n, origin | header, quantities, known_units, stopped, percentiles=percentiles)
+    simulated = _simulated(data.get(SIMULATED), n)
+    return Result(
+        path, n, origin | header, quantities, known_units, stopped, percentiles=percentiles, simulated=simulated
+    )
+
+
+def _simulated(given: object, n: int) -> Reals | None:
+    """The simulated times of frames, where a JSON file has one for each."""
+    try:
+        found = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    return found if found.shape == (n,) else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,8 @@ from restshape.comparison.series_difference import SeriesDifference, series_diff
 
 SAME_BITS, SAME_VALUES, WITHIN, DIFFERENT = "same bits", "same values", "within tolerance", "different"
 """Outcomes: all columns and fields but times; all numbers of a JSON file; all quantities and fields; none of them."""
+ROUNDING = 1e-9
+"""Of simulated times, which are sums of steps, over the last one."""
 KEYS = ("p50", "p95", "p99")
 
 
@@ -33,6 +35,7 @@ class Compared:
         columns: names of columns and fields with other bits; None where one of them is no recording.
         fields: None likewise.
         hashes: of both results; empty likewise.
+        moments: how far the simulated times of frames of one number are apart [s]; None where a result has none.
     """
 
     outcome: str
@@ -46,11 +49,17 @@ class Compared:
     columns: list[str] | None = None
     fields: FieldDifferences | None = None
     hashes: tuple[str, ...] = field(default=())
+    moments: SeriesDifference | None = None
 
     @property
     def same(self) -> bool:
         """Whether nothing differs by more than the tolerance."""
         return self.outcome != DIFFERENT
+
+    @property
+    def apart(self) -> SeriesDifference | None:
+        """The difference of the simulated times of frames of one number, where there is one but for rounding."""
+        return self.moments if self.moments and self.moments.relative > ROUNDING else None
 
     def plain(self) -> dict[str, Any]:
         """What the JSON file holds."""
@@ -63,6 +72,7 @@ class Compared:
             "refused": self.refused,
             "constraint_status": self.status,
             "ms": {key: list(pair) for key, pair in self.times.items()},
+            "time": self.moments.plain() if self.moments else None,
         }
         if self.fields:
             found["fields"] = {one.name: one.plain() for one in self.fields.fields}
@@ -72,12 +82,20 @@ class Compared:
 
 
 def compared(first: Result, second: Result, tolerance: float = 0.0) -> Compared:
-    """Two results beside each other.
+    """Two results beside each other, frame by frame of one number.
 
     Args:
         first, second: as `read_result` gives them.
         tolerance: of quantities and fields, over the largest absolute value of each; 0: all bits must be the same.
     """
+    found = _compared(first, second, tolerance)
+    if first.simulated is None or second.simulated is None:
+        return found
+    return replace(found, moments=series_difference("time", first.simulated, second.simulated))
+
+
+def _compared(first: Result, second: Result, tolerance: float) -> Compared:
+    """Two results beside each other, whenever their frames are."""
     names = [name for name in first.quantities if name in second.quantities]
     alone = sorted(set(first.quantities) ^ set(second.quantities))
     quantities = [series_difference(name, first.quantities[name], second.quantities[name]) for name in names]
