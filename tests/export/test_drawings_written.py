@@ -293,3 +293,4 @@ def test_a_step_face_and_solid_have_the_area_of_the_shape(outline, tmp_path, cap
 def test_points_that_are_left_out_are_noted(tmp_path, kind):
     notes = write_shape(kind, edited(tmp_path), None, tmp_path / f"plate.{kind}")
     assert any("gauge" in note for note in notes) == (kind in ("svg", "step")), notes
+    assert any("regions: core" in note for note in notes) == (kind == "step"), notes

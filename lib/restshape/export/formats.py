@@ -39,7 +39,10 @@ def write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path
     elif kind == "step":
         thickness = thickness_of(frame.scene)
         write_step(frame.outline, thickness, out)
-        return ([f"a face {FLAT}"] if thickness is None else []) + _points_left_out(frame.outline, "a body in STEP")
+        left = _points_left_out(frame.outline, "a body in STEP")
+        regions = frame.outline.names("region")
+        left += [f"left out, for a body in STEP has no regions: {', '.join(regions)}"] if regions else []
+        return ([f"a face {FLAT}"] if thickness is None else []) + left
     else:
         assert mesh is not None, "a surface is that of a mesh"
         return write_mesh(kind, mesh, out, thickness_of(frame.scene))

@@ -20,7 +20,7 @@ from restshape.memory import bounded_memory
 from restshape.shape.bsplines import edges_of_cubic
 from restshape.shape.dxf_blocks import placed
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
-from restshape.shape.layer_names import name_of, refuse_layers
+from restshape.shape.layer_names import name_of, refuse_layers, region_named
 from restshape.shape.loose_curve import Curve, LooseCurves, gathered
 
 NO_NAME = ("0", "Defpoints")
@@ -36,10 +36,10 @@ def read_dxf(path: Path, layers: Mapping[str, str] | None = None) -> LooseCurves
     """The curves of a DXF drawing, in metres by its ``$INSUNITS`` (none: millimetres).
 
     LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE, POLYLINE and SPLINE in model space, and in blocks that INSERTs put there.
-    Layers name edges, holes and groups; a loop on a layer ``region...`` is a region. Lines, arcs and cubic SPLINEs
-    without weights whose inner knots are simple are exact; a SPLINE with fit points interpolates them; ELLIPSEs and all
-    other SPLINEs become splines within `fitted_spline.WITHIN`. A POINT that has a layer for itself has its name. Texts,
-    dimensions and all other points are ignored.
+    Layers name edges, holes and groups; a loop on a layer ``region...``, by either of its names, is a region.
+    Lines, arcs and cubic SPLINEs without weights whose inner knots are simple are exact; a SPLINE with fit points
+    interpolates them; ELLIPSEs and all other SPLINEs become splines within `fitted_spline.WITHIN`. A POINT that has
+    a layer for itself has its name. Texts, dimensions and all other points are ignored.
 
     Args:
         path: the file.
@@ -107,7 +107,7 @@ def _curves_of(entity: Any, layer: str, label: str, scale: float, path: Path) ->
     if found is None:
         do = f"use {READ}; shape.layers reads some layers alone; explode hatches"
         raise UserError(f"{kind} on layer {layer!r} cannot be part of an outline", path.name, do)
-    region = label if label.lower().startswith("region") else None
+    region = label if region_named(layer, label) else None
     return [
         replace(curve, points=np.asarray(curve.points, float)[:, :2] * scale, label=label, source=source, region=region)
         for curve in found

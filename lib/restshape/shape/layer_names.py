@@ -9,6 +9,8 @@ from restshape.bounds import NAME_CHARACTERS
 from restshape.errors import UserError, printable
 from restshape.scene.values import PART, RESERVED
 
+REGION = "region"
+"""How names of regions begin, and the class of others in an SVG."""
 LISTED = 12
 """Layers that a message lists."""
 
@@ -24,6 +26,11 @@ def name_of(text: str) -> str:
         return text
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", text)[: NAME_CHARACTERS // 2]
     return name if re.match(r"[A-Za-z_]", name) else f"layer_{name}"
+
+
+def region_named(layer: str, name: str) -> bool:
+    """Whether a loop is a region by its layer, as the file calls it or as the scene does: `region` at the beginning."""
+    return any(text.lower().startswith(REGION) for text in (layer, name))
 
 
 def refuse_layers(wanted: Mapping[str, str], there: Collection[str], where: str) -> None:

@@ -14,10 +14,10 @@ import svgelements
 from restshape.bounds import DRAWING_BYTES, READING_MEMORY
 from restshape.errors import UserError, printable, quoted
 from restshape.memory import bounded_memory
-from restshape.shape.layer_names import name_of, refuse_layers
+from restshape.shape.layer_names import name_of, refuse_layers, region_named
 from restshape.shape.loose_curve import Curve, LooseCurves, gathered
 from restshape.shape.svg_segments import Placing, curves_of_path
-from restshape.shape.svg_tree import GROUP_NAME, OWN_NAME, REGION, REGION_NAME, SvgTree, svg_tree
+from restshape.shape.svg_tree import GROUP_NAME, OWN_NAME, REGION_NAME, SvgTree, svg_tree
 
 NO_SIZE = "the drawing has no size in mm, cm, in or pt (width, height), and is read with 96 units an inch"
 
@@ -78,10 +78,9 @@ def _curves_of(shape: Any, tree: SvgTree, layers: Mapping[str, str]) -> list[Cur
         return []
     loop = name_of(groups[-1]) if groups and chosen is None else ""
     label = name_of(own) or loop if chosen is None else layers[chosen]
-    if chosen is None:
-        region = name_of(str(shape.values.get(REGION_NAME) or ""))
-    else:
-        region = label if label.lower().startswith(REGION) else ""
+    region = name_of(str(shape.values.get(REGION_NAME) or ""))
+    if chosen is not None:
+        region = label if region or region_named(chosen, label) else ""
     source = f"{type(shape).__name__.lower()} {quoted(printable(own)) if own else 'without an id'}"
     place = Placing.of(shape.transform, tree.scale, source)
     segments = svgelements.Path(shape).segments(transformed=False)

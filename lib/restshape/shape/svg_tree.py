@@ -11,6 +11,7 @@ import numpy as np
 from restshape.bounds import NESTING, OUTLINE_PIECES
 from restshape.errors import UserError, printable, quoted
 from restshape.scene.units import quantity
+from restshape.shape.layer_names import REGION
 
 SVG = "{http://www.w3.org/2000/svg}"
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
@@ -21,8 +22,6 @@ OWN_NAME = "restshape-name"
 """The attribute with the name of a shape itself."""
 REGION_NAME = "restshape-region"
 """The attribute that hands down the name of a region."""
-REGION = "region"
-"""How names of regions begin, and the class of others."""
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 GROUPS = ("g", "use", "a", "switch", "svg")
 NOT_DRAWN = ("clipPath", "mask", "marker", "pattern", "text", "image", "foreignObject", "metadata", "script", "filter")
