@@ -221,6 +221,7 @@ def test_a_large_drawing_is_named_where_the_first_frame_takes_too_long(tmp_path,
     file = large_drawing(Namespace(scene=scene))
     slow, large = messages("check", 60.0, 1e9, "", file)
     assert ("try: part.dxf has 5 MB: read some of its layers alone" in slow) == named and (file in large)
+    assert large_drawing(Namespace(scene="/dev/zero")) == ""
     assert large_drawing(Namespace()) == large_drawing(Namespace(scene=tmp_path / "none.toml")) == ""
 
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from restshape.bounds import FRAME_SECONDS, MEMORY_SHARE
+from restshape.bounds import FRAME_SECONDS, MEMORY_SHARE, SCENE_BYTES
 from restshape.errors import one_line
 from restshape.outputs.kinds import CsvFile, RecordingFile, SweepFile
 
@@ -105,6 +105,8 @@ def large_drawing(args: argparse.Namespace) -> str:
     """The drawing or the mesh of the scene of a command that is a large file, with its size; empty where none is."""
     try:
         scene = Path(args.scene)
+        if not scene.is_file() or scene.stat().st_size > SCENE_BYTES:
+            return ""
         raw = tomllib.loads(scene.read_text(encoding="utf-8"))
         named = scene.parent / (raw.get("shape", {}).get("file") or raw["mesh"]["file"])
         size = named.stat().st_size
