@@ -20,11 +20,8 @@ def sweep_notes(remembered: Sequence[str], runs: Sequence[SweptRun]) -> list[str
     if remembered:
         found.append(f"each run starts from rest: equilibria depend on the path to them ({', '.join(remembered)})")
     if moved := sum(meshes_moved(runs)):
-        found.append(
-            f"the mesh of the run before has moved to the shape of {counted(moved, 'run')}: values differ from those "
-            "on a mesh of their own, and with the order of runs, within the error of the mesh; --from-rest gives each "
-            "run its own mesh"
-        )
+        which = f"{counted(moved, 'run')} on the mesh of the run before, moved to its shape (level 1 or 2)"
+        found.append(f"{which}: values hold to the error of the mesh; --from-rest gives each run its own mesh")
     return found
 
 
