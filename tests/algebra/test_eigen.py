@@ -101,6 +101,24 @@ def test_old_factor_still_finds_the_new_modes():
     assert report.method == "davidson" and auto.pencil.factorisations == made
 
 
+def test_a_search_begins_with_the_modes_that_its_shift_is_chosen_by(monkeypatch):
+    """They are multiplied once: with K and with M, for the shift, the search and the distances from eigenvalues."""
+    K, M, rigid = spring_chain(40)
+    auto = solver("auto")
+    auto.solve(K, M, rigid, 3, True)
+    stiffer, _, _ = spring_chain(40, 1.3)
+    appended, append, start = [], SearchSpace.append, auto.history[0].copy()
+    monkeypatch.setattr(SearchSpace, "append", lambda self, rows: (appended.append(rows.copy()), append(self, rows))[1])
+    products = auto.pencil.products
+    found, report = auto.solve(stiffer, M, rigid, 3, False, verify=True)
+    assert report.inertia_checked
+    assert sum(rows.shape == start.shape and np.array_equal(rows, start) for rows in appended) == 1
+    assert auto.pencil.products - products <= len(rigid) + 2 * sum(map(len, appended))
+    assert found.values[:3] == pytest.approx(eigh(stiffer[:, :], eigvals_only=True)[1:4], rel=1e-10)
+    difference = stiffer[:, :] @ found.modes.T - found.modes.T * found.values
+    np.testing.assert_allclose(found.forces, difference.T, atol=1e-12)
+
+
 def test_mode_that_the_start_knows_nothing_of_is_counted_and_found():
     K, M, rigid = spring_chain(40)
     auto = solver("auto")

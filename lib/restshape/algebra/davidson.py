@@ -21,6 +21,7 @@ class Found:
         residuals: (k,) |K phi - lambda M phi| / |lambda M phi|.
         iterations: times that the search space grew.
         converged: all of the wanted ones are within the tolerance.
+        forces: (k, n) K phi - lambda M phi, where the search has them.
     """
 
     values: Reals
@@ -28,6 +29,7 @@ class Found:
     residuals: Reals
     iterations: int
     converged: bool
+    forces: Reals | None = None
 
 
 class SearchSpace:
@@ -43,10 +45,17 @@ class SearchSpace:
         self.rows, self.stiff, self.mass_products = (np.empty((capacity, pencil.size)) for _ in range(3))
         self.projected = np.zeros((capacity, capacity))
         self.count = 0
+        self.begun: Reals | None = None
 
     def begin(self, deflation: Deflation) -> None:
         """Empty the space, for matrices that are others now; its memory is kept: new pages cost more than a frame."""
-        self.deflation, self.count = deflation, 0
+        self.deflation, self.count, self.begun = deflation, 0, None
+
+    def begin_with(self, deflation: Deflation, rows: Reals) -> None:
+        """Empty the space, and begin a search in it with rows (k, n), for which `davidson` need not do so again."""
+        self.begin(deflation)
+        self.append(rows)
+        self.begun = rows
 
     def append(self, rows: Reals) -> int:
         """Widen the space by the directions of rows (k, n); how many of them are new."""
@@ -85,6 +94,10 @@ class SearchSpace:
             *(np.ascontiguousarray(chosen @ part[:k]) for part in (self.rows, self.stiff, self.mass_products)),
         )
 
+    def ritz_values(self) -> Reals:
+        """All Ritz values, ascending."""
+        return np.linalg.eigvalsh(self.projected[: self.count, : self.count])
+
 
 def _orthonormal(rows: Reals, mass_products: Reals) -> tuple[Reals, Reals]:
     """A basis of what rows (k, n) span, orthonormal in the mass, without directions that are lost in rounding."""
@@ -116,7 +129,7 @@ def davidson(
     change of shape to the order of their number. Then each residual that is too large adds the old (K - s M)^-1 of it.
 
     Args:
-        space: its pencil has a factor; what it holds is thrown away.
+        space: its pencil has a factor; what it holds is thrown away, but for a first block that it has begun with.
         deflation: the rigid motions.
         starts: blocks (k, n) of start vectors, the best first.
         count: wanted.
@@ -127,8 +140,10 @@ def davidson(
     Source: E. R. Davidson, J. Comput. Phys. 17 (1975) 87; G. L. G. Sleijpen and H. A. van der Vorst, SIAM J. Matrix
         Anal. Appl. 17 (1996) 401; docs/theory/free-vibrations.md.
     """
-    space.begin(deflation)
-    for block in starts:
+    if space.begun is not starts[0]:
+        space.begin_with(deflation, starts[0])
+    space.begun = None
+    for block in starts[1:]:
         space.append(block)
     iterations = 0
     while True:
@@ -138,15 +153,15 @@ def davidson(
         residuals = np.linalg.norm(forces, axis=1) / scale
         open_ones = np.flatnonzero(~(residuals[:count] <= tolerance))
         if not len(open_ones) and len(values) >= count:
-            return Found(values, modes, residuals, iterations, True)
+            return Found(values, modes, residuals, iterations, True, forces)
         if iterations >= limit:
-            return Found(values, modes, residuals, iterations, False)
+            return Found(values, modes, residuals, iterations, False, forces)
         if space.count + len(open_ones) > space.capacity:
             space.begin(deflation)
             space.append(modes)
         iterations += 1
         if not len(open_ones) or not space.append(space.pencil.solve(forces[open_ones])):
-            return Found(values, modes, residuals, iterations, False)
+            return Found(values, modes, residuals, iterations, False, forces)
 
 
 def ritz_values(pencil: Pencil, deflation: Deflation, rows: Reals) -> Reals:
@@ -154,4 +169,4 @@ def ritz_values(pencil: Pencil, deflation: Deflation, rows: Reals) -> Reals:
     space = SearchSpace(pencil, len(rows))
     space.begin(deflation)
     space.append(rows)
-    return space.ritz(len(rows))[0]
+    return space.ritz_values()

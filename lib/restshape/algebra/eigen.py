@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.davidson import Found, SearchSpace, davidson, ritz_values
+from restshape.algebra.davidson import Found, SearchSpace, davidson
 from restshape.algebra.factor_life import FactorLife
 from restshape.algebra.inverse_iteration import EPSILON, inverse_iteration
 from restshape.algebra.krylov_schur import krylov_schur
@@ -155,6 +155,9 @@ class EigenSolver:
             ReplayProblem: no convergence, or no factor.
         """
         self.pencil.set_matrices(stiffness, mass, new_system)
+        if self.space is not None:
+            # What it holds is of the matrices before.
+            self.space.begun = None
         self.floor = 0.0 if new_system else self.floor
         self._deflation = Deflation(rigid, self.pencil)
         substitutions, factorisations = self.pencil.substitutions, self.pencil.factorisations
@@ -295,13 +298,20 @@ class EigenSolver:
         return found, report
 
     def _iterate(self, count: int, limit: int) -> Found:
-        # Of older frames only what was wanted, which had converged.
-        starts = [self.history[0], *(block[:count] for block in self.history[1:HISTORY])]
-        capacity = sum(map(len, starts)) + max(ROOM, 4 * (count + SPARE))
+        starts, space = self._starts(count), self._search_space(count)
+        with self.stages("krylov"):
+            return davidson(space, self.deflation, starts, count, SPARE, self.reach, limit)
+
+    def _starts(self, count: int) -> list[Reals]:
+        """Blocks of modes that a search begins with: of older frames only what was wanted, which had converged."""
+        return [self.history[0], *(block[:count] for block in self.history[1:HISTORY])]
+
+    def _search_space(self, count: int) -> SearchSpace:
+        """The space of a search that begins with the modes of the last frames."""
+        capacity = sum(map(len, self._starts(count))) + max(ROOM, 4 * (count + SPARE))
         if self.space is None or self.space.capacity < capacity or self.space.rows.shape[1] != self.pencil.size:
             self.space = SearchSpace(self.pencil, capacity)
-        with self.stages("krylov"):
-            return davidson(self.space, self.deflation, starts, count, SPARE, self.reach, limit)
+        return self.space
 
     def _limit(self, count: int, price: float, fresh: bool) -> int:
         """Iterations after which what is left is dearer than a new factor, or than Krylov-Schur from nothing."""
@@ -311,8 +321,9 @@ class EigenSolver:
     def _refresh(self, count: int, why: str) -> None:
         """A new factor, at a shift between the eigenvalues that are wanted and the next as the last modes estimate
         them; `why` is for the log."""
-        values = ritz_values(self.pencil, self.deflation, self.history[0])
-        shift, _ = gap(values, count)
+        space = self._search_space(count)
+        space.begin_with(self.deflation, self.history[0])
+        shift, _ = gap(space.ritz_values(), count)
         self.fresh_below = self.pencil.factor(shift)
         self.life.begin(why)
 
@@ -369,15 +380,17 @@ class EigenSolver:
         Source: B. N. Parlett, The Symmetric Eigenvalue Problem, chapter 15; A. J. Wathen, IMA J. Numer. Anal. 7
             (1987) 449, for the bound of the mass by its diagonal.
         """
-        pencil, rows = self.pencil, found.modes
-        stiff, mass_products = np.empty_like(rows), np.empty_like(rows)
-        pencil.apply(pencil.stiffness, rows, stiff)
-        pencil.apply(pencil.mass, rows, mass_products)
+        pencil, rows, forces = self.pencil, found.modes, found.forces
+        if forces is None:
+            stiff, mass_products = np.empty_like(rows), np.empty_like(rows)
+            pencil.apply(pencil.stiffness, rows, stiff)
+            pencil.apply(pencil.mass, rows, mass_products)
+            forces = stiff - found.values[:, None] * mass_products
         diagonal = pencil.mass.getDiagonal()
         weights = diagonal.getArray().copy()
         diagonal.destroy()
         weights[weights == 0.0] = np.inf
-        return np.sqrt(((stiff - found.values[:, None] * mass_products) ** 2 / weights).sum(axis=1) / LEAST_MASS)
+        return np.sqrt((forces**2 / weights).sum(axis=1) / LEAST_MASS)
 
     def _missing(self, found: Found) -> int:
         """How many more eigenvalues the kept factor has counted below its shift than were found there."""
