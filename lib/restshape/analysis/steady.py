@@ -238,8 +238,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
 
     def linear_displacement(self) -> np.ndarray | None:
         """The unknowns (n, f), where they are displacements [m] of linear theory; no copy."""
-        problem = self.problem
-        return self.x if problem.linear and problem.unknowns[0].name == "displacement" else None
+        return self.problem.linear_displacement(self.x)
 
     def solution(self) -> Solution:
         """The unknowns, and what their energy is measured by."""

@@ -137,6 +137,10 @@ class SteadyProblem(Problem, Protocol):
         """What speaks against unknowns x (n, f) that solve the equations, for people; empty where nothing does."""
         return ""
 
+    def linear_displacement(self, x: np.ndarray) -> np.ndarray | None:
+        """Unknowns x (n, f) where they are displacements [m] of linear theory, no copy: lengths, and linear ones."""
+        return x if self.linear and self.unknowns[0].unit == "m" else None
+
     def energy_moduli(self) -> np.ndarray | None:
         """lambda, mu and thickness h, (3,) or (ne, 3), of the energy h (lambda tr(e)^2 + 2 mu e : e) / 2 by area.
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from restshape.mesh.entity_area import signed_loops
 from restshape.mesh.regions import contains, loop_polygon
+from restshape.shape.nearness import distances
 from restshape.shape.outline import Entity, Outline
 
 GRID = 48
@@ -32,16 +33,6 @@ def inner_point(outline: Outline, name: str, entity: Entity, middle: np.ndarray)
     filled = np.sum([contains(polygon, tried) for polygon in polygons], axis=0) % 2 == 1
     if not filled.any():
         return middle
-    room = np.where(filled, _distances(polygons, tried), 0.0)
+    starts, ends = np.concatenate(polygons), np.concatenate([np.roll(one, -1, axis=0) for one in polygons])
+    room = np.where(filled, distances(tried, starts, ends), 0.0)
     return middle if room[0] >= NEARLY * room.max() else tried[int(np.argmax(room))]
-
-
-def _distances(polygons: list[np.ndarray], points: np.ndarray) -> np.ndarray:
-    """Distances (m,) of points (m, 2) from the nearest side of any polygon (k, 2)."""
-    found = np.full(len(points), np.inf)
-    for polygon in polygons:
-        for a, b in zip(polygon, np.roll(polygon, -1, axis=0)):
-            side, away = b - a, points - a
-            share = np.clip(away @ side / max(float(side @ side), 1e-300), 0.0, 1.0)
-            found = np.minimum(found, np.linalg.norm(away - share[:, None] * side, axis=1))
-    return found

@@ -10,6 +10,7 @@ from restshape.arrays import Reals
 from restshape.shape import curves
 from restshape.shape.gaps import JOIN
 from restshape.shape.loose_curve import Curve
+from restshape.shape.nearness import distances
 
 APART = 1e-3
 """A point inside is at least this share of the size of the shape away from its curves."""
@@ -54,9 +55,7 @@ def points_inside(
         crosses = (a[:around, 1] > point[1]) != (b[:around, 1] > point[1])
         (ax, ay), (bx, by) = a[:around][crosses].T, b[:around][crosses].T
         inside = np.count_nonzero(point[0] < ax + (point[1] - ay) / (by - ay) * (bx - ax)) % 2
-        along = b - a
-        share = np.clip(((point - a) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-300), 0.0, 1.0)
-        if inside and np.hypot(*(a + share[:, None] * along - point).T).min() > APART * size:
+        if inside and distances(point[None], a, b)[0] > APART * size:
             found[name] = [float(point[0]), float(point[1])]
     return found
 

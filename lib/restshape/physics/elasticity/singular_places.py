@@ -12,6 +12,7 @@ from restshape.mesh.thickness import Thickness
 from restshape.physics.elasticity.corner_exponents import Condition, Sector, bonded_exponent, exponent, kolosov
 from restshape.physics.elasticity.wedges import SMALL, Wedge, wedges
 from restshape.scene.model import Quantity, Scene
+from restshape.shape.nearness import distances
 from restshape.shape.outline import Outline
 
 BOUNDED = 0.99
@@ -240,8 +241,5 @@ def _inside(outline: Outline, loop: int, control: int) -> bool:
     if outline.loops[loop].kind != "region":
         return False
     polygon, point = loop_polygon(outline, outline.loops[loop]), outline.points[control]
-    sides = np.roll(polygon, -1, axis=0) - polygon
-    lengths = np.maximum((sides**2).sum(axis=1), 1e-300)
-    s = np.clip(((point - polygon) * sides).sum(axis=1) / lengths, 0.0, 1.0)
-    nearest = np.hypot(*(polygon + s[:, None] * sides - point).T).min()
+    nearest = distances(point[None], polygon, np.roll(polygon, -1, axis=0))[0]
     return bool(nearest < SMALL * outline.size or contains(polygon, point[None])[0])

@@ -7,6 +7,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
 from restshape.report.scene_overlay import rebuilt_frames
+from restshape.shape.nearness import distances
 
 ON = 1e-6
 """How far nodes are from an edge that they lie on, over the size of the pattern."""
@@ -34,17 +35,7 @@ def pins(recording: Recording, frames: np.ndarray) -> dict[int, np.ndarray]:
         entities = [outline.entity(name) for name in sorted(names)]
         points = [outline.points[list(entity.vertices)] for entity in entities if not entity.edges]
         chains = [outline.polyline(edge, ON * outline.size) for entity in entities for edge in entity.edges]
-        on_it = [_near(X, one[None], one[None], ON * outline.size) for part in points for one in part]
-        on_it += [_near(X, chain[:-1], chain[1:], 2.0 * ON * outline.size) for chain in chains]
+        on_it = [distances(X, part, part) <= ON * outline.size for part in points]
+        on_it += [distances(X, chain[:-1], chain[1:]) <= 2.0 * ON * outline.size for chain in chains]
         found[i] = np.flatnonzero(np.any(on_it, axis=0)) if on_it else np.empty(0, dtype=int)
-    return found
-
-
-def _near(X: np.ndarray, starts: np.ndarray, ends: np.ndarray, far: float) -> np.ndarray:
-    """Whether nodes (n, 2) are no farther than this from any of some sides (m, 2) [m]."""
-    found = np.zeros(len(X), dtype=bool)
-    for a, b in zip(starts, ends):
-        side, away = b - a, X - a
-        share = np.clip(away @ side / max(float(side @ side), 1e-300), 0.0, 1.0)
-        found |= np.linalg.norm(away - share[:, None] * side, axis=1) <= far
     return found
