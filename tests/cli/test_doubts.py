@@ -235,11 +235,36 @@ def test_plane_strain_without_a_thickness_is_of_a_metre_of_depth(command, tmp_pa
 
 
 def test_what_is_small_is_not_rounding():
-    known = {"t": 1e-3, "R": 0.2, "q": math.pi / 2.0}
-    for text, value in (("t^4/12", 1e-12 / 12.0), ("R - 0.2 + 1e-12", 1e-12), ("1e-16*1", 1e-16)):
+    known = {"t": 1e-3, "R": 0.2, "q": math.pi / 2.0, "E": 2e11, "F": 5e6, "near": 0.2 + 1e-12}
+    for text, value in (
+        ("t^4/12", 1e-12 / 12.0),
+        ("R - 0.2 + 1e-12", 1e-12),
+        ("1e-16*1", 1e-16),
+        ("F*R/E", 5e-6),
+        ("t^5/E", 5e-27),
+        ("R*E/E + F*t/E - R", 2.5e-8),
+        ("(near - R)^2", 1e-24),
+        ("exp(-200)/E", math.exp(-200.0) / 2e11),
+        ("1 degC - 274.15", 0.0),
+        ("atan2(R - 0.2, -1)", math.pi),
+    ):
         formula = Expression(text)
-        assert but_rounding(formula, float(formula.evaluate(0.0, 0.0, known)), known) == pytest.approx(value, rel=1e-3)
-    for text in ("R*cos(q)", "R - 0.3 + 0.1"):
+        found = but_rounding(formula, float(formula.evaluate(0.0, 0.0, known)), known)
+        assert found == pytest.approx(value, rel=1e-3, abs=0.0), text
+    for text in ("tan(q)", "1/cos(q)", "1/(R - 0.3 + 0.1)", "atan2(R - 0.3 + 0.1, -1)"):
         formula = Expression(text)
         found = float(formula.evaluate(0.0, 0.0, known))
-        assert found != 0.0 and but_rounding(formula, found, known) == 0.0
+        assert abs(found) > 3.0 and but_rounding(formula, found, known) == found, text
+    for text in (
+        "R*cos(q)",
+        "R - 0.3 + 0.1",
+        "0.1 + 0.2 - 0.3",
+        "E*sin(pi)",
+        "E*(R + 0.1) - 0.3*E",
+        "(R - 0.3 + 0.1)^2",
+    ):
+        formula = Expression(text)
+        found = float(formula.evaluate(0.0, 0.0, known))
+        assert found != 0.0 and but_rounding(formula, found, known) == 0.0, text
+    root = Expression("sqrt(a)^2 - a")
+    assert root.evaluate(0.0, 0.0, {"a": 2.0}) > 0.0 and but_rounding(root, 4.4e-16, {"a": 2.0}) == 0.0

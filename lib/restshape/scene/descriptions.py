@@ -10,7 +10,7 @@ from restshape.scene.units import SYMBOLS, in_si
 from restshape.scene.values import annotation_of, dimension_of
 
 ROUNDING = 1e-15
-"""Share of the largest number of a sum or a product that its rounding may have."""
+"""Share of the largest component that the rounding of the others may have."""
 
 
 def listing(value: object, parameters: Mapping[str, float] | None = None) -> str:
@@ -41,9 +41,8 @@ def _value(formula: Expression, parameters: Mapping[str, float]) -> str:
 
 
 def but_rounding(formula: Expression, value: float, parameters: Mapping[str, float]) -> float:
-    """The value of a formula, or 0 where it is the rounding of the parameters in it, such as that of R*cos(90 deg)."""
-    sizes = [abs(parameters[name]) for name in formula.names if name in parameters]
-    return 0.0 if abs(value) < ROUNDING * max(sizes, default=0.0) else value + 0.0
+    """The value of a formula of parameters, or 0 where it is no more than rounding, such as that of R*cos(90 deg)."""
+    return 0.0 if abs(value) <= formula.rounding(parameters) else value + 0.0
 
 
 def with_symbol(value: object, dimension: object, parameters: Mapping[str, float] | None = None) -> str:

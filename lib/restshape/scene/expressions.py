@@ -5,7 +5,8 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, TypeVar
+from types import CodeType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -39,6 +40,10 @@ OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "
 COORDINATES = ("x", "y")
 CONSTANTS = {"pi": np.pi}
 MAX_DEPTH = 100
+STEPS = (1.3e-6, 1.3e-9, 1.3e-12)
+"""Relative changes of numbers in a formula by which the rounding of its value is judged."""
+ROUNDINGS = 2.0 * float(np.finfo(float).eps)
+"""Relative error of each number in a formula, and of the operation that takes it."""
 
 
 class ExpressionError(ValueProblem):
@@ -158,6 +163,31 @@ class Expression:
         result = duals.dual(self._run(duals.FUNCTIONS, x, y, parameters))
         return np.array(np.broadcast_to(result.rate, np.shape(x.value)), dtype=np.float64)
 
+    def rounding(self, parameters: Mapping[str, float]) -> float:
+        """What the value at x = y = 0 may have by rounding alone: below, a difference or a cosine may be 0.
+
+        Each number, at each place where it stands, is changed by itself. A value that changes less, relative to the
+        change, where that is larger is at a pole or a jump: the least of the rates counts.
+
+        Args:
+            parameters: value of each named parameter.
+
+        Raises:
+            ExpressionError: an unknown name.
+        """
+        value = float(self.evaluate(0.0, 0.0, parameters))
+        inputs = _Inputs({"x": 0.0, "y": 0.0, **CONSTANTS, **parameters})
+        tree = inputs.visit(ast.Expression(in_kelvins(parsed(self.text))))
+        code, values = compile(tree, "<formula>", "eval"), inputs.values
+        known = {name: function for name, (function, _) in FUNCTIONS.items()}
+        bound: float = 0.0
+        for name, number in values.items():
+            with np.errstate(all="ignore"):
+                changed = [_evaluated(code, {**known, **values, name: number * (1.0 + step)}) for step in STEPS]
+                rates = np.abs(np.array(changed) - value) / STEPS
+            bound += float(ROUNDINGS * np.nan_to_num(rates, posinf=0.0).min())
+        return bound
+
     def _run(
         self, functions: Mapping[str, Callable[..., Number]], x: Number, y: Number, parameters: Mapping[str, float]
     ) -> Number | float:
@@ -168,7 +198,12 @@ class Expression:
         named = ((name, parameters.get(name, CONSTANTS.get(name))) for name in self.names.difference(COORDINATES))
         values = {name: np.float64(value) for name, value in named}
         with np.errstate(all="ignore"):
-            return eval(self._code, {"__builtins__": {}}, {**functions, **self._numbers, **values, "x": x, "y": y})
+            return _evaluated(self._code, {**functions, **self._numbers, **values, "x": x, "y": y})
+
+
+def _evaluated(code: CodeType, known: Mapping[str, object]) -> Any:
+    """The value of a formula that was examined and compiled."""
+    return eval(code, {"__builtins__": {}}, known)
 
 
 Value = float | Expression
@@ -251,10 +286,30 @@ class _Numbers(ast.NodeTransformer):
 
     def visit_Constant(self, node: ast.Constant) -> ast.Name:
         """A name that no formula can hold, in place of the number."""
-        name = f"#{len(self.values)}"
         assert isinstance(node.value, int | float), "formulas hold no other constants"
         try:
-            self.values[name] = np.float64(node.value)
+            return self._moved(node, np.float64(node.value))
         except OverflowError as error:
             raise ExpressionError("a number in the formula is too large") from error
+
+    def _moved(self, node: ast.expr, value: np.float64) -> ast.Name:
+        name = f"#{len(self.values)}"
+        self.values[name] = value
         return ast.copy_location(ast.Name(id=name, ctx=ast.Load()), node)
+
+
+class _Inputs(_Numbers):
+    """Moves the values of names out of a formula, too, one for each place where a name stands."""
+
+    def __init__(self, known: Mapping[str, float]) -> None:
+        super().__init__()
+        self.known = known
+
+    def visit_Call(self, node: ast.Call) -> ast.Call:
+        """A function has no value of its own."""
+        node.args = [self.visit(one) for one in node.args]
+        return node
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        """A name of this place alone."""
+        return self._moved(node, np.float64(self.known[node.id]))
