@@ -12,9 +12,7 @@ from restshape.report.happenings import utilisations, worst_frame
 from restshape.report.quantity_panels import draw_limits
 from restshape.report.recorded_quantities import limit_series
 
-PULL, LENGTH, E = 100e6, 2.0, 200e9
-STRETCH = PULL * LENGTH / E
-"""Of a bar without lateral contraction [m]: 1 mm."""
+PULL, LENGTH = 100e6, 2.0
 BAR = (
     HEAD
     + '[parameters]\nwide = "240 mm"\npull = "100 MPa"\n'
@@ -65,11 +63,40 @@ def test_the_report_has_the_limit_of_the_end(command, tmp_path):
     assert rows["stretch"]["at_most"] == pytest.approx(0.3 / 200)
 
 
+@pytest.mark.slow
+def test_the_picture_of_a_sweep_has_the_limit_of_each_run(command, tmp_path, monkeypatch):
+    """Of 180, 240 and 300 mm the first is beyond: 1 mm over 0.9 mm; given lengths make a line of each."""
+    drawn = []
+    monkeypatch.setattr("restshape.variation.sweep_picture.save_picture", lambda figure, path: drawn.append(figure))
+    scene, wide = write_scene(tmp_path, BAR), ("--set", "parameters.wide=180mm,240mm,300mm")
+    for more in ((), ("--set", "parameters.pull=50MPa,100MPa"), ("--edits", write_script(tmp_path, SETS))):
+        done = command("sweep", scene, *more, *wide, "--out", "a.png")
+        assert done.returncode == 0, done.stderr
+    pictures = [next(one for one in figure.axes if one.get_title(loc="left") == "stretch") for figure in drawn]
+    for axes, beyond in zip(pictures, ([180], [180], [])):
+        crosses = [one for one in axes.get_lines() if one.get_marker() == "x" and len(one.get_xdata())]
+        assert [x for one in crosses for x in one.get_xdata()] == beyond
+    for axes in pictures[:2]:
+        (limit,) = [one for one in axes.get_lines() if one.get_drawstyle() == "steps-mid"]
+        assert limit.get_xdata().tolist() == [180, 240, 300]
+        assert limit.get_ydata() == pytest.approx([0.9, 1.2, 1.5])
+        assert axes.get_title(loc="right") == "max 0.9 to 1.5 mm"
+    # The script ends with 300 mm in each run.
+    assert pictures[2].get_title(loc="right") == "max 1.5 mm, beyond the axis"
+
+
 def test_a_limit_that_moves_is_a_line_of_steps():
     axes = Figure().subplots()
     draw_limits(axes, 1e3, 1e-3, 2e-3, {"max": np.array([1e-3, 2e-3, 2e-3])}, "mm", np.arange(3))
     (line,) = axes.get_lines()
     assert line.get_ydata().tolist() == [1.0, 2.0, 2.0] and axes.get_title(loc="right") == "max 1 to 2 mm"
+
+
+def test_limits_that_move_there_and_back_are_named_by_their_ends():
+    axes = Figure().subplots()
+    rows = np.array([[1e-3, 2e-3, 1e-3], [np.nan, 3e-3, 1e-3]])
+    draw_limits(axes, 1e3, 1e-3, 2e-3, {"max": rows, "min": np.array([np.nan] * 3)}, "mm", np.arange(3))
+    assert len(axes.get_lines()) == 2 and axes.get_title(loc="right") == "max 1 to 3 mm"
 
 
 @pytest.mark.parametrize("key", ["quantities.wall.max", "quantities.stretch.at"])

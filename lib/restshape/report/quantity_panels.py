@@ -169,20 +169,26 @@ def draw_limits(
         axes: of the panel.
         factor: from the SI unit to the one that is shown.
         low, high: the smallest and the largest value, in the SI unit.
-        limit: by `min` and `max`, in the SI unit; (n,) of frames where it moves.
+        limit: by `min` and `max`, in the SI unit; where it moves (n,) of frames, or (k, n) of k lines, not numbers
+            where a line has none.
         unit: that is shown.
         x: (n,) where frames are on the axis; None where no limit moves.
     """
     span = max(high - low, 1e-3 * max(abs(low), abs(high)))
     words = []
     for key, one in limit.items():
-        bounds = np.atleast_1d(np.asarray(one, dtype=float))
-        shown = bounds.min() <= high + SHOWN_BEYOND * span and bounds.max() >= low - SHOWN_BEYOND * span
-        if shown and (x is None or np.ptp(bounds) == 0.0):
-            axes.axhline(factor * bounds[0], color=REFUSED, lw=1.0, ls="--", zorder=1)
+        rows = np.atleast_2d(np.asarray(one, dtype=float))
+        bounds = rows[np.isfinite(rows)]
+        if not len(bounds):
+            continue
+        least, most = float(bounds.min()), float(bounds.max())
+        shown = least <= high + SHOWN_BEYOND * span and most >= low - SHOWN_BEYOND * span
+        if shown and (x is None or least == most):
+            axes.axhline(factor * least, color=REFUSED, lw=1.0, ls="--", zorder=1)
         elif shown:
-            axes.plot(x, factor * bounds, color=REFUSED, lw=1.0, ls="--", zorder=1, drawstyle="steps-mid")
-        numbers = [f"{factor * end:.{limit_digits(end)}g}" for end in (float(bounds[0]), float(bounds[-1]))]
+            axes.plot(x, factor * rows.T, color=REFUSED, lw=1.0, ls="--", zorder=1, drawstyle="steps-mid")
+        ends = (least, most) if bounds[0] <= bounds[-1] else (most, least)
+        numbers = [f"{factor * end:.{limit_digits(end)}g}" for end in ends]
         number = f"{' to '.join(dict.fromkeys(numbers))} {unit}".rstrip()
         words.append(f"{key} {number}{'' if shown else ', beyond the axis'}")
     axes.set_title("; ".join(words), loc="right", pad=2, color=REFUSED, fontsize=8)

@@ -66,6 +66,7 @@ class Sweep:
             return
         self.scene, names = scene, quantity_columns(scene, application(scene.app))
         self.columns = self.columns or names
+        run.limit(scene)
         self.remembered = [*dict.fromkeys(self.remembered + remembered(scene, application(scene.app)))]
         last, self._replay = self._replay, None
         if last and self._follow(last, scene, script):
@@ -94,6 +95,7 @@ class Sweep:
         except UserError as error:
             run.status, run.why = UNSOLVED, _plain(error)
             return False
+        run.limit(replay.session.scene)
         self._replay = replay
         self.singular = replay.errors.singular.ever | self.singular
         return True

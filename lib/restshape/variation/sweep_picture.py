@@ -1,5 +1,7 @@
 """The picture of a sweep: each quantity over the values, with limits and the runs that have none."""
 
+# More than 15 modules: a panel shows a quantity of all runs with all that is known of them.
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -10,15 +12,17 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
+from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import counted, scaled_unit
-from restshape.replay.constraints import recorded_limits
+from restshape.replay.constraints import MAX, MIN
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
 from restshape.report.quantity_panels import EACH, FRAMED, MOST, draw_limits, least_span
 from restshape.report.recorded_quantities import kind_units
 from restshape.report.style import COLOURS, INK, REFUSED, new_figure
 from restshape.scene.model import Scene
+from restshape.scene.plain_values import table_in
 from restshape.variation.swept_key import SweptKey, combinations
 from restshape.variation.swept_run import SweptRun, run_scales
 
@@ -55,26 +59,17 @@ def draw_sweep(
         OSError: it cannot be written.
     """
     columns = [*dict.fromkeys(name for one in runs for name in one.quantities)]
-    limits, units = recorded_limits(scene.quantities), kind_units()
+    limits = {column: known for column in columns if (known := _limits(runs, column.removeprefix("q_")))}
     sizes = run_scales(scene, runs)
-    columns.sort(key=lambda column: column.removeprefix("q_") not in limits)
+    columns.sort(key=lambda column: column not in limits)
     shown = columns[:MOST]
     figure = new_figure(8.0, FRAMED + EACH * 1.3 * max(len(shown), 1))
     panels = figure.subplots(max(len(shown), 1), 1, sharex=True, squeeze=False)[:, 0]
     for axes, column in zip(panels, shown):
         name = column.removeprefix("q_")
-        spec = scene.quantities.get(name)
-        raw = scene.raw.get("quantities", {})
-        given = raw.get(name, {}) if isinstance(raw, dict) else {}
-        unit = next((units[key] for key in given if key in units), "") if spec else ""
-        _panel(axes, swept, runs, column, limits.get(name, {}), unit, several, sizes[column])
+        _panel(axes, swept, runs, column, limits.get(column, {}), _unit(scene, name), several, sizes[column])
         axes.set_title(marked(name, singular), loc="left", pad=2)
-    along = swept[-1]
-    label = f"{along.key} [{along.unit}]" if along.unit else along.key
-    panels[-1].set_xlabel("\n".join([label, *(fill(note, 110) for note in notes)]))
-    if not along.numbers:
-        labels = [shorten(value.strip('"'), LABEL, placeholder="…") for value in along.values]
-        panels[-1].set_xticks(range(len(labels)), labels)
+    _name_axis(panels[-1], swept[-1], notes)
     failed = sum(not one.frames for one in runs)
     words = [scene.title or scene.path.stem, counted(len(runs), "run")]
     words += [f"{failed} without a result"] * bool(failed)
@@ -86,12 +81,35 @@ def draw_sweep(
     save_picture(figure, path)
 
 
+def _limits(runs: Sequence[SweptRun], name: str) -> dict[str, Reals]:
+    """The limits (n,) of a quantity in each run, those alone that there are; not numbers in runs that are not valid."""
+    own = [one.limits.get(name, {}) for one in runs]
+    return {
+        key: np.array([one.get(key, np.nan) for one in own]) for key in (MIN, MAX) if any(key in one for one in own)
+    }
+
+
+def _unit(scene: Scene, name: str) -> str:
+    """The SI unit of a quantity of the scene; empty of a column that an application has by itself."""
+    units, given = kind_units(), table_in(table_in(scene.raw, "quantities"), name)
+    return next((units[key] for key in given if key in units), "") if name in scene.quantities else ""
+
+
+def _name_axis(axes: Axes, along: SweptKey, notes: Sequence[str]) -> None:
+    """The key along the axis and its unit, with notes under them; values that are no numbers beside their places."""
+    label = f"{along.key} [{along.unit}]" if along.unit else along.key
+    axes.set_xlabel("\n".join([label, *(fill(note, 110) for note in notes)]))
+    if not along.numbers:
+        labels = [shorten(value.strip('"'), LABEL, placeholder="…") for value in along.values]
+        axes.set_xticks(range(len(labels)), labels)
+
+
 def _panel(
     axes: Axes,
     swept: Sequence[SweptKey],
     runs: Sequence[SweptRun],
     column: str,
-    limit: dict[str, float],
+    limit: Mapping[str, Reals],
     unit: str,
     several: bool,
     size: float,
@@ -103,13 +121,15 @@ def _panel(
     count, lines = len(swept[-1].values), -(-len(runs) // len(swept[-1].values))
     places, x = list(combinations(swept)), np.array(swept[-1].numbers or range(count))
     for line in range(lines):
-        own = values[line * count : (line + 1) * count] * factor
+        part = slice(line * count, (line + 1) * count)
+        own = values[part] * factor
         colour = INK if lines == 1 else colormaps[COLOURS](0.9 * line / (lines - 1))
         at, name = x[: len(own)], _line_name(swept, places[line * count]) if lines <= LINES else None
         axes.plot(at, own[:, 0], color=colour, lw=1.1, marker="o", ms=3, zorder=3, label=name or None)
         if several:
             axes.fill_between(at, own[:, 1], own[:, 2], color=colour, alpha=0.15, linewidth=0, zorder=1)
-        beyond = (own[:, 0] > factor * limit.get("max", np.inf)) | (own[:, 0] < factor * limit.get("min", -np.inf))
+        most, least = (limit[key][part] if key in limit else np.nan for key in (MAX, MIN))
+        beyond = (values[part, 0] > most) | (values[part, 0] < least)
         axes.plot(at[beyond], own[beyond, 0], ls="", marker="x", color=REFUSED, ms=6, zorder=4)
     for place in {places[one.index][-1] for one, value in zip(runs, values) if not np.isfinite(value[0])}:
         axes.axvline(x[place], color=REFUSED, alpha=0.35, lw=2.0, zorder=0)
@@ -121,7 +141,14 @@ def _panel(
     if len(known):
         low, high = float(known.min()), float(known.max())
         least_span(axes, factor * low, factor * high)
-        draw_limits(axes, factor, low, high, limit, text)
+        order, rows = np.argsort(x), {key: _lines(one, count)[:, np.argsort(x)] for key, one in limit.items()}
+        draw_limits(axes, factor, low, high, rows, text, x[order])
+
+
+def _lines(values: Reals, count: int) -> Reals:
+    """Values (n,) of runs as (lines, count), one row where all are the same; not numbers where runs are missing."""
+    rows = np.append(values, np.full(-len(values) % count, np.nan)).reshape(-1, count)
+    return np.unique(rows, axis=0, equal_nan=True)
 
 
 def _extent(run: SweptRun, column: str) -> tuple[float, float, float]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
-from restshape.replay.constraints import limits_of
+from restshape.replay.constraints import limits_of, recorded_limits
 from restshape.replay.rounding import load_scales, scales
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ class SweptRun:
         frames, refused: how many there are, and how many of them were refused.
         violating: frames in which a quantity is beyond its limit.
         constraint_status: of the last frame.
+        limits: of quantities in the last frame, by `min` and `max`, in SI units (`constraints.recorded_limits`).
         quantities: by column: ``q_`` and the name, or a column of the application where the scene names none.
         cpu_s: processor time [s].
     """
@@ -74,6 +75,7 @@ class SweptRun:
     refused: int = 0
     violating: int = 0
     constraint_status: str = ""
+    limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     quantities: dict[str, Extent] = field(default_factory=dict)
     cpu_s: float = 0.0
 
@@ -87,6 +89,10 @@ class SweptRun:
         self.violating += self.constraint_status == "fails"
         for name in columns:
             self.quantities.setdefault(name, Extent()).add(number(row, name))
+
+    def limit(self, scene: Scene) -> None:
+        """Take the limits of a scene, which may follow its parameters."""
+        self.limits = recorded_limits(scene.quantities)
 
     def table_row(self, several: bool) -> dict[str, RowValue]:
         """Its row of the CSV file; `several` frames have the extremes of quantities, too."""
