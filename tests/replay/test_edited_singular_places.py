@@ -69,6 +69,51 @@ def test_a_square_hole_that_an_edit_cuts_is_singular(tmp_path, command):
     assert "tip is taken at a singular place (r^-0.456" in done.stdout, done.stdout
 
 
+SIDEWAYS = STRIP.replace("TOP", "1.0").replace('at = "m", max', 'at = "left", max').replace('"1 GPa"', '"2 MPa"')
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "back"),
+    [("supports.wall.fix", ["x", "y"], ["x"]), ("material.steel.nu", 0.3, 0.0)],
+)
+def test_a_support_or_a_material_that_is_set_makes_corners_singular_as_in_a_replay_of_its_own(
+    tmp_path, key, value, back
+):
+    """A clamped corner of 90 degrees is singular where the material contracts sideways, and not where it slides."""
+    given = {"supports.wall.fix": ["x", "y"], "material.steel.nu": 0.3} | {key: back}
+    text = SIDEWAYS.replace('fix = ["x", "y"]', f"fix = {given['supports.wall.fix']}")
+    text += '[supports.pin]\non = "d"\nfix = ["y"]\n'
+    scene = write_scene(tmp_path, text.replace("nu = 0.3", f"nu = {given['material.steel.nu']}"))
+    (tmp_path / "own").mkdir()
+    own = write_scene(tmp_path / "own", scene.read_text().replace(f"fix = {back}", f"fix = {value}"))
+    own.write_text(own.read_text().replace(f"nu = {back}", f"nu = {value}"))
+    events = [{"do": "set", "key": key, "value": value}, {"do": "set", "key": key, "value": back}, {"do": "undo"}]
+    rows = rows_of(make_replay(scene, write_script(tmp_path, events)))
+    (wanted,) = rows_of(make_replay(own, write_script(tmp_path / "own", [])))
+    assert wanted["tip_error"] == math.inf and wanted["singular_places"]
+    columns = ("constraint_status", "singular_places")
+    for row in (rows[1], rows[3]):
+        assert [row[name] for name in columns] == [wanted[name] for name in columns]
+        assert row["tip_error"] == math.inf and f"tip {AT}" in row["note"]
+    for row in (rows[0], rows[2]):
+        assert math.isfinite(row["tip_error"]) and not row["singular_places"]
+    assert f"tip {NO_MORE}" in rows[2]["note"]
+
+
+def test_a_value_that_is_set_beside_them_takes_no_time(tmp_path, monkeypatch):
+    from restshape.replay import singular_quantities
+
+    seen = []
+    found = singular_quantities.SingularQuantities._found
+    monkeypatch.setattr(
+        singular_quantities.SingularQuantities, "_found", lambda self, *of: seen.append(of) or found(self, *of)
+    )
+    text = STRIP.replace("TOP", "1.0").replace('"1 GPa"', '"most"') + '[parameters]\nmost = "1 GPa"\n'
+    events = [{"do": "set", "key": "parameters.most", "value": f"{k} MPa"} for k in (900, 800)]
+    rows = rows_of(make_replay(write_scene(tmp_path, text), write_script(tmp_path, events)))
+    assert len(rows) == 3 and rows[2]["tip_max"] == 800e6 and len(seen) == 1
+
+
 def test_frames_within_a_drag_take_no_time_for_it(tmp_path, monkeypatch):
     """Exponents of new angles take as long as some frames."""
     seen = []

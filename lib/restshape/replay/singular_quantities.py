@@ -17,10 +17,14 @@ if TYPE_CHECKING:
     from restshape.shape.script_frame import ScriptFrame
 
 AT, NO_MORE = "at a singular place from here on", "at no singular place any more"
+CAUSES = ("supports", "loads", "material")
+"""Tables of a scene that make places of an outline singular."""
 
 
 class SingularQuantities:
     """Finds the singular places of the first shape, and of those at which an edit begins, ends or has a new mesh.
+
+    An edit may also be one of the supports, loads or materials.
 
     An exponent takes as long as some frames, so that the frames of a drag between keep what was last found, at the
     control points where it was found.
@@ -37,7 +41,7 @@ class SingularQuantities:
 
     def __init__(self, scene: Scene, application: Application, session: Session) -> None:
         self.application, self.session = application, session
-        self._seen, self._moving = session.outline, False
+        self._seen, self._moving = (scene, session.outline), False
         self._recorded = places_wanted(scene, application)
         self.now, self._points = self._found(scene, session.outline)
         self.ever = dict(self.now)
@@ -49,12 +53,14 @@ class SingularQuantities:
 
     def _looked(self, edit: ScriptFrame, row: RowValues) -> RowValues:
         began, self._moving = not self._moving, not edit.edit_ended
-        outline = self.session.outline
-        if outline is self._seen or not (began or edit.edit_ended or whole(row, "level") > 1):
+        outline, scene = self.session.outline, edit.scene
+        if not (began or edit.edit_ended or whole(row, "level") > 1):
             return {}
-        self._seen = outline
+        (old, before), self._seen = self._seen, (scene, outline)
+        if outline is before and (scene is old or all(getattr(scene, key) == getattr(old, key) for key in CAUSES)):
+            return {}
         try:
-            found, self._points = self._found(edit.scene, outline)
+            found, self._points = self._found(scene, outline)
         except UserError:
             return {}
         come, gone = sorted(found.keys() - self.now.keys()), sorted(self.now.keys() - found.keys())
