@@ -124,6 +124,9 @@ def test_a_slash_holds_for_one_factor():
 def test_formulas_do_not_read_as_quantities():
     assert reads_as_quantity("12 mm") and reads_as_quantity("1e3")
     assert not any(reads_as_quantity(text) for text in ("x", "-P*y", "2*x", "3/x", "1 + 2"))
+    # A minus in a unit stands before an exponent; a name with one is a unit that is not known.
+    assert all(map(reads_as_quantity, ("1 m-3", "2 kg m^-3", "1e-3 m", "3 N-m")))
+    assert not any(map(reads_as_quantity, ("25 mm - t", "-90 deg - lean", "1 m - 0.1*t", "2 m - 3 m", "5 mm-lean")))
 
 
 @pytest.mark.parametrize(

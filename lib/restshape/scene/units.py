@@ -185,11 +185,24 @@ def declare_dimension(name: str, unit_text: str, example: str, least: float | No
 def reads_as_quantity(text: str) -> bool:
     """Whether the text is a number, with or without something that looks like a unit."""
     match = NUMBER_UNIT.match(text) if len(text) <= bounds.QUANTITY_CHARACTERS else None
+    if match is not None and _subtracts(match[2] or ""):
+        return False
     if match is None or "(" not in (match[2] or ""):
         return match is not None
     # In a formula a parenthesis may hold parameters: of a unit it holds several factors that are all units.
     words = [re.findall(r"[A-Za-zµ°%]+", group) for group in GROUP.findall(match[2])]
     return all(len(group) > 1 and all(word in UNITS for word in group) for group in words)
+
+
+def _subtracts(unit: str) -> bool:
+    """Whether what follows a number is no unit, as in "25 mm - t": a minus in one stands before an exponent alone.
+
+    A name such as N-m is one that is not known.
+    """
+    ends = [*re.finditer(r"\s*-\s*", unit)]
+    apart = any(one[0] != "-" for one in ends)
+    named = any(re.match(r"[A-Za-zµ°%]", unit[one.end() :]) for one in ends)
+    return apart or (named and not all(word in UNITS for word in re.findall(r"[A-Za-zµ°%]+", unit)))
 
 
 def unit(text: str) -> tuple[float, Powers]:
