@@ -5,13 +5,14 @@ restshape harmonic SCENE [EDITS] [--frame N] --range FROM TO [--csv FILE] [--pic
 Of each displacement along x or y among the scene's quantities: its amplitude relative to the ground under a ground
 acceleration of amplitude A, its phase against the acceleration, and the ratio of its amplitude in space to that of the
 ground's displacement. Damping is the scene's. Each frequency is a direct solve of (K - w^2 M + i w C) U = -M 1 A.
-The frequencies are evenly spaced, with more of them within the half-power bandwidth of each resonance.
+The frequencies are evenly spaced, with more of them within the half-power bandwidth of each resonance of the lowest
+modes; it says where the range has more modes than those.
 """
 
 import argparse
 
 import numpy as np
-from restshape_apps.vibration.harmonic_sweep import Sweep, resonant_sweep
+from restshape_apps.vibration.harmonic_sweep import MOST_MODES, Sweep, resonant_sweep
 from restshape_apps.vibration.stage import add_structure, structure
 
 from restshape.cli.options import print_table, write_json
@@ -54,6 +55,11 @@ def run(args: argparse.Namespace) -> int:
     _print(found)
     if not shape.damped:
         print("the scene has no damping: amplitudes at resonance are not bounded, and no peak is looked for")
+    elif found.resolved < high:
+        print(
+            f"resonances up to {found.resolved:.4g} Hz have points of their own (the lowest {MOST_MODES} modes); "
+            "above, only --points finds peaks: take more of them"
+        )
     if args.csv:
         write_whole(args.csv, table(found))
     if args.picture:
@@ -85,4 +91,9 @@ def _plain(found: Sweep) -> dict[str, object]:
         }
         for name, values in found.relative.items()
     }
-    return {"frequency": found.frequencies.tolist(), "acceleration": found.acceleration, "quantities": quantities}
+    return {
+        "frequency": found.frequencies.tolist(),
+        "acceleration": found.acceleration,
+        "resolved_to": found.resolved if np.isfinite(found.resolved) else None,
+        "quantities": quantities,
+    }

@@ -1,6 +1,6 @@
 """Steady motions of a shape on ground that moves at one frequency, over many frequencies."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from restshape_apps.vibration.stage import Structure
@@ -25,12 +25,14 @@ class Sweep:
         acceleration: amplitude A of the ground [m/s^2].
         relative: complex amplitudes (m,) [m] by quantity, relative to the ground.
         transmissibility: (m,) by quantity: the amplitude in space over that of the ground.
+        resolved: resonances up to this frequency [Hz] have points of their own; infinite where all of the range have.
     """
 
     frequencies: np.ndarray
     acceleration: float
     relative: dict[str, np.ndarray]
     transmissibility: dict[str, np.ndarray]
+    resolved: float = np.inf
 
 
 def sweep(shape: Structure, frequencies: np.ndarray, acceleration: float = 1.0) -> Sweep:
@@ -56,8 +58,10 @@ def sweep(shape: Structure, frequencies: np.ndarray, acceleration: float = 1.0) 
     return Sweep(np.asarray(frequencies), acceleration, relative, ratios)
 
 
-def resonant_frequencies(shape: Structure, low: float, high: float, points: int) -> np.ndarray:
+def resonant_frequencies(shape: Structure, low: float, high: float, points: int) -> tuple[np.ndarray, float]:
     """Frequencies (m,) [Hz] from low to high: evenly spaced ones, and some within the bandwidth of each resonance.
+
+    The second value is `Sweep.resolved`: that of the last of `MOST_MODES` modes where the range has more.
 
     A mode of frequency f and damping z resonates at f sqrt(1 - 2 z^2). One that is not damped has no finite amplitude
     there, one of z > 1/sqrt(2) no peak: neither has points of its own.
@@ -72,11 +76,13 @@ def resonant_frequencies(shape: Structure, low: float, high: float, points: int)
     while modes.frequencies[-1] < high and len(modes.omega) == count < MOST_MODES:
         count *= 2
         modes = present_modes(shape.analysis, count)
+    beyond = len(modes.omega) == count and modes.frequencies[-1] < high
     damping = modes.damping(shape.analysis.state.integration.damping)
     peaked = (damping > 0.0) & (damping < np.sqrt(0.5))
     f, z = modes.frequencies[peaked, None], damping[peaked, None]
     near = (f * np.sqrt(1.0 - 2.0 * z**2) + z * f * np.array(NEAR_RESONANCE)).ravel()
-    return np.union1d(np.linspace(low, high, points), near[(near > low) & (near < high)])
+    frequencies = np.union1d(np.linspace(low, high, points), near[(near > low) & (near < high)])
+    return frequencies, float(modes.frequencies[-1]) if beyond else np.inf
 
 
 def resonant_sweep(shape: Structure, low: float, high: float, points: int, acceleration: float = 1.0) -> Sweep:
@@ -86,14 +92,15 @@ def resonant_sweep(shape: Structure, low: float, high: float, points: int, accel
         shape, low, high, points: as of `resonant_frequencies`.
         acceleration: amplitude of the ground [m/s^2].
     """
-    found = sweep(shape, resonant_frequencies(shape, low, high, points), acceleration)
+    frequencies, resolved = resonant_frequencies(shape, low, high, points)
+    found = sweep(shape, frequencies, acceleration)
     if shape.damped:
         for _ in range(APPROACHES):
             summits = {summit(found.frequencies, np.abs(values)) for values in found.relative.values()}
             new = np.setdiff1d(list(summits), found.frequencies)
             if len(new):
                 found = joined(found, sweep(shape, new, acceleration))
-    return found
+    return replace(found, resolved=resolved)
 
 
 def summit(frequencies: np.ndarray, amplitudes: np.ndarray) -> float:

@@ -127,6 +127,26 @@ def test_the_peak_of_a_lightly_damped_oscillator_is_found_between_coarse_points(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("high", "more"), [(60.0, True), (9.0, False)])
+def test_a_range_with_more_modes_says_up_to_which_frequency_peaks_are_resolved(
+    shape, tmp_path, capsys, monkeypatch, high, more
+):
+    """Of the first eight modes, where no more of them are looked for."""
+    monkeypatch.setattr("restshape_apps.vibration.harmonic_sweep.MOST_MODES", 8)
+    known = present_modes(shape.analysis, 8).frequencies
+    assert (known[-1] < high) == more
+    words = [word for value in COARSE for word in ("--set", value)]
+    file = tmp_path / "a.json"
+    assert main(["harmonic", str(FRAME), "--range", "1", str(high), "--points", "3", "--json", str(file), *words]) == 0
+    data = json.loads(file.read_text())
+    if more:
+        assert data["resolved_to"] == pytest.approx(known[-1], rel=1e-6)
+        assert f"resonances up to {known[-1]:.4g} Hz have points of their own" in capsys.readouterr().out
+    else:
+        assert data["resolved_to"] is None and "points of their own" not in capsys.readouterr().out
+
+
+@pytest.mark.slow
 def test_peaks_of_overlapping_modes_are_those_of_a_fine_grid(shape):
     """200 frequencies about the largest amplitude within 1 % of it, each solved by itself."""
     found = resonant_sweep(shape, 1.0, 12.0, 6)
