@@ -271,8 +271,7 @@ class Design:
                 supports = [Suggestion.supported(self.piece, one) for one in support_planks(self.furniture)]
                 others = [Suggestion.by(one) for one in remedies(self.piece, self._obeys)]
                 added += [*supports, *others]
-            added = [one for one in added if self._unlocked(one)]
-            found = [*found[: max(most - len(added), 0)], *added]
+            found += [one for one in added if self._unlocked(one)]
         unlocked = [one for one in _distinct(self.piece, found) if self._unlocked(one)]
         why = f"what would mend it changes what is kept: {', '.join(self.guidance.keep)}" if found else why
         near = self._nearest([one for one in unlocked if self._near(self.after(one))])

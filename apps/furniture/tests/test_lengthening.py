@@ -1,5 +1,6 @@
 """Ends that miss what they were meant to meet: the first suggestion is the length with which they meet it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +68,21 @@ def written(tmp_path: Path, start: float, end: float, low: float = 0.0) -> Path:
     return path
 
 
+def drawn_with(tmp_path: Path, planks: str, start: float, end: float) -> Piece:
+    """The stool with more planks [m]."""
+    path = written(tmp_path, start, end)
+    path.write_text(path.read_text().replace("[weights.sitter]", f"{planks}\n[weights.sitter]"))
+    return piece_of(load_scene(path))
+
+
+def second_rail(start: float, end: float) -> str:
+    return f"""[planks.upper]
+from = [{start!r}, 0, 0.35]
+to = [{end!r}, 0, 0.35]
+width = [0, 0.1, 0]
+"""
+
+
 def stool(tmp_path: Path, start: float, end: float, low: float = 0.0) -> Design:
     return Design.closed(piece_of(load_scene(written(tmp_path, start, end, low))), Guidance())
 
@@ -100,6 +116,19 @@ def test_moves_that_leave_an_end_free_come_after(tmp_path):
     moves = [one for one in found if one.kind == "a part joined"]
     assert [one.free for one in moves] == [1] * len(moves) and moves
     assert found[0].free == 0
+
+
+def test_lengthenings_that_do_not_hold_push_out_nothing_that_does(tmp_path):
+    # Two rails that miss a leg each, and a light stool that a shove throws over whether they meet it or not.
+    piece = drawn_with(tmp_path, second_rail(-0.141, 0.117), -0.141, 0.117)
+    (sitter,), (shove,) = piece.weights, piece.pushes
+    sitter, shove = replace(sitter, force=(0.0, 0.0, -200.0)), replace(shove, force=(100.0, 0.0, 0.0))
+    light = replace(piece, weights=(sitter,), pushes=(shove,))
+    found = {most: Design.closed(light, Guidance(suggestions=most)).suggestion_list.found for most in (1, 2, 8)}
+    assert any(one.kind == NAME and not one.valid for one in found[8])
+    for most, shown in found.items():
+        valid = [one.valid for one in shown]
+        assert valid[0] and valid == sorted(valid, reverse=True), most
 
 
 def test_a_leg_above_the_floor_is_lengthened_to_stand_on_it(tmp_path):
