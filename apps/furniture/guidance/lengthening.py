@@ -22,8 +22,8 @@ NAME = "a free end joined"
 def lengthenings(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
     """Planks made longer, or shorter, until their free ends meet what they missed; what leaves nothing wrong first.
 
-    All free ends of a plank go at once, or where that is no joint each alone; and those of all planks at once. Of a
-    piece in parts only what makes parts fewer is shown, of another one only what leaves less wrong.
+    All free ends of a plank go at once, or where that is no joint each alone; and at once those of all planks that can
+    be joined. Of a piece in parts only what makes parts fewer is shown, of another one only what leaves less wrong.
 
     Args:
         piece: with closed joints.
@@ -32,9 +32,8 @@ def lengthenings(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
     before = Furniture(piece).test()
     apart, worst = len(parts_of(piece)), max(before.pull, before.shear)
     found = []
-    for ends in _sets(piece):
-        one = _joined(piece, ends)
-        if one is None or len(parts_of(one.piece)) > apart:
+    for one in _joinable(piece):
+        if len(parts_of(one.piece)) > apart:
             continue
         after = Furniture(one.piece).test()
         fewer = len(parts_of(one.piece)) < apart or bin(after.flaws).count("1") < bin(before.flaws).count("1")
@@ -43,17 +42,23 @@ def lengthenings(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
     return tuple(sorted(found, key=lambda one: one.flaws != 0)[:shown])
 
 
-def _sets(piece: Piece) -> Iterator[tuple[FreeEnd, ...]]:
-    """Free ends that are tried together."""
+def _joinable(piece: Piece) -> Iterator[Connection]:
+    """The piece with free ends at what they missed: those of each plank, and of each that can be joined all at once."""
     missed = [one for one in free_ends(piece) if one.aside == 0.0 and not one.tilted]
-    planks = {one.plank: tuple(other for other in missed if other.plank == one.plank) for one in missed}
-    good = []
-    for ends in planks.values():
-        some = [ends] if _joined(piece, ends) else [(one,) for one in ends]
-        yield from some
-        good += [one for one in some if len(some) == 1]
-    if len(good) > 1:
-        yield tuple(one for ends in good for one in ends)
+    first: list[tuple[FreeEnd, ...]] = []
+    for plank in dict.fromkeys(one.plank for one in missed):
+        ends = tuple(one for one in missed if one.plank == plank)
+        made = _that_join(piece, [ends]) or (_that_join(piece, [(one,) for one in ends]) if len(ends) > 1 else [])
+        yield from (one for _, one in made)
+        first += [some for some, _ in made[:1]]
+    if len(first) > 1:
+        yield from (one for _, one in _that_join(piece, [tuple(one for ends in first for one in ends)]))
+
+
+def _that_join(piece: Piece, sets: Sequence[tuple[FreeEnd, ...]]) -> list[tuple[tuple[FreeEnd, ...], Connection]]:
+    """Of sets of free ends those that can be joined, each with the piece where it is."""
+    made = ((ends, _joined(piece, ends)) for ends in sets)
+    return [(ends, one) for ends, one in made if one is not None]
 
 
 def _joined(piece: Piece, ends: Sequence[FreeEnd]) -> Connection | None:

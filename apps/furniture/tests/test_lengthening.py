@@ -131,6 +131,33 @@ def test_lengthenings_that_do_not_hold_push_out_nothing_that_does(tmp_path):
         assert valid[0] and valid == sorted(valid, reverse=True), most
 
 
+STOP = """
+[planks.stop]
+from = [0.125, -0.1, 0.07]
+to = [0.125, 0.13, 0.07]
+width = [0.01, 0, 0]
+
+[planks.peg]
+from = [PEG, 0, 0.07]
+to = [0.11, 0, 0.07]
+width = [0, 0, 0.04]
+"""
+"""A peg short of the right leg, whose way a stop bars: it ends at -0.141 m at the left leg, or short of that too."""
+
+
+@pytest.mark.parametrize("peg", [-0.141, -0.121])
+def test_an_end_that_cannot_be_joined_bars_no_others(tmp_path, peg: float):
+    rails = second_rail(-0.121, 0.121)
+    more, alone = (
+        drawn_with(tmp_path, planks, -0.121, 0.121) for planks in (rails + STOP.replace("PEG", repr(peg)), rails)
+    )
+    both = "20 mm longer at its end -x and 20 mm longer at its end +x, to meet left and right"
+    expected = {f"{name} {both}" for name in ("upper", "rail")}
+    assert expected in [set(one.words.split("; ")) for one in lengthenings(alone)]
+    own = {"peg 20 mm longer at its end -x, to meet left"} if peg > -0.141 else set()
+    assert expected | own in [set(one.words.split("; ")) for one in lengthenings(more)]
+
+
 def test_a_leg_above_the_floor_is_lengthened_to_stand_on_it(tmp_path):
     design = stool(tmp_path, -0.141, 0.141, low=0.05)
     one = next(one for one in lengthenings(design.piece))
