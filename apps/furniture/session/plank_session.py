@@ -24,10 +24,11 @@ from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
 from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.edit_script import Script
-from restshape.scene.given_numbers import edited_number
+from restshape.scene.given_numbers import edited_number, given_number
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
+from restshape.scene.source import split_key
 from restshape.shape.gradual import sweep
 from restshape.shape.handpath import resampled
 from restshape.shape.script_session import ScriptSession, Step
@@ -265,8 +266,9 @@ class PlankSession(ScriptSession):
             yield Step("none", f"there is no suggestion {event.number}: {there} for this piece")
             return
         before, suggestion = (self.design, self.scene), suggestion_list[event.number - 1]
-        base = self.design
+        base, gone = self.design, ""
         if suggestion.setting is not None:
+            gone = _replaced(self.scene, suggestion.setting[0])
             try:
                 scene = revise(self.scene, *suggestion.setting)
                 self.design = Design.closed(restated(base.piece, self.scene, scene), base.guidance)
@@ -284,7 +286,7 @@ class PlankSession(ScriptSession):
             change = "move"
         self.gamma = self._rest()
         self._remember(before)
-        yield Step(change, note=f"suggestion {event.number}: {suggestion.summary}")
+        yield Step(change, note=f"suggestion {event.number}: {suggestion.summary}{gone}")
 
     def _do_slide(self, event: Any) -> Iterator[Step]:
         if self._chosen is None:
@@ -361,6 +363,12 @@ class PlankSession(ScriptSession):
 
     def _rest(self) -> np.ndarray:
         return np.zeros((len(self.design.piece.planks), 8))
+
+
+def _replaced(scene: Scene, key: str) -> str:
+    """What a note says where a number takes the place of a formula; empty where there was none."""
+    given = given_number(scene, split_key(key))
+    return f"; it takes the place of the formula {given.formula.text.strip()!r}" if given else ""
 
 
 def _with_own_names(piece: Piece) -> Piece:

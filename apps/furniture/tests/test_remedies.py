@@ -66,6 +66,18 @@ def test_choosing_one_sets_the_scene(tmp_path) -> None:
     row = list(replay.frames())[-1]
     assert row["constraint_status"] == "holds"
     assert replay.session.scene.fastener.spacing == found[number - 1].setting[1]
+    assert "formula" not in row["note"]
+
+
+def test_a_note_says_which_formula_a_chosen_number_replaces(tmp_path) -> None:
+    scene = tmp_path / "scales.toml"
+    text = (SCENES / "scales.toml").read_text()
+    scene.write_text(text.replace("[fastener]\n", '[fastener]\nspacing = "t/10 + 50 mm"\n'))
+    found = Design(piece_of(load_scene(scene)), Guidance()).suggestion_list.found
+    number = next(k for k, one in enumerate(found, 1) if one.setting and one.setting[0] == "fastener.spacing")
+    script = write_edits(tmp_path, {"do": "choose", "number": number}, scene="scales.toml")
+    replay = make_replay(scene, script=script)
+    assert "it takes the place of the formula 't/10 + 50 mm'" in list(replay.frames())[-1]["note"]
 
 
 def limited(tmp_path, most: float):
