@@ -133,12 +133,16 @@ def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Des
 
 
 def worst_case(furniture: Furniture) -> int:
-    """The case of the loads in which most is missing of what could balance them, or a joint is used most."""
+    """The case of the loads that the constraint status is of: in which most is missing of what could balance them, else
+    a joint is used most, by moments that do not count where these make it doubtful."""
     every = [furniture.forces(case) for case in range(len(furniture.cases))]
-    utilisations = [one.utilisation.max(initial=0.0) for one in every]
     unbalanced = np.array([one.unbalanced for one in every])
     # Rounding decides nothing.
-    return int(np.argmax(unbalanced)) if unbalanced.max() > 1e-6 else int(np.argmax(utilisations))
+    if unbalanced.max() > 1e-6:
+        return int(np.argmax(unbalanced))
+    most = [one.utilisation.max(initial=0.0) for one in every]
+    moments = [one.moment_utilisation.max(initial=0.0) for one in every]
+    return int(np.argmax(moments if max(most) <= 1.0 < max(moments) else most))
 
 
 def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
