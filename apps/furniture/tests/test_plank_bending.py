@@ -82,6 +82,28 @@ def test_a_shelf_between_hangers_is_supported_by_them() -> None:
     assert abs(lifted(found, 0.295)) < 1e-9 and abs(lifted(found, -0.295)) < 1e-9 < found.max_deflection
 
 
+def test_an_apron_under_two_equal_overhangs_counts_as_their_support_though_it_bears_nothing() -> None:
+    # Two benches side by side, each with a load between its legs, and an apron under both overhanging ends. This is a
+    # limit of the model: supports count as fixed.
+    planks, apron = [], Plank.between("apron", (0.75, 0, 0.5), (0.75, 0, 0.45), (0, 0.6, 0), 0.01, wood="pine")
+    for y in (-0.2, 0.2):
+        planks.append(Plank.between(f"top {y}", (-0.5, y, 0.51), (0.8, y, 0.51), (0, 0.2, 0), 0.02, wood="pine"))
+        planks += [Plank.between(f"leg {y} {x}", (x, y, 0), (x, y, 0.5), (0, 0.2, 0), 0.018) for x in (-0.45, 0.3)]
+    loads = tuple(Load(f"load {k}", k, (0.0, 0.0, 0.0), (0.0, 0.0, -60.0)) for k in (0, 3))
+    piece = Piece(
+        (*planks, apron), joints_near((*planks, apron)), feet_near((*planks, apron)), (Plane(mu=0.9),), (), loads
+    )
+    furniture = Furniture(piece, Compliance(least_overlap=1e-6))
+    assert furniture.test().valid and len(piece.joints) == 6
+    found = plank_bending(furniture, 0)
+    # What the apron puts on the top is half of its weight.
+    shear = np.diff(np.interp([0.58, 0.59, 0.61, 0.62], found.s, found.moment))[[0, 2]] / 0.01
+    own = furniture.geometry().mass[0] * G / 1.3
+    step = abs(shear[1] - shear[0]) - own * 0.03
+    assert step == pytest.approx(furniture.geometry().mass[6] * G / 2, rel=0.05)
+    assert abs(lifted(found, 0.6)) < 1e-9 < 1e-4 < found.max_deflection
+
+
 def test_an_overhang_sags_under_a_mass_at_its_very_end() -> None:
     # Two supports L apart, a load at the end of an overhang a: P a^2 (L + a) / 3EI at the end, P a L^2 / 16EI up in the
     # middle; the board has no weight.
