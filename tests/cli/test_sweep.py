@@ -17,8 +17,10 @@ from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.replay.first_frame import first_frame
 from restshape.variation.runs import Sweep
+from restshape.variation.sweep_notes import sweep_notes
 from restshape.variation.sweep_request import SweepRequest
 from restshape.variation.swept_key import combinations, swept_keys
+from restshape.variation.swept_run import SweptRun
 
 PULL, LENGTH = 100e6, 2.0
 BAR = HEAD + block(LENGTH, 0.5) + STEEL.replace("nu = 0.3", "nu = 0.0") + CLAMPED + PULLED + meshed(0.25) + QUANTITIES
@@ -221,6 +223,26 @@ def test_nonlinear_runs_continue_unless_they_shall_start_from_rest(command, tmp_
     assert values_of(on, "stretch") == pytest.approx(values_of(from_rest, "stretch"), rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("frictions", "begins", "ends"),
+    [
+        ((0.2, 0.4), "each run starts from rest: ", "(friction)"),
+        ((0.0, 0.4), "1 run of 2 starts from rest: ", "(friction)"),
+        ((0.4, 0.0), "1 run of 2 starts from rest: ", "; so does 1 run right after one of them"),
+        ((0.4, 0.0, 0.2, 0.0), "2 runs of 4 start from rest: ", "; so do 2 runs right after one of them"),
+        ((0.4, None), "each run starts from rest: ", "(friction)"),
+    ],
+)
+def test_runs_that_start_from_rest_are_counted(frictions, begins, ends):
+    """Of the runs that have a result; None has none."""
+    runs = [
+        SweptRun(k, {}, {}, frames=int(one is not None), remembered=["friction"] if one else [])
+        for k, one in enumerate(frictions)
+    ]
+    (note,) = sweep_notes(runs)
+    assert note.startswith(begins) and note.endswith(ends)
+
+
 @pytest.mark.slow
 def test_runs_start_from_rest_where_friction_remembers_the_path(command, tmp_path):
     """Each value is that of a replay of its own, to the bit; cloth on smooth bodies goes on."""
@@ -230,7 +252,8 @@ def test_runs_start_from_rest_where_friction_remembers_the_path(command, tmp_pat
     assert ended.returncode == 0, ended.stderr
     found = json.loads((tmp_path / "a.json").read_text())
     assert [one["analysis"] for one in found["runs"]] == 3 * ["new"]
-    assert "from rest" in found["notes"][0] and "friction" in found["notes"][0] and found["notes"][0] in ended.stdout
+    (note,) = found["notes"]
+    assert "2 runs of 3 start from rest: " in note and "friction" in note and note in ended.stdout
     assert command("replay", scene, *words, "--set", "bodies.ball.friction=0.2", "--json", "b.json").returncode == 0
     own = json.loads((tmp_path / "b.json").read_text())["quantities"]["low"][0]
     assert values_of(found["runs"], "low")[2] == own

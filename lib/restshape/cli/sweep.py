@@ -182,7 +182,7 @@ def _write(
         "keys": [one.key for one in swept],
         "interrupted": interrupted,
         "singular": sweep.singular,
-        "notes": (notes := sweep_notes(sweep.remembered, runs)),
+        "notes": (notes := sweep_notes(runs)),
         "runs": [one.plain() for one in runs],
     }
     write_json(args, data)

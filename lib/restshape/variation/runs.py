@@ -29,7 +29,6 @@ class Sweep:
     Attributes:
         scene: of the last run that was valid, and `columns` that show its quantities; None before.
         singular: quantities at singular places in one of the runs, with the exponent of displacements.
-        remembered: parts of the physics that make equilibria of one of the runs depend on the path to them.
     """
 
     def __init__(self, request: SweepRequest) -> None:
@@ -37,7 +36,6 @@ class Sweep:
         self.scene: Scene | None = None
         self.columns: list[str] | None = None
         self.singular: dict[str, float] = {}
-        self.remembered: list[str] = []
         self._replay: Replay | None = None
         self._moved = False
         self._start: tuple[ShapeSpec, Outline] | None = None
@@ -67,7 +65,7 @@ class Sweep:
         self.scene, names = scene, quantity_columns(scene, application(scene.app))
         self.columns = self.columns or names
         run.limit(scene)
-        self.remembered = [*dict.fromkeys(self.remembered + remembered(scene, application(scene.app)))]
+        run.remembered = remembered(scene, application(scene.app))
         last, self._replay = self._replay, None
         if last and self._follow(last, scene, script):
             run.analysis = REUSED

@@ -1,6 +1,7 @@
 """What a sweep says of how its values were found, in its table, its JSON file and its picture."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from restshape.outputs.si_numbers import counted
 from restshape.variation.swept_run import SweptRun
@@ -9,20 +10,32 @@ MOVED = (1, 2)
 """Levels of reuse of a mesh that keep its nodes or most of its cells."""
 
 
-def sweep_notes(remembered: Sequence[str], runs: Sequence[SweptRun]) -> list[str]:
+def sweep_notes(runs: Sequence[SweptRun]) -> list[str]:
     """The notes, a line each: which runs start from rest, and which have the mesh of another shape.
 
     Args:
-        remembered: parts of the physics whose equilibria depend on the path to them.
         runs: that are done.
     """
     found = []
-    if remembered:
-        found.append(f"each run starts from rest: equilibria depend on the path to them ({', '.join(remembered)})")
+    if remembered := [*dict.fromkeys(part for one in runs if one.frames for part in one.remembered)]:
+        found.append(_from_rest(runs, ", ".join(remembered)))
     if moved := sum(meshes_moved(runs)):
         which = f"{counted(moved, 'run')} on the mesh of the run before, moved to its shape (level 1 or 2)"
         found.append(f"{which}: values hold to the error of the mesh; --from-rest gives each run its own mesh")
     return found
+
+
+def _from_rest(runs: Sequence[SweptRun], remembered: str) -> str:
+    """How many runs start from rest: their equilibria depend on the path, or those of the run before do."""
+    valid = [one for one in runs if one.frames]
+    own = [bool(one.remembered) for one in valid]
+    if all(own):
+        return f"each run starts from rest: equilibria depend on the path to them ({remembered})"
+    after = [before and not now for before, now in pairwise(own)]
+    begin, do = "starts" if sum(own) == 1 else "start", "does" if sum(after) == 1 else "do"
+    what = f"{counted(sum(own), 'run')} of {len(valid)} {begin} from rest"
+    also = f"; so {do} {counted(sum(after), 'run')} right after one of them" if any(after) else ""
+    return f"{what}: equilibria depend on the path to them ({remembered}){also}"
 
 
 def meshes_moved(runs: Sequence[SweptRun]) -> list[bool]:

@@ -62,6 +62,7 @@ class SweptRun:
         limits: of quantities in the last frame, by `min` and `max`, in SI units (`constraints.recorded_limits`).
         quantities: by column: ``q_`` and the name, or a column of the application where the scene names none.
         cpu_s: processor time [s].
+        remembered: parts of its physics that make equilibria depend on the path to them.
     """
 
     index: int
@@ -78,6 +79,7 @@ class SweptRun:
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     quantities: dict[str, Extent] = field(default_factory=dict)
     cpu_s: float = 0.0
+    remembered: Sequence[str] = ()
 
     def add(self, row: RowValues, columns: Iterable[str]) -> None:
         """Take in the row of a frame, of its quantities those in these columns."""
