@@ -202,7 +202,7 @@ def draw_piece(
         furniture: its model; it is tested here.
         title: over the picture.
         direction_view: an edit of which the end state is drawn, or a range shown.
-        case: of the loads.
+        case: of the loads and forces of feet; joints have their largest utilisation under any case.
         numbers: forces of feet in newtons, and masses, are written beside their arrows.
         box: corners [m] that hold all, such as those of several pictures side by side.
         names: of planks that are written at them.
@@ -224,7 +224,7 @@ def draw_piece(
     if whole:
         # Where a joint is lost, there are no forces.
         forces = shown.forces(case)
-        _draw_joints(view, shown, forces)
+        _draw_joints(view, shown)
         _draw_feet(view, shown, forces, numbers)
     _draw_loads(view, shown, case, numbers)
     if end:
@@ -281,13 +281,15 @@ def _frame(view: PieceView, window: Window) -> None:
     view.axes.set_aspect("equal")
 
 
-def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
-    geometry = furniture.geometry()
+def _draw_joints(view: PieceView, furniture: Furniture) -> None:
+    """Joints in the colours of their largest utilisation under any load case, as in the constraint status."""
+    geometry, every = furniture.geometry(), [furniture.forces(case) for case in range(len(furniture.cases))]
     if not len(geometry.p):
         return
     cmap, norm = utilisation_colours()
-    utilisation = forces.utilisation
-    doubt = (utilisation <= 1.0) & (forces.moment_utilisation > 1.0)
+    utilisation = np.max([one.utilisation for one in every], axis=0)
+    moments = np.max([one.moment_utilisation for one in every], axis=0)
+    doubt = (utilisation <= 1.0) & (moments > 1.0)
     half = 0.5 * geometry.length[:, None] * geometry.y
     joints = np.stack([geometry.p - half, geometry.p + half], axis=1)
     colours = np.where(doubt[:, None], to_rgb(DOUBT), cmap(norm(utilisation))[:, :3])
@@ -302,7 +304,7 @@ def _draw_joints(view: PieceView, furniture: Furniture, forces: Forces) -> None:
     for k in np.flatnonzero((utilisation > 1.0) | doubt):
         # Level with its left end.
         left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
-        most, colour = (forces.moment_utilisation[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
+        most, colour = (moments[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
         view.words(left, joint_label(float(most)), colour, 0.0, -4.0, UTILISATION)
 
 

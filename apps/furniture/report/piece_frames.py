@@ -40,7 +40,10 @@ FEW = 10
 """Planks up to which forces are written beside their arrows."""
 SAME = 1e-6
 """How far corners of a piece that is made again may be from those of the recording, in parts of its size."""
-MEANING = "joints in colour; blue: forces of feet, black: loads. Planks are named where they are seen first"
+MEANING = (
+    "joints in colour, by their largest utilisation under any load case; blue: forces of feet, black: loads, of one "
+    "case. Planks are named where they are seen first"
+)
 RANGES = (
     "Thin dashed line: the way of what is under the hand, as far as it was looked at; thick line with ends: its valid "
     "range, without one nothing of it is valid. Black where the piece holds, red where not; circle: the piece as it is"

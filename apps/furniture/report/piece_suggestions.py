@@ -25,8 +25,9 @@ from restshape.report.tables import rows_of
 LINES = 4
 """Lines of a title for what a suggestion does."""
 MEANING = (
-    "First the piece as it is, then what each suggestion makes of it, with forces found there under the loads that the "
-    "constraint status is of. Orange: what is moved, longer or added; arrows: which way, short ones drawn longer"
+    "First the piece as it is, then what each suggestion makes of it, with loads and forces of feet of the case that "
+    "the constraint status is of, and joints by their largest utilisation under any. Orange: what is moved, longer or "
+    "added; arrows: which way, short ones drawn longer"
 )
 BREAKS = "Red: a joint that breaks, with its utilisation, and headings of what does not hold"
 DOUBTS = "Amber heading: it holds, but what follows is doubtful, or a quantity beyond its limit"

@@ -4,7 +4,7 @@ import pytest
 from matplotlib.colors import to_hex
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.plank_findings import load_case
-from restshape_apps.furniture.report.furniture import draw_piece
+from restshape_apps.furniture.report.furniture import draw_piece, joint_label
 from restshape_apps.furniture.report.piece_frames import worst_case
 from restshape_apps.furniture.report.status_colour import DOUBT
 from small_scenes import make_replay
@@ -43,4 +43,13 @@ def test_the_drawn_case_is_that_of_the_doubt(model_of) -> None:
     assert max(utilisations) == utilisations[1] < 1.0 < doubt.value
     case = worst_case(furniture)
     assert load_case(furniture.piece, case) == doubt.case == "push along"
-    assert numbers(furniture, case) == {f"{doubt.value + 0.005:.2f}": DOUBT}
+    assert numbers(furniture, case) == {joint_label(doubt.value): DOUBT}
+
+
+def test_numbers_beside_joints_are_those_of_the_heading(model_of) -> None:
+    # One push breaks the joint, the other one or the weights alone do not: whichever is drawn, the heading is the same.
+    furniture = model_of(post("0.2 m", "2000 N").replace("force = [1,", "force = [80,"))
+    weak = [one for one in furniture.test().findings if one.kind == "weak"]
+    assert len({one.case for one in weak}) == len(weak) == 1
+    for case in range(3):
+        assert numbers(furniture, case) == {joint_label(one.value): REFUSED for one in weak}
