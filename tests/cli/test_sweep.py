@@ -338,6 +338,9 @@ def test_ranges_are_decimal_numbers_with_units():
     assert swept[1].numbers == (60.0, 55.0, 50.0) and swept[1].unit == "GPa" and swept[3].numbers == ()
     assert list(combinations(swept[2:])) == [(0, 0), (0, 1), (1, 0), (1, 1)]
     assert swept_keys(["a=0,6mm"])[1][0].values == ("0", '"6 mm"')
+    assert swept_keys(["a=0.2,50%"])[1][0].values == ("0.2", '"50 %"')
+    assert swept_keys(["a=300 mm/m,0.2"])[1][0].values == ('"300 mm/m"', "0.2")
+    assert swept_keys(["a=2*L,3"])[1][0].values[1] == "3"
     assert swept_keys(["a=1:4:1"])[1][0].values == ("1", "2", "3", "4")
 
 
@@ -348,7 +351,12 @@ def test_ranges_are_decimal_numbers_with_units():
         ("a=1mm:2mm:0", "STEP is 0"),
         ("a=10mm:20mm:5", "STEP has no unit.*\n.*a=10mm:20mm:5mm"),
         ("a=4,6mm", "4 has no unit.*\n.*--set a=4mm,6mm"),
-        ("a=4mm,6,0.1 m,7", "6 has no unit.*\n.*--set a=4mm,6m,0.1m,7m"),
+        ("a=4,6mm", "--set a=4mm,6mm or --set a=4m,6mm$"),
+        ("a=4mm,6,0.1 m,7", "6 has no unit.*\n.*--set a=4mm,6m,0.1m,7m$"),
+        ("a=300,20degC", "300 has no unit.*\n.*--set a=300degC,20degC or --set a=300K,20degC$"),
+        ("a=7850,2.7 g/cm^3", "--set 'a=7850g/cm.3,2.7g/cm.3' or --set 'a=7850kg/m.3,2.7g/cm.3'$"),
+        ("a=1,2 W/(m K)", "--set 'a=1W/.m K.,2W/.m K.' or --set 'a=1kg m/s.3/K,2W/.m K.'$"),
+        ("a=0.2,50%,3mm", "--set a=0.2mm,50%,3mm or --set a=0.2m,50%,3mm$"),
         ("a=1:2:-1", "no number of these steps"),
         ("a=1mm:2m:1mm", "several units"),
         ("a=1,,2", "empty value"),

@@ -8,10 +8,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import product
+from shlex import quote
 
 from restshape import bounds
 from restshape.errors import UserError
 from restshape.scene.source import split_key
+from restshape.scene.units import NONE, SYMBOLS, ZEROS, UnitError, in_units, spelled, unit
 
 NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s:,\[\]{}\"'][^:,\[\]{}\"']*)?")
 """A number, and its unit if any."""
@@ -95,20 +97,40 @@ def _swept_key(word: str) -> SweptKey | None:
 def _refuse_bare(key: str, parts: Sequence[str], numbers: Sequence[tuple[str, str] | None]) -> None:
     """Refuses numbers without a unit beside such with one: 4 of 4,6mm is hardly meant as 4 m; 0 is 0 in all units.
 
+    A share such as 50% is a number, as 0.2 beside it is.
+
     Raises:
-        UserError: there are some; it proposes the unit of the next value that has one, or else of the last.
+        UserError: there are some; it proposes the unit of the next value that has one, or else of the last, and the SI
+            unit, where that is another one.
     """
-    units = [found[1] for found in numbers if found and found[1]]
+    symbols = [_si_unit(found[1]) if found else "" for found in numbers]
     bare = [found[0] for found in numbers if found and not found[1] and float(found[0]) != 0.0]
-    if not units or not bare:
+    if not any(symbols) or not bare:
         return
-    unit, proposed = units[-1], list(parts)
-    for k in reversed(range(len(parts))):
-        if found := numbers[k]:
-            unit = found[1] or unit
-            proposed[k] = found[0] + unit
+    known = [found[1] if found and symbol else "" for found, symbol in zip(numbers, symbols)]
+    readings = [_with_units(parts, numbers, units) for units in (known, symbols)]
     what = f"{bare[0]} has no unit, but other values of the list have one"
-    raise UserError(what, f"--set {key}={','.join(parts)}", f"write --set {key}={','.join(proposed)}")
+    lists = dict.fromkeys(",".join(one) for one in readings)
+    words = " or ".join(f"--set {quote(f'{key}={one}')}" for one in lists)
+    raise UserError(what, f"--set {key}={','.join(parts)}", f"write {words}")
+
+
+def _si_unit(text: str) -> str:
+    """The SI unit of what a unit measures; empty of shares, and of what is no unit."""
+    if text in ZEROS:
+        return SYMBOLS["temperature"]
+    try:
+        powers = unit(text)[1] if text else NONE
+    except UnitError:
+        return ""
+    return "" if powers == NONE else SYMBOLS.get(spelled(powers)) or in_units(powers)
+
+
+def _with_units(parts: Sequence[str], numbers: Sequence[tuple[str, str] | None], units: Sequence[str]) -> Iterator[str]:
+    """Values, the bare numbers of them with the unit of the next one that has one, or else of the last."""
+    for k, (part, found) in enumerate(zip(parts, numbers)):
+        following = [one for one in units[k:] if one] or [one for one in units if one][-1:]
+        yield found[0] + (found[1] or following[0]) if found else part
 
 
 def _number(text: str) -> tuple[str, str] | None:
