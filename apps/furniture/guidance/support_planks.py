@@ -117,10 +117,12 @@ def searched(reliefs: Reliefs, shown: int, trials: int, planes: Sequence[Mirror]
                     continue
                 left -= 1
                 plank = boards[0][0]
-                if any(_in_place(piece, plank, one.piece.planks) for one in found):
-                    # It is one of the images of what was found.
+                if _is_found(piece, plank, found):
                     break
                 if one := reliefs.by(boards, k, joint):
+                    # Where its joints are closed, it may be in the place of an image of what was found.
+                    if _is_found(piece, one.plank, found):
+                        break
                     images = ((plane.axis, plane.image(plank)) for plane in planes)
                     axes = tuple(axis for axis, image in images if not _in_place(piece, image, [plank]))
                     found.append(replace(one, mirrored=axes))
@@ -151,6 +153,11 @@ def _in_place(piece: Piece, plank: Plank, others: Sequence[Plank]) -> bool:
     # Planks in one another's place have one centre, which is looked at first.
     near = (other for other in others if dist(other.centre, centre) <= room)
     return any(same_place(plank.corners(), other.corners(), room) for other in near)
+
+
+def _is_found(piece: Piece, plank: Plank, found: Sequence[SupportPlank]) -> bool:
+    """Whether a plank lies in the place of one of those that were found, or of an image of it."""
+    return any(_in_place(piece, plank, one.piece.planks) for one in found)
 
 
 class Reliefs:
