@@ -209,8 +209,6 @@ def draw_piece(
     """
     end = direction_view.end(furniture) if direction_view else None
     piece = furniture.moved()
-    shown = Furniture(end, furniture.compliance) if end else furniture
-    whole = not shown.test().flaws & LOST
     low, high = box or bounds(piece, *([end] if end else []))
     camera = Camera.towards(0.5 * (low + high), AZIMUTH, ELEVATION, FAR * float(np.linalg.norm(high - low)))
     view = PieceView(axes, camera, float((high - low).max()))
@@ -221,21 +219,12 @@ def draw_piece(
     view.planks((end or piece).planks)
     if end:
         view.planks([plank for plank, other in zip(end.planks, _changed(piece, end)) if other], ghosts=True)
-    if whole:
-        # Where a joint is lost, there are no forces.
-        forces = shown.forces(case)
-        _draw_joints(view, shown)
-        _draw_feet(view, shown, forces, numbers)
-    _draw_loads(view, shown, case, numbers)
+    _draw_forces(view, Furniture(end, furniture.compliance) if end else furniture, case, numbers)
     if end:
         _draw_moves(view, piece, end, direction_view.direction)
     if direction_view and direction_view.ranges is not None:
         _draw_range(view, furniture, direction_view, direction_view.ranges)
-    for plank in piece.planks:
-        if plank.name in names:
-            # Beside the middle, where loads often are.
-            place = plank.centre + NAMED_AT * plank.size[0] * plank.axes[:, 0]
-            view.words(place, plank.name, NAMES, 0.0, 0.0, NAME, style="italic", fontsize=6.5)
+    _draw_names(view, [plank for plank in piece.planks if plank.name in names])
     for number in sides:
         number.set_zorder(9)
         view.labels.add(number, NUDGE, SIDE)
@@ -279,6 +268,21 @@ def _frame(view: PieceView, window: Window) -> None:
     view.axes.set_xlim(min(left - room[0], low_x - 0.05 * wide), max(right + room[1], high_x + 0.05 * wide))
     view.axes.set_ylim(min(bottom - room[2], low_y - 0.09 * wide), max(top + 0.03 * wide, high_y + 0.09 * wide))
     view.axes.set_aspect("equal")
+
+
+def _draw_forces(view: PieceView, furniture: Furniture, case: int, numbers: bool) -> None:
+    """Test a piece, and draw its joints, feet and loads; where a joint is lost, there are no forces but loads."""
+    if not furniture.test().flaws & LOST:
+        _draw_joints(view, furniture)
+        _draw_feet(view, furniture, furniture.forces(case), numbers)
+    _draw_loads(view, furniture, case, numbers)
+
+
+def _draw_names(view: PieceView, planks: Sequence[Plank]) -> None:
+    for plank in planks:
+        # Beside the middle, where loads often are.
+        place = plank.centre + NAMED_AT * plank.size[0] * plank.axes[:, 0]
+        view.words(place, plank.name, NAMES, 0.0, 0.0, NAME, style="italic", fontsize=6.5)
 
 
 def _draw_joints(view: PieceView, furniture: Furniture) -> None:
