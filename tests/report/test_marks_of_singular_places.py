@@ -64,6 +64,28 @@ def test_a_square_hole_is_crossed_from_its_edit_on_where_it_is_then(recorded):
     assert ["× singular places: peak" in one for one in words] == [False, True, True, False]
 
 
+@pytest.mark.slow
+def test_the_caption_says_how_many_places_have_no_cross(command, tmp_path):
+    """Of forty re-entrant corners of a cut-out, which are more than a row of the table holds."""
+    x = 0.2 + 1.6 * np.arange(40) / 39
+    teeth = [[*map(float, one)] for one in zip(x, 0.4 - 0.1 * (np.arange(40) % 2))]
+    polygon = [*teeth, *([a, 1.0 - b] for a, b in teeth[::-1])]
+    text = HEAD + block(2.0, 1.0) + STEEL + HELD + PULLED + ASKED
+    scene, script = (
+        write_scene(tmp_path, text),
+        write_script(tmp_path, [{"do": "hole", "name": "saw", "polygon": polygon}]),
+    )
+    assert command("replay", scene, "--edits", script, "--out", "a.vtkhdf").returncode == 0
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        known = decode_places(str(recording.table["singular_places"][1]))
+        assert len(known.points) + known.more_points >= 40 > len(known.points)
+        # The worst corners are crossed.
+        assert len(crossed(recording, 1)) == len(known.points)
+        words = caption(recording, 1, scenery(recording), 200)
+    marked = f"({len(known.points)} of {len(known.points) + known.more_points} are crossed)"
+    assert f"× singular places: peak {marked}" in words
+
+
 def test_panels_and_tables_name_the_frames_and_the_worst_exponent(recorded, tmp_path, monkeypatch):
     """Williams's: a corner of 270 degrees has lambda = 0.544."""
     assert singular(recorded) == {"peak": pytest.approx(0.544484, abs=1e-6)}
@@ -81,7 +103,10 @@ def test_what_does_not_fit_is_left_out_and_other_texts_are_none():
     assert len(text) <= PLACES_BYTES and found.exponents == {"peak": 0.5, "tip": 0.0}
     assert 10 < len(found.points) < 40
     np.testing.assert_allclose(found.points, points[: len(found.points)], rtol=1e-5)
+    assert found.more_points == 40 - len(found.points) and found.more_quantities == 0
     many = decode_places(encode_places({f"q{'é' * 20}{k}": 0.5 for k in range(40)}, points))
     assert 0 < len(many.exponents) < 40 and not len(many.points)
+    assert many.more_points == 40 and many.more_quantities == 40 - len(many.exponents)
+    assert encode_places({"peak": 0.5}, points[:1]) == '[{"peak":0.5},[[0.123456,0.654321]]]'
     for other in ("", "[", "7", "[1,2]", '[{"a":null},[]]', "[{},[[1]]]", "[{},[[NaN,1]]]"):
         assert not len(decode_places(other).points) and not decode_places(other).exponents

@@ -68,7 +68,12 @@ def singular_points(recording: Recording, i: int) -> np.ndarray:
 def singular_words(recording: Recording, i: int) -> list[str]:
     """What is said of the crosses of frame i."""
     found = places_of_frame(recording, i)
-    return [f"{CROSS_LETTER} singular places: {', '.join(found.exponents)}"] if len(found.points) else []
+    if not len(found.points) and not found.more_points:
+        return []
+    names = ", ".join(found.exponents) + f" and {found.more_quantities} more" * bool(found.more_quantities)
+    crossed = f"{CROSS_LETTER} singular places: {names}"
+    count, all_of_them = len(found.points), len(found.points) + found.more_points
+    return [f"{crossed} ({count} of {all_of_them} are crossed)" if found.more_points else crossed]
 
 
 def _of_quantities(
