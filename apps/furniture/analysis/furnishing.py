@@ -199,6 +199,7 @@ class FurnitureAnalysis(Timeless):
         depends = self.utilisation_range.findings(self.design.piece) if self.utilisation_range else ()
         findings = (findings_at(self.design.furniture, self.result, self.gamma) or self.result.doubts) + depends
         status = UNCERTAIN if depends and self.result.valid else self.result.status
+        why = self.suggestion_list.why
         return {
             "constraint_status": status,
             "violated_constraints": "; ".join(phrases(findings)),
@@ -221,7 +222,7 @@ class FurnitureAnalysis(Timeless):
             "tested": self.suggestion_list.tested,
             "suggested": len(self.suggestion_list.found),
             "suggestions": _listed(self.suggestion_list.found),
-            "no_suggestions": self.suggestion_list.why,
+            "no_suggestions": f"depends on joints: {why}" if depends and why else why,
             "ms_equilibrium": 1e3 * self.seconds,
             "ms_range": 1e3 * self.ranged_seconds,
             "ms_suggestions": 1e3 * self.suggestion_list.seconds if self.suggestion_list.found else np.nan,

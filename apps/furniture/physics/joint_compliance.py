@@ -39,6 +39,10 @@ class UtilisationRange:
         """Numbers of the joints whose utilisation depends on the ratios."""
         return np.flatnonzero(self.high > self.low + SPREAD)
 
+    def largest(self, most: int) -> list[int]:
+        """Numbers of at most so many redundant joints, those with the largest utilisation first."""
+        return sorted(self.redundant.tolist(), key=lambda k: -round(float(self.high[k]), 6))[:most]
+
     def findings(self, piece: Piece) -> tuple[Finding, ...]:
         """What decides whether the piece bears its loads: joints that are weak at some ratios alone, the worst first.
 
@@ -87,8 +91,7 @@ def utilisation_range(piece: Piece, nominal: Compliance) -> UtilisationRange | N
 
 def recorded_utilisations(piece: Piece, known: UtilisationRange, most: int) -> list[list[object]]:
     """Name, least and largest utilisation of redundant joints, the largest first, at most so many."""
-    order = sorted(known.redundant.tolist(), key=lambda k: -round(float(known.high[k]), 6))[:most]
-    return [[" on ".join(joint_planks(piece, k)), *_rounded(known, k)] for k in order]
+    return [[" on ".join(joint_planks(piece, k)), *_rounded(known, k)] for k in known.largest(most)]
 
 
 def _rounded(known: UtilisationRange, joint: int) -> Sequence[float]:

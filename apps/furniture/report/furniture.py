@@ -15,6 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize, to_rgb
 from matplotlib.figure import Figure
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
+from restshape_apps.furniture.physics.joint_compliance import utilisation_range
 from restshape_apps.furniture.physics.plank_findings import MOST_UTILISATION
 from restshape_apps.furniture.report.labels import Labels
 from restshape_apps.furniture.report.status_colour import DOUBT
@@ -58,6 +59,8 @@ LEAST = 1e-4
 """The shortest way that has one, in parts of the piece's size."""
 SPOT = 0.015
 """Half of the place that words leave free for the circle at what is under the hand, in parts of the piece's size."""
+REDUNDANT = 8
+"""Redundant joints at most that are marked in a picture, those with the largest utilisation first."""
 UTILISATION, RANGE, FORCE, NAME, SIDE = range(5)
 """Ranks of words: where there is no room for all, those of higher rank give way."""
 NUDGE = 8.0
@@ -310,6 +313,21 @@ def _draw_joints(view: PieceView, furniture: Furniture) -> None:
         left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
         most, colour = (moments[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
         view.words(left, joint_label(float(most)), colour, 0.0, -4.0, UTILISATION)
+    _mark_redundant(view, furniture, joints)
+
+
+def _mark_redundant(view: PieceView, furniture: Furniture, joints: np.ndarray) -> None:
+    """The utilisation of redundant joints over the ratios of compliance, at the right ends of the joints (j, 2, 3)."""
+    known = utilisation_range(furniture.moved(), furniture.compliance)
+    for k in known.largest(REDUNDANT) if known else ():
+        right = joints[k][int(np.argmax(view.at(joints[k])[:, 0]))]
+        view.words(right, redundant_label(known.low[k], known.high[k]), NAMES, 0.0, 4.0, NAME, fontsize=6.5)
+
+
+def redundant_label(low: float, high: float) -> str:
+    """The least and the largest utilisation of a joint over the ratios of compliance."""
+    least, most = (joint_label(one) if one > 1.0 else f"{one:.2f}" for one in (low, high))
+    return f"{least}\N{EN DASH}{most}"
 
 
 def joint_label(utilisation: float) -> str:

@@ -13,9 +13,17 @@ from textwrap import shorten, wrap
 import numpy as np
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
-from restshape_apps.furniture.physics.plank_findings import DOUBTFUL
+from restshape_apps.furniture.physics.plank_findings import DEPENDS, DOUBTFUL
 from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
-from restshape_apps.furniture.report.guided import CAUSES, doubt_causes, doubtful, grabbed, only_limits, runs
+from restshape_apps.furniture.report.guided import (
+    CAUSES,
+    doubt_causes,
+    doubtful,
+    findings_of,
+    grabbed,
+    only_limits,
+    runs,
+)
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import status_colour
 from restshape_apps.furniture.session.plank_session import PlankFrame
@@ -38,11 +46,14 @@ MOST_LINES = LINES + 3
 """Of a title in all."""
 FEW = 10
 """Planks up to which forces are written beside their arrows."""
+SAID = ("depends on joints", "holds, but depends on joints")
+"""How a heading begins that says so without more."""
 SAME = 1e-6
 """How far corners of a piece that is made again may be from those of the recording, in parts of its size."""
 MEANING = (
     "joints in colour, by their largest utilisation under any load case; blue: forces of feet, black: loads, of one "
-    "case. Planks are named where they are seen first"
+    "case. Numbers joined by a dash: utilisation of a redundant joint over the ratios of compliance. Planks are named "
+    "where they are seen first"
 )
 RANGES = (
     "Thin dashed line: the way of what is under the hand, as far as it was looked at; thick line with ends: its valid "
@@ -158,6 +169,9 @@ def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
         lines += wrap(f"{row['parameter']} {far}", LETTERS, max_lines=1, placeholder=" …")
     words = "holds" if row["constraint_status"] == HOLDS else row["violated_constraints"] or "not judged"
     words = f"holds, but {words}" if only_limits(row) or doubtful(row) else words
+    if any(one.kind == DEPENDS for one in findings_of(row)):
+        # What is said first is never cut off.
+        words = f"depends on joints; {words}" if not words.startswith(SAID) else words
     lines += wrap(words, LETTERS, max_lines=LINES, placeholder=" …")
     words = "\n".join(lines + ([f"loads: the weights, and the push {case}"] if case else []))
     return words, status_colour(row)
