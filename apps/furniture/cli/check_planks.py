@@ -111,6 +111,8 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
         ("redundant joint", f"{name}: utilisation from {low:g} to {high:g} over the ratios of compliance")
         for name, low, high in (recorded_utilisations(piece, known, SHOWN) if known else ())
     ]
+    more = len(known.redundant) - SHOWN if known else 0
+    rows += [("redundant joint", f"and {more} more")] if more > 0 else []
     words = "; ".join([*result.words, *depends])
     rows.append(("constraint status", f"holds, but {words}" if words and result.valid else words or "valid"))
     rows += [("warning", end.words(piece)) for end in free_ends(piece)]

@@ -14,8 +14,6 @@ from restshape.replay.constraints import LIMIT
 
 MOST = 12
 """Rows of a table at most."""
-MUCH = 0.5
-"""Use of a redundant joint from which on it is printed."""
 NAMED = 8
 """Frames that are named at most."""
 Ranges = Mapping[tuple[int, str, str], list[int]]
@@ -60,15 +58,16 @@ def _print_statuses(rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _print_redundant(rows: Sequence[Mapping[str, Any]]) -> None:
-    """Prints highly utilised joints of the last frame whose utilisation depends on the ratios of compliance."""
-    last = next((row for row in reversed(rows) if row.get("redundant")), None)
+    """Prints joints of the last frame that has any whose utilisation depends on the ratios of compliance."""
+    last = next((row for row in reversed(rows) if json.loads(row.get("redundant") or "[]")), None)
     if last is None:
         return
-    joints = [(name, f"{low:.3g}", f"{high:.3g}") for name, low, high in json.loads(last["redundant"]) if high >= MUCH]
-    if joints:
-        heads = ("joint", "min utilisation", "max utilisation")
-        title = f"redundant joints in frame {last['index']}, over the ratios of compliance"
-        print_table(title, heads, joints[:NAMED], right=heads[1:])
+    joints = json.loads(last["redundant"])
+    cells = [(name, f"{low:.3g}", f"{high:.3g}") for name, low, high in joints[:MOST]]
+    cells += [("...", "", f"and {len(joints) - MOST} more")] if len(joints) > MOST else []
+    heads = ("joint", "min utilisation", "max utilisation")
+    title = f"redundant joints in frame {last['index']}, over the ratios of compliance"
+    print_table(title, heads, cells, right=heads[1:])
 
 
 def _valid(text: str) -> str:

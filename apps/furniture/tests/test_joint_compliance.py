@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from furniture_scenes import BENCH, HEAD
+from restshape_apps.furniture.cli import check_planks, guidance
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.doubts import depends
 from restshape_apps.furniture.physics.furniture import Compliance, Furniture
@@ -21,12 +23,25 @@ from restshape_apps.furniture.small_pieces import bench, stretched
 from small_scenes import make_replay
 from test_moments_of_joints import STOOL
 
+from restshape.cli.main import main
+
 RAIL = """
 [planks.rail]
 from = [0.17, -0.2, 0.12]
 to = [0.17, 0.2, 0.12]
 width = [0, 0, 0.08]
 """
+
+BENCH_WITH_RAIL = (
+    HEAD
+    + BENCH.replace("20 kg", "8 kg").replace('on = "top"', 'on = "top"\nat = [0.4, 0, 0.5]')
+    + """
+[planks.rail]
+from = [-0.49, 0, 0.2]
+to = [0.49, 0, 0.2]
+width = [0, 0.1, 0]
+"""
+)
 
 
 def cross(v: np.ndarray) -> np.ndarray:
@@ -131,6 +146,33 @@ def test_a_rail_is_redundant_and_named(tmp_path) -> None:
     low, high = names["lower on rside"]
     assert high > 1.5 and low < 0.5 * high
     assert "depends on joints" not in row["violated_constraints"] and "falls" in row["violated_constraints"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("most", [12, 2])
+def test_check_and_replay_print_the_same_redundant_joints(tmp_path, capsys, monkeypatch, most: int) -> None:
+    path = tmp_path / "bench.toml"
+    path.write_text(BENCH_WITH_RAIL)
+    monkeypatch.setattr(check_planks, "SHOWN", most)
+    monkeypatch.setattr(guidance, "MOST", most)
+    assert main(["check", str(path)]) == 0
+    checked = [line.split("redundant joint")[1].strip() for line in lines_with(capsys, "redundant joint ")]
+    rows = list(make_replay(path).frames())
+    known = json.loads(rows[0]["redundant"])
+    # Little used ones are redundant too.
+    assert len(known) == 4 and all(0.01 < high < 0.5 for _, _, high in known)
+    guidance.print_guidance(rows)
+    printed = [" ".join(line.split()) for line in capsys.readouterr().out.split("redundant joints")[1].splitlines()]
+    names = [name for name, _, _ in known[:most]]
+    assert [line.split(":")[0] for line in checked[:most]] == names
+    assert [line.rsplit(" ", 2)[0] for line in printed[2 : 2 + most]][: len(names)] == names
+    assert checked[most:] == (["and 2 more"] if most == 2 else [])
+    assert ("... and 2 more" in printed) == (most == 2)
+
+
+def lines_with(capsys, words: str) -> list[str]:
+    """Printed lines that have these words."""
+    return [line for line in capsys.readouterr().out.splitlines() if words in line]
 
 
 def test_records_have_the_largest_first() -> None:
