@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
@@ -51,19 +52,10 @@ def draw_modes(
     grid = np.atleast_1d(figure.subplots(down, across)).ravel()
     rest = factor * lines(X, border(cells)) if bend else ()
     for axes, shape, name in zip(grid, shapes, names):
-        normal = np.abs(shape[:, 2]).max() > 0.0
-        values = shape[:, 2] if normal else np.hypot(shape[:, 0], shape[:, 1])
-        largest = np.abs(values).max()
-        look = {"cmap": SIGNED, "vmin": -1.0, "vmax": 1.0} if normal else {"cmap": COLOURS, "vmin": 0.0, "vmax": 1.0}
-        triangulation = Triangulation(*(factor * (X + bend / largest * shape[:, :2])).T, triangles)
-        drawn[normal] = axes.tripcolor(triangulation, values / largest, shading="gouraud", **look)
-        if normal:
-            axes.tricontour(triangulation, values, levels=[0.0], colors=INK, linewidths=1.2)
+        normal = _bent(shape)
+        drawn[normal] = _draw_mode(axes, factor * X, factor * bend, triangles, shape)
         axes.add_collection(LineCollection(rest, colors=INK, linewidths=0.7, linestyles="--"))
-        axes.set_title(name)
-        axes.set_aspect("equal")
-        axes.set_xlabel(f"x [{unit}]")
-        axes.set_ylabel(f"y [{unit}]")
+        axes.set(title=name, aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
     for normal, picture in drawn.items():
         bar = figure.colorbar(picture, ax=list(grid), fraction=0.05, aspect=30)
         bar.set_label(f"{'deflection' if normal else 'size of the motion'} / its largest, amplitude arbitrary")
@@ -72,3 +64,26 @@ def draw_modes(
         axes.set_visible(False)
     figure.suptitle(f"{title}\ndashed: shape at rest" if bend else title)
     save_picture(figure, path)
+
+
+def _bent(shape: np.ndarray) -> bool:
+    """Whether a mode (n, 3) moves out of the plane."""
+    return bool(np.abs(shape[:, 2]).max() > 0.0)
+
+
+def _draw_mode(axes: Axes, X: np.ndarray, bend: float, triangles: np.ndarray, shape: np.ndarray) -> ScalarMappable:
+    """Draw one mode (n, 3) in colour, and its nodal lines where it moves out of the plane.
+
+    Args:
+        axes: of the mode; X: (n, 2) nodes, and `bend` as of `draw_modes`, in the unit of the axes.
+        triangles: (m, 3) nodes; shape: displacements of the nodes.
+    """
+    normal = _bent(shape)
+    values = shape[:, 2] if normal else np.hypot(shape[:, 0], shape[:, 1])
+    largest = np.abs(values).max()
+    look = {"cmap": SIGNED, "vmin": -1.0, "vmax": 1.0} if normal else {"cmap": COLOURS, "vmin": 0.0, "vmax": 1.0}
+    triangulation = Triangulation(*(X + bend / largest * shape[:, :2]).T, triangles)
+    picture = axes.tripcolor(triangulation, values / largest, shading="gouraud", **look)
+    if normal:
+        axes.tricontour(triangulation, values, levels=[0.0], colors=INK, linewidths=1.2)
+    return picture

@@ -70,15 +70,21 @@ def draw_sweep(
         _panel(axes, swept, runs, column, limits.get(column, {}), _unit(scene, name), several, sizes[column])
         axes.set_title(marked(name, singular), loc="left", pad=2)
     _name_axis(panels[-1], swept[-1], notes)
-    failed = sum(not one.frames for one in runs)
-    words = [scene.title or scene.path.stem, counted(len(runs), "run")]
-    words += [f"{failed} without a result"] * bool(failed)
-    words += [f"quantities not shown: {len(columns) - MOST}"] * (len(columns) > MOST)
-    figure.suptitle(shorten(", ".join(words), 95, placeholder=" …"), x=0.01, ha="left", color=INK)
+    title = _title(scene, runs, len(columns))
+    figure.suptitle(shorten(title, 95, placeholder=" …"), x=0.01, ha="left", color=INK)
     keys = shorten(", ".join(one.key for one in swept[:-1]), 90, placeholder="…")
-    _legend(panels[0], keys, bool(limits), bool(failed), several)
+    _legend(panels[0], keys, bool(limits), not all(one.frames for one in runs), several)
     figure.align_ylabels()
     save_picture(figure, path)
+
+
+def _title(scene: Scene, runs: Sequence[SweptRun], columns: int) -> str:
+    """The scene, how many runs there are, and how many runs and columns the picture does not show."""
+    words = [scene.title or scene.path.stem, counted(len(runs), "run")]
+    failed = sum(not one.frames for one in runs)
+    words += [f"{failed} without a result"] * bool(failed)
+    words += [f"quantities not shown: {columns - MOST}"] * (columns > MOST)
+    return ", ".join(words)
 
 
 def _limits(runs: Sequence[SweptRun], name: str) -> dict[str, Reals]:
@@ -120,6 +126,7 @@ def _panel(
     factor, text = scaled_unit(float(np.abs(known).max(initial=0.0)), unit)
     count, lines = len(swept[-1].values), -(-len(runs) // len(swept[-1].values))
     places, x = list(combinations(swept)), np.array(swept[-1].numbers or range(count))
+    _grid(axes, text)
     for line in range(lines):
         part = slice(line * count, (line + 1) * count)
         own = values[part] * factor
@@ -133,16 +140,20 @@ def _panel(
         axes.plot(at[beyond], own[beyond, 0], ls="", marker="x", color=REFUSED, ms=6, zorder=4)
     for place in {places[one.index][-1] for one, value in zip(runs, values) if not np.isfinite(value[0])}:
         axes.axvline(x[place], color=REFUSED, alpha=0.35, lw=2.0, zorder=0)
-    axes.set_ylabel(f"[{text}]" if text else "")
-    axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.margins(y=0.12)
-    axes.ticklabel_format(axis="y", useOffset=False)
     if len(known):
         low, high = float(known.min()), float(known.max())
         least_span(axes, factor * low, factor * high)
         order, rows = np.argsort(x), {key: _lines(one, count)[:, np.argsort(x)] for key, one in limit.items()}
         draw_limits(axes, factor, low, high, rows, text, x[order])
+
+
+def _grid(axes: Axes, unit: str) -> None:
+    """The unit of a panel, lines across it and a margin."""
+    axes.set_ylabel(f"[{unit}]" if unit else "")
+    axes.grid(True, axis="y", color="#e6e6e6", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.margins(y=0.12)
+    axes.ticklabel_format(axis="y", useOffset=False)
 
 
 def _lines(values: Reals, count: int) -> Reals:
