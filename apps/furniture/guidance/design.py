@@ -224,7 +224,7 @@ class Design:
     def _sure(self, direction: np.ndarray, low: float, high: float) -> Ranges:
         """Where a piece that is valid along a direction (n, 8) is beyond doubt."""
         wanted = ALL | DOUBTFUL
-        return valid_ranges(self.furniture.kernel, direction, low, high, samples=DOUBTS, tolerance=1e-4, wanted=wanted)
+        return valid_ranges(self.furniture.kernel, direction, low, high, samples=DOUBTS, wanted=wanted)
 
     def hints(self, design_direction: DesignDirection) -> np.ndarray:
         """Parameters where ends of a direction's ranges are expected, by the derivative at the piece as it is."""

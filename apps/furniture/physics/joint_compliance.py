@@ -44,14 +44,14 @@ class UtilisationRange:
         return sorted(self.redundant.tolist(), key=lambda k: -round(float(self.high[k]), 6))[:most]
 
     def findings(self, piece: Piece) -> tuple[Finding, ...]:
-        """What decides whether the piece bears its loads: joints that are weak at some ratios alone, the worst first.
+        """What decides whether the piece bears its loads: redundant joints that are weak at some ratios
+        alone, the worst first. The springs' own displacements hardly change one that statics decides.
 
         The value is the largest utilisation, the bound the least.
         """
         if not self.changes:
             return ()
-        across = np.flatnonzero((self.low <= 1.0) & (self.high > 1.0))
-        worst = sorted(across.tolist(), key=lambda k: -round(float(self.high[k]), 6))
+        worst = [k for k in self.largest(len(self.low)) if self.low[k] <= 1.0 < self.high[k]]
         return tuple(
             Finding(plank_findings.DEPENDS, "", joint_planks(piece, k), float(self.high[k]), float(self.low[k]))
             for k in worst

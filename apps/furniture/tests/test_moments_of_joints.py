@@ -6,8 +6,8 @@ import warnings
 import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, decode_ranges, encode_ranges
-from restshape_apps.furniture.physics.furniture import Forces, Furniture
-from restshape_apps.furniture.physics.joint_compliance import UtilisationRange
+from restshape_apps.furniture.physics.furniture import Compliance, Forces, Furniture
+from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, utilisation_range
 from restshape_apps.furniture.pieces import SCENES, drawn
 from restshape_apps.furniture.report.furniture import joint_label
 from restshape_apps.furniture.report.guided import CAUSES, doubt_causes
@@ -250,3 +250,31 @@ def test_a_single_fastener_has_no_number_of_its_twist(tmp_path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert known.redundant.tolist() == [1, 2]
+
+
+def test_a_joint_that_statics_decides_does_not_depend_on_compliances(tmp_path) -> None:
+    # A tree: the moment is the push times its lever, at any ratio.
+    path = tmp_path / "post.toml"
+    path.write_text(post("0.2 m", "385.19 N") + ALL)
+    design = make_replay(path).session.design
+    known = utilisation_range(design.piece, Compliance())
+    assert known.low[0] < 1.0 < known.high[0] < known.low[0] + 1e-3
+    assert not known.findings(design.piece)
+    row = next(iter(make_replay(path).frames()))
+    assert row["constraint_status"] == ("holds" if row["utilisation"] <= 1.0 else "fails")
+    assert "depends" not in row["violated_constraints"]
+
+
+def test_a_range_is_doubtful_from_where_frames_are(tmp_path) -> None:
+    path = tmp_path / "post.toml"
+    path.write_text(post("0.2 m", "300 N"))
+    design = make_replay(path).session.design
+    way = design.parameter(1, 6)
+    ((low, high),) = way.doubtful
+    inside, outside = 0.0, high
+    while outside - inside > 1e-9:
+        middle = 0.5 * (inside + outside)
+        sure = design.furniture.test(middle * way.direction).status == "holds"
+        inside, outside = (middle, outside) if sure else (inside, middle)
+    ((least, most),) = way.ranges.intervals
+    assert way.name == "post: length x" and low == pytest.approx(inside, abs=2e-6 * (most - least))
