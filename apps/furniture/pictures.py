@@ -26,6 +26,7 @@ from restshape.outputs.si_numbers import counted
 from restshape.report.style import INK, LEVELS, REFUSED, new_figure
 
 SHOWN = ("table", "chair-1", "chair-2", "shelf-1", "shelf-2", "piece-28")
+RANGE_OF_USE = "numbers joined by a dash: utilisation of a redundant joint over the ratios of compliance"
 SIDES = 3
 """Suggestions shown beside a piece."""
 
@@ -76,6 +77,7 @@ def pieces(
     for axes in panels[len(names) :]:
         axes.set_visible(False)
     add_utilisation_bar(figure, panels)
+    figure.supxlabel(RANGE_OF_USE, x=0.01, ha="left", fontsize=8)
     _save(figure, path)
 
 
@@ -105,6 +107,7 @@ def suggestions(path: Path, name: str = "table") -> None:
     for axes in panels[count:]:
         axes.set_visible(False)
     add_utilisation_bar(figure, panels)
+    figure.supxlabel(RANGE_OF_USE, x=0.01, ha="left", fontsize=8)
     _save(figure, path)
 
 

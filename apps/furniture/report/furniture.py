@@ -206,7 +206,8 @@ def draw_piece(
         title: over the picture.
         direction_view: an edit of which the end state is drawn, or a range shown.
         case: of the loads and forces of feet; joints have their largest utilisation under any case.
-        numbers: forces of feet in newtons, and masses, are written beside their arrows.
+        numbers: forces of feet in newtons, and masses, are written beside their arrows, and utilisations of redundant
+            joints beside these.
         box: corners [m] that hold all, such as those of several pictures side by side.
         names: of planks that are written at them.
     """
@@ -276,7 +277,7 @@ def _frame(view: PieceView, window: Window) -> None:
 def _draw_forces(view: PieceView, furniture: Furniture, case: int, numbers: bool) -> None:
     """Test a piece, and draw its joints, feet and loads; where a joint is lost, there are no forces but loads."""
     if not furniture.test().flaws & LOST:
-        _draw_joints(view, furniture)
+        _draw_joints(view, furniture, numbers)
         _draw_feet(view, furniture, furniture.forces(case), numbers)
     _draw_loads(view, furniture, case, numbers)
 
@@ -288,7 +289,7 @@ def _draw_names(view: PieceView, planks: Sequence[Plank]) -> None:
         view.words(place, plank.name, NAMES, 0.0, 0.0, NAME, style="italic", fontsize=6.5)
 
 
-def _draw_joints(view: PieceView, furniture: Furniture) -> None:
+def _draw_joints(view: PieceView, furniture: Furniture, numbers: bool) -> None:
     """Joints in the colours of their largest utilisation under any load case, as in the constraint status."""
     geometry, every = furniture.geometry(), [furniture.forces(case) for case in range(len(furniture.cases))]
     if not len(geometry.p):
@@ -313,7 +314,8 @@ def _draw_joints(view: PieceView, furniture: Furniture) -> None:
         left = joints[k][int(np.argmin(view.at(joints[k])[:, 0]))]
         most, colour = (moments[k], DOUBT) if doubt[k] else (utilisation[k], REFUSED)
         view.words(left, joint_label(float(most)), colour, 0.0, -4.0, UTILISATION)
-    _mark_redundant(view, furniture, joints)
+    if numbers:
+        _mark_redundant(view, furniture, joints)
 
 
 def _mark_redundant(view: PieceView, furniture: Furniture, joints: np.ndarray) -> None:
