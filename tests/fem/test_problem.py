@@ -20,6 +20,7 @@ DEFAULTS = {
     "add_nodal_loads",
     "add_nodal_load_rates",
     "objection",
+    "linear_displacement",
     "energy_moduli",
     "initial",
     "name_in_time",
