@@ -9,6 +9,7 @@ from math import ceil
 import numpy as np
 from restshape_apps.furniture.physics.fasteners import fastener
 from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.shape.face_contacts import kept_contacts
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.errors import UserError
@@ -90,12 +91,13 @@ def _stronger(piece: Piece) -> Iterable[Remedy]:
 
 
 def _thicker(piece: Piece) -> Iterable[Remedy]:
-    """All planks thicker, where all are as thick; the thinnest first."""
+    """All planks thicker, where all are as thick, with faces where they lie on each other; the thinnest first."""
     thick = float(piece.planks[0].size[2])
     if any(abs(float(plank.size[2]) - thick) > 1e-9 for plank in piece.planks):
         return
     for t in THICKNESSES:
         if thick + 1e-9 < t <= 2.0 * thick:
             planks = tuple(replace(plank, size=np.array([*plank.size[:2], t])) for plank in piece.planks)
+            planks = kept_contacts(piece.planks, planks, piece.planes)
             words = f"planks {1e3 * t:g} mm thick, not {1e3 * thick:g} mm"
             yield Remedy("thicker planks", words, ("wood.thickness", t), replace(piece, planks=planks))

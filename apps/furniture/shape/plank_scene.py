@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from restshape_apps.furniture.scene.furniture import JointSpec, PlankSpec
+from restshape_apps.furniture.shape.face_contacts import kept_contacts
 from restshape_apps.furniture.shape.planks import (
     LEAST_SLANT,
     SIDES,
@@ -86,11 +87,14 @@ def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
     """A piece that edits have changed, with what its scene says otherwise after a key was set.
 
     A plank that the scene draws elsewhere or in another size goes there; all others stay where edits have put them.
+    Where they become thicker, faces that lie on the floor or on each other still do: see `kept_contacts`.
     """
     old, new = piece_of(before), piece_of(after)
     numbers = {plank.name: k for k, plank in enumerate(piece.planks)}
     was, wanted = ({plank.name: plank for plank in one.planks} for one in (old, new))
     planks = tuple(_replanked(plank, was.get(plank.name), wanted.get(plank.name)) for plank in piece.planks)
+    drawn = {k for k, (now, then) in enumerate(zip(piece.planks, planks)) if not _same_place(now, then)}
+    planks = kept_contacts(piece.planks, planks, piece.planes, drawn)
     joints = piece.joints
     if before.fastener.name != after.fastener.name:
         joints = tuple(
@@ -185,12 +189,16 @@ def _replanked(plank: Plank, before: Plank | None, after: Plank | None) -> Plank
         return plank
     if before.wood != after.wood:
         plank = replace(plank, wood=after.wood)
-    same = np.array_equal(before.centre, after.centre) and np.array_equal(before.axes, after.axes)
-    if not same or not np.array_equal(before.size[:2], after.size[:2]):
+    if not _same_place(before, after) or not np.array_equal(before.size[:2], after.size[:2]):
         return replace(plank, centre=after.centre, axes=after.axes, size=after.size)
     if before.size[2] != after.size[2]:
         return replace(plank, size=np.array([*plank.size[:2], after.size[2]]))
     return plank
+
+
+def _same_place(one: Plank, other: Plank) -> bool:
+    """Whether two planks have the same middle and axes."""
+    return np.array_equal(one.centre, other.centre) and np.array_equal(one.axes, other.axes)
 
 
 def _reweighed(load: Load, old: Piece, new: Piece, numbers: dict[str, int]) -> Load:

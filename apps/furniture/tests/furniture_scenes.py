@@ -36,6 +36,37 @@ mass = "20 kg"
 g = [0, 0, -10]
 """
 
+FLOOR_BOARD = """
+[wood]
+name = "pine"
+thickness = "18 mm"
+
+[fastener]
+name = "screw"
+spacing = "60 mm"
+
+[planks.base]
+center = [0, 0, "9 mm"]
+size = [0.4, 0.3]
+
+[planks.post]
+from = [0, 0, 0.018]
+to = [0, 0, 0.45]
+width = [0, 0.26, 0]
+
+[planks.seat]
+center = [0, 0, 0.459]
+size = [0.4, 0.3]
+
+[weights.person]
+on = "seat"
+mass = "30 kg"
+at = [0.1, 0, 0.5]
+
+[effects.gravity]
+"""
+"""A stool on a board that lies on the floor, its middle as a number; to stand behind `HEAD`."""
+
 COFFEE_TABLE = """format = "restshape-scene"
 version = 1
 app = "furniture"
