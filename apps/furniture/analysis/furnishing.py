@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from restshape_apps.furniture.analysis.plank_equilibrium import PlankEquilibrium
 from restshape_apps.furniture.guidance.design import Design, DesignDirection, findings_at
+from restshape_apps.furniture.guidance.doubts import free
 from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionList
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, encode_ranges
 from restshape_apps.furniture.physics.derivatives import stability_derivative
@@ -28,6 +29,7 @@ from restshape.analysis.analysis import Comparison, Context, Timeless
 from restshape.analysis.frame import Frame
 from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem
+from restshape.findings import Finding
 from restshape.replay.constraints import UNCERTAIN
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -70,6 +72,7 @@ class FurnitureAnalysis(Timeless):
         self.forces: list[Forces] = []
         self.utilisation = np.zeros(0)
         self.utilisation_range: UtilisationRange | None = None
+        self.free: tuple[Finding, ...] = ()
         self.deflection = np.zeros(0)
         self.bent = np.nan
         self.stability_margin = np.nan
@@ -145,7 +148,7 @@ class FurnitureAnalysis(Timeless):
         """What the forces say of each plank, and of the piece."""
         planks = len(furniture.piece.planks)
         self.utilisation, self.deflection = np.zeros(planks), np.full(planks, np.nan)
-        self.bent, self.stability_margin, self.utilisation_range = np.nan, np.nan, None
+        self.bent, self.stability_margin, self.utilisation_range, self.free = np.nan, np.nan, None, ()
         if not self.forces:
             self.utilisation[:] = np.nan
             return
@@ -159,6 +162,7 @@ class FurnitureAnalysis(Timeless):
         self.stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
         moved = furniture.moved(self.gamma)
         self.utilisation_range = utilisation_range(moved, furniture.compliance)
+        self.free = free(moved) if self.result.valid else ()
         if self.plan.on("bending"):
             self._bend(furniture)
 
@@ -197,8 +201,9 @@ class FurnitureAnalysis(Timeless):
         """The columns that only furniture has, and its status."""
         found, low, high = self._ranges()
         depends = self.utilisation_range.findings(self.design.piece) if self.utilisation_range else ()
-        findings = (findings_at(self.design.furniture, self.result, self.gamma) or self.result.doubts) + depends
-        status = UNCERTAIN if depends and self.result.valid else self.result.status
+        findings = findings_at(self.design.furniture, self.result, self.gamma) or self.result.doubts + self.free
+        findings += depends
+        status = UNCERTAIN if self.result.valid and findings else self.result.status
         why = self.suggestion_list.why
         return {
             "constraint_status": status,

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.guidance.design import Design
+from restshape_apps.furniture.guidance.doubts import judged
 from restshape_apps.furniture.physics.joint_compliance import recorded_utilisations, utilisation_range
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.physics.plank_quantities import require_places
@@ -70,7 +71,7 @@ def piece_data(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
         "mass": float(geometry.mass.sum()),
         "valid": result.valid,
         "flaws": [] if result.valid else list(result.words),
-        "doubts": list(phrases(result.doubts)),
+        "doubts": list(phrases(judged(piece, scene.quantities))) if result.valid else [],
         "redundant_joints": recorded_utilisations(piece, known, len(piece.joints)) if known else [],
         "free_ends": [end.words(piece) for end in free_ends(piece)],
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
@@ -101,19 +102,16 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows += [(f"push {load.name}", _reported(load, piece)) for load in piece.pushes]
     rows.append(("floor", f"height {scene.floor.height:g} m, friction {scene.floor.friction:g}"))
     rows += quantity_rows(scene)
-    if any(q.max is not None or q.min is not None for q in scene.quantities.values()):
-        rows.append(("limits", "restshape replay looks at those of quantities; the status here is that of the piece"))
     free = len(design.freedoms)
     rows.append(("freedoms", f"{free} of {8 * len(names)} design parameters keep all joints closed"))
     known = utilisation_range(piece, design.furniture.compliance)
-    depends = phrases(known.findings(piece)) if known else ()
     rows += [
         ("redundant joint", f"{name}: utilisation from {low:g} to {high:g} over the ratios of compliance")
         for name, low, high in (recorded_utilisations(piece, known, SHOWN) if known else ())
     ]
     more = len(known.redundant) - SHOWN if known else 0
     rows += [("redundant joint", f"and {more} more")] if more > 0 else []
-    words = "; ".join([*result.words, *depends])
+    words = "; ".join(phrases(judged(piece, scene.quantities)))
     rows.append(("constraint status", f"holds, but {words}" if words and result.valid else words or "valid"))
     rows += [("warning", end.words(piece)) for end in free_ends(piece)]
     return rows + [("warning", warning) for warning in effects.warnings]

@@ -6,7 +6,7 @@ from typing import Any
 
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.guidance.valid_ranges import ValidRange, decode_ranges
-from restshape_apps.furniture.report.guided import findings_of, found, grabbed, has_findings, runs, searches
+from restshape_apps.furniture.report.guided import findings_of, found, grabbed, has_findings, runs, said, searches
 
 from restshape.cli.options import print_table
 from restshape.outputs.si_numbers import counted
@@ -103,7 +103,7 @@ def _print_suggestions(same: Sequence[Mapping[str, Any]]) -> None:
     cells = [(one["number"], one["words"], _span(one), _holds(one)) for one in found(row)]
     # For a piece in parts no combinations are searched.
     tried = f"; {counted(row['tried'], 'combination')} tried" if row["tried"] else ""
-    print_table(f"suggestions in {_frames(same)}: {row['violated_constraints']}{tried}", heads, cells, right=heads[:1])
+    print_table(f"suggestions in {_frames(same)}: {said(row)}{tried}", heads, cells, right=heads[:1])
 
 
 def _holds(one: Mapping[str, Any]) -> str:

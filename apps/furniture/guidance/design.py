@@ -15,7 +15,7 @@ import numpy as np
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.clear_range import clear_ranges, complement
 from restshape_apps.furniture.guidance.connecting import connections
-from restshape_apps.furniture.guidance.doubts import depends, doubts
+from restshape_apps.furniture.guidance.doubts import depends, doubts, free
 from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
 from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.guidance.lengthening import lengthenings
@@ -209,12 +209,13 @@ class Design:
         )
 
     def doubtful_along(self, design_direction: DesignDirection) -> tuple[tuple[float, float], ...]:
-        """The parts of a direction's valid ranges where moments that do not count overload a joint, or compliances that
-        nobody knows decide."""
+        """The parts of a direction's valid ranges where moments that do not count overload a joint, an end is free, or
+        compliances that nobody knows decide."""
         least, found = NARROW * (design_direction.high - design_direction.low), []
 
         def clear(t: float) -> bool:
-            return not depends(self.furniture.moved(t * design_direction.direction))
+            piece = self.furniture.moved(t * design_direction.direction)
+            return not (free(piece) or depends(piece))
 
         for low, high in design_direction.ranges.intervals.tolist():
             sure = self._sure(design_direction.direction, low, high).intervals.tolist()
@@ -368,7 +369,7 @@ class Design:
 
         def clear(t: float) -> bool:
             piece = self.furniture.moved(t * one.direction)
-            return not (violated_limits(piece, quantities) or depends(piece))
+            return not (violated_limits(piece, quantities) or free(piece) or depends(piece))
 
         return clear_ranges(clear, sure, NARROW * (high - low))
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
+from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.joint_compliance import utilisation_range
+from restshape_apps.furniture.shape.free_ends import free_ends
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.findings import Finding
@@ -14,13 +16,26 @@ from restshape.scene.model import Quantity
 
 
 def doubts(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[Finding, ...]:
-    """Joints that moments overload which do not count, what compliances decide, and limits of quantities.
+    """Joints that moments overload which do not count, free ends, what compliances decide, and limits of quantities.
 
     Args:
         piece: that is valid, with closed joints.
         quantities: of its scene, by name.
     """
-    return Furniture(piece).test().doubts + depends(piece) + violated_limits(piece, quantities)
+    return (*Furniture(piece).test().doubts, *free(piece), *depends(piece), *violated_limits(piece, quantities))
+
+
+def judged(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[Finding, ...]:
+    """What is wrong with a piece with closed joints, or doubtful where nothing is; arguments as of `doubts`."""
+    result = Furniture(piece).test()
+    if result.valid:
+        return doubts(piece, quantities)
+    return (*result.findings, *depends(piece), *violated_limits(piece, quantities))
+
+
+def free(piece: Piece) -> tuple[Finding, ...]:
+    """Ends of a piece with closed joints that nothing holds, near a face."""
+    return tuple(plank_findings.free(piece, free_ends(piece)))
 
 
 def depends(piece: Piece) -> tuple[Finding, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+from restshape_apps.furniture.shape.free_ends import FreeEnd
 from restshape_apps.furniture.shape.plank_gaps import Gap, gap_between_parts, gap_of
 from restshape_apps.furniture.shape.planks import SIDES, Piece, parts_of
 
@@ -26,6 +27,11 @@ DOUBTFUL = "doubtful"
 """Kind of findings on what holds only because something is not counted in the constraint status."""
 DEPENDS = "depends"
 """Kind of findings on joints whose compliance, which nobody knows, decides whether the piece holds."""
+FREE = "free"
+"""Kind of findings on ends that nothing holds, near a face that they may have missed."""
+BEFORE, BEYOND, BESIDE, TILTED, NEAR = "before", "beyond", "beside", "tilted", "near"
+"""Details of a free end: before a face, in or behind it, beside it, with its edge across it, or near what cannot hold
+it."""
 PULL, SHEAR, LINE, TWIST = "pull", "shear", "line", "twist"
 """Details of a weak joint, by what overloads it; the moments along its line and about its normal count where a scene
 says so, and are doubts elsewhere."""
@@ -117,6 +123,19 @@ def weak(piece: Piece, found: FlawNumbers) -> list[Finding]:
 def doubts(piece: Piece, found: FlawNumbers) -> list[Finding]:
     """Joints that moments overload which the constraint status does not count, the worst first."""
     return _overloaded(piece, DOUBTFUL, found.doubts)
+
+
+def free(piece: Piece, ends: Sequence[FreeEnd]) -> list[Finding]:
+    """Ends that nothing holds, each by what keeps it from the face that it is near."""
+    found = []
+    for one in ends:
+        far = abs(one.gap) > piece.reach
+        detail = BESIDE if one.aside > 0.0 else TILTED if one.tilted else NEAR
+        detail, size = ((BEFORE if one.gap > 0.0 else BEYOND), abs(one.gap)) if far else (detail, one.aside)
+        other = _plane(0) if one.other < 0 else piece.planks[one.other].name
+        subjects = (piece.planks[one.plank].name, SIDES[one.side], other)
+        found.append(Finding(FREE, detail, subjects, size, piece.reach, "m"))
+    return found
 
 
 def unbalanced(piece: Piece, found: FlawNumbers) -> list[Finding]:

@@ -27,6 +27,15 @@ FAULTS = {
 }
 """What is said of what is lost, by its detail."""
 
+FREE_ENDS = {
+    kinds.BEFORE: "{0} {1} is {far} mm from {2}",
+    kinds.BEYOND: "{0} {1} is {far} mm beyond the face of {2}",
+    kinds.BESIDE: "{0} {1} is {far} mm beside {2}",
+    kinds.TILTED: "the edge of {0} {1} does not lie along {2}",
+    kinds.NEAR: "{0} {1} is near {2}, which cannot hold it",
+}
+"""What is said of free ends, by their details."""
+
 STRENGTHS = {kinds.SHEAR: "shear strength", kinds.LINE: "strength along its line", kinds.TWIST: "strength in twist"}
 """What is overloaded, by details of a weak joint."""
 
@@ -61,6 +70,8 @@ def amount(finding: Finding) -> str:
         return ""
     if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
         return "" if _bears_no_twist(finding) else _share(finding.value)
+    if finding.kind == kinds.FREE:
+        return _digits(1e3 * finding.value, 4)
     return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
 
 
@@ -158,6 +169,15 @@ def _doubtful(findings: list[Finding], worst: Worst) -> str:
     return _weak(findings, worst).replace("weak: joint", "not counted: joint", 1)
 
 
+def _free(findings: list[Finding], worst: Worst) -> str:
+    ends = [
+        FREE_ENDS[one.detail].format(*one.subjects, far=("up to " if one in worst else "") + amount(one))
+        for one in findings
+        if one.subjects
+    ]
+    return f"free end: {_listed(ends, _omitted(findings))}"
+
+
 def _unbalanced(findings: list[Finding], worst: Worst) -> str:
     cases = [_load(one.case) for one in findings if one.case]
     return f"no equilibrium was found{' under ' + _listed(cases, _omitted(findings)) if cases else ''}"
@@ -170,6 +190,7 @@ PHRASES: dict[str, Callable[[list[Finding], Worst], str]] = {
     kinds.WEAK: _weak,
     kinds.DOUBTFUL: _doubtful,
     kinds.DEPENDS: _depends,
+    kinds.FREE: _free,
     kinds.UNBALANCED: _unbalanced,
 }
 

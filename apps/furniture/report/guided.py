@@ -8,7 +8,15 @@ from itertools import groupby
 from typing import Any
 
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, decode_ranges
-from restshape_apps.furniture.physics.plank_findings import APART, DEPENDS, DOUBTFUL, LOST, NEAREST, WEAK
+from restshape_apps.furniture.physics.plank_findings import (
+    APART,
+    DEPENDS,
+    DOUBTFUL,
+    FREE,
+    LOST,
+    NEAREST,
+    WEAK,
+)
 from restshape_apps.furniture.physics.plank_phrases import amount, phrases
 
 from restshape.findings import Finding, decode_findings
@@ -18,6 +26,7 @@ Row = Mapping[str, Any]
 
 CAUSES = {
     DOUBTFUL: "moments that do not count overload a joint",
+    FREE: "an end is free near a face that it may have missed",
     DEPENDS: "compliances of joints that nobody knows decide it",
 }
 """What makes a piece that holds doubtful, by kinds of findings."""
@@ -40,7 +49,7 @@ def grabbed(row: Row) -> Grabbed | None:
 
 def only_limits(row: Row) -> bool:
     """Whether a frame fails by limits of quantities alone: the piece holds."""
-    return row["constraint_status"] == FAILS and row.get("flaws", 0) <= 0
+    return row["constraint_status"] == FAILS and row.get("flaws", 1) <= 0
 
 
 def doubtful(row: Row) -> bool:
@@ -53,6 +62,20 @@ def doubt_causes(rows: Iterable[Row]) -> str:
     uncertain = [row for row in rows if doubtful(row)]
     kinds = {one.kind for row in uncertain for one in findings_of(row)}
     return " or ".join(words for kind, words in CAUSES.items() if kind in kinds)
+
+
+def said(row: Row, words: str = "") -> str:
+    """What is said of a piece in a frame: that it holds, what is doubtful or beyond its limit where it does, or what is
+    wrong; empty where it is not judged.
+
+    Args:
+        row: of a recording.
+        words: what is wrong or doubtful, in place of the row's own.
+    """
+    if row["constraint_status"] == HOLDS:
+        return HOLDS
+    words = words or row["violated_constraints"]
+    return f"holds, but {words}" if words and (only_limits(row) or doubtful(row)) else words
 
 
 def summary(rows: Sequence[Row]) -> dict[str, Any]:
@@ -109,8 +132,7 @@ def _same(one: Finding) -> Finding:
 
 def _at_worst(span: Sequence[Row]) -> str:
     """What is wrong in frames that differ in amounts alone, with the worst of each amount."""
-    words = _worst_words(span)
-    return f"holds, but {words}" if doubtful(span[0]) else words
+    return said(span[0], _worst_words(span))
 
 
 def _worst_words(span: Sequence[Row]) -> str:

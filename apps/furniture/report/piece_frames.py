@@ -18,11 +18,11 @@ from restshape_apps.furniture.report.furniture import DesignDirectionView, bound
 from restshape_apps.furniture.report.guided import (
     CAUSES,
     doubt_causes,
-    doubtful,
     findings_of,
     grabbed,
     only_limits,
     runs,
+    said,
 )
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import status_colour
@@ -167,8 +167,7 @@ def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
         factor, unit = UNITS[hand.unit]
         far = f"{factor * float(row['at']):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
         lines += wrap(f"{row['parameter']} {far}", LETTERS, max_lines=1, placeholder=" …")
-    words = "holds" if row["constraint_status"] == HOLDS else row["violated_constraints"] or "not judged"
-    words = f"holds, but {words}" if only_limits(row) or doubtful(row) else words
+    words = said(row) or "not judged"
     if any(one.kind == DEPENDS for one in findings_of(row)):
         # What is said first is never cut off.
         words = f"depends on joints; {words}" if not words.startswith(SAID) else words

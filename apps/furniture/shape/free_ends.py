@@ -56,19 +56,31 @@ def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEn
         planks: that are looked at; None: all.
     """
     taken = {(joint.i, joint.side) for joint in piece.joints} | {(foot.plank, foot.side) for foot in piece.feet}
-    found = []
+    found, centres = [], np.array([plank.centre for plank in piece.planks])
+    normals = np.array([plank.axes[:, 2] for plank in piece.planks])
     for i in range(len(piece.planks)) if planks is None else planks:
         along = int(np.argmax(piece.planks[i].size[:2]))
         for side in (2 * along, 2 * along + 1):
-            missed = [] if (i, side) in taken else [one for one in _missed(piece, i, side) if one]
+            if (i, side) in taken:
+                continue
+            missed = [one for one in _missed(piece, i, side, _ahead(piece, i, side, centres, normals)) if one]
             if missed:
                 found.append(min(missed, key=lambda one: abs(one.gap) + one.aside))
     return tuple(found)
 
 
-def _missed(piece: Piece, i: int, side: int) -> list[FreeEnd | None]:
-    """What an end may have missed: planks and the floor."""
-    return [_before(piece, i, side, j) for j in range(len(piece.planks)) if j != i] + [_above(piece, i, side)]
+def _missed(piece: Piece, i: int, side: int, others: Iterable[int]) -> list[FreeEnd | None]:
+    """What an end may have missed of those planks, and the floor."""
+    return [_before(piece, i, side, j) for j in others if j != i] + [_above(piece, i, side)]
+
+
+def _ahead(piece: Piece, i: int, side: int, centres: np.ndarray, normals: np.ndarray) -> list[int]:
+    """The planks that an end looks at from near, by their middles and normals (n, 3): it has not missed others."""
+    axis = piece.planks[i].axes[:, side // 2] * (1.0 if side % 2 else -1.0)
+    slopes = normals @ axis
+    away = np.abs(((centres - piece.planks[i].end(side)) * normals).sum(axis=1))
+    reach = np.array([FAR + BEYOND + float(plank.size[2]) for plank in piece.planks])
+    return np.flatnonzero((np.abs(slopes) > LEAST_SLANT) & (away <= reach)).tolist()
 
 
 def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:
