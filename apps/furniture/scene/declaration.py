@@ -26,6 +26,7 @@ PLANKS = Physics(
     quantities=OF_PLANKS,
     effects=EFFECTS,
     derived=DERIVED,
+    overridden="restshape_apps.furniture.shape.overridden_planks:kept_places",
     check=check_furniture,
     columns=furniture_columns,
 )

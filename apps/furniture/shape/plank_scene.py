@@ -36,8 +36,7 @@ def piece_of(scene: Scene) -> Piece:
     Raises:
         UserError: a plank has no extent, or a joint's end is that of another one.
     """
-    planks = tuple(_plank(name, spec, scene) for name, spec in scene.planks.items())
-    planes = (Plane((0.0, 0.0, scene.floor.height), (0.0, 0.0, 1.0), scene.floor.friction),)
+    planks, planes = drawn_planks(scene), (floor_of(scene),)
     g = _gravity(scene)
     index = {name: k for k, name in enumerate(scene.planks)}
     weights = tuple(
@@ -69,6 +68,20 @@ def piece_of(scene: Scene) -> Piece:
     )
 
 
+def drawn_planks(scene: Scene) -> tuple[Plank, ...]:
+    """The planks as a scene draws them, their ends as far from closed as they were drawn.
+
+    Raises:
+        UserError: a plank has no extent.
+    """
+    return tuple(_plank(name, spec, scene) for name, spec in scene.planks.items())
+
+
+def floor_of(scene: Scene) -> Plane:
+    """The floor of a scene."""
+    return Plane((0.0, 0.0, scene.floor.height), (0.0, 0.0, 1.0), scene.floor.friction)
+
+
 def top_of(plank: Plank) -> tuple[float, float, float]:
     """The middle of the side of a plank that looks up most, a face before ends, in parts of its size."""
     up = plank.axes[2]
@@ -93,7 +106,7 @@ def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
     numbers = {plank.name: k for k, plank in enumerate(piece.planks)}
     was, wanted = ({plank.name: plank for plank in one.planks} for one in (old, new))
     planks = tuple(_replanked(plank, was.get(plank.name), wanted.get(plank.name)) for plank in piece.planks)
-    drawn = {k for k, (now, then) in enumerate(zip(piece.planks, planks)) if not _same_place(now, then)}
+    drawn = {k for k, (now, then) in enumerate(zip(piece.planks, planks)) if not same_place(now, then)}
     planks = kept_contacts(piece.planks, planks, piece.planes, drawn)
     joints = piece.joints
     if before.fastener.name != after.fastener.name:
@@ -189,14 +202,14 @@ def _replanked(plank: Plank, before: Plank | None, after: Plank | None) -> Plank
         return plank
     if before.wood != after.wood:
         plank = replace(plank, wood=after.wood)
-    if not _same_place(before, after) or not np.array_equal(before.size[:2], after.size[:2]):
+    if not same_place(before, after) or not np.array_equal(before.size[:2], after.size[:2]):
         return replace(plank, centre=after.centre, axes=after.axes, size=after.size)
     if before.size[2] != after.size[2]:
         return replace(plank, size=np.array([*plank.size[:2], after.size[2]]))
     return plank
 
 
-def _same_place(one: Plank, other: Plank) -> bool:
+def same_place(one: Plank, other: Plank) -> bool:
     """Whether two planks have the same middle and axes."""
     return np.array_equal(one.centre, other.centre) and np.array_equal(one.axes, other.axes)
 

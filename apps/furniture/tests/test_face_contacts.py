@@ -11,7 +11,7 @@ from restshape_apps.furniture.shape.planks import Piece, Plane, Plank
 from restshape_apps.furniture.tests.furniture_scenes import FLOOR_BOARD, HEAD, write_edits
 
 from restshape.scene.edit_script import load_script
-from restshape.scene.load import load_scene
+from restshape.scene.load import load_scene, recorded_scene
 
 FLOOR = (Plane(),)
 
@@ -137,3 +137,35 @@ def test_thicker_boards_are_suggested_for_a_piece_on_a_foot_board(tmp_path) -> N
     chosen = played(scene, tmp_path, {"do": "choose", "number": number})
     assert placed(chosen) == {name: pytest.approx(ends, abs=1e-12) for name, ends in heights.items()}
     assert Furniture(chosen).test().valid
+
+
+@pytest.mark.parametrize("thickness", ["12 mm", "24 mm", "33 mm"])
+def test_a_thickness_of_the_command_line_makes_the_piece_of_a_script(tmp_path, thickness: str) -> None:
+    text = FLOOR_BOARD + '[planks.pad]\ncenter = [0.15, 0, "27 mm"]\nsize = [0.08, 0.3]\n'
+    again = Furniture(piece_of(scene_in(tmp_path, text, f'wood.thickness="{thickness}"'))).moved()
+    event = {"do": "set", "key": "wood.thickness", "value": thickness}
+    edited = played(scene_in(tmp_path, text), tmp_path, event)
+    t = 1e-3 * float(thickness.split()[0])
+    assert placed(again)["base"] == pytest.approx([0.0, t], abs=1e-12)
+    assert placed(again)["pad"] == pytest.approx([t, 2.0 * t])
+    for one, other in zip(again.planks, edited.planks):
+        assert one.corners() == pytest.approx(other.corners(), abs=1e-12)
+    assert (again.joints, again.feet) == (edited.joints, edited.feet)
+
+
+def test_one_plank_thickened_on_the_command_line_lifts_what_lies_on_it(tmp_path) -> None:
+    text = FLOOR_BOARD + '[planks.pad]\nfrom = [0.11, 0, 0.027]\nto = ["190 mm", 0, "27 mm"]\nwidth = [0, 0.3, 0]\n'
+    scene = scene_in(tmp_path, text, "planks.base.thickness=0.024")
+    assert placed(Furniture(piece_of(scene)).moved())["pad"] == pytest.approx([0.024, 0.042])
+    # Nothing else of it is changed, and a recording of these values has the same piece.
+    assert scene.raw["planks"]["pad"]["to"] == ["190 mm", 0, pytest.approx(0.033)]
+    again = recorded_scene(scene.raw, scene.path)
+    assert placed(piece_of(again)) == placed(piece_of(scene))
+
+
+def test_a_place_of_the_command_line_is_taken_as_it_is(tmp_path) -> None:
+    scene = scene_in(tmp_path, FLOOR_BOARD, "wood.thickness=0.024", "planks.base.center=[0, 0, 0.1]")
+    assert scene.raw["planks"]["base"]["center"] == [0, 0, 0.1]
+    # A scene that is one with the override only has nothing to follow.
+    bad = FLOOR_BOARD.replace('thickness = "18 mm"', "thickness = 0")
+    assert scene_in(tmp_path, bad, "wood.thickness=0.024").raw["planks"]["base"]["center"] == [0, 0, "9 mm"]

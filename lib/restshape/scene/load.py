@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Sequence
+from copy import deepcopy
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -39,6 +40,7 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     raw = _tables(text, path)
     _refuse_excess(raw, Source(path, text))
     _check_format(raw, path)
+    written = deepcopy(raw) if overrides else raw
     keys: list[tuple[str, ...]] = []
     named: list[str] = []
     for override in overrides:
@@ -47,9 +49,31 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         keys.append(key)
         if len(key) > 1 and key[-1] == "file":
             named.append(str(value))
-    if overrides:
-        _refuse_excess(raw, Source(path, text, tuple(keys)))
-    return _scene(raw, Source(path, text, tuple(keys), tuple(named)))
+    source = Source(path, text, tuple(keys), tuple(named))
+    if not overrides:
+        return _scene(raw, source)
+    _refuse_excess(raw, source)
+    return _following(_scene(raw, source), written)
+
+
+def _following(scene: Scene, written: Table) -> Scene:
+    """A scene with overrides, with what its physics let follow from them.
+
+    Args:
+        scene: with overrides.
+        written: its plain tables without them.
+    """
+    for physics in application(scene.app).physics:
+        if not physics.overridden:
+            continue
+        try:
+            before = _scene(written, Source(scene.path, scene._source.text))
+        except UserError:
+            # Without the overrides it is no scene.
+            return scene
+        raw = physics.followed(before, scene)
+        scene = scene if raw is None else remade(scene, raw)
+    return scene
 
 
 def recorded_scene(raw: Table, path: Path) -> Scene:

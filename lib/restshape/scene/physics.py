@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from restshape.arrays import Reals
     from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.model import Material, Scene, Support
+    from restshape.scene.plain_values import Table
     from restshape.scene.solver import SolverPlan
     from restshape.scene.source import Source
 
@@ -184,6 +185,8 @@ class Physics:
         mesh_keys: of ``[mesh]``, besides those that all scenes may have: "layers" of elements over the thickness of
             bodies; "levels" of nested meshes, on the finest of which its fields, of first order, live.
         mesh_jumps: its answers can be compared on two meshes of one shape; not where one shape has several answers.
+        overridden: path ``module:attribute`` of the function that gives the plain tables of a scene with overrides, of
+            the scene without and of the one with them; None where they are those that it has.
         check: what models alone cannot check in a scene; raises a `UserError` made by `Source.error`.
         check_shape: path ``module:attribute`` of the function that checks a scene with its first outline.
         inspect_shape: path ``module:attribute`` of the function that gives the `Inspection` of a scene with its first
@@ -218,6 +221,7 @@ class Physics:
     order_why: str = ""
     mesh_keys: tuple[Literal["layers", "levels"], ...] = ()
     mesh_jumps: bool = True
+    overridden: str = ""
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""
     inspect_shape: str = ""
@@ -239,3 +243,7 @@ class Physics:
         if not self.inspect_shape:
             return Inspection()
         return cast(Inspection, imported(self.inspect_shape)(scene, outline))
+
+    def followed(self, written: Scene, scene: Scene) -> Table | None:
+        """The plain tables of a scene with overrides where they differ from its own: see `overridden`."""
+        return cast("Table | None", imported(self.overridden)(written, scene))
