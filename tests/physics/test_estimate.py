@@ -185,3 +185,29 @@ def test_stresses_are_linear_between_samples_near_the_corners(nodes, a):
     nodal[:, 0] = X[:, 0]
     found = _kernels.recovery_energies(X, cells, cells, nodal, samples, C, nothing)
     assert found == pytest.approx((0.0, whole), rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("nodes", [3, 4])
+def test_stresses_that_are_constant_in_cells_are_as_those_at_all_points(nodes):
+    """Two materials: the closed form of constant stresses is the integral of the same ones, given at each point."""
+    rng, (X, cells) = np.random.default_rng(8), unit_simplex(nodes)
+    d = X.shape[1]
+    X, cells = np.vstack([X, X + 2.0]) + rng.uniform(-0.2, 0.2, (2 * nodes, d)), np.vstack([cells, cells + nodes])
+    components = 4 if d == 2 else 6
+    nodal, samples = rng.normal(size=(2 * nodes, components)), rng.normal(size=(2, components))
+    C = rng.normal(size=(2, components, components))
+    C, kinds = np.ascontiguousarray(C + C.transpose(0, 2, 1)), np.array([1, 0], dtype=np.int32)
+    at_points = np.repeat(samples[:, None], len(_kernels.estimate_points(nodes)), axis=1)
+    found, expected = (_kernels.recovery_energies(X, cells, cells, nodal, s, C, kinds) for s in (samples, at_points))
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("node", [-1, 3])
+def test_nodes_that_do_not_exist_are_refused(node):
+    X, cells = unit_simplex(3)
+    wrong = np.array([[0, 1, node]], dtype=np.int32)
+    for places, rows in ((wrong, cells), (cells, wrong)):
+        with pytest.raises(ValueError, match="do not exist"):
+            _kernels.recovery_energies(
+                X, places, rows, np.zeros((3, 4)), np.zeros((1, 4)), np.zeros((1, 4, 4)), np.empty(0, dtype=np.int32)
+            )

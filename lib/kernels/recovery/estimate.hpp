@@ -52,10 +52,48 @@ void stress_between(int q, const double* sample, int sampled, Value& s) {
     for (int i = 1; i < corners; ++i) s += (l[i] - a) / range * Eigen::Map<const Value>(sample + i * components);
 }
 
+// The terms of d . C d, one a component: their sum needs no order, and is taken once for all cells.
+template <class Value>
+Value energy_terms(const double* C, const Value& d) {
+    constexpr int components = Value::RowsAtCompileTime;
+    Value image = d[0] * Eigen::Map<const Value>(C);
+    for (int k = 1; k < components; ++k) image += d[k] * Eigen::Map<const Value>(C + k * components);
+    return d * image;
+}
+
+// The integrals of `recovery_energies` in closed form: of first order d is linear where the samples are constant, and
+// the mean of d . C d is that of the corners and of their sum, over the number of corners and one more.
+template <class Shape>
+Energies constant_stress_energies(const StressOnCells& on) {
+    constexpr int nodes = Shape::nodes, dim = Shape::dim, components = Shape::components;
+    using Value = Eigen::Array<double, components, 1>;
+    Value distance = Value::Zero(), size = Value::Zero();
+    for (std::ptrdiff_t e = 0; e < on.count; ++e) {
+        const Value s = Eigen::Map<const Value>(on.samples + e * components);
+        const double* C = on.compliance + (on.kinds ? on.kinds[e] : 0) * components * components;
+        double X[nodes * dim];
+        Value sum = Value::Zero(), squares = Value::Zero();
+        for (int i = 0; i < nodes; ++i) {
+            const double* place = on.X + static_cast<size_t>(on.cells[e * nodes + i]) * dim;
+            for (int a = 0; a < dim; ++a) X[i * dim + a] = place[a];
+            const size_t row = static_cast<size_t>(on.rows[e * nodes + i]);
+            const Value d = Eigen::Map<const Value>(on.nodal + row * components) - s;
+            sum += d;
+            squares += energy_terms(C, d);
+        }
+        const double volume = Shape::points * Shape::volume(0, X);
+        distance += volume / (nodes * (nodes + 1)) * (squares + energy_terms(C, sum));
+        size += volume * energy_terms(C, s);
+    }
+    return {distance.sum(), size.sum()};
+}
+
 // Integrals of d . C d, of d = nodal - sampled, and of s . C s, of the samples s.
 template <class Shape>
 Energies recovery_energies(const StressOnCells& on) {
     constexpr int nodes = Shape::nodes, dim = Shape::dim, components = Shape::components;
+    if constexpr (Shape::Basis::order == 1)
+        if (on.sampled == 1) return constant_stress_energies<Shape>(on);
     using Value = Eigen::Matrix<double, components, 1>;
     using Square = Eigen::Matrix<double, components, components, Eigen::RowMajor>;
     Energies total;
