@@ -30,7 +30,7 @@ from restshape.analysis.frame import Frame
 from restshape.analysis.solution import Solution
 from restshape.errors import ReplayProblem
 from restshape.findings import Finding
-from restshape.replay.constraints import UNCERTAIN
+from restshape.replay.constraints import UNCERTAIN, limits_of, violated_constraints
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -185,8 +185,16 @@ class FurnitureAnalysis(Timeless):
             start = perf_counter()
             self.design_direction.ranges  # noqa: B018
             self.ranged_seconds = perf_counter() - start
-        free = self.guided and shown.edit_ended and not shown.gamma.any()
-        self.suggestion_list = self.design.suggestion_list if free and not self.result.valid else SuggestionList()
+        wanted = self.guided and shown.edit_ended and not shown.gamma.any()
+        self.suggestion_list = self.design.suggestion_list if wanted and not self._sure() else SuggestionList()
+
+    def _sure(self) -> bool:
+        """Whether the piece holds beyond doubt, and within the limits of quantities."""
+        depends = self.utilisation_range and self.utilisation_range.changes
+        if not self.result.valid or self.result.doubts or self.free or depends:
+            return False
+        limits = limits_of(self.scene.quantities)
+        return not limits or not violated_constraints(limits, self.observe())
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest."""
@@ -371,6 +379,6 @@ def _suggestion_entry(number: int, suggestion: Suggestion) -> dict[str, Any]:
         entries
         | {"unit": suggestion.unit, "beyond": suggestion.beyond[1]}
         | ({"rest": suggestion.rest} if suggestion.rest else {})
-        | ({"set": list(suggestion.setting)} if suggestion.setting else {})
+        | ({"set": [part for one in suggestion.settings for part in one]} if suggestion.settings else {})
         | ({"doubt": suggestion.doubt} if suggestion.doubt else {})
     )

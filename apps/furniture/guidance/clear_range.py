@@ -30,7 +30,7 @@ def clear_ranges(clear: Callable[[float], bool], parts: Sequence[Interval], tole
         for k in range(count - 1):
             if good[k] != good[k + 1]:
                 inside, outside = (t[k], t[k + 1]) if good[k] else (t[k + 1], t[k])
-                ends.append(_end(clear, float(inside), float(outside), tolerance))
+                ends.append(range_end(clear, float(inside), float(outside), tolerance))
         ends += [float(high)] if good[-1] else []
         found += zip(ends[::2], ends[1::2])
     return found
@@ -42,7 +42,7 @@ def complement(found: Sequence[Interval], low: float, high: float, least: float)
     return [(left, right) for left, right in zip(marks[::2], marks[1::2]) if right - left > least]
 
 
-def _end(clear: Callable[[float], bool], inside: float, outside: float, tolerance: float) -> float:
+def range_end(clear: Callable[[float], bool], inside: float, outside: float, tolerance: float) -> float:
     """The last place from inside on where the condition holds."""
     while abs(outside - inside) > tolerance:
         middle = 0.5 * (inside + outside)

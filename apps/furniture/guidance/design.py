@@ -15,6 +15,7 @@ import numpy as np
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.clear_range import clear_ranges, complement
 from restshape_apps.furniture.guidance.connecting import connections
+from restshape_apps.furniture.guidance.doubt_mends import DoubtMends
 from restshape_apps.furniture.guidance.doubts import depends, doubts, free
 from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
 from restshape_apps.furniture.guidance.force_space import durability_space
@@ -242,12 +243,27 @@ class Design:
 
     @cached_property
     def suggestion_list(self) -> SuggestionList:
-        """Suggestions for a piece that is not valid; none for one that is."""
+        """Suggestions for a piece that is not valid, doubtful or beyond a limit; else none."""
         most, start = self.guidance.suggestions, perf_counter()
         self.furniture.kernel.forget()
-        flaws = self.furniture.test().flaws
-        if not flaws or not most:
+        if not most:
             return SuggestionList()
+        found, tried, tested, why = self._searched(self.furniture.test().flaws, most)
+        unlocked = [one for one in _distinct(self.piece, found) if self._unlocked(one)]
+        why = f"what would mend it changes what is kept: {', '.join(self.guidance.keep)}" if found else why
+        near = self._nearest([one for one in unlocked if self._near(self.after(one))])
+        why = self._why_far(min(unlocked, key=self._move)) if unlocked else why
+        judged = [self._with_doubt(self._with_rest(one)) for one in near]
+        shown = ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
+        self.furniture.test()
+        return SuggestionList(tuple(shown), tried, tested, perf_counter() - start, "" if shown else why)
+
+    def _searched(self, flaws: int, most: int) -> tuple[list[Suggestion], int, int, str]:
+        """What a search for a piece with these flaws finds, what it tried and tested, and why it may find nothing."""
+        if not flaws:
+            mends = DoubtMends(self.furniture, self.guidance.quantities, self.guidance.keep, self._farthest)
+            found = mends.found()
+            return found, mends.tried, mends.tests, mends.why() if mends.doubts else ""
         if flaws & LOST:
             search = reconnect(self.furniture, most)
             found = [self._along(one, one.span[1] >= LONGEST, one.flaws == 0) for one in search.found]
@@ -266,21 +282,16 @@ class Design:
             found = [self._along(one, one.beyond, one.valid) for each in searches for one in each.found]
             tried, tested = (sum(counts) for counts in zip(*((sum(one.tried), one.tested) for one in searches)))
             why = self._why_none(searches[-1])
-            why += f"; {FASTENING} may help" if flaws & WEAK else ""
             added = [Suggestion.of(one) for one in lengthenings(self.piece)]
-            if flaws & WEAK and not flaws & UNSTABLE:
+            if flaws & WEAK and flaws & UNSTABLE:
+                why += f"; {FASTENING} may help"
+            elif flaws & WEAK:
+                why += "; nor do other fasteners or thicker planks; a lighter load may help"
                 supports = [Suggestion.supported(self.piece, one) for one in support_planks(self.furniture)]
                 others = [Suggestion.by(one) for one in remedies(self.piece, self._obeys)]
                 added += [*supports, *others]
             found += [one for one in added if self._unlocked(one)]
-        unlocked = [one for one in _distinct(self.piece, found) if self._unlocked(one)]
-        why = f"what would mend it changes what is kept: {', '.join(self.guidance.keep)}" if found else why
-        near = self._nearest([one for one in unlocked if self._near(self.after(one))])
-        why = self._why_far(min(unlocked, key=self._move)) if unlocked else why
-        judged = [self._with_doubt(self._with_rest(one)) for one in near]
-        shown = ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
-        self.furniture.test()
-        return SuggestionList(tuple(shown), tried, tested, perf_counter() - start, "" if shown else why)
+        return found, tried, tested, why
 
     def after(self, one: Suggestion) -> Piece:
         """The piece where a suggestion is shown."""

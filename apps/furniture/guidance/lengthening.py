@@ -42,6 +42,16 @@ def lengthenings(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
     return tuple(sorted(found, key=lambda one: one.flaws != 0)[:shown])
 
 
+def rejoined(piece: Piece) -> tuple[Connection, ...]:
+    """Planks of a piece that holds made longer, or shorter, until fewer of their ends are free; all hold.
+
+    Args:
+        piece: with closed joints, that holds.
+    """
+    free = len(free_ends(piece))
+    return tuple(one for one in _joinable(piece) if one.flaws == 0 and len(free_ends(one.piece)) < free)
+
+
 def _joinable(piece: Piece) -> Iterator[Connection]:
     """The piece with free ends at what they missed: those of each plank, and of each that can be joined all at once."""
     missed = [one for one in free_ends(piece) if one.aside == 0.0 and not one.tilted]

@@ -33,7 +33,7 @@ def ranked(piece: Piece, found: Sequence[tuple[Suggestion, Piece]]) -> list[Sugg
 
 
 def _rank(piece: Piece, one: Suggestion, after: Piece) -> Rank:
-    if one.setting is not None:
+    if one.settings:
         # The drawing stays, and the hand that drew it may want to change that first.
         return not one.valid, bool(one.doubt), 0, 0, piece.size
     lost = preserved(piece, after).count(False)

@@ -28,7 +28,7 @@ class Suggestion:
         beyond: the range may go on past what was looked at, at both ends.
         rest: what is still wrong where it is shown; empty where it is valid.
         doubt: what is doubtful where it is valid; empty where nothing is.
-        setting: key of the scene and its value, of what is no other drawing; None elsewhere.
+        settings: keys of the scene and their values, of what is no other drawing; empty elsewhere.
         free: ends of what it joins that nothing holds there, near a face.
     """
 
@@ -43,7 +43,7 @@ class Suggestion:
     beyond: tuple[bool, bool] = (False, False)
     rest: str = ""
     doubt: str = ""
-    setting: Setting | None = None
+    settings: tuple[Setting, ...] = ()
     free: int = 0
 
     @classmethod
@@ -66,7 +66,7 @@ class Suggestion:
     @classmethod
     def by(cls, one: Remedy) -> Suggestion:
         """The suggestion of other fasteners or thicker planks."""
-        return cls(one.words, None, 1.0, (0.0, 1.0), True, one.piece, name=one.name, setting=one.setting)
+        return cls(one.words, None, 1.0, (0.0, 1.0), True, one.piece, name=one.name, settings=one.settings)
 
     @classmethod
     def supported(cls, piece: Piece, board: SupportPlank) -> Suggestion:

@@ -59,11 +59,11 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
     figure = new_figure(width_of(across), EACH * (1.0 + slenderness(*box)) * down)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     push = furniture.piece.pushes[case - 1].name if case else ""
-    words, _ = caption(recording, i, push)
+    words, colour = caption(recording, i, push)
     few = len(furniture.piece.planks) <= FEW
     names = [plank.name for plank in furniture.piece.planks if few]
     draw_piece(panels[0], furniture, words, None, case, few, box, names)
-    panels[0].set_title(words, fontsize=8.5, loc="left", color=REFUSED)
+    panels[0].set_title(words, fontsize=8.5, loc="left", color=colour)
     moments = False
     for number, (axes, suggestion, direction_view) in enumerate(zip(panels[1:], suggestion_list, direction_views), 1):
         made, worst = _made(furniture, direction_view)

@@ -90,7 +90,7 @@ class Guide(Strict):
 
     Args:
         ranges: where the parameter under the hand may go.
-        suggestions: for a piece that does not hold, at most so many.
+        suggestions: for a piece that does not hold, or holds in doubt, at most so many.
         freedoms: of the design that one of them changes at most.
         keep: what none of them changes: "symmetry", "level", "height" of the piece; "PLANK level", "PLANK height", or
             "PLANK place" of a plank.

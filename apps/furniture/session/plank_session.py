@@ -267,10 +267,12 @@ class PlankSession(ScriptSession):
             return
         before, suggestion = (self.design, self.scene), suggestion_list[event.number - 1]
         base, gone = self.design, ""
-        if suggestion.setting is not None:
-            gone = _replaced(self.scene, suggestion.setting[0])
+        if suggestion.settings:
+            gone = "".join(_replaced(self.scene, key) for key, _ in suggestion.settings)
             try:
-                scene = revise(self.scene, *suggestion.setting)
+                scene = self.scene
+                for key, value in suggestion.settings:
+                    scene = revise(scene, key, value)
                 self.design = Design.closed(restated(base.piece, self.scene, scene), base.guidance)
             except UserError as error:
                 yield self._refusal(error)

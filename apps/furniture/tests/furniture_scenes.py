@@ -181,6 +181,42 @@ sag = { deflection = true, max = "4 mm" }
 """
 """A bench with a slanted leg, whose seat may sag by 4 mm at most."""
 
+EDGE_STOOL = """format = "restshape-scene"
+version = 1
+app = "furniture"
+title = "stool, person on one edge"
+[parameters]
+m = "70 kg"
+[wood]
+name = "pine"
+thickness = "18 mm"
+[fastener]
+name = "screw"
+spacing = "60 mm"
+[planks.seat]
+from = [-0.25, 0, 0.441]
+to = [0.25, 0, 0.441]
+width = [0, 0.3, 0]
+[planks.left]
+from = [-0.2, 0, 0]
+to = [-0.2, 0, 0.432]
+width = [0, 0.26, 0]
+[planks.right]
+from = [0.2, 0, 0]
+to = [0.2, 0, 0.432]
+width = [0, 0.26, 0]
+[planks.rail]
+from = [-0.191, 0, 0.15]
+to = [0.191, 0, 0.15]
+width = [0, 0.1, 0]
+[weights.man]
+on = "seat"
+mass = "m"
+at = [0.4, 0, 0.5]
+[effects.gravity]
+"""
+"""A stool with a rail between its legs and a person on the edge of its seat, which depends on joints."""
+
 
 def write_bench(folder: Path, text: str = BENCH, name: str = "bench.toml") -> Path:
     """A scene file of a bench: a board of 1.2 m on two legs 1 m apart."""

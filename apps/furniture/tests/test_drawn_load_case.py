@@ -8,6 +8,7 @@ from restshape_apps.furniture.physics.plank_findings import load_case
 from restshape_apps.furniture.report.furniture import draw_piece, joint_label, redundant_label
 from restshape_apps.furniture.report.piece_frames import caption, worst_case
 from restshape_apps.furniture.report.status_colour import DOUBT
+from restshape_apps.furniture.tests.furniture_scenes import EDGE_STOOL
 from small_scenes import make_replay
 from test_moments_of_joints import post
 
@@ -15,44 +16,6 @@ from restshape.cli.main import main
 from restshape.replay.recording import Recording
 from restshape.report.style import REFUSED, new_figure
 from restshape.report.tables import row_of
-
-HEAVY = """format = "restshape-scene"
-version = 1
-app = "furniture"
-title = "stool, person on one edge"
-[parameters]
-m = "70 kg"
-[wood]
-name = "pine"
-thickness = "18 mm"
-[fastener]
-name = "screw"
-spacing = "60 mm"
-[planks.seat]
-from = [-0.25, 0, 0.441]
-to = [0.25, 0, 0.441]
-width = [0, 0.3, 0]
-[planks.left]
-from = [-0.2, 0, 0]
-to = [-0.2, 0, 0.432]
-width = [0, 0.26, 0]
-[planks.right]
-from = [0.2, 0, 0]
-to = [0.2, 0, 0.432]
-width = [0, 0.26, 0]
-[planks.rail]
-from = [-0.191, 0, 0.15]
-to = [0.191, 0, 0.15]
-width = [0, 0.1, 0]
-[weights.man]
-on = "seat"
-mass = "m"
-at = [0.4, 0, 0.5]
-[effects.gravity]
-[effects.guidance]
-suggestions = 8
-farthest = 1e-6
-"""
 
 
 @pytest.fixture
@@ -100,13 +63,13 @@ def test_numbers_beside_joints_are_those_of_the_heading(model_of) -> None:
 @pytest.mark.slow
 def test_redundant_joints_have_their_range_and_headings_begin_with_what_depends_on_joints(model_of, tmp_path) -> None:
     scene, path = tmp_path / "stool.toml", tmp_path / "stool.vtkhdf"
-    scene.write_text(HEAVY.split("[effects.guidance]")[0])
+    scene.write_text(EDGE_STOOL)
     assert main(["replay", str(scene), "--out", str(path)]) == 0
     recording = Recording(path)
     words, _ = caption(recording, 0)
     assert words.split("\n")[1].startswith("depends on joints")
     assert row_of(recording, 0)["violated_constraints"].startswith("weak")
-    furniture = model_of(HEAVY)
+    furniture = model_of(EDGE_STOOL)
     known = utilisation_range(furniture.moved(), furniture.compliance)
     axes = new_figure(4.0, 3.5).subplots()
     draw_piece(axes, furniture)
@@ -118,7 +81,7 @@ def test_redundant_joints_have_their_range_and_headings_begin_with_what_depends_
 @pytest.mark.slow
 def test_a_reason_for_no_suggestions_says_that_it_depends_on_joints(tmp_path) -> None:
     path = tmp_path / "stool.toml"
-    path.write_text(HEAVY)
+    path.write_text(EDGE_STOOL.replace("70 kg", "170 kg") + "[effects.guidance]\nfarthest = 1e-6\n")
     row = next(iter(make_replay(path).frames()))
     assert row["constraint_status"] == "fails" and "depends on joints" in row["violated_constraints"]
     assert row["no_suggestions"].startswith("depends on joints: ")

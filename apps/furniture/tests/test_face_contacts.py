@@ -126,7 +126,7 @@ def test_thicker_boards_are_suggested_for_a_piece_on_a_foot_board(tmp_path) -> N
     piece = Furniture(piece_of(scene_in(tmp_path, FLOOR_BOARD.replace("30 kg", "90 kg")))).moved()
     assert not Furniture(piece).test().valid
     thick = next(one for one in remedies(piece) if one.name == "thicker planks")
-    t = thick.setting[1]
+    t = thick.settings[0][1]
     heights = placed(thick.piece)
     assert heights["base"] == pytest.approx([0.0, t], abs=1e-12)
     assert heights["post"] == pytest.approx([t, 0.459 - 0.5 * t])

@@ -56,7 +56,7 @@ def test_what_obeys_a_limit_comes_first_then_the_shortest_way_of_material(tmp_pa
     obeys = [not violated_limits(design.after(one), scene.quantities) for one in found]
     assert obeys == sorted(obeys, reverse=True) and set(obeys) == {True, False}
     for tier in (True, False):
-        some = [one for one, good in zip(found, obeys) if good is tier and one.setting is None]
+        some = [one for one, good in zip(found, obeys) if good is tier and not one.settings]
         kinds = [one.kind for one in some]
         # Of each kind the nearest, and these in the order of their ways.
         ways = [way_of_material(design.piece, design.after(some[kinds.index(kind)])) for kind in dict.fromkeys(kinds)]

@@ -1,7 +1,10 @@
 """Closer and stronger fasteners, thicker planks, and limits of quantities: each against the full test."""
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.doubts import depends
@@ -11,7 +14,7 @@ from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import SCENES, drawn, scales
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.small_pieces import stretched
-from restshape_apps.furniture.tests.furniture_scenes import SLANTED_BENCH, write_edits
+from restshape_apps.furniture.tests.furniture_scenes import EDGE_STOOL, SLANTED_BENCH, write_edits
 from small_scenes import make_replay
 
 from restshape.scene.load import load_scene
@@ -21,7 +24,7 @@ def test_the_widest_spacing_that_holds_is_suggested() -> None:
     piece = scales()
     found = {one.name: one for one in remedies(piece)}
     one = found["closer fasteners"]
-    key, spacing = one.setting
+    ((key, spacing),) = one.settings
     assert key == "fastener.spacing" and one.piece.spacing == spacing
     assert Furniture(replace(piece, spacing=spacing)).test().valid
     assert not Furniture(replace(piece, spacing=spacing + 1e-3)).test().valid
@@ -38,34 +41,73 @@ def test_thicker_planks_and_other_fasteners_hold() -> None:
     for one in found:
         assert Furniture(one.piece).test().valid
     thick = next(one for one in found if one.name == "thicker planks")
-    assert {float(plank.size[2]) for plank in thick.piece.planks} == {thick.setting[1]}
+    assert {float(plank.size[2]) for plank in thick.piece.planks} == {thick.settings[0][1]}
 
 
 def test_what_obeys_limits_goes_before_smaller_changes() -> None:
     piece = Furniture(replace(stretched(0.35, 40.0), spacing=0.04)).moved()
-    least = next(one for one in remedies(piece) if one.name == "thicker planks").setting[1]
+    least = next(one for one in remedies(piece) if one.name == "thicker planks").settings[0][1]
     thick = next(
         one for one in remedies(piece, lambda one: one.planks[0].size[2] > least) if one.name == "thicker planks"
     )
-    assert least < thick.setting[1] and Furniture(thick.piece).test().valid
+    assert least < thick.settings[0][1] and Furniture(thick.piece).test().valid
     # Where none obeys, the smallest is shown.
     none = next(one for one in remedies(piece, lambda one: False) if one.name == "thicker planks")
-    assert none.setting[1] == least
+    assert none.settings[0][1] == least
 
 
 def test_what_holds_nowhere_is_not_suggested() -> None:
     assert remedies(replace(scales(kilograms=500.0))) == ()
 
 
+def heavy_stool(tmp_path, mass: str) -> Path:
+    """A stool with a person on one edge, whose seat breaks its legs off, with guidance that says so."""
+    path = tmp_path / "stool.toml"
+    path.write_text(EDGE_STOOL.replace('m = "70 kg"', f'm = "{mass}"') + "[effects.guidance]\n")
+    return path
+
+
+def test_two_kinds_are_combined_where_neither_is_enough(tmp_path) -> None:
+    piece = Furniture(piece_of(load_scene(heavy_stool(tmp_path, "55 kg")))).moved()
+    found = {one.name: one for one in remedies(piece)}
+    assert list(found) == [
+        "thicker planks and closer fasteners",
+        "other fasteners and closer fasteners",
+        "other fasteners and thicker planks",
+    ]
+    (key, t), (other, spacing) = found["thicker planks and closer fasteners"].settings
+    assert (key, other) == ("wood.thickness", "fastener.spacing")
+
+    def holds(t: float, spacing: float) -> bool:
+        planks = tuple(replace(one, size=np.array([*one.size[:2], t])) for one in piece.planks)
+        return Furniture(replace(piece, planks=planks, spacing=spacing)).test().valid
+
+    assert holds(t, spacing) and not holds(t, spacing + 1e-3)
+    # Neither the closest spacing nor twice the thickness is enough, nor the spacing with the next thinner planks.
+    assert not holds(0.018, 0.02) and not holds(0.036, 0.06) and t == 0.019
+
+
+def test_a_pair_is_chosen_like_others(tmp_path) -> None:
+    scene = heavy_stool(tmp_path, "55 kg")
+    found = Design(Furniture(piece_of(load_scene(scene))).moved(), Guidance()).suggestion_list.found
+    number = next(k for k, one in enumerate(found, 1) if one.name == "thicker planks and closer fasteners")
+    replay = make_replay(scene, script=write_edits(tmp_path, {"do": "choose", "number": number}))
+    rows = list(replay.frames())
+    assert rows[0]["flaws"] and not rows[-1]["flaws"]
+    listed = json.loads(rows[0]["suggestions"])[number - 1]
+    assert listed["set"] == ["wood.thickness", 0.019, "fastener.spacing", found[number - 1].settings[1][1]]
+    assert replay.session.scene.fastener.spacing == listed["set"][3]
+
+
 def test_choosing_one_sets_the_scene(tmp_path) -> None:
     scene = SCENES / "scales.toml"
     found = Design(drawn("scales"), Guidance()).suggestion_list.found
-    number = next(k for k, one in enumerate(found, 1) if one.setting)
+    number = next(k for k, one in enumerate(found, 1) if one.settings)
     script = write_edits(tmp_path, {"do": "choose", "number": number}, scene="scales.toml")
     replay = make_replay(scene, script=script)
     row = list(replay.frames())[-1]
     assert row["constraint_status"] == "holds"
-    assert replay.session.scene.fastener.spacing == found[number - 1].setting[1]
+    assert replay.session.scene.fastener.spacing == found[number - 1].settings[0][1]
     assert "formula" not in row["note"]
 
 
@@ -74,7 +116,7 @@ def test_a_note_says_which_formula_a_chosen_number_replaces(tmp_path) -> None:
     text = (SCENES / "scales.toml").read_text()
     scene.write_text(text.replace("[fastener]\n", '[fastener]\nspacing = "t/10 + 50 mm"\n'))
     found = Design(piece_of(load_scene(scene)), Guidance()).suggestion_list.found
-    number = next(k for k, one in enumerate(found, 1) if one.setting and one.setting[0] == "fastener.spacing")
+    number = next(k for k, one in enumerate(found, 1) if one.settings and one.settings[0][0] == "fastener.spacing")
     script = write_edits(tmp_path, {"do": "choose", "number": number}, scene="scales.toml")
     replay = make_replay(scene, script=script)
     assert "it takes the place of the formula 't/10 + 50 mm'" in list(replay.frames())[-1]["note"]

@@ -131,7 +131,7 @@ def test_turned_and_lengthened_planks_have_different_units() -> None:
 
 
 def test_why_there_is_no_suggestion() -> None:
-    one = Design(scales(kilograms=6.0), Guidance(freedoms=1)).suggestion_list
+    one = Design(scales(kilograms=20.0), Guidance(freedoms=1)).suggestion_list
     assert one.found == ()
     assert re.match(r"\d+ combinations of at most 1 freedoms tried", one.why)
     assert "effects.guidance.freedoms" in one.why
@@ -163,7 +163,7 @@ def test_a_replay_prints_ranges_as_they_were_listed_and_marks_open_ends(tmp_path
 
 
 def test_a_replay_says_why_there_are_no_suggestions(tmp_path) -> None:
-    overrides = ["parameters.load=6.0", "effects.guidance.freedoms=1"]
+    overrides = ["parameters.load=20.0", "effects.guidance.freedoms=1"]
     path = write_edits(tmp_path, {"do": "idle"}, scene="scales.toml")
     rows = rows_of(make_replay(SCENES / "scales.toml", path, overrides=overrides))
     assert rows[0]["suggested"] == 0
