@@ -8,7 +8,14 @@ from dataclasses import replace
 import numpy as np
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.connecting import Connection
-from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
+from restshape_apps.furniture.physics.furniture import (
+    LOST,
+    OVERLAPPING,
+    UNSTABLE,
+    WEAK,
+    Furniture,
+    TestResult,
+)
 from restshape_apps.furniture.shape.free_ends import FreeEnd, free_ends
 from restshape_apps.furniture.shape.plank_edits import connected
 from restshape_apps.furniture.shape.planks import SIDES, Piece, Plank, parts_of
@@ -29,17 +36,27 @@ def lengthenings(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
         piece: with closed joints.
         shown: at most so many.
     """
-    before = Furniture(piece).test()
-    apart, worst = len(parts_of(piece)), max(before.pull, before.shear)
-    found = []
+    before, apart, found = _wrong(Furniture(piece).test()), len(parts_of(piece)), []
     for one in _joinable(piece):
         if len(parts_of(one.piece)) > apart:
             continue
-        after = Furniture(one.piece).test()
-        fewer = len(parts_of(one.piece)) < apart or bin(after.flaws).count("1") < bin(before.flaws).count("1")
-        if fewer or (after.flaws == before.flaws and max(after.pull, after.shear) < worst):
+        if len(parts_of(one.piece)) < apart or _wrong(Furniture(one.piece).test()) < before:
             found.append(one)
     return tuple(sorted(found, key=lambda one: one.flaws != 0)[:shown])
+
+
+def _wrong(result: TestResult) -> tuple[int, bool, bool, int, float, float]:
+    """How much is wrong with a piece, what counts most first: flaws, whether others than weak joints, whether it falls,
+    under how many loads, how much of them is not balanced, and the largest utilisation of a joint."""
+    falls = bool(result.flaws & UNSTABLE)
+    return (
+        bin(result.flaws).count("1"),
+        bool(result.flaws & ~(UNSTABLE | WEAK)),
+        falls,
+        len({case for case, _ in result.found.falls}),
+        round(result.unbalanced, 6) if falls else 0.0,
+        max(result.pull, result.shear),
+    )
 
 
 def rejoined(piece: Piece) -> tuple[Connection, ...]:

@@ -166,6 +166,20 @@ def test_a_leg_above_the_floor_is_lengthened_to_stand_on_it(tmp_path):
     assert np.linalg.norm(one.way) == pytest.approx(0.05)
 
 
+@pytest.mark.parametrize("friction", [0.6, 0.1])
+def test_a_stool_above_the_floor_is_lengthened_to_stand_on_it(tmp_path, friction: float):
+    # On a slippery floor it still slides under the push, but does not fall under its weights.
+    path = written(tmp_path, -0.141, 0.141, low=0.05)
+    text = path.read_text().replace("from = [-0.15, 0, 0]", "from = [-0.15, 0, 0.05]")
+    path.write_text(text.replace("friction = 0.6", f"friction = {friction}"))
+    design = Design.closed(piece_of(load_scene(path)), Guidance())
+    assert not design.piece.feet and len(design.furniture.test().found.falls) == 2
+    first = design.suggestion_list.found[0]
+    legs = "left 50 mm longer at its end -x, to meet the floor; right 50 mm longer at its end -x, to meet the floor"
+    assert first.words == legs and not design.suggestion_list.why
+    assert (first.valid, first.rest) == ((True, "") if friction > 0.5 else (False, "slides under push shove"))
+
+
 def test_a_lengthening_is_chosen_like_others(tmp_path):
     scene = written(tmp_path, -0.121, 0.117)
     script = write_edits(tmp_path, {"do": "choose", "number": 1})
