@@ -53,7 +53,7 @@ class DoubtMends:
         self.most = TESTS // len(furniture.piece.planks)
 
     def found(self) -> list[Suggestion]:
-        """All that leave it beyond doubt, and free ends joined that leave less of it."""
+        """All that leave it beyond doubt, but for ends that are free already, and free ends joined."""
         if not self.doubts:
             return []
         piece, kinds = self.furniture.moved(), {one.kind for one in self.doubts}
@@ -75,7 +75,12 @@ class DoubtMends:
         return f"{looked}: none {goal}" + ("; the search was cut short" if self.tests >= self.most else "")
 
     def _clear(self, piece: Piece) -> bool:
-        return not doubts(piece, self.quantities)
+        return not self._left(doubts(piece, self.quantities))
+
+    def _left(self, found: Sequence[Finding]) -> list[Finding]:
+        """What counts of what is doubtful: free ends do where there was none, and are joined where there was."""
+        had = any(one.kind == FREE for one in self.doubts)
+        return [one for one in found if not had or one.kind != FREE]
 
     def _freedoms(self) -> list[Suggestion]:
         """Single freedoms, first of those that keep symmetry and level, until some mend it."""
@@ -103,7 +108,7 @@ class DoubtMends:
         def clear(t: float) -> bool:
             return self._excess(t * direction) == 0.0
 
-        places, start = [self.far * part for part in PLACES], _excess(self.doubts)
+        places, start = [self.far * part for part in PLACES], _excess(self._left(self.doubts))
         before = 0.0
         for k, t in enumerate(places):
             excess = self._excess(t * direction)
@@ -134,7 +139,7 @@ class DoubtMends:
         # Compliances cost ten equilibria.
         if not found or any(one.kind == DEPENDS for one in self.doubts):
             found += (*free(piece), *depends(piece))
-        return _excess(found)
+        return _excess(self._left(found))
 
 
 def _excess(findings: Sequence[Finding]) -> float:

@@ -17,6 +17,7 @@ from restshape_apps.furniture.scene.plank_events import far_turn
 from restshape_apps.furniture.session.boards import MovingBoards
 from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
 from restshape_apps.furniture.session.plank_frame import Grab, PlankFrame, State
+from restshape_apps.furniture.session.without_effect import without_effect
 from restshape_apps.furniture.shape.plank_adoption import adopted
 from restshape_apps.furniture.shape.plank_scene import piece_of, restated
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
@@ -326,7 +327,11 @@ class PlankSession(ScriptSession):
             yield from self._refused(event.frames, error)
             return
         for i in range(1, event.frames + 1):
-            yield self._revised(key, event.value, part_of, i / event.frames)
+            step = self._revised(key, event.value, part_of, i / event.frames)
+            if i == event.frames and not step.refused:
+                then, now = ((design.piece, scene) for design, scene in (before, self._state()))
+                step = replace(step, note=without_effect(key, then, now))
+            yield step
         if self.design is before[0]:
             self.scene = before[1]
         self._remember(before)
