@@ -1,12 +1,10 @@
 """Changes of planks in plain words: how many millimetres or degrees, and which way."""
 
 import numpy as np
+from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
 
 DIGITS = 3
-ALONG = 0.3
-"""Least cosine with an axis of the room for a direction to be named by it."""
-
 STRAIGHT = 1.0 - 1e-9
 """Least cosine with an axis of the room for a line to be reported as that axis."""
 
@@ -78,9 +76,3 @@ def _ends(piece: Piece, p: int, axis: int) -> str:
 
 def _side(plank: Plank, side: int) -> str:
     return room_words((1.0 if side % 2 else -1.0) * plank.axes[:, side // 2])
-
-
-def room_words(way: np.ndarray) -> str:
-    """The axes of the room that a unit vector (3,) goes along."""
-    order = [k for k in np.argsort(-np.abs(way), kind="stable") if abs(way[k]) > ALONG]
-    return " and ".join(f"{'-' if way[k] < 0.0 else '+'}{'xyz'[k]}" for k in order)

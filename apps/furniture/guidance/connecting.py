@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
-from restshape_apps.furniture.shape.free_ends import free_ends
+from restshape_apps.furniture.shape.free_ends import free_ends, half_thick, onto
 from restshape_apps.furniture.shape.plank_edits import connected
 from restshape_apps.furniture.shape.planks import FLUSH, LEAST_SLANT, Piece, Plank, parts_of
 
@@ -55,6 +55,12 @@ def connections(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
     return tuple(sorted(found, key=lambda one: one.flaws != 0)[:shown])
 
 
+def same_place(one: Piece, other: Piece) -> bool:
+    """Whether all planks of two pieces are where those of the other are."""
+    pairs = zip(one.planks, other.planks, strict=True)
+    return all(np.allclose(a.corners(), b.corners(), rtol=0.0, atol=FLUSH) for a, b in pairs)
+
+
 def _joined(piece: Piece, part: Sequence[int], way: np.ndarray) -> Connection | None:
     """The piece with a part moved and joined; None where that is no joint."""
     try:
@@ -93,10 +99,8 @@ def _to_face(plank: Plank, side: int, other: Plank) -> np.ndarray | None:
         return None
     place = other.axes.T @ (plank.end(side) - other.centre)
     # All of the end lies on the face, its thickness too.
-    thick = np.abs(other.axes.T @ plank.axes[:, 2]) * 0.5 * plank.size[2]
-    room = np.maximum(0.5 * other.size[:2] - half[:2] - thick[:2], 0.0)
-    goal = np.array([*np.clip(place[:2], -room, room), -np.sign(slope) * 0.5 * other.size[2]])
-    return other.axes @ (goal - place)
+    along = onto(place[:2], half[:2] + half_thick(plank, other), other.size[:2])
+    return other.axes @ np.array([*along, -np.sign(slope) * 0.5 * other.size[2] - place[2]])
 
 
 def _moved(piece: Piece, part: Sequence[int], way: np.ndarray) -> Piece:

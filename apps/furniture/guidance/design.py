@@ -14,7 +14,7 @@ from time import perf_counter
 import numpy as np
 from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.guidance.clear_range import clear_ranges, complement
-from restshape_apps.furniture.guidance.connecting import connections
+from restshape_apps.furniture.guidance.connecting import connections, same_place
 from restshape_apps.furniture.guidance.doubt_mends import DoubtMends
 from restshape_apps.furniture.guidance.doubts import depends, doubts, free
 from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
@@ -269,7 +269,9 @@ class Design:
             found = [self._along(one, one.span[1] >= LONGEST, one.flaws == 0) for one in search.found]
             tried, tested, why = search.tried, search.tested, search.why
         elif flaws & APART:
-            found = [Suggestion.of(one) for one in (*lengthenings(self.piece), *connections(self.piece, most))]
+            ends, moves = lengthenings(self.piece), connections(self.piece, most)
+            moves = tuple(one for one in moves if not any(same_place(one.piece, other.piece) for other in ends))
+            found = [Suggestion.of(one) for one in (*ends, *moves)]
             tried, tested, why = 0, len(found), "no move of a part joins it to the rest: draw a plank between them"
         elif flaws & OVERLAPPING or not flaws & (UNSTABLE | WEAK):
             found, tried, tested = [Suggestion.of(one) for one in lengthenings(self.piece)], 0, 0

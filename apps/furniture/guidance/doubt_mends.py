@@ -68,7 +68,7 @@ class DoubtMends:
         """Why nothing is found."""
         kinds = {one.kind for one in self.doubts}
         if kinds <= {FREE}:
-            return "no free end meets its face by its length alone: move its plank, or leave it free"
+            return "no free end meets its face by its length or a move beside it: draw its plank elsewhere, or leave it"
         limits = [one.subjects[0] for one in self.doubts if one.kind == LIMIT]
         goal = f"brings {' and '.join(limits)} within limits" if len(limits) == len(self.doubts) else "ends the doubt"
         looked = f"{self.freedoms} freedoms, each alone, fasteners and thicknesses tried"

@@ -1,4 +1,4 @@
-"""Suggestions that bring free ends to what they missed: planks become longer, or shorter, and are joined."""
+"""Suggestions that bring free ends to what they missed: planks move sideways, grow or shrink, and are joined."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from restshape_apps.furniture.physics.furniture import (
     Furniture,
     TestResult,
 )
+from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.free_ends import FreeEnd, free_ends
 from restshape_apps.furniture.shape.plank_edits import connected
-from restshape_apps.furniture.shape.planks import SIDES, Piece, Plank, parts_of
+from restshape_apps.furniture.shape.planks import FLUSH, SIDES, Piece, Plank, parts_of
 
 from restshape.errors import UserError
 
@@ -28,6 +29,8 @@ NAME = "a free end joined"
 
 def lengthenings(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
     """Planks made longer, or shorter, until their free ends meet what they missed; what leaves nothing wrong first.
+
+    Where ends pass beside what they missed, the plank goes sideways too, until all of each end lies on the face.
 
     All free ends of a plank go at once, or where that is no joint each alone; and at once those of all planks that can
     be joined. Of a piece in parts only what makes parts fewer is shown, of another one only what leaves less wrong.
@@ -71,7 +74,7 @@ def rejoined(piece: Piece) -> tuple[Connection, ...]:
 
 def _joinable(piece: Piece) -> Iterator[Connection]:
     """The piece with free ends at what they missed: those of each plank, and of each that can be joined all at once."""
-    missed = [one for one in free_ends(piece) if one.aside == 0.0 and not one.tilted]
+    missed = [one for one in free_ends(piece) if not one.tilted]
     first: list[tuple[FreeEnd, ...]] = []
     for plank in dict.fromkeys(one.plank for one in missed):
         ends = tuple(one for one in missed if one.plank == plank)
@@ -91,11 +94,16 @@ def _that_join(piece: Piece, sets: Sequence[tuple[FreeEnd, ...]]) -> list[tuple[
 def _joined(piece: Piece, ends: Sequence[FreeEnd]) -> Connection | None:
     """The piece with these ends at what they missed; None where one of them is not joined there."""
     planks = list(piece.planks)
+    shifts = _sideways(piece, ends)
+    for k, shift in shifts.items():
+        planks[k] = replace(planks[k], centre=planks[k].centre + shift)
     for one in ends:
         planks[one.plank] = _longer(planks[one.plank], one)
-    grown, fastener = replace(piece, planks=tuple(planks)), piece.joints[0].fastener if piece.joints else "nail-thesis"
+    feet = tuple(foot for foot in piece.feet if foot.plank not in shifts)
+    grown = replace(piece, planks=tuple(planks), feet=feet)
+    fastener = piece.joints[0].fastener if piece.joints else "nail-thesis"
     try:
-        for plank in dict.fromkeys(one.plank for one in ends):
+        for plank in dict.fromkeys([*(one.plank for one in ends), *shifts]):
             grown = connected(grown, plank, piece.reach, fastener)
         made = Furniture(grown).moved()
         flaws = Furniture(made).test().flaws
@@ -105,9 +113,20 @@ def _joined(piece: Piece, ends: Sequence[FreeEnd]) -> Connection | None:
     joined = {(joint.i, joint.side) for joint in made.joints} | {(foot.plank, foot.side) for foot in made.feet}
     if flaws & (LOST | OVERLAPPING) or any((one.plank, one.side) not in joined for one in ends):
         return None
-    way = sum(one.gap * _outwards(piece.planks[one.plank], one.side) for one in ends)
+    way = sum(one.gap * _outwards(piece.planks[one.plank], one.side) for one in ends) + sum(shifts.values())
     left = len(free_ends(made, {one.plank for one in ends}))
     return Connection("; ".join(_words(piece, ends)), made, way, flaws, left, NAME)
+
+
+def _sideways(piece: Piece, ends: Sequence[FreeEnd]) -> dict[int, np.ndarray]:
+    """How far (3,) planks go sideways whose ends pass beside what they missed, with all that is joined to them."""
+    parts, shifts = parts_of(piece), {}
+    for one in sorted(ends, key=lambda end: np.linalg.norm(end.way)):
+        if one.aside > 0.0:
+            part = next(part for part in parts if one.plank in part)
+            moved = part if part is not parts[0] and one.other not in part else (one.plank,)
+            shifts.update(dict.fromkeys(moved, np.array(one.way)))
+    return shifts
 
 
 def _longer(plank: Plank, one: FreeEnd) -> Plank:
@@ -125,11 +144,19 @@ def _outwards(plank: Plank, side: int) -> np.ndarray:
 
 def _words(piece: Piece, ends: Sequence[FreeEnd]) -> Iterator[str]:
     """What each plank does, and what it meets."""
+    shifts = _sideways(piece, ends)
     for plank in dict.fromkeys(one.plank for one in ends):
         own = [one for one in ends if one.plank == plank]
-        ways = (f"{_amount(one.gap)} at its end {SIDES[one.side]}" for one in own)
+        ways = [_moved(shifts[plank])] if plank in shifts else []
+        ways += [f"{_amount(one.gap)} at its end {SIDES[one.side]}" for one in own if abs(one.gap) > FLUSH or not ways]
         met = dict.fromkeys("the floor" if one.other < 0 else piece.planks[one.other].name for one in own)
-        yield f"{piece.planks[plank].name} {' and '.join(ways)}, to meet {' and '.join(met)}"
+        done = " and ".join(filter(None, [", ".join(ways[:-1]), ways[-1]]))
+        yield f"{piece.planks[plank].name} {done}, to meet {' and '.join(met)}"
+
+
+def _moved(shift: np.ndarray) -> str:
+    size = float(np.linalg.norm(shift))
+    return f"moved {amounts.amount(size, 'm')} towards {room_words(shift / size)}"
 
 
 def _amount(gap: float) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from restshape_apps.furniture.shape.free_ends import FreeEnd
+from restshape_apps.furniture.shape.face_contacts import flat_between_parts
+from restshape_apps.furniture.shape.free_ends import ASIDE, FreeEnd, free_ends
 from restshape_apps.furniture.shape.plank_gaps import Gap, gap_between_parts, gap_of
 from restshape_apps.furniture.shape.planks import SIDES, Piece, parts_of
 
@@ -29,9 +30,13 @@ DEPENDS = "depends"
 """Kind of findings on joints whose compliance, which nobody knows, decides whether the piece holds."""
 FREE = "free"
 """Kind of findings on ends that nothing holds, near a face that they may have missed."""
+FLAT = "flat"
+"""Detail of parts that are apart although two of their planks lie face to face: joints hold ends."""
 BEFORE, BEYOND, BESIDE, TILTED, NEAR = "before", "beyond", "beside", "tilted", "near"
 """Details of a free end: before a face, in or behind it, beside it, with its edge across it, or near what cannot hold
 it."""
+GAPS = (NEAREST, BEYOND, BESIDE, FLAT)
+"""Details of what keeps two parts from being joined."""
 PULL, SHEAR, LINE, TWIST = "pull", "shear", "line", "twist"
 """Details of a weak joint, by what overloads it; the moments along its line and about its normal count where a scene
 says so, and are doubts elsewhere."""
@@ -85,9 +90,28 @@ def overlapping(piece: Piece, found: FlawNumbers) -> list[Finding]:
 
 
 def apart(piece: Piece) -> list[Finding]:
-    """The parts that no joint connects, and how far two of them are from each other where no joint could reach."""
-    nearest = beyond_reach(piece, gap_between_parts(piece))
+    """The parts that no joint connects, and what keeps two of them from being joined where that is known."""
+    nearest = _missed(piece) or _flat(piece) or beyond_reach(piece, gap_between_parts(piece))
     return [*(_part(piece, part, APART) for part in parts_of(piece)), *([nearest] if nearest else [])]
+
+
+def _missed(piece: Piece) -> Finding | None:
+    """The end that missed another part by least, where it passes beside it or goes through it."""
+    part = {k: number for number, planks in enumerate(parts_of(piece)) for k in planks}
+    ends = [one for one in free_ends(piece) if one.other >= 0 and part[one.plank] != part[one.other]]
+    nearest = min(ends, key=lambda one: abs(one.gap) + one.aside, default=None)
+    if nearest is None or not (nearest.aside > 0.0 or nearest.gap < -piece.reach):
+        return None
+    return replace(_free_end(piece, nearest), kind=APART)
+
+
+def _flat(piece: Piece) -> Finding | None:
+    """Two planks of different parts that lie face to face, where no end looks at another part from as near."""
+    ends, faces = gap_between_parts(piece), flat_between_parts(piece, ASIDE)
+    if faces is None or (ends is not None and ends.size <= faces[2]):
+        return None
+    names = tuple(piece.planks[k].name for k in faces[:2])
+    return Finding(APART, FLAT, names, faces[2], piece.reach, "m")
 
 
 def beyond_reach(piece: Piece, gap: Gap | None) -> Finding | None:
@@ -127,15 +151,7 @@ def doubts(piece: Piece, found: FlawNumbers) -> list[Finding]:
 
 def free(piece: Piece, ends: Sequence[FreeEnd]) -> list[Finding]:
     """Ends that nothing holds, each by what keeps it from the face that it is near."""
-    found = []
-    for one in ends:
-        far = abs(one.gap) > piece.reach
-        detail = BESIDE if one.aside > 0.0 else TILTED if one.tilted else NEAR
-        detail, size = ((BEFORE if one.gap > 0.0 else BEYOND), abs(one.gap)) if far else (detail, one.aside)
-        other = _plane(0) if one.other < 0 else piece.planks[one.other].name
-        subjects = (piece.planks[one.plank].name, SIDES[one.side], other)
-        found.append(Finding(FREE, detail, subjects, size, piece.reach, "m"))
-    return found
+    return [_free_end(piece, one) for one in ends]
 
 
 def unbalanced(piece: Piece, found: FlawNumbers) -> list[Finding]:
@@ -152,6 +168,17 @@ def joint_planks(piece: Piece, joint: int) -> tuple[str, str]:
 def load_case(piece: Piece, case: int) -> str:
     """What a case is called: the weights alone, or a push beside them."""
     return WEIGHTS if case == 0 else f"push {piece.pushes[case - 1].name}"
+
+
+def _free_end(piece: Piece, one: FreeEnd) -> Finding:
+    """What keeps an end from the face that it is near; beside it, the side too."""
+    other = _plane(0) if one.other < 0 else piece.planks[one.other].name
+    subjects = (piece.planks[one.plank].name, SIDES[one.side], other)
+    if one.aside > 0.0:
+        return Finding(FREE, BESIDE, (*subjects, one.beside), one.aside, piece.reach, "m")
+    if abs(one.gap) > piece.reach:
+        return Finding(FREE, BEFORE if one.gap > 0.0 else BEYOND, subjects, abs(one.gap), piece.reach, "m")
+    return Finding(FREE, TILTED if one.tilted else NEAR, subjects, 0.0, piece.reach, "m")
 
 
 def _overloaded(piece: Piece, kind: str, joints: Sequence[tuple[int, int, float, int]]) -> list[Finding]:

@@ -30,7 +30,7 @@ FAULTS = {
 FREE_ENDS = {
     kinds.BEFORE: "{0} {1} is {far} mm from {2}",
     kinds.BEYOND: "{0} {1} is {far} mm beyond the face of {2}",
-    kinds.BESIDE: "{0} {1} is {far} mm beside {2}",
+    kinds.BESIDE: "the centre line of {0} {1} passes {far} mm beside {2}, on its {3} side",
     kinds.TILTED: "the edge of {0} {1} does not lie along {2}",
     kinds.NEAR: "{0} {1} is near {2}, which cannot hold it",
 }
@@ -70,7 +70,7 @@ def amount(finding: Finding) -> str:
         return ""
     if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
         return "" if _bears_no_twist(finding) else _share(finding.value)
-    if finding.kind == kinds.FREE:
+    if finding.kind == kinds.FREE or finding.detail in (kinds.BESIDE, kinds.FLAT):
         return _digits(1e3 * finding.value, 4)
     return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
 
@@ -102,11 +102,22 @@ def balanced_by_springs(piece: Piece, cases: Sequence[int]) -> str:
 
 
 def _apart(findings: list[Finding], worst: Worst) -> str:
-    nearest = next((one for one in findings if one.detail == kinds.NEAREST), None)
+    nearest = next((one for one in findings if one.detail in kinds.GAPS), None)
     parts = [_part(one) for one in findings if one.detail == kinds.PART]
     omitted = _omitted(findings)
-    gap = f" ({amount_beyond_reach(nearest, nearest in worst)})" if nearest else ""
+    gap = f" ({_gap(nearest, nearest in worst)})" if nearest else ""
     return f"in {_count(len(parts) + omitted)} parts: {_listed(parts, omitted)}{gap}"
+
+
+def _gap(nearest: Finding, worst: bool) -> str:
+    """What keeps two parts from being joined."""
+    if nearest.detail == kinds.NEAREST:
+        return amount_beyond_reach(nearest, worst)
+    far = ("up to " if worst else "") + amount(nearest)
+    if nearest.detail == kinds.FLAT:
+        one, other = nearest.subjects
+        return f"{one} lies face to face with {other}, {far} mm from it: a joint needs an end at a face"
+    return FREE_ENDS[nearest.detail].format(*nearest.subjects, far=far)
 
 
 def _lost(findings: list[Finding], worst: Worst) -> str:

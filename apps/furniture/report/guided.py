@@ -13,6 +13,7 @@ from restshape_apps.furniture.physics.plank_findings import (
     DEPENDS,
     DOUBTFUL,
     FREE,
+    GAPS,
     LOST,
     NEAREST,
     WEAK,
@@ -122,12 +123,17 @@ def _without_amounts(row: Row) -> Any:
     if not findings:
         return HOLDS if row["constraint_status"] == HOLDS else row["violated_constraints"]
     # How far parts are from each other is known in some frames only.
-    return Counter(_same(one) for one in findings if one.detail != NEAREST)
+    return Counter(_same(one) for one in findings if not _is_gap(one))
 
 
 def _same(one: Finding) -> Finding:
     """What a finding is in frames that differ in amounts alone."""
-    return Finding(APART, NEAREST) if one.detail == NEAREST else one.identity
+    return Finding(APART, NEAREST) if _is_gap(one) else one.identity
+
+
+def _is_gap(one: Finding) -> bool:
+    """Whether a finding is what keeps two parts from being joined."""
+    return one.kind == APART and one.detail in GAPS
 
 
 def _at_worst(span: Sequence[Row]) -> str:

@@ -41,7 +41,7 @@ def drawn(piece: Piece, scene: Scene, event: Any) -> Change:
     wood = event.wood or scene.wood.name
     plank = Plank.between(event.name, event.start, event.to, event.width, thickness, wood=wood)
     grown = plank_edits.added(piece, plank, scene.joints.reach, event.fastener or scene.fastener.name)
-    free = [end.words(grown) for end in free_ends(grown, [len(grown.planks) - 1])]
+    free = [end.missed(grown) for end in free_ends(grown, [len(grown.planks) - 1])]
     return grown, "; ".join(filter(None, [_met(piece, grown), *free]))
 
 

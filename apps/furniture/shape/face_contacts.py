@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from restshape_apps.furniture.shape.planks import FLUSH, Plane, Plank
+from restshape_apps.furniture.shape.planks import FLUSH, Piece, Plane, Plank, parts_of
 
 TOUCHING = 1e-4
 """How far two faces may be from each other to lie on each other [m]: less than what counts as overlap."""
@@ -37,6 +37,23 @@ def face_contacts(planks: Sequence[Plank], planes: Sequence[Plane] = (Plane(),))
     for i in range(len(planks)):
         found += [one for j in range(i) if (one := _on_plank(planks, i, j))]
     return tuple(found)
+
+
+def flat_between_parts(piece: Piece, near: float) -> tuple[int, int, float] | None:
+    """The nearest two planks of different parts whose faces lie over each other, the one of the smaller part first, and
+    how far they are from each other [m]; None where none are near.
+
+    Args:
+        piece: in parts.
+        near: how far the faces may be from each other [m].
+    """
+    found = []
+    for part in parts_of(piece)[1:]:
+        for i in part:
+            for j in (j for j in range(len(piece.planks)) if j not in part):
+                if one := _on_plank(piece.planks, i, j, near):
+                    found.append((i, j, max(one.gap, 0.0)))
+    return min(found, key=lambda one: one[2], default=None)
 
 
 def kept_contacts(
@@ -137,15 +154,17 @@ def _on_plane(i: int, plank: Plank, plane: Plane) -> FaceContact | None:
     return FaceContact(-1, i, normal, gap)
 
 
-def _on_plank(planks: Sequence[Plank], i: int, j: int) -> FaceContact | None:
-    """The contact of the faces of two planks, along the normal of the first one; None without one."""
+def _on_plank(planks: Sequence[Plank], i: int, j: int, near: float = TOUCHING) -> FaceContact | None:
+    """The contact of the faces of two planks that are near, along the normal of the first one; None without one."""
     one, other = planks[i], planks[j]
     normal = one.axes[:, 2]
-    lean = float(0.5 * other.size[:2] @ np.abs(other.axes[:, :2].T @ normal))
     way = other.centre - one.centre
     along = float(way @ normal)
     gap = abs(along) - 0.5 * float(one.size[2] + other.size[2])
-    if abs(float(other.axes[:, 2] @ normal)) < 0.5 or abs(gap) + lean > TOUCHING or not _meet(one, other, way):
+    if not -TOUCHING <= gap <= near or abs(float(other.axes[:, 2] @ normal)) < 0.5:
+        return None
+    lean = float(0.5 * other.size[:2] @ np.abs(other.axes[:, :2].T @ normal))
+    if abs(gap) + lean > near or not _meet(one, other, way):
         return None
     return FaceContact(i, j, normal, gap) if along > 0.0 else FaceContact(j, i, normal, gap)
 

@@ -6,14 +6,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from restshape_apps.furniture.shape.planks import LEAST_SLANT, SIDES, Piece
+from restshape_apps.furniture.shape.directions import room_words
+from restshape_apps.furniture.shape.planks import FLUSH, LEAST_SLANT, SIDES, Piece, Plank
 
 FAR = 0.25
 """How far before an end what it may have missed is looked for [m]; half of its plank's length where that is less."""
 ASIDE = 0.03
 """How far beside a face an end may pass that may have missed it [m]."""
 BEYOND = 0.06
-"""How far in or behind a face an end may be that was drawn through it [m]."""
+"""How far in or behind a face an end may be that was drawn into it or past it [m]; through its plank, `FAR`."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +23,9 @@ class FreeEnd:
 
     Args:
         gap: how far along the plank's line the face is [m]; negative behind it.
-        aside: how far the line passes beside the face [m].
+        aside: how far the centre line of the end passes beside the face [m].
         tilted: the end's edge does not lie along the face.
+        way: (3,) how the plank goes sideways for all of the end to lie on the face [m]; nought where it is not beside.
     """
 
     plank: int
@@ -32,20 +34,40 @@ class FreeEnd:
     gap: float
     aside: float
     tilted: bool
+    way: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
-    def words(self, piece: Piece) -> str:
-        """Which end, what it missed, and by how much."""
-        name = f"{piece.planks[self.plank].name} {SIDES[self.side]}"
+    @property
+    def beside(self) -> str:
+        """On which side of what it missed it passes, in axes of the room."""
+        return room_words(-np.array(self.way) / np.linalg.norm(self.way))
+
+    def missed(self, piece: Piece) -> str:
+        """Which end, what it missed, by how much and on which side."""
         other = "the floor" if self.other < 0 else piece.planks[self.other].name
         parts = []
-        if abs(self.gap) > piece.reach:
-            parts.append(f"{1e3 * abs(self.gap):.4g} mm {'from' if self.gap > 0.0 else 'beyond the face of'} {other}")
         if self.aside > 0.0:
-            parts.append(f"{1e3 * self.aside:.4g} mm beside {other}")
+            parts.append(f"its centre line passes {1e3 * self.aside:.4g} mm beside {other}, on its {self.beside} side")
+        if self.gap > piece.reach:
+            parts.append(f"{1e3 * self.gap:.4g} mm from {other} (joints reach {1e3 * piece.reach:.4g} mm)")
+        elif self.gap < -piece.reach:
+            parts.append(f"{-1e3 * self.gap:.4g} mm beyond the face of {other}")
         if self.tilted:
             parts.append(f"its edge does not lie along {other}")
         parts = parts or [f"near {other}, which cannot hold it"]
-        return f"{name} is free: {', '.join(parts)} (joints reach {1e3 * piece.reach:.4g} mm)"
+        return f"{piece.planks[self.plank].name} {SIDES[self.side]} is free: {', '.join(parts)}"
+
+    def words(self, piece: Piece) -> str:
+        """What `missed` says, and what to do."""
+        name, do = piece.planks[self.plank].name, []
+        if self.aside > 0.0:
+            size = float(np.linalg.norm(self.way))
+            do.append(f"move {name} {1e3 * size:.4g} mm along {room_words(np.array(self.way) / size)}")
+        if abs(self.gap) > piece.reach:
+            longer = "longer" if self.gap > 0.0 else "shorter"
+            do.append(f"make {name} {1e3 * abs(self.gap):.4g} mm {longer} at {SIDES[self.side]}")
+        if self.tilted:
+            do.append(f"turn {name}")
+        return self.missed(piece) + (f"; {' and '.join(do)}" if do else "")
 
 
 def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEnd, ...]:
@@ -92,16 +114,33 @@ def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:
         return None
     place, way = other.axes.T @ (one.end(side) - other.centre), other.axes.T @ axis
     gap = float((-np.sign(slope) * 0.5 * other.size[2] - place[2]) / slope)
-    if not -min(BEYOND, other.size[2] + piece.reach) <= gap <= min(FAR, 0.5 * float(one.size[side // 2])):
+    most = min(FAR, 0.5 * float(one.size[side // 2]))
+    if not -most <= gap <= most:
         return None
-    half = 0.5 * one.size[1 - side // 2] * (other.axes.T @ one.axes[:, 1 - side // 2])
+    half = np.abs(0.5 * one.size[1 - side // 2] * (other.axes.T @ one.axes[:, 1 - side // 2]))
+    place = (place + gap * way)[:2]
     # The line of the end, not its middle alone, may meet the face.
-    beside = np.abs(place + gap * way)[:2] - 0.5 * other.size[:2] - np.abs(half[:2])
+    beside = np.abs(place) - 0.5 * other.size[:2] - half[:2]
     aside = float(np.linalg.norm(np.maximum(beside, 0.0)))
+    through = aside == 0.0 and beside.max() < -FLUSH
     joined = any({joint.i, joint.j} == {i, j} for joint in piece.joints)
-    if aside > ASIDE or joined:
+    if aside > ASIDE or joined or not (through or gap >= -min(BEYOND, other.size[2] + piece.reach)):
         return None
-    return FreeEnd(i, side, j, gap, aside, bool(abs(half[2]) > piece.reach))
+    sideways = (
+        other.axes[:, :2] @ onto(place, half[:2] + half_thick(one, other), other.size[:2]) if aside else np.zeros(3)
+    )
+    return FreeEnd(i, side, j, gap, aside, bool(half[2] > piece.reach), tuple(sideways.tolist()))
+
+
+def half_thick(one: Plank, other: Plank) -> np.ndarray:
+    """Half of the thickness of a plank along the two axes (2,) of a face of another one [m]."""
+    return np.abs(other.axes.T @ one.axes[:, 2])[:2] * 0.5 * one.size[2]
+
+
+def onto(place: np.ndarray, half: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """The shortest way (2,) of an end that is `half` (2,) wide from a place (2,) onto all of a face of a size (2,)."""
+    room = np.maximum(0.5 * size - half, 0.0)
+    return np.clip(place, -room, room) - place
 
 
 def _above(piece: Piece, i: int, side: int) -> FreeEnd | None:

@@ -84,11 +84,16 @@ def test_a_free_end_is_joined_or_the_reason_says_why_not(tmp_path) -> None:
     design = design_of(write_bench(tmp_path, BENCH + rail.format(0.0)))
     (one,) = design.suggestion_list.found
     assert one.kind == NAME and one.words == "rail 24 mm longer at its end +x, to meet right" and not one.doubt
-    # Beside a narrow leg no length is enough.
+    # Beside a narrow leg it goes sideways too, by 40 mm and half of its width; its end on the left leg goes along.
     narrow = "to = [0.5, 0, 0.5]\nwidth = [0, 0.1, 0]".join(BENCH.split("to = [0.5, 0, 0.5]\nwidth = [0, 0.3, 0]"))
     design = design_of(write_bench(tmp_path, narrow + rail.format(0.09)))
+    (one,) = design.suggestion_list.found
+    assert one.words == "rail moved 60 mm towards -y and 24 mm longer at its end +x, to meet right" and not one.doubt
+    # Nothing is enough where a stick bars its way.
+    stick = "\n[planks.stick]\nfrom = [0.476, 0, 0.5]\nto = [0.476, 0, 0]\nwidth = [0.012, 0, 0]\n"
+    design = design_of(write_bench(tmp_path, BENCH + rail.format(0.0) + stick))
     assert design.furniture.test().valid and not design.suggestion_list.found
-    assert design.suggestion_list.why.startswith("no free end meets its face by its length alone")
+    assert design.suggestion_list.why.startswith("no free end meets its face by its length or a move beside it")
 
 
 def test_a_piece_beyond_doubt_has_no_suggestions(tmp_path) -> None:

@@ -9,6 +9,9 @@ from restshape_apps.furniture.tests.furniture_scenes import BENCH, write_bench
 
 from restshape.scene.load import load_scene
 
+PLACES = ((0.6, 0.51), (0.49, 0.525))
+"""Where the ends of the bench's top are in x and z [m], and where they are moved."""
+
 
 def piece(tmp_path, old: str = "", new: str = "", more: str = ""):
     return piece_of(load_scene(write_bench(tmp_path, BENCH.replace(old, new) + more)))
@@ -23,14 +26,18 @@ def test_a_leg_that_ends_below_a_board_is_named(tmp_path, short: float) -> None:
     found = piece(tmp_path, "to = [0.5, 0, 0.5]", f"to = [0.5, 0, {0.5 - short}]")
     (one,) = free_ends(found)
     assert one.gap == pytest.approx(short) and one.aside == 0.0 and not one.tilted
-    assert one.words(found) == f"right +x is free: {1e3 * short:.4g} mm from top (joints reach 15 mm)"
+    assert one.words(found) == (
+        f"right +x is free: {1e3 * short:.4g} mm from top (joints reach 15 mm); "
+        f"make right {1e3 * short:.4g} mm longer at +x"
+    )
 
 
 def test_a_leg_that_hangs_above_the_floor_is_named(tmp_path) -> None:
     found = piece(tmp_path, "from = [0.5, 0, 0]", "from = [0.5, 0, 0.08]")
     (one,) = free_ends(found)
     assert (one.other, one.gap) == (-1, pytest.approx(0.08))
-    assert one.words(found) == "right -x is free: 80 mm from the floor (joints reach 15 mm)"
+    assert one.missed(found) == "right -x is free: 80 mm from the floor (joints reach 15 mm)"
+    assert one.words(found) == f"{one.missed(found)}; make right 80 mm longer at -x"
 
 
 @pytest.mark.parametrize(
@@ -38,6 +45,24 @@ def test_a_leg_that_hangs_above_the_floor_is_named(tmp_path) -> None:
     [
         ([-0.47, 0, 0.2], [0.48, 0, 0.2], [0, 0.1, 0], ["rail -x is free: 20 mm from left"]),
         ([-0.48, 0.21, 0.2], [0.48, 0.21, 0.2], [0, 0.1, 0], ["10 mm beside left", "10 mm beside right"]),
+        # Through both legs, whose inner faces are at -0.49 and 0.49 m, by more than joints reach behind a face.
+        (
+            [-0.6, 0, 0.2],
+            [0.59, 0, 0.2],
+            [0, 0.1, 0],
+            ["make rail 110 mm shorter at -x", "100 mm beyond"],
+        ),
+        ([-0.76, 0, 0.2], [0.48, 0, 0.2], [0, 0.1, 0], []),
+        # On edge beside legs 0.3 m wide: its faces are 8 mm off, its middle line 18 mm, all of it on them by 28 mm.
+        (
+            [-0.49, -0.168, 0.2],
+            [0.46, -0.168, 0.2],
+            [0, 0, 0.1],
+            [
+                "rail -x is free: its centre line passes 18 mm beside left, on its -y side; move rail 28 mm along +y",
+                "right (joints reach 15 mm); move rail 28 mm along +y and make rail 30 mm longer at +x",
+            ],
+        ),
         ([-0.48, 0, 0.2], [0.48, 0, 0.2], [0, 0.1, 0], []),
         ([-0.3, 0, 0.2], [0.2, 0, 0.2], [0, 0.1, 0], ["190 mm from left", "290 mm from right"][:1]),
     ],
@@ -69,3 +94,15 @@ def test_near_is_250_mm_or_half_of_the_length_where_that_is_less(tmp_path, lengt
     far = 0.49 - gap
     found = piece(tmp_path, more=rail([far - length, 0, 0.2], [far, 0, 0.2], [0, 0.1, 0]))
     assert len([one for one in free_ends(found) if one.side == 1 and one.gap > 0.0]) == warned
+
+
+def test_an_end_above_a_board_moves_down_onto_it(tmp_path) -> None:
+    # Flat between legs that end 25 mm below its middle line, it rests on them all once it is half its thickness lower.
+    old, new = (
+        "".join(f"{end} = [{sign}{x}, 0, {z}]\n" for end, sign in (("from", "-"), ("to", ""))) for x, z in PLACES
+    )
+    found = piece(tmp_path, old, new)
+    ends = free_ends(found, [found.index("top")])
+    assert [one.aside for one in ends] == pytest.approx([0.025, 0.025])
+    for one in ends:
+        assert one.way == pytest.approx((0.0, 0.0, -0.035)) and one.beside == "+z"

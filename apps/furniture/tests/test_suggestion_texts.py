@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from furniture_scenes import write_edits
-from restshape_apps.furniture.guidance.amounts import along, amount, in_words, named, room_words
+from restshape_apps.furniture.guidance.amounts import along, amount, in_words, named
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics.furniture import UNSTABLE, WEAK, Furniture
 from restshape_apps.furniture.pieces import PIECES, SCENES, chair, drawn, scales, shelf_1, table
+from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.plank_edits import added
 from restshape_apps.furniture.shape.planks import FREEDOMS, Plank
 from small_scenes import make_replay, rows_of
