@@ -119,6 +119,34 @@ def test_a_search_begins_with_the_modes_that_its_shift_is_chosen_by(monkeypatch)
     np.testing.assert_allclose(found.forces, difference.T, atol=1e-12)
 
 
+def test_more_modes_of_the_same_matrices_are_sought_and_counted_with_the_same_factor():
+    K, M, rigid = spring_chain(40)
+    auto = solver("auto")
+    auto.solve(K, M, rigid, 3, True)
+    stiffer, _, _ = spring_chain(40, 1.3)
+    auto.solve(stiffer, M, rigid, 3, False, verify=True)
+    made = auto.pencil.factorisations
+    found, report = auto.solve(stiffer, M, rigid, 3, False, verify=True, again=True)
+    assert report.inertia_checked and auto.pencil.factorisations == made
+    found, report = auto.solve(stiffer, M, rigid, 8, False, verify=True, again=True)
+    assert report.inertia_checked
+    assert found.values[:8] == pytest.approx(eigh(stiffer[:, :], eigvals_only=True)[1:9], rel=1e-10)
+
+
+def test_what_has_not_converged_below_a_count_is_sought_in_the_space_there_is(monkeypatch):
+    K, M, rigid = spring_chain(40)
+    auto = solver("auto")
+    auto.solve(K, M, rigid, 3, True)
+    stiffer, _, _ = spring_chain(40, 1.3)
+    auto.solve(stiffer, M, rigid, 3, False, verify=True)
+    first = auto.space.found
+    auto.pencil.factor(1.001 * first.values[4])
+    monkeypatch.setattr(eigen, "SearchSpace", lambda *_: pytest.fail("there is a space already"))
+    found = auto._sought(first, 3, 0, 0)
+    assert first.residuals[3:5].max() > 1e-10 >= found.residuals[:5].max()
+    assert found.values[:5] == pytest.approx(eigh(stiffer[:, :], eigvals_only=True)[1:6], rel=1e-10)
+
+
 def test_mode_that_the_start_knows_nothing_of_is_counted_and_found():
     K, M, rigid = spring_chain(40)
     auto = solver("auto")

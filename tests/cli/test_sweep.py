@@ -152,7 +152,8 @@ def test_modes_of_another_thickness_cost_one_factor_on_the_pattern_there_is(monk
         iterations.append(sweep._replay.analysis.state.report.iterations)
     assert [cost["MatCholFctrNum"] for cost in costs[1:]] == 9 * [1]
     assert all(cost["MatCholFctrSym"] == 0 for cost in costs[1:])
-    assert max(iterations[4:]) < min(iterations[:2])
+    # Modes of the thickness before, or of several, leave a correction or two of each mode.
+    assert max(iterations[1:]) <= 5
     monkeypatch.undo()
     # A thin plate's frequency goes with its thickness.
     assert found[-1] / found[0] == pytest.approx(4.9 / 4.0, rel=0.02)

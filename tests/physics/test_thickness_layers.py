@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from modal import SCENES
+from modal import SCENES, solved
 from scipy.optimize import brentq
 
 from restshape.physics.elasticity.inspection import inspect_vibrating
@@ -134,3 +134,33 @@ def test_check_says_what_layers_there_are(tmp_path, plate):
     thin = tmp_path / "thin.toml"
     thin.write_text(re.sub(r"fix = \[.*?\]", 'fix = ["z"]', plate.read_text()))
     assert "layers" not in inspect_vibrating(load_scene(thin, ["effects.modal.model=plate"]), outline).data
+
+
+def test_displacements_that_are_quadratic_over_the_thickness_stay_the_same_polynomial():
+    """On a body of another thickness, whose nodes lie at other heights."""
+    thin, thick = (solved("tet10", f"material.aluminium.thickness={t}").state.body for t in (0.004, 0.007))
+    a, b, c = np.random.default_rng(1).uniform(-1.0, 1.0, (3, len(thin.plane.X), 1, 3))
+
+    def displacements(body):
+        z = body.space.X.reshape(len(a), -1, 3)[:, :, 2:]
+        return (a + 1e3 * b * z + 1e6 * c * z**2).reshape(1, -1)
+
+    assert not np.allclose(displacements(thin), displacements(thick), rtol=0.1)
+    np.testing.assert_allclose(thick.taken_over(displacements(thin), thin), displacements(thick), atol=1e-12)
+    modes = np.random.default_rng(2).uniform(-1.0, 1.0, displacements(thin).shape)
+    assert thin.taken_over(modes, thin) is modes
+
+
+def test_modes_that_are_taken_over_to_another_thickness_have_nearly_its_eigenvalues():
+    """On the same nodes, as displacements, they have a multiple of them."""
+    thin, thick = (solved("tet10", f"material.aluminium.thickness={t}") for t in (0.004, 0.0042))
+    pencil, modes = thick.solver.pencil, thin.state.modes.vectors[:3]
+    known = thick.state.modes.values[:3]
+
+    def quotients(rows):
+        stiff = np.empty_like(rows)
+        pencil.apply(pencil.stiffness, rows, stiff)
+        return np.einsum("ki,ki->k", rows, stiff) / pencil.norms(rows) / known
+
+    assert quotients(modes).max() > 1.5
+    np.testing.assert_allclose(quotients(thick.state.body.taken_over(modes, thin.state.body)), 1.0, atol=1e-3)

@@ -38,6 +38,9 @@ class SearchSpace:
     Args:
         pencil: K and M.
         capacity: rows that it may hold.
+
+    Attributes:
+        found: what the last search in it has come to, which may go on; set by who searches.
     """
 
     def __init__(self, pencil: Pencil, capacity: int) -> None:
@@ -46,6 +49,7 @@ class SearchSpace:
         self.projected = np.zeros((capacity, capacity))
         self.count = 0
         self.begun: Reals | None = None
+        self.found: Found | None = None
 
     def begin(self, deflation: Deflation) -> None:
         """Empty the space, for matrices that are others now; its memory is kept: new pages cost more than a frame."""
@@ -88,11 +92,9 @@ class SearchSpace:
         """The lowest Ritz values, vectors, and their products with K and with M, at most `count`."""
         k = self.count
         values, weights = np.linalg.eigh(self.projected[:k, :k])
-        chosen = weights[:, :count].T
-        return (
-            values[:count],
-            *(np.ascontiguousarray(chosen @ part[:k]) for part in (self.rows, self.stiff, self.mass_products)),
-        )
+        # By columns it would take BLAS twice as long.
+        chosen = np.ascontiguousarray(weights[:, :count].T)
+        return values[:count], *(chosen @ part[:k] for part in (self.rows, self.stiff, self.mass_products))
 
     def ritz_values(self) -> Reals:
         """All Ritz values, ascending."""
@@ -110,7 +112,7 @@ def _orthonormal(rows: Reals, mass_products: Reals) -> tuple[Reals, Reals]:
         return rows, mass_products
     values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
     good = values > DEPENDENT
-    weights = (vectors[:, good] / np.sqrt(values[good])).T / scale
+    weights = np.ascontiguousarray((vectors[:, good] / np.sqrt(values[good])).T / scale)
     return weights @ rows, weights @ mass_products
 
 
@@ -129,9 +131,10 @@ def davidson(
     change of shape to the order of their number. Then each residual that is too large adds the old (K - s M)^-1 of it.
 
     Args:
-        space: its pencil has a factor; what it holds is thrown away, but for a first block that it has begun with.
+        space: its pencil has a factor; where there are starts, what it holds is thrown away, but for a first block that
+            it has begun with.
         deflation: the rigid motions.
-        starts: blocks (k, n) of start vectors, the best first.
+        starts: blocks (k, n) of start vectors, the best first; without any, the last search in this space goes on.
         count: wanted.
         spare: how many more are carried along; they hold the wanted ones apart from the rest, and start the next frame.
         tolerance: of each residual, relative to |lambda M phi|.
@@ -140,7 +143,7 @@ def davidson(
     Source: E. R. Davidson, J. Comput. Phys. 17 (1975) 87; G. L. G. Sleijpen and H. A. van der Vorst, SIAM J. Matrix
         Anal. Appl. 17 (1996) 401; docs/theory/free-vibrations.md.
     """
-    if space.begun is not starts[0]:
+    if starts and space.begun is not starts[0]:
         space.begin_with(deflation, starts[0])
     space.begun = None
     for block in starts[1:]:

@@ -141,6 +141,7 @@ class EigenSolver:
         count: int,
         new_system: bool,
         verify: bool = False,
+        again: bool = False,
     ) -> tuple[Found, EigenReport]:
         """The `count` lowest eigenpairs, and under `auto` some more, rigid motions left out.
 
@@ -150,6 +151,7 @@ class EigenSolver:
             count: wanted.
             new_system: the unknowns are others than in the last solve.
             verify: eigenvalues are counted in this frame, and found where they are missing; `ilu` never counts.
+            again: the same matrices as in the last solve, for more modes: a factor that was new there still is.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -169,7 +171,7 @@ class EigenSolver:
         elif self.method == "ilu":
             found, report = self._thesis(count)
         else:
-            found, report = self._follow(count, new_system, verify)
+            found, report = self._follow(count, new_system, verify, again)
         self.doubtful = report.missed_modes > 0
         report.iterations = self.pencil.substitutions - substitutions
         report.refreshed = self.pencil.factorisations > factorisations
@@ -261,15 +263,15 @@ class EigenSolver:
 
     # --- from the frames before ---------------------------------------------------------------------------------------
 
-    def _follow(self, count: int, new_system: bool, verify: bool) -> tuple[Found, EigenReport]:
+    def _follow(self, count: int, new_system: bool, verify: bool, again: bool) -> tuple[Found, EigenReport]:
         """Davidson's iteration with an old factor; where that is too dear, with a new one; else Krylov-Schur."""
-        self.life.age += 1
-        self.unchecked += 1
+        self.life.age += not again
+        self.unchecked += not again
         report = EigenReport(0, False, self.life.age, "davidson")
         price = self.life.price()
         if new_system and self.krylov_cost * (count + SPARE) < self.davidson_cost * count:
             return self._cold_solve(count, "another system, on which Davidson's iteration is expected to cost more")
-        why = self.life.stale(new_system, price)
+        why = "" if self.life.age == 0 else self.life.stale(new_system, price)
         if verify and not why and self.life.age:
             # A factor is due in any case, to count with: of these matrices it also takes the fewest iterations.
             why = "eigenvalues are counted in this frame"
@@ -291,16 +293,17 @@ class EigenSolver:
             found = self._checked(found, count, verify, report)
         except ReplayProblem as problem:
             self.history = []
-            again, cold = self._cold_solve(count, str(problem))
+            found, cold = self._cold_solve(count, str(problem))
             cold.missed_modes += report.missed_modes
-            return again, cold
+            return found, cold
         report.age = self.life.age
         return found, report
 
     def _iterate(self, count: int, limit: int) -> Found:
         starts, space = self._starts(count), self._search_space(count)
         with self.stages("krylov"):
-            return davidson(space, self.deflation, starts, count, SPARE, self.reach, limit)
+            space.found = davidson(space, self.deflation, starts, count, SPARE, self.reach, limit)
+        return space.found
 
     def _starts(self, count: int) -> list[Reals]:
         """Blocks of modes that a search begins with: of older frames only what was wanted, which had converged."""
@@ -399,6 +402,10 @@ class EigenSolver:
     def _sought(self, found: Found, count: int, missing: int, turn: int) -> Found:
         """`found` with as many modes more, as far as random rows lead to them."""
         wanted = max(count, int(np.sum(found.values < self.pencil.shift)) + missing)
+        limit = min(MOST_ITERATIONS, math.ceil(self.krylov_cost * (wanted + SPARE)))
+        if not missing and self.space is not None and found is self.space.found:
+            with self.stages("krylov"):
+                return davidson(self.space, self.deflation, [], wanted, SPARE, self.reach, limit)
         starts = [found.modes]
         if missing:
             rows = np.random.default_rng(7 + turn).uniform(-1.0, 1.0, (missing + SPARE, self.pencil.size))
@@ -407,7 +414,6 @@ class EigenSolver:
             self.pencil.apply(self.pencil.mass, rows, mass_products)
             starts.append(self.pencil.solve(self.pencil.solve(mass_products)))
         space = SearchSpace(self.pencil, sum(map(len, starts)) + max(ROOM, 4 * (wanted + SPARE)))
-        limit = min(MOST_ITERATIONS, math.ceil(self.krylov_cost * (wanted + SPARE)))
         with self.stages("krylov"):
             return davidson(space, self.deflation, starts, wanted, SPARE, self.reach, limit)
 

@@ -49,10 +49,14 @@ def bound(
             interpolated = _on_new_mesh(old.body, before, frame) if frame.mesh is not state.space else before
         if interpolated.shape[1] != mask.size:
             interpolated = np.empty((0, mask.size))
+    guess, older = interpolated, solver.history[1:] if same and matrices.operators is same.matrices.operators else []
+    if same and len(guess):
+        interpolated = body.taken_over(guess, same.body)
+    # On the same nodes modes of older frames serve, too: a value that goes on as before moves modes as before. Where
+    # the body knows how they go, older ones cost more than they save.
+    older = older if interpolated is guess else []
     free = mask.ravel() == 0
     interpolated = np.where(free, interpolated, 0.0)
-    # On the same nodes modes of older frames serve, too: a value that goes on as before moves modes as before.
-    older = solver.history[1:] if same and matrices.operators is same.matrices.operators else []
     solver.restart(interpolated if len(interpolated) and context.policy.transfer else None)
     solver.history += [np.where(free, block, 0.0) for block in older if solver.history]
     modes = modal_settings(plan).modes

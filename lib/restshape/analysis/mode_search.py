@@ -61,7 +61,8 @@ class ModeSearch:
         """
         total = None
         while True:
-            found, report = self.solver.solve(stiffness, mass, rigid, count, new_system and total is None, verify)
+            again = total is not None
+            found, report = self.solver.solve(stiffness, mass, rigid, count, new_system and not again, verify, again)
             total = report if total is None else total.followed_by(report)
             mass_products = np.empty_like(found.modes)
             self.solver.pencil.apply(mass, found.modes, mass_products)

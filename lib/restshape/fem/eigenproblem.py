@@ -49,6 +49,9 @@ class Eigenproblem(Problem, Protocol):
     def by_plane_nodes(self, field: np.ndarray) -> np.ndarray:
         """A field (n, ...) of `space` by plane nodes: (n2, columns...)."""
 
+    def taken_over(self, modes: np.ndarray, before: Eigenproblem) -> np.ndarray:
+        """Modes (k, n f) of a body before on the same nodes, as near to modes of this one as its values alone tell."""
+
     def free_rigid_motions(self) -> np.ndarray:
         """A basis (r, n f) of the rigid motions that the supports leave free, at the places of the nodes now."""
 

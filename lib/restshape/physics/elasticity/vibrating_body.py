@@ -9,6 +9,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.dirichlet import Dirichlet
+from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.elements import Family
 from restshape.fem.integral import Integral
 from restshape.fem.problem import INTERNAL, MASS, STIFFNESS, Fields, Unknown
@@ -113,6 +114,10 @@ class VibratingBody(ABC):
     def by_plane_nodes(self, field: np.ndarray) -> np.ndarray:
         """A field (n, ...) of `space` by plane nodes: (n2, columns...)."""
         return field
+
+    def taken_over(self, modes: np.ndarray, before: Eigenproblem) -> np.ndarray:
+        """Modes (k, n f) of a body before on the same nodes, as near to modes of this one as its values alone tell."""
+        return modes
 
     @abstractmethod
     def all_rigid_motions(self) -> np.ndarray:

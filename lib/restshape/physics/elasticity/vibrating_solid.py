@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.elements import ANISOTROPIC, LUMPED_MASS, MASS
 from restshape.fem.region_materials import by_cell
 from restshape.mesh.extrude import Extrusion
@@ -46,6 +47,22 @@ class VibratingSolid(VibratingBody):
     def by_plane_nodes(self, field: np.ndarray) -> np.ndarray:
         """A field (n, ...) by plane nodes: (n2, levels...)."""
         return field.reshape(len(self.plane.X), -1)
+
+    def taken_over(self, modes: np.ndarray, before: Eigenproblem) -> np.ndarray:
+        """Modes (k, n f) of a body before on the same nodes, which may have had another thickness.
+
+        Where each column's displacements are quadratic in z, they are the same polynomial as before: normals turn as
+        they did, and lateral contraction is the same. The same numbers at the new nodes would shear the body.
+        """
+        heights, old = (np.ptp(body.by_plane_nodes(body.space.X[:, 2]), axis=1) for body in (self, before))
+        if np.array_equal(heights, old):
+            return modes
+        levels, ratio = self.space.levels, (heights / old)[:, None, None]
+        columns = modes.reshape(len(modes), len(heights), levels, 3)
+        turned = columns[:, :, ::-1]
+        odd, even = 0.5 * (columns - turned), 0.5 * (columns + turned)
+        middle = even[:, :, levels // 2, None]
+        return (middle + ratio * odd + ratio**2 * (even - middle)).reshape(modes.shape)
 
     def all_rigid_motions(self) -> np.ndarray:
         """Three translations and three turns (6, n f)."""
