@@ -15,7 +15,13 @@ from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import PIECES, scales, table
 from restshape_apps.furniture.regions import RANGES, joint_rays, linearised_and_true, tipping_rays
 from restshape_apps.furniture.report.force_space import Region, draw_forces, draw_region, region_marks
-from restshape_apps.furniture.report.furniture import DesignDirectionView, add_utilisation_bar, bounds, draw_piece
+from restshape_apps.furniture.report.furniture import (
+    DesignDirectionView,
+    add_utilisation_bar,
+    bounds,
+    draw_piece,
+    marks_redundant,
+)
 from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import toppling
 
@@ -77,7 +83,7 @@ def pieces(
     for axes in panels[len(names) :]:
         axes.set_visible(False)
     add_utilisation_bar(figure, panels)
-    figure.supxlabel(RANGE_OF_USE, x=0.01, ha="left", fontsize=8)
+    _legend(figure, panels)
     _save(figure, path)
 
 
@@ -107,8 +113,14 @@ def suggestions(path: Path, name: str = "table") -> None:
     for axes in panels[count:]:
         axes.set_visible(False)
     add_utilisation_bar(figure, panels)
-    figure.supxlabel(RANGE_OF_USE, x=0.01, ha="left", fontsize=8)
+    _legend(figure, panels)
     _save(figure, path)
+
+
+def _legend(figure: Figure, panels: Sequence[Axes]) -> None:
+    """Say under pictures what numbers joined by a dash are, where there are any."""
+    if marks_redundant(panels):
+        figure.supxlabel(RANGE_OF_USE, x=0.01, ha="left", fontsize=8)
 
 
 def ranges(path: Path) -> None:

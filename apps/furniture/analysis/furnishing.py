@@ -220,6 +220,7 @@ class FurnitureAnalysis(Timeless):
             "flaws": self.result.flaws,
             "utilisation": float(np.nanmax(self.utilisation)) if self.forces else np.nan,
             "redundant": self._redundant(),
+            "redundant_count": len(self.utilisation_range.redundant) if self.utilisation_range else 0,
             "stability_margin": self.stability_margin,
             "unbalanced_load": self.result.unbalanced,
             "deflection": float(np.nanmax(self.deflection)) if np.isfinite(self.deflection).any() else np.nan,

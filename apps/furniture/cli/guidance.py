@@ -1,12 +1,20 @@
 """What `restshape replay` prints of the guidance that furniture was given."""
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from restshape_apps.furniture.guidance.amounts import UNITS
+from restshape_apps.furniture.guidance.amounts import UNITS, ends
 from restshape_apps.furniture.guidance.valid_ranges import ValidRange, decode_ranges
-from restshape_apps.furniture.report.guided import findings_of, found, grabbed, has_findings, runs, said, searches
+from restshape_apps.furniture.report.guided import (
+    findings_of,
+    found,
+    grabbed,
+    has_findings,
+    redundant,
+    runs,
+    said,
+    searches,
+)
 
 from restshape.cli.options import print_table
 from restshape.outputs.si_numbers import counted
@@ -59,12 +67,13 @@ def _print_statuses(rows: Sequence[Mapping[str, Any]]) -> None:
 
 def _print_redundant(rows: Sequence[Mapping[str, Any]]) -> None:
     """Prints joints of the last frame that has any whose utilisation depends on the ratios of compliance."""
-    last = next((row for row in reversed(rows) if json.loads(row.get("redundant") or "[]")), None)
+    last = next((row for row in reversed(rows) if redundant(row)), None)
     if last is None:
         return
-    joints = json.loads(last["redundant"])
-    cells = [(name, f"{low:.3g}", f"{high:.3g}") for name, low, high in joints[:MOST]]
-    cells += [("...", "", f"and {len(joints) - MOST} more")] if len(joints) > MOST else []
+    joints = redundant(last)[:MOST]
+    cells = [(name, f"{low:.3g}", f"{high:.3g}") for name, low, high in joints]
+    more = last.get("redundant_count", len(redundant(last))) - len(joints)
+    cells += [("...", "", f"and {more} more")] if more > 0 else []
     heads = ("joint", "min utilisation", "max utilisation")
     title = f"redundant joints in frame {last['index']}, over the ratios of compliance"
     print_table(title, heads, cells, right=heads[1:])
@@ -117,9 +126,8 @@ def _span(one: Mapping[str, Any]) -> str:
     """The range of a suggestion as people read it; a plank that is added has none."""
     if not one["unit"]:
         return ""
-    factor, unit = UNITS[one["unit"]]
-    low, high = (factor * end for end in one["range"])
-    return f"{low:.4g} to {high:.4g} {unit}{' or beyond' if one['beyond'] else ''}"
+    low, high = ends(*one["range"], one["unit"])
+    return f"{low.partition(' ')[0]} to {high}{' or beyond' if one['beyond'] else ''}"
 
 
 def _few(ranges: Ranges) -> Ranges:

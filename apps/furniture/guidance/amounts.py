@@ -32,9 +32,9 @@ def named(piece: Piece, direction: np.ndarray) -> str:
     return " + ".join(f"{piece.planks[p].name}: {FREEDOMS[f]}" for p, f in parameters(piece, direction))
 
 
-def in_words(piece: Piece, change: np.ndarray, digits: int = DIGITS) -> str:
+def in_words(piece: Piece, change: np.ndarray) -> str:
     """What a change (n, 8) of the design parameters does, plank by plank, with amounts and directions."""
-    return "; ".join(_one(piece, p, f, float(change[p, f]), digits) for p, f in parameters(piece, change))
+    return "; ".join(_one(piece, p, f, float(change[p, f])) for p, f in parameters(piece, change))
 
 
 def amount(value: float, unit: str, digits: int = DIGITS) -> str:
@@ -42,6 +42,13 @@ def amount(value: float, unit: str, digits: int = DIGITS) -> str:
     factor, name = UNITS[unit]
     text = np.format_float_positional(factor * value, digits, unique=False, fractional=False, trim="-")
     return f"{text} {name}"
+
+
+def ends(low: float, high: float, unit: str) -> tuple[str, str]:
+    """The ends of a range [m or rad] as people read them, with more digits only where these are needed to tell them
+    apart."""
+    pairs = ((amount(low, unit, digits), amount(high, unit, digits)) for digits in (DIGITS, 5, 7))
+    return next((pair for pair in pairs if pair[0] != pair[1]), (amount(low, unit), amount(high, unit)))
 
 
 def along(way: np.ndarray) -> str:
@@ -53,11 +60,11 @@ def along(way: np.ndarray) -> str:
     return f"along ({', '.join(f'{part:g}' for part in parts)})"
 
 
-def _one(piece: Piece, p: int, number: int, change: float, digits: int) -> str:
+def _one(piece: Piece, p: int, number: int, change: float) -> str:
     """What the change of one design parameter does."""
     plank, (kind, axis) = piece.planks[p], FREEDOMS[number].split()
     column, sign = "xyz".index(axis), "-" if change < 0.0 else "+"
-    far = amount(abs(change), unit_of(number), digits)
+    far = amount(abs(change), unit_of(number))
     if kind == "length":
         longer = "longer" if change > 0.0 else "shorter"
         return f"{plank.name} {far} {longer} along its {axis} ({_ends(piece, p, column)})"

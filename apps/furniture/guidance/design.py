@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -55,8 +54,6 @@ REACH = LONGEST
 
 MOST_FREEDOMS = 5
 """Freedoms that a search can combine."""
-
-MORE_DIGITS = 6
 
 TRIED = 1e-3
 """Change [m or rad] of a fixed parameter by which it is found which joint or foot would open."""
@@ -249,7 +246,7 @@ class Design:
         if not most:
             return SuggestionList()
         found, tried, tested, why = self._searched(self.furniture.test().flaws, most)
-        unlocked = [one for one in _distinct(self.piece, found) if self._unlocked(one)]
+        unlocked = [one for one in _distinct(found) if self._unlocked(one)]
         why = f"what would mend it changes what is kept: {', '.join(self.guidance.keep)}" if found else why
         near = self._nearest([one for one in unlocked if self._near(self.after(one))])
         why = self._why_far(min(unlocked, key=self._move)) if unlocked else why
@@ -418,12 +415,9 @@ def _verb(parameter: str) -> str:
     return f"become longer along its {axis}" if kind == "length" else f"{kind} {axis}".strip()
 
 
-def _distinct(piece: Piece, found: list[Suggestion]) -> list[Suggestion]:
-    """The suggestions, with more digits where words are the same; what still reads the same is the same."""
-    said = Counter(one.words for one in found)
+def _distinct(found: list[Suggestion]) -> list[Suggestion]:
+    """The suggestions; of those that read the same, and so differ by rounding, the first that holds, or the first."""
     distinct: dict[str, Suggestion] = {}
-    for one in found:
-        if said[one.words] > 1 and one.direction is not None:
-            one = replace(one, words=amounts.in_words(piece, one.t * one.direction, MORE_DIGITS))
+    for one in sorted(found, key=lambda one: not one.valid):
         distinct.setdefault(one.words, one)
     return list(distinct.values())

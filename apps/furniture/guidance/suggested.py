@@ -100,7 +100,7 @@ class Suggestion:
         """Its range, for people: how far its leading parameter may be changed; empty for a piece."""
         if not self.unit:
             return ""
-        low, high = (amounts.amount(end, self.unit) for end in self.span)
+        low, high = amounts.ends(*self.span, self.unit)
         others = ", the others in proportion" if np.count_nonzero(self.direction) > 1 else ""
         what = "valid" if self.valid else "nothing more is wrong"
         return f"{what} from {low} to {high}{' or beyond' if self.beyond[1] else ''}{others}"

@@ -332,6 +332,11 @@ def redundant_label(low: float, high: float) -> str:
     return f"{least}\N{EN DASH}{most}"
 
 
+def marks_redundant(panels: Sequence[Axes]) -> bool:
+    """Whether any of these pictures has a range of the utilisation of a redundant joint."""
+    return any("\N{EN DASH}" in text.get_text() for axes in panels for text in axes.texts)
+
+
 def joint_label(utilisation: float) -> str:
     """The utilisation of a joint that breaks, or what breaks it where no amount is borne: one fastener bears no twist.
 

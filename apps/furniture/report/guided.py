@@ -43,6 +43,11 @@ def findings_of(row: Row) -> tuple[Finding, ...]:
     return decode_findings(row.get("findings") or "")
 
 
+def redundant(row: Row) -> list[tuple[str, float, float]]:
+    """Redundant joints of a frame, the largest utilisation first: name, least and largest over the ratios."""
+    return json.loads(row.get("redundant") or "[]")
+
+
 def grabbed(row: Row) -> Grabbed | None:
     """What is under the hand in a frame, with its valid ranges; None where nothing is, or its recording has none."""
     return decode_ranges(row.get("valid_ranges") or "")
@@ -180,7 +185,8 @@ def _frame(row: Row) -> dict[str, Any]:
         "violated_constraints": row["violated_constraints"],
         "findings": [one.as_dict() for one in findings_of(row)] if "findings" in row else None,
         "utilisation": _number(row, "utilisation"),
-        "redundant": json.loads(row["redundant"]) if row.get("redundant") else [],
+        "redundant": redundant(row),
+        "redundant_count": int(row.get("redundant_count", len(redundant(row)))),
         "stability_margin": _number(row, "stability_margin"),
         "parameter": row.get("parameter", ""),
         "unit": hand.unit if hand else None,

@@ -5,16 +5,23 @@ range."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
 from pathlib import Path
 from textwrap import shorten, wrap
+from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.physics.plank_findings import DEPENDS, DOUBTFUL
-from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
+from restshape_apps.furniture.report.furniture import (
+    DesignDirectionView,
+    bounds,
+    draw_piece,
+    marks_redundant,
+    slenderness,
+)
 from restshape_apps.furniture.report.guided import (
     CAUSES,
     doubt_causes,
@@ -46,15 +53,16 @@ MOST_LINES = LINES + 3
 """Of a title in all."""
 FEW = 10
 """Planks up to which forces are written beside their arrows."""
-SAID = ("depends on joints", "holds, but depends on joints")
+DEPENDING = "depends on joints"
+SAID = (DEPENDING, f"holds, but {DEPENDING}")
 """How a heading begins that says so without more."""
 SAME = 1e-6
 """How far corners of a piece that is made again may be from those of the recording, in parts of its size."""
 MEANING = (
     "joints in colour, by their largest utilisation under any load case; blue: forces of feet, black: loads, of one "
-    "case. Numbers joined by a dash: utilisation of a redundant joint over the ratios of compliance. Planks are named "
-    "where they are seen first"
+    "case. Planks are named where they are seen first"
 )
+REDUNDANT = "Numbers joined by a dash: utilisation of a redundant joint over the ratios of compliance"
 RANGES = (
     "Thin dashed line: the way of what is under the hand, as far as it was looked at; thick line with ends: its valid "
     "range, without one nothing of it is valid. Black where the piece holds, red where not; circle: the piece as it is"
@@ -167,26 +175,37 @@ def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
         factor, unit = UNITS[hand.unit]
         far = f"{factor * float(row['at']):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
         lines += wrap(f"{row['parameter']} {far}", LETTERS, max_lines=1, placeholder=" …")
-    words = said(row) or "not judged"
-    if any(one.kind == DEPENDS for one in findings_of(row)):
-        # What is said first is never cut off.
-        words = f"depends on joints; {words}" if not words.startswith(SAID) else words
-    lines += wrap(words, LETTERS, max_lines=LINES, placeholder=" …")
+    lines += wrap(heading(row), LETTERS, max_lines=LINES, placeholder=" …")
     words = "\n".join(lines + ([f"loads: the weights, and the push {case}"] if case else []))
     return words, status_colour(row)
 
 
-def meaning(recording: Recording, chosen: Sequence[int], ranges: bool) -> str:
+def heading(row: Mapping[str, Any]) -> str:
+    """What a heading says of the piece of a frame: first, where it is never cut off, whether it depends on joints."""
+    words = said(row) or "not judged"
+    if not any(one.kind == DEPENDS for one in findings_of(row)) or words.startswith(SAID):
+        return words
+    # The joints have their ranges beside them.
+    return "; ".join([DEPENDING, *(part for part in words.split("; ") if not part.startswith(DEPENDING))])
+
+
+def meaning(recording: Recording, chosen: Sequence[int], ranges: bool, numbers: bool) -> str:
     """What colours and lines in pictures of these frames stand for.
 
     Args:
         recording: of furniture.
         chosen: frames that are shown.
         ranges: some of them have a range.
+        numbers: some of them have a range of the utilisation of a redundant joint.
     """
     rows = [row_of(recording, i) for i in chosen]
     limits, causes = any(map(only_limits, rows)), doubt_causes(rows)
-    parts = [MEANING, *([RANGES] if ranges else []), *([LIMITS] if limits else [])]
+    parts = [
+        MEANING,
+        *([REDUNDANT] if numbers else []),
+        *([RANGES] if ranges else []),
+        *([LIMITS] if limits else []),
+    ]
     parts += [DOUBTS.format(causes)] if causes else []
     parts += [MOMENTS] if CAUSES[DOUBTFUL] in causes else []
     return ". ".join(parts)
@@ -218,7 +237,8 @@ def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> N
         draw_piece(axes, furniture, words, direction_view, case, few, box, fresh)
         axes.set_title(words, fontsize=8.5, loc="left", color=colour)
     name = shorten(scene_name(recording), 80, placeholder=" …")
-    explanation = meaning(recording, chosen, any(direction_view for _, direction_view, _ in made))
+    ranges = any(direction_view for _, direction_view, _ in made)
+    explanation = meaning(recording, chosen, ranges, marks_redundant(panels[: len(frames)]))
     lines = wrap(explanation, int(14 * figure.get_figwidth()))
     finish_sheet(figure, panels, len(frames), across, "\n".join([name, *lines]))
     save_picture(figure, path)

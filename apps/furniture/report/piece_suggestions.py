@@ -10,8 +10,22 @@ import numpy as np
 from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.report import guided
-from restshape_apps.furniture.report.furniture import DesignDirectionView, bounds, draw_piece, slenderness
-from restshape_apps.furniture.report.piece_frames import FEW, LETTERS, caption, pieces, shown_piece, worst_case
+from restshape_apps.furniture.report.furniture import (
+    DesignDirectionView,
+    bounds,
+    draw_piece,
+    marks_redundant,
+    slenderness,
+)
+from restshape_apps.furniture.report.piece_frames import (
+    FEW,
+    LETTERS,
+    REDUNDANT,
+    caption,
+    pieces,
+    shown_piece,
+    worst_case,
+)
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.session.plank_session import PlankFrame
@@ -71,7 +85,12 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
         draw_piece(axes, furniture, "", direction_view, worst, False, box)
         colour = REFUSED if not suggestion.valid else DOUBT if suggestion.doubt else INK
         axes.set_title(_title(number, suggestion), fontsize=8.5, loc="left", color=colour)
-    parts = [MEANING, BREAKS, *([DOUBTS] if any(one.doubt for one in suggestion_list) else [])]
+    parts = [
+        MEANING,
+        *([REDUNDANT] if marks_redundant(panels[:1]) else []),
+        BREAKS,
+        *([DOUBTS] if any(one.doubt for one in suggestion_list) else []),
+    ]
     meaning = ". ".join([*parts, *([MOMENTS] if moments else [])])
     name = shorten(scene_name(recording), 80, placeholder=" …")
     lines = wrap(meaning, int(14 * figure.get_figwidth()))

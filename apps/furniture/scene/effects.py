@@ -134,7 +134,7 @@ def furniture_columns(scene: Scene) -> dict[str, Any]:
     reals = ("utilisation", "stability_margin", "unbalanced_load", "deflection", "bending_utilisation", "at")
     reals += ("range_low", "range_high")
     reals += ("ms_equilibrium", "ms_range", "ms_suggestions")
-    integers = ("flaws", "inside", "tried", "tested", "suggested")
+    integers = ("flaws", "redundant_count", "inside", "tried", "tested", "suggested")
     texts = dict.fromkeys(("note", "violated_constraints"), "S400")
     texts |= {"parameter": "S96", "ranges": "S240", "valid_ranges": f"S{RANGES_BYTES}"}
     texts |= {"suggestions": f"S{SUGGESTIONS_BYTES}"}

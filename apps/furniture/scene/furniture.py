@@ -18,8 +18,9 @@ NEAR = 0.015
 BESIDE = "give places from -0.5 to 0.5, in parts of its size from its middle"
 """What to do about a load that is not on its plank."""
 
-SUGGESTIONS_BYTES, RANGES_BYTES, REDUNDANT_BYTES = 4000, 400, 600
-"""Room for the suggestions of a frame, its valid ranges, and its redundant joints, in a recording."""
+SUGGESTIONS_BYTES, RANGES_BYTES, REDUNDANT_BYTES = 4000, 400, 160
+"""Room for the suggestions of a frame, its valid ranges, and its redundant joints with the largest
+utilisation, in a recording."""
 
 
 class Wood(Strict):

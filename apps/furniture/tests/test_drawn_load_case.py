@@ -5,7 +5,7 @@ from matplotlib.colors import to_hex
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.joint_compliance import utilisation_range
 from restshape_apps.furniture.physics.plank_findings import load_case
-from restshape_apps.furniture.report.furniture import draw_piece, joint_label, redundant_label
+from restshape_apps.furniture.report.furniture import draw_piece, joint_label, marks_redundant, redundant_label
 from restshape_apps.furniture.report.piece_frames import caption, worst_case
 from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.tests.furniture_scenes import EDGE_STOOL
@@ -67,7 +67,7 @@ def test_redundant_joints_have_their_range_and_headings_begin_with_what_depends_
     assert main(["replay", str(scene), "--out", str(path)]) == 0
     recording = Recording(path)
     words, _ = caption(recording, 0)
-    assert words.split("\n")[1].startswith("depends on joints")
+    assert words.split("\n")[1].startswith("depends on joints") and words.count("depends on joints") == 1
     assert row_of(recording, 0)["violated_constraints"].startswith("weak")
     furniture = model_of(EDGE_STOOL)
     known = utilisation_range(furniture.moved(), furniture.compliance)
@@ -76,6 +76,13 @@ def test_redundant_joints_have_their_range_and_headings_begin_with_what_depends_
     ranges = [text.get_text() for text in axes.texts if "\N{EN DASH}" in text.get_text()]
     assert ranges == [redundant_label(known.low[k], known.high[k]) for k in known.largest(9)]
     assert len(ranges) == len(known.redundant) > 1
+
+
+def test_the_legend_of_redundant_joints_stands_where_one_is_marked(model_of) -> None:
+    for text, marked in ((EDGE_STOOL, True), (post("0.2 m", "500 N"), False)):
+        axes = new_figure(4.0, 3.5).subplots()
+        draw_piece(axes, model_of(text))
+        assert marks_redundant([axes]) is marked
 
 
 @pytest.mark.slow

@@ -183,6 +183,19 @@ def test_records_have_the_largest_first() -> None:
     assert len(found) == len(known.redundant)
 
 
+def test_the_column_is_short_and_their_number_is_beside_it(capsys) -> None:
+    piece = Furniture(drawn("bookshelf")).moved()
+    known = utilisation_range(piece, Compliance())
+    row = next(iter(make_replay(SCENES / "bookshelf.toml", overrides=["effects.guidance.suggestions=0"]).frames()))
+    listed = json.loads(row["redundant"])
+    assert len(row["redundant"]) <= 160 and [name for name, _, _ in listed] == [
+        name for name, _, _ in recorded_utilisations(piece, known, len(listed))
+    ]
+    assert row["redundant_count"] == len(known.redundant) == 30 > len(listed) > 1
+    guidance.print_guidance([row])
+    assert f"and {30 - len(listed)} more" in capsys.readouterr().out
+
+
 def test_a_range_is_marked_where_compliances_decide() -> None:
     # The table's first leg, moved along its width: it depends on joints nearly wherever it holds.
     design = Design(drawn("table"), Guidance())

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from furniture_scenes import write_edits
-from restshape_apps.furniture.guidance.amounts import along, amount, in_words, named
-from restshape_apps.furniture.guidance.design import Design, Guidance
+from restshape_apps.furniture.guidance.amounts import along, amount, ends, in_words, named
+from restshape_apps.furniture.guidance.design import Design, Guidance, _distinct
 from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.guidance.support_planks import support_planks
 from restshape_apps.furniture.physics.furniture import UNSTABLE, WEAK, Furniture
@@ -177,6 +177,19 @@ SUPPORT = re.compile(
     r"(?:, of (\w+))?(?:, not joined to (\S+) beside it)?"
 )
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+
+
+def test_ends_of_ranges_have_three_digits_unless_these_are_the_same() -> None:
+    assert ends(0.0641764, 0.2295, "m") == ("64.2 mm", "230 mm")
+    assert ends(0.0701764, 0.0701958, "m") == ("70.176 mm", "70.196 mm")
+    assert ends(0.25, 0.25, "m") == ("250 mm", "250 mm")
+
+
+def test_suggestions_that_read_the_same_are_one() -> None:
+    design = Design(table())
+    one = next(one for one in design.suggestion_list.found if one.direction is not None)
+    close, worse = replace(one, t=one.t * (1.0 + 1e-6)), replace(one, valid=False)
+    assert _distinct([worse, one, close]) == [one]
 
 
 def test_lines_are_axes_of_the_room_or_directions() -> None:
