@@ -122,7 +122,7 @@ def _sideways(piece: Piece, ends: Sequence[FreeEnd]) -> dict[int, np.ndarray]:
     """How far (3,) planks go sideways whose ends pass beside what they missed, with all that is joined to them."""
     parts, shifts = parts_of(piece), {}
     for one in sorted(ends, key=lambda end: np.linalg.norm(end.way)):
-        if one.aside > 0.0:
+        if one.passes:
             part = next(part for part in parts if one.plank in part)
             moved = part if part is not parts[0] and one.other not in part else (one.plank,)
             shifts.update(dict.fromkeys(moved, np.array(one.way)))

@@ -91,7 +91,7 @@ def overlapping(piece: Piece, found: FlawNumbers) -> list[Finding]:
 
 def apart(piece: Piece) -> list[Finding]:
     """The parts that no joint connects, and what keeps two of them from being joined where that is known."""
-    nearest = _missed(piece) or _flat(piece) or beyond_reach(piece, gap_between_parts(piece))
+    nearest = _missed(piece) or _nearest(piece)
     return [*(_part(piece, part, APART) for part in parts_of(piece)), *([nearest] if nearest else [])]
 
 
@@ -100,16 +100,16 @@ def _missed(piece: Piece) -> Finding | None:
     part = {k: number for number, planks in enumerate(parts_of(piece)) for k in planks}
     ends = [one for one in free_ends(piece) if one.other >= 0 and part[one.plank] != part[one.other]]
     nearest = min(ends, key=lambda one: abs(one.gap) + one.aside, default=None)
-    if nearest is None or not (nearest.aside > 0.0 or nearest.gap < -piece.reach):
+    if nearest is None or not (nearest.passes or nearest.gap < -piece.reach):
         return None
     return replace(_free_end(piece, nearest), kind=APART)
 
 
-def _flat(piece: Piece) -> Finding | None:
-    """Two planks of different parts that lie face to face, where no end looks at another part from as near."""
+def _nearest(piece: Piece) -> Finding | None:
+    """How far an end is from another part; or two planks that lie face to face, where no end is as near."""
     ends, faces = gap_between_parts(piece), flat_between_parts(piece, ASIDE)
     if faces is None or (ends is not None and ends.size <= faces[2]):
-        return None
+        return beyond_reach(piece, ends)
     names = tuple(piece.planks[k].name for k in faces[:2])
     return Finding(APART, FLAT, names, faces[2], piece.reach, "m")
 
@@ -174,7 +174,7 @@ def _free_end(piece: Piece, one: FreeEnd) -> Finding:
     """What keeps an end from the face that it is near; beside it, the side too."""
     other = _plane(0) if one.other < 0 else piece.planks[one.other].name
     subjects = (piece.planks[one.plank].name, SIDES[one.side], other)
-    if one.aside > 0.0:
+    if one.passes:
         return Finding(FREE, BESIDE, (*subjects, one.beside), one.aside, piece.reach, "m")
     if abs(one.gap) > piece.reach:
         return Finding(FREE, BEFORE if one.gap > 0.0 else BEYOND, subjects, abs(one.gap), piece.reach, "m")

@@ -47,10 +47,16 @@ def flat_between_parts(piece: Piece, near: float) -> tuple[int, int, float] | No
         piece: in parts.
         near: how far the faces may be from each other [m].
     """
+    centres, normals, thick = (
+        np.array(one) for one in zip(*((plank.centre, plank.axes[:, 2], plank.size[2]) for plank in piece.planks))
+    )
     found = []
     for part in parts_of(piece)[1:]:
         for i in part:
-            for j in (j for j in range(len(piece.planks)) if j not in part):
+            apart = np.abs((centres - centres[i]) @ normals[i]) - 0.5 * (thick + thick[i])
+            close = (np.abs(normals @ normals[i]) > 0.5) & (np.abs(apart) <= near)
+            close[list(part)] = False
+            for j in np.flatnonzero(close).tolist():
                 if one := _on_plank(piece.planks, i, j, near):
                     found.append((i, j, max(one.gap, 0.0)))
     return min(found, key=lambda one: one[2], default=None)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from restshape_apps.furniture.shape.directions import room_words
-from restshape_apps.furniture.shape.planks import FLUSH, LEAST_SLANT, SIDES, Piece, Plank
+from restshape_apps.furniture.shape.planks import EDGE, FLUSH, LEAST_SLANT, SIDES, Piece, Plank
 
 FAR = 0.25
 """How far before an end what it may have missed is looked for [m]; half of its plank's length where that is less."""
@@ -37,6 +37,11 @@ class FreeEnd:
     way: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
+    def passes(self) -> bool:
+        """Whether it passes beside what it missed, if only by nothing."""
+        return any(self.way)
+
+    @property
     def beside(self) -> str:
         """On which side of what it missed it passes, in axes of the room."""
         return room_words(-np.array(self.way) / np.linalg.norm(self.way))
@@ -45,7 +50,7 @@ class FreeEnd:
         """Which end, what it missed, by how much and on which side."""
         other = "the floor" if self.other < 0 else piece.planks[self.other].name
         parts = []
-        if self.aside > 0.0:
+        if self.passes:
             parts.append(f"its centre line passes {1e3 * self.aside:.4g} mm beside {other}, on its {self.beside} side")
         if self.gap > piece.reach:
             parts.append(f"{1e3 * self.gap:.4g} mm from {other} (joints reach {1e3 * piece.reach:.4g} mm)")
@@ -59,7 +64,7 @@ class FreeEnd:
     def words(self, piece: Piece) -> str:
         """What `missed` says, and what to do."""
         name, do = piece.planks[self.plank].name, []
-        if self.aside > 0.0:
+        if self.passes:
             size = float(np.linalg.norm(self.way))
             do.append(f"move {name} {1e3 * size:.4g} mm along {room_words(np.array(self.way) / size)}")
         if abs(self.gap) > piece.reach:
@@ -121,15 +126,15 @@ def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:
     place = (place + gap * way)[:2]
     # The line of the end, not its middle alone, may meet the face.
     beside = np.abs(place) - 0.5 * other.size[:2] - half[:2]
-    aside = float(np.linalg.norm(np.maximum(beside, 0.0)))
-    through = aside == 0.0 and beside.max() < -FLUSH
+    aside = float(np.linalg.norm(np.where(beside > EDGE, beside, 0.0)))
+    through = beside.max() < -FLUSH
+    # A line that reaches the side of a face does not lie on it.
+    passes = bool(aside or np.any((beside > -EDGE) & (half[:2] > EDGE)))
     joined = any({joint.i, joint.j} == {i, j} for joint in piece.joints)
     if aside > ASIDE or joined or not (through or gap >= -min(BEYOND, other.size[2] + piece.reach)):
         return None
-    sideways = (
-        other.axes[:, :2] @ onto(place, half[:2] + half_thick(one, other), other.size[:2]) if aside else np.zeros(3)
-    )
-    return FreeEnd(i, side, j, gap, aside, bool(half[2] > piece.reach), tuple(sideways.tolist()))
+    sideways = onto(place, half[:2] + half_thick(one, other), other.size[:2]) if passes else np.zeros(2)
+    return FreeEnd(i, side, j, gap, aside, bool(half[2] > piece.reach), tuple((other.axes[:, :2] @ sideways).tolist()))
 
 
 def half_thick(one: Plank, other: Plank) -> np.ndarray:

@@ -154,6 +154,16 @@ class Piece:
         corners = np.concatenate([plank.corners() for plank in self.planks])
         return float(np.ptp(corners, axis=0).max())
 
+    @cached_property
+    def parts(self) -> tuple[tuple[int, ...], ...]:
+        """The planks of each part that joints hold together, the largest first."""
+        part = list(range(len(self.planks)))
+        for joint in self.joints:
+            old, new = part[joint.i], part[joint.j]
+            part = [new if one == old else one for one in part]
+        found = [tuple(k for k, one in enumerate(part) if one == name) for name in dict.fromkeys(part)]
+        return tuple(sorted(found, key=lambda planks: -len(planks)))
+
     def index(self, name: str) -> int:
         """The number of a plank by its name.
 
@@ -308,12 +318,7 @@ def feet_near(
 
 def parts_of(piece: Piece) -> tuple[tuple[int, ...], ...]:
     """The planks of each part that joints hold together, the largest first."""
-    part = list(range(len(piece.planks)))
-    for joint in piece.joints:
-        old, new = part[joint.i], part[joint.j]
-        part = [new if one == old else one for one in part]
-    found = [tuple(k for k, one in enumerate(part) if one == name) for name in dict.fromkeys(part)]
-    return tuple(sorted(found, key=lambda planks: -len(planks)))
+    return piece.parts
 
 
 def on_floor_without(piece: Piece, plank: int) -> set[int]:

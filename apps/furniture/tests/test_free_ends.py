@@ -53,6 +53,13 @@ def test_a_leg_that_hangs_above_the_floor_is_named(tmp_path) -> None:
             ["make rail 110 mm shorter at -x", "100 mm beyond"],
         ),
         ([-0.76, 0, 0.2], [0.48, 0, 0.2], [0, 0.1, 0], []),
+        # Level, its side just reaches that of the legs.
+        (
+            [-0.49, 0.2, 0.2],
+            [0.49, 0.2, 0.2],
+            [0, 0.1, 0],
+            [f"passes 0 mm beside {leg}, on its +y side; move rail 100 mm along -y" for leg in ("left", "right")],
+        ),
         # On edge beside legs 0.3 m wide: its faces are 8 mm off, its middle line 18 mm, all of it on them by 28 mm.
         (
             [-0.49, -0.168, 0.2],
