@@ -15,7 +15,7 @@ from typing import Any
 import tomlkit
 from restshape_studies.accuracy.front import known_error, percent, rates
 from restshape_studies.accuracy.kept_points import KeptPoints
-from restshape_studies.accuracy.reference import FINER
+from restshape_studies.accuracy.reference import FINER, planned
 from restshape_studies.accuracy.sampling import sampled
 from restshape_studies.accuracy.setting import Setting
 from restshape_studies.accuracy.study import Case, Deadline, Play, Study, one, referred
@@ -126,7 +126,8 @@ def rerun(
     own = replace(setting, factor=study.plan.factor / picked["size_factor"] * FINER)
     with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
         kept = KeptPoints(Path(folder) / "kept", {})
-        again = referred(case, asked, scene, app, [own], sampling, kept, on_run, play)
+        plan = planned(path, (), app, own.factor)
+        again = referred(case, asked, scene, plan, [own], sampling, kept, on_run, play)
         on_run(f"{case.name}: the picked setting over {counted(again.total, 'frame')}")
         longer = replace(asked, seconds=10.0 * asked.seconds)
         again.asked = longer

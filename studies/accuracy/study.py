@@ -78,9 +78,9 @@ class Asked:
     budget: float = inf
     within: float | None = None
 
-    def most(self, points: int) -> float:
-        """Seconds that so many points and both references take at most."""
-        return min(self.budget, points * self.seconds + 2.0 * self.reference_seconds)
+    def most(self, points: int, references: int = 2) -> float:
+        """Seconds that so many points and references take at most."""
+        return min(self.budget, points * self.seconds + references * self.reference_seconds)
 
     def limit(self, scene: Scene, app: Application, script: Script) -> int | None:
         """Number of frames that are replayed; None for all."""
@@ -158,14 +158,14 @@ def study(
     _refuse_senseless(case, asked, scene, app, script)
     tried, omitted = settings(case.scene, case.overrides, app, asked.choice)
     frames, total = sampled(scene, script, asked.limit(scene, app, script), asked.samples, app.transient(scene))
-    points = f"{counted(len(tried), 'point')} of at most {asked.seconds:g} s"
-    points += f", two references of at most {asked.reference_seconds:g} s"
-    on_run(f"{case.name}: {points}: at most {asked.most(len(tried)):.0f} s in all (--budget, --seconds)")
+    plan = planned(case.scene, case.overrides, app, min(setting.factor for setting in tried))
     deadline = Deadline(start, asked.budget, play)
     with tempfile.TemporaryDirectory(prefix="restshape-accuracy-") as folder:
         kept = KeptPoints((out or Path(folder)) / f".{case.name}-points", _question(case, asked, scene, script, total))
         try:
-            found = referred(case, asked, scene, app, tried, (frames, total), kept, on_run, deadline.play)
+            for line in expected(asked, tried, kept, kept.reference(plan) is not None):
+                on_run(f"{case.name}: {line}")
+            found = referred(case, asked, scene, plan, tried, (frames, total), kept, on_run, deadline.play)
             found.omissions = omitted
             _run_points(found, tried, kept, deadline, on_run, on_point)
         except KeyboardInterrupt:
@@ -174,6 +174,31 @@ def study(
     mark_pareto(found.records)
     found.seconds = monotonic() - start
     return found
+
+
+def expected(asked: Asked, tried: list[Setting], kept: KeptPoints, referred: bool) -> list[str]:
+    """What is kept of a study that was stopped, how long the rest may take, and whether the budget may be too short.
+
+    Args:
+        asked: by the user.
+        tried: all settings.
+        kept: points that are known.
+        referred: so are both references.
+    """
+    known = [setting.name for setting in tried if setting.name in kept.records]
+    left, lines, references = len(tried) - len(known), [], 0 if referred else 2
+    if known or referred:
+        what = ["the reference"] * referred + [f"{counted(len(known), 'point')}: {'; '.join(known)}"] * bool(known)
+        lines.append(f"kept: {' and '.join(what)}")
+    work = f"{counted(left, 'point')}{' left' * bool(lines)} of at most {asked.seconds:g} s"
+    work += f", two references of at most {asked.reference_seconds:g} s" * (not referred)
+    lines.append(f"{work}: at most {asked.most(left, references):.0f} s in all (--budget, --seconds)")
+    if asked.budget < references * asked.reference_seconds:
+        lines.append(
+            f"note: --budget of {asked.budget:g} s may end before both references are known, of which nothing is kept: "
+            f"they may take {references * asked.reference_seconds:g} s; give more time, or a shorter --reference-seconds"
+        )
+    return lines
 
 
 def _run_points(
@@ -264,7 +289,7 @@ def referred(
     case: Case,
     asked: Asked,
     scene: Scene,
-    app: Application,
+    plan: Plan,
     tried: list[Setting],
     sampling: tuple[list[int], int],
     kept: KeptPoints,
@@ -274,11 +299,12 @@ def referred(
     """A study with its reference in the folder of what is kept, and no points yet."""
     frames, total = sampling
     finest = min(setting.factor for setting in tried)
-    plan = planned(case.scene, case.overrides, app, finest)
-    on_run(f"{case.name}: reference, size x {plan.factor:.3g}, order {plan.order}, and one {COARSER:g} times as coarse")
+    known = kept.reference(plan)
+    if not known:
+        own = f"reference, size x {plan.factor:.3g}, order {plan.order}"
+        on_run(f"{case.name}: {own}, and one {COARSER:g} times as coarse")
     job = case.job(plan.policy, (), {})
     advice = quicker(plan, finest, total, asked.reference_seconds)
-    known = kept.reference(plan)
     fine, coarse = known or solve(
         job, scene, plan, kept.folder, frames, lambda job: play(job, asked.reference_seconds), advice
     )

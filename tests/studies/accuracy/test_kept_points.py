@@ -1,6 +1,7 @@
 """A study keeps to its time, writes each point as it comes, and goes on where it was stopped."""
 
 import csv
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 from time import monotonic
@@ -11,7 +12,7 @@ from restshape_studies.accuracy import study as module
 from restshape_studies.accuracy.kept_points import COLUMNS, KeptPoints
 from restshape_studies.accuracy.reference import Plan
 from restshape_studies.accuracy.setting import Choice, Setting
-from restshape_studies.accuracy.study import SPENT, Asked, Case, Deadline, study, too_slow
+from restshape_studies.accuracy.study import SPENT, Asked, Case, Deadline, expected, study, too_slow
 from restshape_studies.bench.job import STOPPED, Outcome
 from restshape_studies.commands.accuracy import write_csv
 from small_scenes import across, drag, plate, write_scene, write_script
@@ -66,6 +67,24 @@ def test_no_job_gets_more_than_is_left():
     assert Asked(seconds=30.0, reference_seconds=120.0).most(3) == 330.0 and Asked(budget=20.0).most(3) == 20.0
 
 
+def test_only_what_is_left_is_estimated_and_a_budget_that_is_too_short_is_named(tmp_path):
+    tried = [Setting(factor, 1, "auto", 1e-6) for factor in (2.0, 1.0, 0.5)]
+    kept = KeptPoints(tmp_path / ".a-points", {})
+    asked = Asked(seconds=30.0, reference_seconds=120.0)
+    assert expected(asked, tried, kept, False) == [
+        "3 points of at most 30 s, two references of at most 120 s: at most 330 s in all (--budget, --seconds)"
+    ]
+    kept.records = {tried[1].name: known_point(tried[1].name)}
+    assert expected(asked, tried, kept, True) == [
+        f"kept: the reference and 1 point: {tried[1].name}",
+        "2 points left of at most 30 s: at most 60 s in all (--budget, --seconds)",
+    ]
+    short = expected(replace(asked, budget=200.0), tried, kept, False)
+    assert short[-1].startswith("note: --budget of 200 s may end before both references are known")
+    assert "240 s" in short[-1] and "--reference-seconds" in short[-1]
+    assert not any("note" in line for line in expected(replace(asked, budget=200.0), tried, kept, True))
+
+
 def test_finer_meshes_than_one_that_is_too_slow_are_not_tried():
     slow = {"name": "coarse", "order": 1, "policy": "auto", "varied": "", "size_factor": 1.0, "frame_ms": 20.0}
     finer = Setting(0.5, 1, "auto", 1e-6)
@@ -105,7 +124,9 @@ def test_a_study_that_is_stopped_goes_on_with_the_points_that_are_left(tmp_path,
     assert "2 points of at most 30 s, two references of at most 120 s: at most 50 s in all" in said[0]
     assert len(first.records) == 1 and [one.why for one in first.omissions] == [SPENT]
     assert (tmp_path / ".plate-points").is_dir() and written == [ran[:1]]
+    said.clear()
     second = started()
+    assert said[0] == f"plate: kept: 1 point: {ran[0]}" and said[1].startswith("plate: 1 point left of at most 30 s")
     assert len(ran) == len(set(ran)) == 2 and [one["name"] for one in second.records] == ran
     assert not second.omissions and written[1:] == [ran[:1], ran] and not (tmp_path / ".plate-points").exists()
 
