@@ -155,21 +155,25 @@ def rerun(
 
 
 def not_converging(study: Study) -> str:
-    """Why the quantity that a setting was picked for has no error that could hold; empty where it converges.
+    """Why the quantity that a setting was picked for has no error that could hold; empty where it converges."""
+    name = study.asked.of
+    found = "" if name in (None, "field") else stalled(study.records, name)
+    return found and f"{name} does not converge: its error falls as {found}; restshape check says where it is taken"
+
+
+def stalled(records: Sequence[dict[str, Any]], name: str) -> str:
+    """The rates of the error of a quantity that does not converge, in words; empty where it converges.
 
     Its errors, against a reference that has no limit either, fall more slowly than the root of the mesh size. Errors
     of a smooth quantity may do so by chance, as where they change their sign on the coarse meshes; but of that both
     references know the same value.
     """
-    if study.asked.of in (None, "field"):
-        return ""
-    policies = [record["policy"] for record in study.records if not record["varied"]]
+    policies = [record["policy"] for record in records if not record["varied"]]
     policy = "auto" if "auto" in policies or not policies else policies[0]
-    observed = rates(study.records, policy).get(f"q_{study.asked.of}", {})
-    if not observed or max(observed.values()) >= LEAST_RATE or _settled(study.records, policy, study.asked.of):
+    observed = rates(records, policy).get(f"q_{name}", {})
+    if not observed or max(observed.values()) >= LEAST_RATE or _settled(records, policy, name):
         return ""
-    found = ", ".join(f"h^{p:.2f} (order {order})" for order, p in observed.items())
-    return f"{study.asked.of} does not converge: its error falls as {found}; restshape check says where it is taken"
+    return ", ".join(f"h^{p:.2f} (order {order})" for order, p in observed.items())
 
 
 def _settled(records: Sequence[dict[str, Any]], policy: str, name: str) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from restshape_studies.accuracy.chosen import stalled
 from restshape_studies.accuracy.distance import NAMES
 from restshape_studies.accuracy.front import front_of, percent, rates, rivals, slope
 from restshape_studies.accuracy.record import PARTS
@@ -12,12 +13,16 @@ from restshape_studies.accuracy.study import Study
 
 from restshape.application import application
 from restshape.outputs.si_numbers import counted, si
+from restshape.scene.model import Scene
+from restshape.shape.build import outline_from_spec
 
 Row = dict[str, Any]
 Facts = list[tuple[str, str]]
 
 HEADS = ("error", "discretisation", "algebraic", "reuse", "ms a frame, p50", "total, s", "size", "unknowns")
 HEADS += ("order", "policy", "tolerance", "varied alone", "remarks")
+ELSEWHERE = "take it away from there, or round the corner, or spread the load; restshape check says where it is taken"
+FINER_SIZES = "try finer ones (--sizes), or another order (--orders)"
 FRONT, BELOW = "front", "below the error of the reference"
 
 
@@ -59,6 +64,7 @@ def facts(study: Study) -> Facts:
         ("reference's uncertainty", f"{percent(study.uncertainty)} ({measure_name(study.measure)})"),
         ("slope p of the front", f"– ({counted(len(front), 'point')})" if found is None else f"{found:.2f}"),
         *_rates(study),
+        *_without_limit(study),
         *compared_values(study),
         *_idle(study),
         ("reuse below the tolerance", reuse_fact(study)),
@@ -86,6 +92,30 @@ def _rates(study: Study) -> Facts:
         (f"{measure_name(name)}, rate", ", ".join(f"h^{p:.2f} (order {order})" for order, p in orders.items()))
         for name, orders in rates(study.records, policy).items()
     ]
+
+
+def _without_limit(study: Study) -> Facts:
+    """Why quantities do not converge: they are taken at singular places, or their errors do not fall."""
+    singular, found = singular_quantities(study.scene), []
+    for name in study.scene.quantities:
+        if name in singular:
+            power = singular[name] - 1.0
+            grows = f"stress grows as r^{power:.3f}" if singular[name] else "a point load acts"
+            why = f"at a singular place, where {grows}: its value is one of the mesh size"
+            found.append((f"quantity {name}", f"does not converge, for it is taken {why}; {ELSEWHERE}"))
+        elif falls := stalled(study.records, name):
+            why = f"its error falls as {falls}: no singular place is known there, so that meshes may be too coarse yet"
+            found.append((f"quantity {name}", f"does not converge; {why}; {FINER_SIZES}"))
+    return found
+
+
+def singular_quantities(scene: Scene) -> dict[str, float]:
+    """Quantities of a scene's first shape at singular places, with the exponent of displacements there."""
+    if not any(physics.inspect_shape for physics in application(scene.app).physics):
+        return {}
+    outline = outline_from_spec(scene.shape, scene.folder)
+    seen = (physics.inspected(scene, outline).singular for physics in application(scene.app).physics)
+    return {name: exponent for found in seen for name, exponent in found.items()}
 
 
 def compared_values(study: Study) -> Facts:

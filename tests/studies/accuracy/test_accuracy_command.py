@@ -7,7 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from restshape_studies.accuracy import chosen
+from restshape_studies.accuracy import chosen, facts
 from restshape_studies.accuracy.chosen import write_scene as write_chosen
 from restshape_studies.accuracy.study import Case
 from restshape_studies.commands.accuracy import choose, share
@@ -16,6 +16,7 @@ from vibrating import dynamics, tower
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.scene.load import load_scene
 
 QUICK = ("--sizes", "2,1", "--orders", "1", "--policies", "auto", "--samples", "2", "--tolerances", "1e-6")
 
@@ -310,3 +311,58 @@ def test_a_static_scene_without_a_script_is_studied_on_its_first_shape(command, 
         and "stretch, closed form" in page
         and "1 frame, errors at frame 0" in reported.stdout
     )
+
+
+NOTCHED = """
+format = "restshape-scene"
+version = 1
+app = "solid"
+[shape]
+outline = ["foot", "side", "ledge", "riser", "top", "wall"]
+vertices = { a = [0, 0], b = [1, 0], c = [1, 0.5], d = [0.5, 0.5], e = [0.5, 1], f = [0, 1] }
+[shape.edges]
+foot = { line = ["a", "b"] }
+side = { line = ["b", "c"] }
+ledge = { line = ["c", "d"] }
+riser = { line = ["d", "e"] }
+top = { line = ["e", "f"] }
+wall = { line = ["f", "a"] }
+[material.steel]
+E = 210e9
+nu = 0.3
+thickness = 0.01
+[supports.hung]
+on = "top"
+fix = ["x", "y"]
+[loads.pull]
+on = "side"
+traction = [1e6, 0]
+[mesh]
+size = 0.25
+[quantities]
+notch = { stress = "von_mises", at = "d" }
+shift = { displacement = "x", at = "c" }
+foot = { stress = "xx", at = "b" }
+"""
+"""A re-entrant corner of 270 degrees, where stress grows as r^(0.5445 - 1) (Williams, J. Appl. Mech. 19 (1952) 526)."""
+
+
+def test_what_does_not_converge_is_said_to_be_at_a_singular_place_or_to_be_too_coarse(tmp_path):
+    (tmp_path / "notched.toml").write_text(NOTCHED)
+    slow = {name: {"worst": 0.8, "uncertainty": 0.1, "solver": 0.0} for name in ("notch", "foot")}
+    sinking = {size: {"worst": 0.1 * size**2, "uncertainty": 1e-6, "solver": 0.0} for size in (1.0, 2.0)}
+    records = [
+        one | {"varied": "", "policy": "auto", "order": 1, "size": size, "errors": {}}
+        for one, size in ((FASTEST, 2.0), (FINER, 1.0))
+    ]
+    for record in records:
+        record["quantities"] = {
+            name: known | {"worst": known["worst"] * record["size"] ** -0.02} for name, known in slow.items()
+        }
+        record["quantities"]["shift"] = sinking[record["size"]]
+    study = SimpleNamespace(scene=load_scene(tmp_path / "notched.toml"), records=records)
+    said = dict(facts._without_limit(study))
+    assert sorted(said) == ["quantity foot", "quantity notch"]
+    assert "singular place, where stress grows as r^-0.456" in said["quantity notch"]
+    assert "restshape check" in said["quantity notch"]
+    assert "falls as h^-0.02 (order 1)" in said["quantity foot"] and "--sizes" in said["quantity foot"]
