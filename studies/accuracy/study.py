@@ -193,10 +193,10 @@ def expected(asked: Asked, tried: list[Setting], kept: KeptPoints, referred: boo
     work = f"{counted(left, 'point')}{' left' * bool(lines)} of at most {asked.seconds:g} s"
     work += f", two references of at most {asked.reference_seconds:g} s" * (not referred)
     lines.append(f"{work}: at most {asked.most(left, references):.0f} s in all (--budget, --seconds)")
-    if asked.budget < references * asked.reference_seconds:
+    if asked.budget < (longest := references * asked.reference_seconds):
         lines.append(
             f"note: --budget of {asked.budget:g} s may end before both references are known, of which nothing is kept: "
-            f"they may take {references * asked.reference_seconds:g} s; give more time, or a shorter --reference-seconds"
+            f"they may take {longest:g} s; give more time, or a shorter --reference-seconds"
         )
     return lines
 

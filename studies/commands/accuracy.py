@@ -38,6 +38,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="DIR", default=Path("accuracy"), help="of the pages (default: %(default)s)"
     )
+    study_arguments(parser)
+    pick_arguments(parser)
+    time_arguments(parser)
+    parser.add_argument("--csv", type=PointsFile, metavar="FILE", help="a row a point, as soon as it is known")
+
+
+def study_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what is studied: frames, settings, and the quantity whose error counts."""
     parser.add_argument(
         "--frames",
         type=int,
@@ -60,6 +68,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--of", default="field", metavar="QUANTITY", help="whose error counts (default: that of the field)"
     )
+
+
+def pick_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what a setting is picked by, and where it is written."""
     parser.add_argument(
         "--within", metavar="TIME", help="pick the most accurate point whose median frame takes no longer, e.g. 16ms"
     )
@@ -72,13 +84,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="of the scene with the picked setting (default: DIR/SCENE-chosen.toml)",
     )
+
+
+def time_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the time that a point, a reference and a study may take."""
     parser.add_argument(
         "--seconds", type=float, default=30.0, metavar="S", help="that a point may take (default: %(default)g)"
     )
     parser.add_argument(
         "--budget", metavar="TIME", help="that each study may take, such as 5min; the same command goes on from there"
     )
-    parser.add_argument("--csv", type=PointsFile, metavar="FILE", help="a row a point, as soon as it is known")
     parser.add_argument(
         "--reference-seconds",
         type=float,

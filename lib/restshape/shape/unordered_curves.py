@@ -67,13 +67,7 @@ def shape_data(
     edges = {
         names[i]: _edge_data(curve, vertex[ends[i][0]], vertex[ends[i][1]]) for i, curve in enumerate(loose_curves)
     }
-    holes: Table = {}
-    regions: Table = {}
-    inner: set[int] = set()
-    for name, ring in zip(loops[1:], rings[1:]):
-        filled = any(loose_curves[i].region is not None for i, _ in ring.chain)
-        inner.update(i for i, _ in ring.chain if filled)
-        (regions if filled else holes)[name] = {"loop": [names[i] for i, _ in ring.chain]}
+    holes, regions, inner = _inner_loops(loose_curves, rings[1:], loops[1:], names)
     border, others = ([curve for i, curve in enumerate(loose_curves) if (i in inner) is part] for part in (False, True))
     left = {name: point for name, point in (points or {}).items() if name not in {*taken, *vertex}}
     tables: Table = {
@@ -86,6 +80,20 @@ def shape_data(
         "points": points_inside(left, border, others, size),
     }
     return tables, sorted(own_gaps + gaps, key=lambda gap: -gap.size)
+
+
+def _inner_loops(
+    loose_curves: list[Curve], rings: list[ClosedCurve], loops: list[str], names: list[str]
+) -> tuple[Table, Table, set[int]]:
+    """Holes and regions by name, and the curves of the regions; arguments: curves, loops, names of loops and curves."""
+    holes: Table = {}
+    regions: Table = {}
+    inner: set[int] = set()
+    for name, ring in zip(loops, rings):
+        filled = any(loose_curves[i].region is not None for i, _ in ring.chain)
+        inner.update(i for i, _ in ring.chain if filled)
+        (regions if filled else holes)[name] = {"loop": [names[i] for i, _ in ring.chain]}
+    return holes, regions, inner
 
 
 def _vertex_names(named: Mapping[int, str], count: int, taken: set[str]) -> list[str]:
