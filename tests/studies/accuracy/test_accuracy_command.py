@@ -313,10 +313,9 @@ def test_a_static_scene_without_a_script_is_studied_on_its_first_shape(command, 
     )
 
 
-NOTCHED = """
-format = "restshape-scene"
-version = 1
-app = "solid"
+NOTCHED = (
+    HEAD
+    + """
 [shape]
 outline = ["foot", "side", "ledge", "riser", "top", "wall"]
 vertices = { a = [0, 0], b = [1, 0], c = [1, 0.5], d = [0.5, 0.5], e = [0.5, 1], f = [0, 1] }
@@ -344,6 +343,7 @@ notch = { stress = "von_mises", at = "d" }
 shift = { displacement = "x", at = "c" }
 foot = { stress = "xx", at = "b" }
 """
+)
 """A re-entrant corner of 270 degrees, where stress grows as r^(0.5445 - 1) (Williams, J. Appl. Mech. 19 (1952) 526)."""
 
 
