@@ -116,7 +116,8 @@ def _gap(nearest: Finding, worst: bool) -> str:
     far = ("up to " if worst else "") + amount(nearest)
     if nearest.detail == kinds.FLAT:
         one, other = nearest.subjects
-        return f"{one} lies face to face with {other}, {far} mm from it: a joint needs an end at a face"
+        off = f", {far} mm from it" if far != "0" else ""
+        return f"{one} lies face to face with {other}{off}: a joint needs an end at a face"
     return FREE_ENDS[nearest.detail].format(*nearest.subjects, far=far)
 
 

@@ -274,7 +274,7 @@ class PlankSession(ScriptSession):
                 scene = self.scene
                 for key, value in suggestion.settings:
                     scene = revise(scene, key, value)
-                self.design = Design.closed(restated(base.piece, self.scene, scene), base.guidance)
+                self.design = Design.closed(suggestion.piece, base.guidance)
             except UserError as error:
                 yield self._refusal(error)
                 return

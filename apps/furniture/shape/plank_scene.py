@@ -100,12 +100,18 @@ def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
     """A piece that edits have changed, with what its scene says otherwise after a key was set.
 
     A plank that the scene draws elsewhere or in another size goes there; all others stay where edits have put them.
+    Those that edits drew, as thick and of the wood that all are, follow these.
     Where they become thicker, faces that lie on the floor or on each other still do: see `kept_contacts`.
     """
     old, new = piece_of(before), piece_of(after)
     numbers = {plank.name: k for k, plank in enumerate(piece.planks)}
     was, wanted = ({plank.name: plank for plank in one.planks} for one in (old, new))
-    planks = tuple(_replanked(plank, was.get(plank.name), wanted.get(plank.name)) for plank in piece.planks)
+    planks = tuple(
+        _replanked(plank, was[plank.name], wanted[plank.name])
+        if plank.name in was and plank.name in wanted
+        else _as_usual(plank, before, after)
+        for plank in piece.planks
+    )
     drawn = {k for k, (now, then) in enumerate(zip(piece.planks, planks)) if not same_place(now, then)}
     planks = kept_contacts(piece.planks, planks, piece.planes, drawn)
     joints = piece.joints
@@ -196,10 +202,16 @@ def _joint(spec: JointSpec, index: dict[str, int], usual: str) -> Joint:
     return Joint(index[spec.plank], side, index[spec.to], face, spec.fastener or usual)
 
 
-def _replanked(plank: Plank, before: Plank | None, after: Plank | None) -> Plank:
+def _as_usual(plank: Plank, before: Scene, after: Scene) -> Plank:
+    """A plank that an edit drew, with what its scene says otherwise of all planks, where it is as all were."""
+    was, wanted = (number(one.wood.thickness, one.parameters) for one in (before, after))
+    thickness = wanted if plank.size[2] == was else plank.size[2]
+    wood = after.wood.name if plank.wood == before.wood.name else plank.wood
+    return replace(plank, size=np.array([*plank.size[:2], thickness]), wood=wood)
+
+
+def _replanked(plank: Plank, before: Plank, after: Plank) -> Plank:
     """A plank with what its scene says otherwise."""
-    if before is None or after is None:
-        return plank
     if before.wood != after.wood:
         plank = replace(plank, wood=after.wood)
     if not same_place(before, after) or not np.array_equal(before.size[:2], after.size[:2]):

@@ -169,3 +169,28 @@ def test_a_place_of_the_command_line_is_taken_as_it_is(tmp_path) -> None:
     # A scene that is one with the override only has nothing to follow.
     bad = FLOOR_BOARD.replace('thickness = "18 mm"', "thickness = 0")
     assert scene_in(tmp_path, bad, "wood.thickness=0.024").raw["planks"]["base"]["center"] == [0, 0, "9 mm"]
+
+
+RIB = {"do": "plank", "name": "rib", "from": [0.1, -0.1, 0.45], "to": [0.1, -0.1, 0.35], "width": [0.1, 0, 0]}
+"""A board that hangs from the seat."""
+
+
+@pytest.mark.parametrize(("own", "thick"), [({}, 0.024), ({"thickness": "12 mm"}, 0.012)])
+def test_a_plank_that_an_edit_drew_as_thick_as_all_follows_them(tmp_path, own: dict[str, str], thick: float) -> None:
+    event = {"do": "set", "key": "wood.thickness", "value": "24 mm"}
+    piece = played(scene_in(tmp_path), tmp_path, {**RIB, **own}, event)
+    assert piece.planks[piece.index("rib")].size[2] == pytest.approx(thick)
+
+
+@pytest.mark.parametrize("own", ['\nthickness = "18 mm"', ""])
+def test_thicker_planks_are_what_was_shown_whoever_drew_them(tmp_path, own: str) -> None:
+    text = FLOOR_BOARD.replace("30 kg", "90 kg").replace("size = [0.4, 0.3]\n", f"size = [0.4, 0.3]{own}\n")
+    scene = scene_in(tmp_path, text)
+    script = load_script(write_edits(tmp_path, RIB, scene="scene.toml"), scene)
+    *_, last = PlankSession(scene, script).frames()
+    design = last.design
+    names = [one.name for one in design.suggestion_list.found]
+    shown = design.suggestion_list.found[names.index("thicker planks")].piece
+    chosen = played(scene, tmp_path, RIB, {"do": "choose", "number": 1 + names.index("thicker planks")})
+    assert [plank.size[2] for plank in chosen.planks] == [shown.planks[0].size[2]] * 4
+    assert placed(chosen) == {name: pytest.approx(ends, abs=1e-12) for name, ends in placed(shown).items()}
