@@ -1,6 +1,6 @@
 """The modes of a shape on moving ground, and the peaks of its motion by a response spectrum.
 
-restshape participation SCENE [EDITS] [--frame N] [--modes K] [--record FILE]
+restshape participation SCENE [EDITS] [--frame N] [--modes K] [--record FILE] [--csv FILE] [--picture FILE]
 
 Each mode has its frequency, the scene's damping as a share of critical damping, its participation and the share of the
 mass that moves with it. With a record (the scene's, or --record) each displacement among the quantities has its peak by
@@ -19,6 +19,8 @@ from restshape.analysis.modes_beside import present_modes
 from restshape.analysis.response_spectrum import oscillator_motions, response_spectrum
 from restshape.cli.options import print_table, write_json
 from restshape.errors import UserError
+from restshape.outputs.atomic_files import write_whole
+from restshape.outputs.kinds import TABLE_MARK, PictureFile, TableFile
 from restshape.physics.elasticity.ground_record import GroundRecord, read_record
 
 ROUNDING = 1e-9
@@ -72,6 +74,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_structure(parser)
     parser.add_argument("--modes", type=int, default=6, metavar="K", help="how many (%(default)s)")
     parser.add_argument("--record", type=Path, metavar="FILE", help="record of the ground (.csv, .at2)")
+    parser.add_argument("--csv", type=TableFile, metavar="FILE", help="write the modes as a table")
+    parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="draw modes and peaks (.png, .svg)")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -87,8 +91,29 @@ def run(args: argparse.Namespace) -> int:
         given, scale = read_record(Path(ground.file)), ground.scale
     found = peaks(shape, modes, given, scale) if given is not None else {}
     _print(shape, modes, found)
-    write_json(args, _plain(shape, modes, found))
+    damping = modes.damping(shape.analysis.state.integration.damping)
+    if args.csv:
+        write_whole(args.csv, table(modes, damping))
+    if args.picture:
+        from restshape_apps.vibration.pictures import draw_participation
+
+        draw_participation(args.picture, modes, damping, {name: vars(one) for name, one in found.items()}, _name(args))
+    write_json(args, _plain(modes, damping, found))
     return 0
+
+
+def table(modes: BaseModes, damping: np.ndarray) -> str:
+    """Modes as text: frequency [Hz], share of critical damping, participation [kg^1/2], shares of the mass."""
+    heads = "mode,frequency [Hz],damping,participation [kg^1/2],effective_mass,effective_mass_so_far"
+    so_far = np.cumsum(modes.effective_mass)
+    columns = (modes.frequencies, damping, modes.participation, modes.effective_mass, so_far)
+    lines = [",".join([str(k), *(f"{value:.9g}" for value in row)]) for k, row in enumerate(zip(*columns), 1)]
+    return "\n".join([f"{TABLE_MARK}participation", heads, *lines, ""])
+
+
+def _name(args: argparse.Namespace) -> str:
+    """What the picture says it is of."""
+    return f"{args.scene.name}, {args.record.name}" if args.record else args.scene.name
 
 
 def _print(shape: Structure, modes: BaseModes, found: dict[str, Peaks]) -> None:
@@ -110,11 +135,11 @@ def _print(shape: Structure, modes: BaseModes, found: dict[str, Peaks]) -> None:
         print_table("largest displacements under the record", heads, cells, right=heads[1:])
 
 
-def _plain(shape: Structure, modes: BaseModes, found: dict[str, Peaks]) -> dict[str, object]:
+def _plain(modes: BaseModes, damping: np.ndarray, found: dict[str, Peaks]) -> dict[str, object]:
     """Modes and peaks for programs, in SI units."""
     return {
         "frequency": modes.frequencies.tolist(),
-        "damping": modes.damping(shape.analysis.state.integration.damping).tolist(),
+        "damping": damping.tolist(),
         "participation": modes.participation.tolist(),
         "effective_mass": modes.effective_mass.tolist(),
         "mass": modes.mass,

@@ -1,18 +1,23 @@
-"""Pictures of response spectra and of harmonic sweeps."""
+"""Pictures of response spectra, of harmonic sweeps, and of the participation of modes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from restshape_apps.vibration.harmonic_sweep import Sweep
 
+from restshape.analysis.base_modes import BaseModes
 from restshape.analysis.response_spectrum import ResponseSpectrum
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.physics.elasticity.ground_record import GroundRecord
 from restshape.report.style import INK, LEVELS, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MOST = 8
 """Lines that a legend names."""
@@ -67,3 +72,49 @@ def draw_sweep(path: Path, found: Sweep, name: str) -> None:
     title = f"{name}: steady motion relative to the ground, which accelerates by {found.acceleration:g} m/s²"
     figure.suptitle(title, x=0.01, ha="left")
     save_picture(figure, path)
+
+
+def draw_participation(
+    path: Path, modes: BaseModes, damping: np.ndarray, peaks: Mapping[str, Mapping[str, float]], name: str
+) -> None:
+    """Draws the share of the mass and the damping of each mode over its frequency, and the peaks of quantities.
+
+    Args:
+        path: of the picture.
+        modes: k of them; damping: (k,) shares of critical damping.
+        peaks: largest displacements [m] of each quantity by how they are found: `srss`, `cqc`, `in_time`; may be empty.
+        name: of the scene, for the title.
+    """
+    figure = new_figure(8.0, 5.2)
+    grid = figure.add_gridspec(2, 2 if peaks else 1, height_ratios=(3, 2))
+    above, below = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0])
+    shares, f = 100.0 * modes.effective_mass, modes.frequencies
+    above.vlines(f, 0.0, shares, color=COLOURS[0], lw=3.0, label="mode")
+    above.plot(f, np.cumsum(shares), color=INK, lw=1.2, marker="o", ms=3.5, label="modes so far")
+    above.set(ylabel="effective mass [%]", ylim=(0.0, 105.0))
+    above.legend(loc="center right")
+    below.plot(f, 100.0 * damping, color=COLOURS[1], lw=0.0, marker="o", ms=5.0)
+    below.set(ylabel="damping [%]", xlabel="frequency [Hz]")
+    below.set_ylim(0.0, max(1.2 * 100.0 * float(damping.max()), 1e-3))
+    for axes in (above, below):
+        axes.set_xlim(0.0, 1.05 * f[-1])
+        axes.grid(alpha=0.25)
+    if peaks:
+        _draw_peaks(figure.add_subplot(grid[:, 1]), peaks)
+    figure.suptitle(f"{name}: modes on moving ground, of a mass of {modes.mass:.4g} kg", x=0.01, ha="left")
+    save_picture(figure, path)
+
+
+def _draw_peaks(axes: Axes, peaks: Mapping[str, Mapping[str, float]]) -> None:
+    """Draws the largest displacements of the first quantities, a bar for each way to find them."""
+    shown = list(peaks)[:MOST]
+    factor, unit = scaled_unit(max(value for one in peaks.values() for value in one.values()), "m")
+    for k, (way, label) in enumerate((("srss", "SRSS"), ("cqc", "CQC"), ("in_time", "in time"))):
+        places = np.arange(len(shown)) + 0.27 * (k - 1)
+        axes.barh(places, [factor * peaks[name][way] for name in shown], 0.24, color=COLOURS[k], label=label)
+    axes.set_yticks(range(len(shown)), shown)
+    axes.set_ylim(len(shown) - 0.4, -0.6)
+    axes.set_xlabel(f"largest displacement under the record [{unit}]")
+    more = f"{len(peaks) - MOST} more quantities are not shown"
+    axes.legend(loc="best", title=more if len(peaks) > MOST else None)
+    axes.grid(alpha=0.25, axis="x")

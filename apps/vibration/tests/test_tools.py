@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from restshape_apps.vibration import modes
+from restshape_apps.vibration import modes, pictures
 from restshape_apps.vibration.harmonic_sweep import resonant_sweep, summit, sweep
 from restshape_apps.vibration.stage import structure_of
 from small_scenes import make_replay, rows_of, write_script
@@ -180,6 +180,26 @@ def test_modes_are_printed_with_peaks(tmp_path, capsys, monkeypatch):
     data = json.loads((tmp_path / "a.json").read_text())
     assert len(data["frequency"]) == 2 and data["peaks"]["drift"]["cqc"] > 0.01
     assert "SRSS" in capsys.readouterr().out
+
+
+def test_modes_are_written_and_drawn_as_they_are_printed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    drawn = []
+    monkeypatch.setattr(pictures, "save_picture", lambda figure, path: drawn.append(figure))
+    assert main(["participation", str(FRAME), "--modes", "3", *COMMON, "--csv", "a.csv", "--picture", "a.png"]) == 0
+    table = np.genfromtxt("a.csv", delimiter=",", skip_header=2)
+    data = json.loads((tmp_path / "a.json").read_text())
+    for column, key in ((1, "frequency"), (2, "damping"), (3, "participation"), (4, "effective_mass")):
+        np.testing.assert_allclose(table[:, column], data[key], rtol=1e-7)
+    np.testing.assert_allclose(table[:, 5], np.cumsum(data["effective_mass"]), rtol=1e-7)
+    above, below, beside = drawn[0].axes
+    assert above.get_ylabel() == "effective mass [%]" and below.get_ylabel() == "damping [%]"
+    assert below.get_xlabel() == "frequency [Hz]" and "under the record [" in beside.get_xlabel()
+    assert [text.get_text() for text in above.get_legend().get_texts()] == ["mode", "modes so far"]
+    np.testing.assert_allclose(above.lines[0].get_ydata(), 100.0 * table[:, 5], rtol=1e-7)
+    factor = {"mm": 1e3, "cm": 1e2, "m": 1.0}[beside.get_xlabel()[:-1].rpartition("[")[2]]
+    widths = [bar.get_width() for bar in beside.patches]
+    assert factor * data["peaks"]["drift"]["cqc"] == pytest.approx(widths[len(widths) // 3])
 
 
 def test_modes_that_the_ground_does_not_excite_are_shown_without_participation(capsys):
