@@ -285,7 +285,7 @@ class Design:
             if flaws & WEAK and flaws & UNSTABLE:
                 why += f"; {FASTENING} may help"
             elif flaws & WEAK:
-                why += "; nor do other fasteners or thicker planks; a lighter load may help"
+                why += "; closer or other fasteners and thicker planks do not help either; a lighter load may"
                 supports = [Suggestion.supported(self.piece, one) for one in support_planks(self.furniture)]
                 others = [Suggestion.by(one) for one in remedies(self.piece, self._obeys)]
                 added += [*supports, *others]

@@ -25,12 +25,17 @@ PLACES = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)
 """Where a freedom is looked at, in parts of how far a suggestion may go."""
 FIRST = 3
 """Places after which a freedom that has not lessened what is wrong is given up."""
-TESTS = 4000
-"""Pieces that are looked at in a search, over the number of planks."""
+TESTS, COMPLIANCES, BENDING = 5000, 10, 8
+"""Pieces looked at in a search, over the number of planks, and what one counts besides whose compliances vary, or whose
+planks bend."""
 END = 1e-4
 """How well the end of a range is known, in parts of how far a suggestion may go."""
+SMALL = 1e-6
+"""Change of what is wrong, in parts of it, of a freedom that is not looked at the other way."""
 LARGEST = 1e3
 """Of what one finding counts: a single fastener bears no twist at all."""
+
+Matter = tuple[str, tuple[str, ...]]
 
 
 class DoubtMends:
@@ -49,20 +54,30 @@ class DoubtMends:
     ) -> None:
         self.furniture, self.quantities, self.keep, self.far = furniture, quantities, keep, far
         self.doubts = doubts(furniture.moved(), quantities)
-        self.tried = self.tests = self.freedoms = 0
-        self.most = TESTS // len(furniture.piece.planks)
+        self.matters = list(dict.fromkeys(map(_matter, self.doubts)))
+        # Ends that are free already are joined.
+        self.goal = {one for one in self.matters if one[0] != FREE}
+        self.tried = self.tests = self.freedoms = self.most = 0
+        self.idle = False
 
     def found(self) -> list[Suggestion]:
-        """All that leave it beyond doubt, but for ends that are free already, and free ends joined."""
+        """Free ends joined, and what leaves it beyond doubt; without any, what ends one of several doubts."""
         if not self.doubts:
             return []
-        piece, kinds = self.furniture.moved(), {one.kind for one in self.doubts}
-        found = [Suggestion.of(one) for one in rejoined(piece)]
-        if kinds != {FREE}:
-            found += [Suggestion.by(one) for one in remedies(piece, self._clear, strict=True)]
-            found += self._freedoms()
+        found = [Suggestion.of(one) for one in rejoined(self.furniture.moved())]
+        mends = self._mends() if self.goal else []
+        if not mends and len(whole := self.goal) > 1:
+            for one in [one for one in self.matters if one in whole]:
+                self.goal = {one}
+                mends += self._mends()
         self.furniture.test()
-        return found
+        return found + mends
+
+    def _mends(self) -> list[Suggestion]:
+        """Other fasteners, other thicknesses and single freedoms that reach the goal."""
+        self.most = self.tests + TESTS // len(self.furniture.piece.planks)
+        others = remedies(self.furniture.moved(), self._clear, strict=True)
+        return [*map(Suggestion.by, others), *self._freedoms()]
 
     def why(self) -> str:
         """Why nothing is found."""
@@ -70,17 +85,26 @@ class DoubtMends:
         if kinds <= {FREE}:
             return "no free end meets its face by its length or a move beside it: draw its plank elsewhere, or leave it"
         limits = [one.subjects[0] for one in self.doubts if one.kind == LIMIT]
-        goal = f"brings {' and '.join(limits)} within limits" if len(limits) == len(self.doubts) else "ends the doubt"
+        doubt = ["ends a doubt"] if len(limits) < len(self.doubts) else []
+        goal = " or ".join([*doubt, *(f"brings {one} within its limit" for one in limits)])
         looked = f"{self.freedoms} freedoms, each alone, fasteners and thicknesses tried"
         return f"{looked}: none {goal}" + ("; the search was cut short" if self.tests >= self.most else "")
 
     def _clear(self, piece: Piece) -> bool:
         return not self._left(doubts(piece, self.quantities))
 
+    def _counting(self) -> dict[str, Quantity]:
+        """The quantities with a limit that is of the goal, or was kept before."""
+        limited = {name: one for name, one in self.quantities.items() if one.max is not None or one.min is not None}
+        return {name: one for name, one in limited.items() if self._counts((LIMIT, (name,)))}
+
+    def _counts(self, matter: Matter) -> bool:
+        """Whether what is doubtful counts: it is of the goal, or was not so before."""
+        return matter in self.goal or matter not in self.matters
+
     def _left(self, found: Sequence[Finding]) -> list[Finding]:
-        """What counts of what is doubtful: free ends do where there was none, and are joined where there was."""
-        had = any(one.kind == FREE for one in self.doubts)
-        return [one for one in found if not had or one.kind != FREE]
+        """What counts of what is doubtful."""
+        return [one for one in found if self._counts(_matter(one))]
 
     def _freedoms(self) -> list[Suggestion]:
         """Single freedoms, first of those that keep symmetry and level, until some mend it."""
@@ -101,6 +125,8 @@ class DoubtMends:
             if span:
                 t = span[0] + REPRESENTED * (span[1] - span[0])
                 yield Suggestion.along(self.furniture.piece, sense, t, span, span[1] >= self.far, True)
+            elif self.idle:
+                return
 
     def _span(self, direction: np.ndarray) -> tuple[float, float] | None:
         """The nearest range along a direction in which nothing is doubtful; None: there is none as far as is seen."""
@@ -108,7 +134,7 @@ class DoubtMends:
         def clear(t: float) -> bool:
             return self._excess(t * direction) == 0.0
 
-        places, start = [self.far * part for part in PLACES], _excess(self._left(self.doubts))
+        places, start, self.idle = [self.far * part for part in PLACES], _excess(self._left(self.doubts)), False
         before = 0.0
         for k, t in enumerate(places):
             excess = self._excess(t * direction)
@@ -116,6 +142,7 @@ class DoubtMends:
                 low = range_end(clear, t, before, END * self.far)
                 return low, self._last(clear, t, places[k + 1 :])
             if not np.isfinite(excess) or self.tests >= self.most or (k + 1 >= FIRST and excess >= start):
+                self.idle = abs(excess - start) <= SMALL * start
                 return None
             before = t
         return None
@@ -130,16 +157,22 @@ class DoubtMends:
 
     def _excess(self, gamma: np.ndarray) -> float:
         """How much is doubtful at design parameters (n, 8); infinite where the piece does not hold."""
-        self.tests += 1
+        counting = self._counting()
+        self.tests += 1 + (BENDING if any(one.deflection for one in counting.values()) else 0)
         piece = self.furniture.moved(gamma)
         result = Furniture(piece).test()
         if not result.valid:
             return np.inf
-        found = (*result.doubts, *violated_limits(piece, self.quantities))
-        # Compliances cost ten equilibria.
-        if not found or any(one.kind == DEPENDS for one in self.doubts):
-            found += (*free(piece), *depends(piece))
-        return _excess(self._left(found))
+        left = self._left((*result.doubts, *violated_limits(piece, counting)))
+        if not left or (DEPENDS, ()) in self.goal:
+            self.tests += COMPLIANCES
+            left += self._left((*free(piece), *depends(piece)))
+        return _excess(left)
+
+
+def _matter(one: Finding) -> Matter:
+    """What a finding is of: the limit of a quantity, or a kind of doubt."""
+    return one.kind, one.subjects if one.kind == LIMIT else ()
 
 
 def _excess(findings: Sequence[Finding]) -> float:

@@ -9,6 +9,7 @@ from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities
+from restshape_apps.furniture.scene.plank_quantities import place_of
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.findings import Finding
@@ -36,8 +37,9 @@ def violated_limits(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[F
     stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
     deflection = np.full(len(piece.planks), np.nan)
     if any(one.deflection for one in limited.values()):
-        planks = range(len(piece.planks))
-        deflection = np.array([max(plank_bending(furniture, k, c).max_deflection for c in cases) for k in planks])
+        places = {place_of(one)[0] for one in limited.values() if one.deflection}
+        for k in (k for k, plank in enumerate(piece.planks) if "" in places or plank.name in places):
+            deflection[k] = max(plank_bending(furniture, k, case).max_deflection for case in cases)
     forces = [furniture.forces(case) for case in cases]
     known = Observed(piece, furniture.geometry(), forces, deflection, stability_margin)
     return violated_constraints(limits, plank_quantities(limited, known))

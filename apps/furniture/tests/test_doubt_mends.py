@@ -61,7 +61,7 @@ def test_where_nothing_keeps_a_limit_the_reason_says_so(tmp_path) -> None:
     text = f'{BENCH}[quantities]\nheavy = {{ mass = true, max = "0.1 kg" }}\n[effects.guidance]\n'
     (row,) = make_replay(write_bench(tmp_path, text)).frames()
     assert row["constraint_status"] == "fails" and row["flaws"] == 0 and not row["suggestions"]
-    assert row["no_suggestions"].endswith("fasteners and thicknesses tried: none brings heavy within limits")
+    assert row["no_suggestions"].endswith("fasteners and thicknesses tried: none brings heavy within its limit")
 
 
 def test_a_suggestion_for_a_limit_is_chosen_like_others(tmp_path) -> None:
@@ -94,6 +94,15 @@ def test_a_free_end_is_joined_or_the_reason_says_why_not(tmp_path) -> None:
     design = design_of(write_bench(tmp_path, BENCH + rail.format(0.0) + stick))
     assert design.furniture.test().valid and not design.suggestion_list.found
     assert design.suggestion_list.why.startswith("no free end meets its face by its length or a move beside it")
+
+
+def test_of_two_limits_that_nothing_keeps_at_once_each_is_mended_alone(tmp_path) -> None:
+    # A stiffer top is heavier.
+    limits = '[quantities]\nq = { deflection = true, max = "0.5 mm" }\nheavy = { mass = true, max = "5 kg" }\n'
+    design = design_of(write_bench(tmp_path, f"{BENCH}[effects.bending]\n{limits}"))
+    said = {one.words: one.doubt for one in design.suggestion_list.found}
+    assert len(said) > 1 and all(("q is" in doubt) != ("heavy is" in doubt) for doubt in said.values())
+    assert any("q is" in doubt for doubt in said.values()) and any("heavy is" in doubt for doubt in said.values())
 
 
 def test_a_piece_beyond_doubt_has_no_suggestions(tmp_path) -> None:

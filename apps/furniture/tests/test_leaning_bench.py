@@ -41,7 +41,7 @@ def test_the_status_is_uncertain_and_names_the_joint(replayed):
     assert status["uncertain"] == found["frames"] == len(frames) and status["holds"] == 0
     assert frames[0]["constraint_status"] == "uncertain"
     kinds = {one["kind"] for one in frames[0]["findings"]}
-    assert kinds == {"doubtful", "depends"}
+    assert kinds == {"doubtful", "depends", "free"}
 
 
 def test_ranges_are_doubtful_where_the_piece_is(replayed):
