@@ -8,7 +8,7 @@ from restshape_apps.furniture.session.plank_session import PlankSession
 from restshape_apps.furniture.shape.face_contacts import face_contacts, kept_contacts
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import Piece, Plane, Plank
-from restshape_apps.furniture.tests.furniture_scenes import FLOOR_BOARD, HEAD, write_edits
+from restshape_apps.furniture.tests.furniture_scenes import BENCH, FLOOR_BOARD, HEAD, write_edits
 
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, recorded_scene
@@ -194,3 +194,19 @@ def test_thicker_planks_are_what_was_shown_whoever_drew_them(tmp_path, own: str)
     chosen = played(scene, tmp_path, RIB, {"do": "choose", "number": 1 + names.index("thicker planks")})
     assert [plank.size[2] for plank in chosen.planks] == [shown.planks[0].size[2]] * 4
     assert placed(chosen) == {name: pytest.approx(ends, abs=1e-12) for name, ends in placed(shown).items()}
+
+
+@pytest.mark.parametrize("thickness", ["12 mm", "38 mm"])
+def test_ends_that_were_within_reach_of_their_faces_stay_joined(tmp_path, thickness: str) -> None:
+    # The rail is drawn from the middle of one leg to that of the other: 19 mm from the faces of legs of 38 mm.
+    rail = "\n[planks.rail]\nfrom = [-0.5, 0, 0.2]\nto = [0.5, 0, 0.2]\nwidth = [0, 0.1, 0]\n"
+    text = BENCH.removeprefix("\n") + rail + "[planks.strut]\ncenter = [0, 0, 0.35]\nsize = [0.99, 0.1]\n"
+    again = Furniture(piece_of(scene_in(tmp_path, text, f'wood.thickness="{thickness}"'))).moved()
+    event = {"do": "set", "key": "wood.thickness", "value": thickness}
+    edited = played(scene_in(tmp_path, text), tmp_path, event)
+    t = 1e-3 * float(thickness.split()[0])
+    for name in ("rail", "strut"):
+        assert again.planks[again.index(name)].size == pytest.approx([1.0 - t, 0.1, t])
+    assert len(again.joints) == 6 and (again.joints, again.feet) == (edited.joints, edited.feet)
+    for one, other in zip(again.planks, edited.planks):
+        assert one.corners() == pytest.approx(other.corners(), abs=1e-12)
