@@ -1,6 +1,7 @@
 """Small scenes of furniture that tests of several folders share."""
 
 import json
+from functools import reduce
 from pathlib import Path
 
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "furniture"\ntitle = "bench"\n'
@@ -216,6 +217,261 @@ at = [0.4, 0, 0.5]
 [effects.gravity]
 """
 """A stool with a rail between its legs and a person on the edge of its seat, which depends on joints."""
+
+LEANING_BENCH = """format = "restshape-scene"
+version = 1
+app = "furniture"
+title = "bench with a slanted leg"
+
+[wood]
+name = "pine"
+thickness = "30 mm"
+
+[fastener]
+name = "screw"
+spacing = "30 mm"
+
+[floor]
+friction = 0.45
+
+[planks]
+seat = { from = [-0.6, 0, 0.44], to = [0.6, 0, 0.44], width = [0, 0.32, 0] }
+left = { from = [-0.5, 0, 0], to = [-0.5, 0, 0.425], width = [0, 0.3, 0] }
+right = { from = [0.4903712, 0, 0], to = [0.4331671, 0, 0.425], width = [0, 0.3, 0] }
+rail = { from = [-0.485, 0, 0.3775], to = [0.4, 0, 0.3775], width = [0, 0, 0.095] }
+
+[weights]
+two = { on = "seat", mass = "150 kg", at = [0, 0, 0.5] }
+
+[pushes]
+edge = { on = "seat", force = [0, 0, "-800 N"], at = [-0.5, 0, 0.5] }
+shove = { on = "seat", force = ["200 N", 0, 0] }
+
+[effects]
+gravity = {}
+push = {}
+bending = {}
+guidance = {}
+"""
+"""A bench with a leaning leg and a rail that ends before it: it holds, but the rail's joint bends along its line."""
+
+PARTED_STOOL = """
+format = "restshape-scene"
+version = 1
+app = "furniture"
+title = "step stool whose lower step stands 170 mm before the upper one"
+
+[wood]
+name = "pine"
+thickness = "18 mm"
+
+[planks]
+lside = { from = [0.2, -0.2, 0], to = [0.2, -0.2, 0.42], width = [0.22, 0, 0] }
+rside = { from = [0.2, 0.2, 0], to = [0.2, 0.2, 0.42], width = [0.22, 0, 0] }
+upper = { from = [0.2, -0.22, 0.43], to = [0.2, 0.22, 0.43], width = [0.24, 0, 0] }
+lcheek = { from = [0, -0.2, 0], to = [0, -0.2, 0.2], width = [0.15, 0, 0] }
+rcheek = { from = [0, 0.2, 0], to = [0, 0.2, 0.2], width = [0.15, 0, 0] }
+lower = { from = [0, -0.22, 0.21], to = [0, 0.22, 0.21], width = [0.15, 0, 0] }
+
+[effects]
+gravity = {}
+guidance = {}
+"""
+"""A step stool in two parts."""
+
+STEP_STOOL = """format = "restshape-scene"
+version = 1
+app = "furniture"
+[wood]
+name = "pine"
+thickness = "18 mm"
+[fastener]
+name = "screw"
+spacing = "30 mm"
+[planks.lside]
+from = [0, -0.2, 0]
+to = [0, -0.2, 0.4]
+width = [0.36, 0, 0]
+[planks.rside]
+from = [0, 0.2, 0]
+to = [0, 0.2, 0.4]
+width = [0.36, 0, 0]
+[planks.upper]
+from = [0.12, -0.2, 0.39]
+to = [0.12, 0.2, 0.39]
+width = [0.2, 0, 0]
+[planks.lower]
+from = [-0.12, -0.2, 0.2]
+to = [-0.12, 0.2, 0.2]
+width = [0.2, 0, 0]
+[weights.tools]
+on = "upper"
+mass = "2 kg"
+[pushes.up]
+on = "upper"
+force = [0, 0, "-1000 N"]
+at = [0, -0.45, -0.5]
+[pushes.down]
+on = "lower"
+force = ["-60 N", 0, "-1000 N"]
+at = [0.3, -0.45, -0.5]
+[effects.gravity]
+[effects.push]
+"""
+"""A stool of two sides and two steps with their mirror plane, each step loaded at an edge."""
+
+RAIL_STOOL = """
+[wood]
+name = "pine"
+thickness = "18 mm"
+
+[fastener]
+name = "screw"
+spacing = "30 mm"
+
+[floor]
+friction = 0.6
+
+[planks.seat]
+from = [-0.2, 0, 0.45]
+to = [0.2, 0, 0.45]
+width = [0, 0.28, 0]
+
+[planks.left]
+from = [-0.15, 0, 0]
+to = [-0.15, 0, 0.441]
+width = [0, 0.26, 0]
+
+[planks.right]
+from = [0.15, 0, LOW]
+to = [0.15, 0, 0.441]
+width = [0, 0.26, 0]
+
+[planks.rail]
+from = [FROM, 0, 0.2]
+to = [TO, 0, 0.2]
+width = [0, 0.2, 0]
+
+[weights.sitter]
+on = "seat"
+mass = "60 kg"
+
+[pushes.shove]
+on = "seat"
+force = ["160 N", 0, 0]
+
+[effects.gravity]
+[effects.push]
+[effects.guidance]
+"""
+"""A stool whose legs have faces at -0.141 and 0.141 m; it breaks unless the rail meets both."""
+
+CORNER = """
+[wood]
+name = "pine"
+thickness = 0.02
+
+[fastener]
+name = "screw"
+
+[planks.base]
+from = [{x}, 0, 0.01]
+to = [{x} + 0.4, 0, 0.01]
+width = [0, 0.2, 0]
+
+[planks.wall]
+from = [{x}, 0, 0.01]
+to = [{x}, 0, 0.5]
+width = [0, 0.2, 0]
+
+[weights.box]
+on = "wall"
+mass = "2 kg"
+at = [0.5, 0, 0]
+
+[pushes.pull]
+on = "wall"
+force = [5, 0, 0]
+at = [0.5, 0, 0]
+
+[effects.gravity]
+g = [0, 0, -10]
+
+[effects.push]
+"""
+"""An L: a base on the floor and a wall, whose middle lines meet; a push over the base."""
+
+POST = """format = "restshape-scene"
+version = 1
+app = "furniture"
+title = "a post on a board"
+[wood]
+name = "pine"
+thickness = "18 mm"
+[fastener]
+name = "screw"
+spacing = "20 mm"
+[floor]
+friction = 0.9
+[planks.base]
+center = [0, 0, "9 mm"]
+size = [4, 4]
+[planks.post]
+from = [0, 0, "18 mm"]
+to = [0, 0, "1018 mm"]
+width = [0, WIDTH, 0]
+[pushes.across]
+on = "post"
+at = [0.5, 0, 0]
+force = [1, 0, 0]
+[pushes.along]
+on = "post"
+at = [0.5, 0, 0]
+force = [0, FORCE, 0]
+[effects.gravity]
+[effects.push]
+"""
+
+
+def post(width: str, force: str) -> str:
+    """A post whose joint is as long as it is wide, pushed at its top along the joint."""
+    return POST.replace("WIDTH", f'"{width}"').replace("FORCE", f'"{force}"')
+
+
+ARM = (
+    post("0.9 m", "1 N").split("[pushes.across]")[0]
+    + """[effects.gravity]
+[planks.arm]
+from = ["9 mm", 0, 0.8]
+to = ["209 mm", 0, 0.8]
+width = [0, 0, "24 mm"]
+[planks.out]
+from = [0.2, 0.009, 0.8]
+to = [0.2, 0.6, 0.8]
+width = ["18 mm", 0, 0]
+[weights.w]
+on = "out"
+at = [0.5, 0, 0.5]
+mass = "MASS"
+"""
+)
+"""The post with an arm, and a board that hangs out from it."""
+
+
+def rail_stool(start: float, end: float, low: float = 0.0) -> str:
+    """A stool whose rail goes from x = `start` to `end` [m], and whose right leg begins at a height of `low` [m]."""
+    ends = {"FROM": start, "TO": end, "LOW": low}
+    return HEAD + reduce(lambda text, one: text.replace(one[0], repr(one[1])), ends.items(), RAIL_STOOL)
+
+
+def corner_of_boards(x: float) -> str:
+    """An L whose corner is at x [m]."""
+    return HEAD + CORNER.replace("{x} + 0.4", repr(x + 0.4)).replace("{x}", repr(x))
+
+
+def rail(start: float, end: float, y: float = 0.0, width: float = 0.1) -> str:
+    """A level rail of `BENCH` along x, 0.2 m high [m]; its legs' inner faces are at x = -0.49 and 0.49 m."""
+    return f"\n[planks.rail]\nfrom = [{start}, {y}, 0.2]\nto = [{end}, {y}, 0.2]\nwidth = [0, {width}, 0]\n"
 
 
 def write_bench(folder: Path, text: str = BENCH, name: str = "bench.toml") -> Path:

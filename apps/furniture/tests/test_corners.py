@@ -6,49 +6,14 @@ from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.shape.plank_edits import added
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import NEAR, Piece, Plank, feet_near, joints_near
-from restshape_apps.furniture.tests.furniture_scenes import HEAD
+from restshape_apps.furniture.tests.furniture_scenes import corner_of_boards
 
 from restshape.scene.load import load_scene
-
-CORNER = """
-[wood]
-name = "pine"
-thickness = 0.02
-
-[fastener]
-name = "screw"
-
-[planks.base]
-from = [{x}, 0, 0.01]
-to = [{x} + 0.4, 0, 0.01]
-width = [0, 0.2, 0]
-
-[planks.wall]
-from = [{x}, 0, 0.01]
-to = [{x}, 0, 0.5]
-width = [0, 0.2, 0]
-
-[weights.box]
-on = "wall"
-mass = "2 kg"
-at = [0.5, 0, 0]
-
-[pushes.pull]
-on = "wall"
-force = [5, 0, 0]
-at = [0.5, 0, 0]
-
-[effects.gravity]
-g = [0, 0, -10]
-
-[effects.push]
-"""
-"""An L: a base on the floor and a wall, whose middle lines meet; a push over the base."""
 
 
 def corner(tmp_path, x: float) -> Piece:
     path = tmp_path / "corner.toml"
-    path.write_text(HEAD + CORNER.replace("{x} + 0.4", repr(x + 0.4)).replace("{x}", repr(x)))
+    path.write_text(corner_of_boards(x))
     return piece_of(load_scene(path))
 
 

@@ -9,9 +9,8 @@ from restshape_apps.furniture.guidance.lengthening import NAME
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import Piece
-from restshape_apps.furniture.tests.furniture_scenes import BENCH, write_bench, write_edits
+from restshape_apps.furniture.tests.furniture_scenes import BENCH, post, rail, write_bench, write_edits
 from small_scenes import make_replay
-from test_moments_of_joints import post
 
 from restshape.scene.load import load_scene
 
@@ -80,18 +79,17 @@ def test_a_moment_that_does_not_count_gets_suggestions_that_end_the_doubt(tmp_pa
 
 
 def test_a_free_end_is_joined_or_the_reason_says_why_not(tmp_path) -> None:
-    rail = "\n[planks.rail]\nfrom = [-0.49, {0}, 0.2]\nto = [0.466, {0}, 0.2]\nwidth = [0, 0.04, 0]\n"
-    design = design_of(write_bench(tmp_path, BENCH + rail.format(0.0)))
+    design = design_of(write_bench(tmp_path, BENCH + rail(-0.49, 0.466, width=0.04)))
     (one,) = design.suggestion_list.found
     assert one.kind == NAME and one.words == "rail 24 mm longer at its end +x, to meet right" and not one.doubt
     # Beside a narrow leg it goes sideways too, by 40 mm and half of its width; its end on the left leg goes along.
     narrow = "to = [0.5, 0, 0.5]\nwidth = [0, 0.1, 0]".join(BENCH.split("to = [0.5, 0, 0.5]\nwidth = [0, 0.3, 0]"))
-    design = design_of(write_bench(tmp_path, narrow + rail.format(0.09)))
+    design = design_of(write_bench(tmp_path, narrow + rail(-0.49, 0.466, 0.09, 0.04)))
     (one,) = design.suggestion_list.found
     assert one.words == "rail moved 60 mm towards -y and 24 mm longer at its end +x, to meet right" and not one.doubt
     # Nothing is enough where a stick bars its way.
     stick = "\n[planks.stick]\nfrom = [0.476, 0, 0.5]\nto = [0.476, 0, 0]\nwidth = [0.012, 0, 0]\n"
-    design = design_of(write_bench(tmp_path, BENCH + rail.format(0.0) + stick))
+    design = design_of(write_bench(tmp_path, BENCH + rail(-0.49, 0.466, width=0.04) + stick))
     assert design.furniture.test().valid and not design.suggestion_list.found
     assert design.suggestion_list.why.startswith("no free end meets its face by its length or a move beside it")
 

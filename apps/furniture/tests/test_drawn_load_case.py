@@ -8,9 +8,8 @@ from restshape_apps.furniture.physics.plank_findings import load_case
 from restshape_apps.furniture.report.furniture import draw_piece, joint_label, marks_redundant, redundant_label
 from restshape_apps.furniture.report.piece_frames import caption, worst_case
 from restshape_apps.furniture.report.status_colour import DOUBT
-from restshape_apps.furniture.tests.furniture_scenes import EDGE_STOOL
+from restshape_apps.furniture.tests.furniture_scenes import EDGE_STOOL, post
 from small_scenes import make_replay
-from test_moments_of_joints import post
 
 from restshape.cli.main import main
 from restshape.replay.recording import Recording

@@ -8,34 +8,12 @@ from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import drawn
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import parts_of
+from restshape_apps.furniture.tests.furniture_scenes import PARTED_STOOL
 
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
-
-STOOL = """
-format = "restshape-scene"
-version = 1
-app = "furniture"
-title = "step stool whose lower step stands 170 mm before the upper one"
-
-[wood]
-name = "pine"
-thickness = "18 mm"
-
-[planks]
-lside = { from = [0.2, -0.2, 0], to = [0.2, -0.2, 0.42], width = [0.22, 0, 0] }
-rside = { from = [0.2, 0.2, 0], to = [0.2, 0.2, 0.42], width = [0.22, 0, 0] }
-upper = { from = [0.2, -0.22, 0.43], to = [0.2, 0.22, 0.43], width = [0.24, 0, 0] }
-lcheek = { from = [0, -0.2, 0], to = [0, -0.2, 0.2], width = [0.15, 0, 0] }
-rcheek = { from = [0, 0.2, 0], to = [0, 0.2, 0.2], width = [0.15, 0, 0] }
-lower = { from = [0, -0.22, 0.21], to = [0, 0.22, 0.21], width = [0.15, 0, 0] }
-
-[effects]
-gravity = {}
-guidance = {}
-"""
 
 
 def move(design: Design, one) -> float:
@@ -58,7 +36,7 @@ def test_no_suggestion_goes_farther_and_some_would(name: str) -> None:
 
 def test_a_piece_in_parts_far_apart_is_not_pushed_together(tmp_path) -> None:
     path = tmp_path / "stool.toml"
-    path.write_text(STOOL)
+    path.write_text(PARTED_STOOL)
     piece = Furniture(piece_of(load_scene(path))).moved()
     assert len(parts_of(piece)) == 2
     none = Design(piece).suggestion_list
@@ -70,9 +48,9 @@ def test_a_piece_in_parts_far_apart_is_not_pushed_together(tmp_path) -> None:
 
 def test_scenes_set_it_and_none_of_no_way_is_taken(tmp_path) -> None:
     path = tmp_path / "stool.toml"
-    path.write_text(STOOL.replace("guidance = {}", "guidance = { farthest = 0.3 }"))
+    path.write_text(PARTED_STOOL.replace("guidance = {}", "guidance = { farthest = 0.3 }"))
     scene = load_scene(path)
     assert plan(scene, application(scene.app)).settings("guidance").farthest == 0.3
-    path.write_text(STOOL.replace("guidance = {}", "guidance = { farthest = 0 }"))
+    path.write_text(PARTED_STOOL.replace("guidance = {}", "guidance = { farthest = 0 }"))
     with pytest.raises(UserError, match="farthest"):
         load_scene(path)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from furniture_scenes import BENCH, HEAD
+from furniture_scenes import BENCH, HEAD, STEP_STOOL
 from restshape_apps.furniture.cli import check_planks, guidance
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.doubts import depends
@@ -21,7 +21,6 @@ from restshape_apps.furniture.pieces import SCENES, cantilever, drawn, scales, t
 from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import bench, stretched
 from small_scenes import make_replay
-from test_moments_of_joints import STOOL
 
 from restshape.cli.main import main
 
@@ -140,7 +139,7 @@ def test_joints_that_are_weak_at_some_ratios_are_named_the_worst_first() -> None
 
 def test_a_rail_is_redundant_and_named(tmp_path) -> None:
     path = tmp_path / "stool.toml"
-    path.write_text(STOOL + RAIL)
+    path.write_text(STEP_STOOL + RAIL)
     row = next(iter(make_replay(path).frames()))
     names = {name: (low, high) for name, low, high in json.loads(row["redundant"])}
     low, high = names["lower on rside"]

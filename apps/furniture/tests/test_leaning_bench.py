@@ -4,8 +4,7 @@ import json
 import re
 
 import pytest
-from furniture_scenes import write_edits
-from leaning_bench import LEANING_BENCH
+from furniture_scenes import LEANING_BENCH, write_edits
 from matplotlib.colors import to_hex
 from restshape_apps.furniture.report import piece_frames
 from restshape_apps.furniture.report.status_colour import DOUBT, status_colour

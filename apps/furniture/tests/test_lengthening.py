@@ -10,61 +10,15 @@ from restshape_apps.furniture.guidance.lengthening import NAME, lengthenings
 from restshape_apps.furniture.pieces import drawn
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import Piece, parts_of
-from restshape_apps.furniture.tests.furniture_scenes import HEAD, write_edits
+from restshape_apps.furniture.tests.furniture_scenes import rail_stool, write_edits
 from small_scenes import make_replay
 
 from restshape.scene.load import load_scene
 
-STOOL = """
-[wood]
-name = "pine"
-thickness = "18 mm"
-
-[fastener]
-name = "screw"
-spacing = "30 mm"
-
-[floor]
-friction = 0.6
-
-[planks.seat]
-from = [-0.2, 0, 0.45]
-to = [0.2, 0, 0.45]
-width = [0, 0.28, 0]
-
-[planks.left]
-from = [-0.15, 0, 0]
-to = [-0.15, 0, 0.441]
-width = [0, 0.26, 0]
-
-[planks.right]
-from = [0.15, 0, LOW]
-to = [0.15, 0, 0.441]
-width = [0, 0.26, 0]
-
-[planks.rail]
-from = [FROM, 0, 0.2]
-to = [TO, 0, 0.2]
-width = [0, 0.2, 0]
-
-[weights.sitter]
-on = "seat"
-mass = "60 kg"
-
-[pushes.shove]
-on = "seat"
-force = ["160 N", 0, 0]
-
-[effects.gravity]
-[effects.push]
-[effects.guidance]
-"""
-"""A stool whose legs have faces at -0.141 and 0.141 m; it breaks unless the rail meets both."""
-
 
 def written(tmp_path: Path, start: float, end: float, low: float = 0.0) -> Path:
     path = tmp_path / "stool.toml"
-    path.write_text(HEAD + STOOL.replace("FROM", repr(start)).replace("TO", repr(end)).replace("LOW", repr(low)))
+    path.write_text(rail_stool(start, end, low))
     return path
 
 

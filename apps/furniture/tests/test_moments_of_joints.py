@@ -11,109 +11,15 @@ from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, 
 from restshape_apps.furniture.pieces import SCENES, drawn
 from restshape_apps.furniture.report.furniture import joint_label
 from restshape_apps.furniture.report.guided import CAUSES, doubt_causes
+from restshape_apps.furniture.tests.furniture_scenes import ARM, STEP_STOOL, post
 from small_scenes import make_replay
 
 from restshape.findings import Finding, decode_findings, encode_findings
 
 G = 9.80665
-POST = """format = "restshape-scene"
-version = 1
-app = "furniture"
-title = "a post on a board"
-[wood]
-name = "pine"
-thickness = "18 mm"
-[fastener]
-name = "screw"
-spacing = "20 mm"
-[floor]
-friction = 0.9
-[planks.base]
-center = [0, 0, "9 mm"]
-size = [4, 4]
-[planks.post]
-from = [0, 0, "18 mm"]
-to = [0, 0, "1018 mm"]
-width = [0, WIDTH, 0]
-[pushes.across]
-on = "post"
-at = [0.5, 0, 0]
-force = [1, 0, 0]
-[pushes.along]
-on = "post"
-at = [0.5, 0, 0]
-force = [0, FORCE, 0]
-[effects.gravity]
-[effects.push]
-"""
 
 
 ALL = '[effects.nails]\nmoments = "all"\n'
-
-
-def post(width: str, force: str) -> str:
-    """A post whose joint is as long as it is wide, pushed at its top along the joint."""
-    return POST.replace("WIDTH", f'"{width}"').replace("FORCE", f'"{force}"')
-
-
-ARM = (
-    post("0.9 m", "1 N").split("[pushes.across]")[0]
-    + """[effects.gravity]
-[planks.arm]
-from = ["9 mm", 0, 0.8]
-to = ["209 mm", 0, 0.8]
-width = [0, 0, "24 mm"]
-[planks.out]
-from = [0.2, 0.009, 0.8]
-to = [0.2, 0.6, 0.8]
-width = ["18 mm", 0, 0]
-[weights.w]
-on = "out"
-at = [0.5, 0, 0.5]
-mass = "MASS"
-"""
-)
-
-
-STOOL = """format = "restshape-scene"
-version = 1
-app = "furniture"
-[wood]
-name = "pine"
-thickness = "18 mm"
-[fastener]
-name = "screw"
-spacing = "30 mm"
-[planks.lside]
-from = [0, -0.2, 0]
-to = [0, -0.2, 0.4]
-width = [0.36, 0, 0]
-[planks.rside]
-from = [0, 0.2, 0]
-to = [0, 0.2, 0.4]
-width = [0.36, 0, 0]
-[planks.upper]
-from = [0.12, -0.2, 0.39]
-to = [0.12, 0.2, 0.39]
-width = [0.2, 0, 0]
-[planks.lower]
-from = [-0.12, -0.2, 0.2]
-to = [-0.12, 0.2, 0.2]
-width = [0.2, 0, 0]
-[weights.tools]
-on = "upper"
-mass = "2 kg"
-[pushes.up]
-on = "upper"
-force = [0, 0, "-1000 N"]
-at = [0, -0.45, -0.5]
-[pushes.down]
-on = "lower"
-force = ["-60 N", 0, "-1000 N"]
-at = [0.3, -0.45, -0.5]
-[effects.gravity]
-[effects.push]
-"""
 
 
 def forces_of(furniture: Furniture) -> list[Forces]:
@@ -214,7 +120,7 @@ def test_a_range_says_where_it_is_doubtful(tmp_path) -> None:
 
 
 def test_doubtful_suggestions_come_last_and_say_so(tmp_path) -> None:
-    analysis, row = analysed(tmp_path, STOOL)
+    analysis, row = analysed(tmp_path, STEP_STOOL)
     found = analysis.design.suggestion_list.found
     doubts = [bool(one.doubt) for one in found]
     assert len(found) > 2 and doubts == sorted(doubts)
@@ -224,7 +130,7 @@ def test_doubtful_suggestions_come_last_and_say_so(tmp_path) -> None:
     assert [bool(one.get("doubt")) for one in json.loads(row["suggestions"])] == doubts
     assert any(doubts) == ("but not counted: joint" in found[-1].summary)
     # Where moments count, what is suggested bears them.
-    counted, _ = analysed(tmp_path, STOOL + ALL)
+    counted, _ = analysed(tmp_path, STEP_STOOL + ALL)
     for one in counted.design.suggestion_list.found:
         result = counted.design.furniture.test(one.t * one.direction)
         assert result.valid and max(f.moment_utilisation.max() for f in forces_of(counted.design.furniture)) <= 1.0

@@ -15,8 +15,7 @@ from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 from restshape_apps.furniture.shape.symmetry import groups, keeps, mirrors
 from restshape_apps.furniture.small_pieces import stretched
-from restshape_apps.furniture.tests.furniture_scenes import BENCH, COFFEE_TABLE, HEAD, write_bench
-from test_moments_of_joints import STOOL
+from restshape_apps.furniture.tests.furniture_scenes import BENCH, COFFEE_TABLE, HEAD, STEP_STOOL, write_bench
 
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
@@ -47,7 +46,7 @@ def test_mirror_planes_are_found(tmp_path) -> None:
 
 @pytest.mark.parametrize("kind", ["bench", "stool"])
 def test_mirrored_freedoms_keep_the_piece_symmetric(tmp_path, kind: str) -> None:
-    piece = bench(tmp_path) if kind == "bench" else read(tmp_path, STOOL)
+    piece = bench(tmp_path) if kind == "bench" else read(tmp_path, STEP_STOOL)
     furniture, planes = Furniture(piece), mirrors(piece)
     free = [tuple(one) for one in furniture.kernel.freedoms()]
     grouped = groups(piece, free, planes)
@@ -65,7 +64,7 @@ def test_mirrored_freedoms_keep_the_piece_symmetric(tmp_path, kind: str) -> None
 
 
 def test_grouped_modes_have_the_derivative_of_their_sum(tmp_path) -> None:
-    furniture = Furniture(read(tmp_path, STOOL))
+    furniture = Furniture(read(tmp_path, STEP_STOOL))
     modes = kept_modes(furniture, ())[0]
     assert any(modes.mates)
     for k in range(len(modes)):
@@ -88,7 +87,7 @@ def test_the_first_suggestion_keeps_symmetry_and_level(name: str) -> None:
 
 
 def test_a_stool_is_mended_on_both_sides(tmp_path) -> None:
-    design = Design(read(tmp_path, STOOL), Guidance())
+    design = Design(read(tmp_path, STEP_STOOL), Guidance())
     found = design.suggestion_list.found
     assert len(found) > 1
     for one in found:
@@ -104,7 +103,7 @@ def test_a_stool_is_mended_on_both_sides(tmp_path) -> None:
 
 @pytest.mark.parametrize("lock", ["height", "upper place", "lower place", "lside level", "upper height"])
 def test_locks_are_kept(tmp_path, lock: str) -> None:
-    design = Design(read(tmp_path, STOOL), Guidance(keep=(lock,)))
+    design = Design(read(tmp_path, STEP_STOOL), Guidance(keep=(lock,)))
     name = lock.rpartition(" ")[0]
     for one in design.suggestion_list.found:
         moved = after(design, one)

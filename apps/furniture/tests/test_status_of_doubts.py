@@ -9,7 +9,7 @@ from restshape_apps.furniture.report.guided import doubt_causes, runs, said
 from restshape_apps.furniture.report.piece_frames import caption
 from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.shape.plank_scene import piece_of
-from restshape_apps.furniture.tests.furniture_scenes import BENCH, write_bench
+from restshape_apps.furniture.tests.furniture_scenes import BENCH, rail, write_bench
 from small_scenes import make_replay
 
 from restshape.cli.main import main
@@ -17,7 +17,7 @@ from restshape.replay.recording import Recording
 from restshape.report.tables import row_of
 from restshape.scene.load import load_scene
 
-SHORT = "\n[planks.rail]\nfrom = [-0.49, 0, 0.2]\nto = [0.466, 0, 0.2]\nwidth = [0, 0.1, 0]\n"
+SHORT = rail(-0.49, 0.466)
 """A rail of the bench that ends 24 mm before its right leg, without which the bench holds."""
 FREE = "holds, but free end: rail +x is 24 mm from right"
 
@@ -46,8 +46,7 @@ def test_a_free_end_makes_a_piece_that_holds_uncertain_in_all_outputs(scene, tmp
 def test_a_range_is_doubtful_where_an_end_is_free(scene) -> None:
     # An end that is more than 250 mm from a face has not missed it.
     design = Design.closed(piece_of(load_scene(scene)), Guidance())
-    rail = design.piece.index("rail")
-    lengthened = design.parameter(rail, 6)
+    lengthened = design.parameter(design.piece.index("rail"), 6)
     (doubtful,) = lengthened.doubtful
     assert lengthened.ranges.intervals[0, 0] < -0.25
     assert doubtful == pytest.approx((0.024 - 0.25, lengthened.ranges.intervals[0, 1]), abs=1e-3)
