@@ -11,6 +11,7 @@ __all__: list[str] = [
     "MesherFailure",
     "Operator",
     "OutlineCheck",
+    "PatchRecovery",
     "Triangulation",
     "add_friction",
     "begin_frame",
@@ -36,12 +37,13 @@ __all__: list[str] = [
     "locate",
     "locate_quadratic",
     "matrices",
+    "mean_at",
     "move_and_check",
     "narrow_widths",
     "node_order",
+    "place_weights",
     "positive_mean_value",
     "pull_back",
-    "recover",
     "recover_quadratic",
     "recover_space",
     "recovery_energies",
@@ -49,13 +51,16 @@ __all__: list[str] = [
     "refine_delaunay",
     "relax_and_check",
     "reset_calls",
+    "same_bits",
     "smooth_fresh",
     "space_recovery_points",
     "split_prisms",
     "stop_watching",
     "thickness_stretch",
     "total_area",
+    "triangle_stress",
     "update_friction_anchors",
+    "von_mises",
     "watch",
     "watch_outlet",
 ]
@@ -292,6 +297,20 @@ class OutlineCheck:
         self, c0: typing.SupportsFloat | typing.SupportsIndex, c1: typing.SupportsFloat | typing.SupportsIndex
     ) -> None: ...
 
+class PatchRecovery:
+    def __call__(
+        self,
+        X: numpy.typing.NDArray[numpy.float64],
+        stress: numpy.typing.NDArray[numpy.float64],
+        out: numpy.typing.NDArray[numpy.float64],
+    ) -> None: ...
+    def __init__(
+        self,
+        cells: numpy.typing.NDArray[numpy.int32],
+        rows: numpy.typing.NDArray[numpy.int32],
+        count: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None: ...
+
 def add_friction(
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     anchor: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
@@ -406,6 +425,13 @@ def locate_quadratic(
     points: numpy.typing.NDArray[numpy.float64],
 ) -> tuple: ...
 def matrices() -> list: ...
+def mean_at(
+    X: numpy.typing.NDArray[numpy.float64],
+    places: numpy.typing.NDArray[numpy.int32],
+    of: str,
+    at: numpy.typing.NDArray[numpy.int32],
+    values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> float: ...
 def move_and_check(
     X_reference: numpy.typing.NDArray[numpy.float64],
     Psi: numpy.typing.NDArray[numpy.float64],
@@ -430,6 +456,9 @@ def node_order(
     X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     owner: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
 ) -> numpy.typing.NDArray[numpy.int32]: ...
+def place_weights(
+    X: numpy.typing.NDArray[numpy.float64], places: numpy.typing.NDArray[numpy.int32], of: str
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def positive_mean_value(
     points: numpy.typing.NDArray[numpy.float64],
     vertices: numpy.typing.NDArray[numpy.float64],
@@ -442,12 +471,6 @@ def pull_back(
     cells: numpy.typing.NDArray[numpy.int32],
     points: numpy.typing.NDArray[numpy.float64],
     stress: numpy.typing.NDArray[numpy.float64],
-) -> None: ...
-def recover(
-    X: numpy.typing.NDArray[numpy.float64],
-    cells: numpy.typing.NDArray[numpy.int32],
-    stress: numpy.typing.NDArray[numpy.float64],
-    out: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
 def recover_quadratic(
     X: numpy.typing.NDArray[numpy.float64],
@@ -496,6 +519,10 @@ def relax_and_check(
     quality_floor: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple: ...
 def reset_calls() -> None: ...
+def same_bits(
+    a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> bool: ...
 def smooth_fresh(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
@@ -519,6 +546,13 @@ def thickness_stretch(
     points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]: ...
 def total_area(X: numpy.typing.NDArray[numpy.float64], cells: numpy.typing.NDArray[numpy.int32]) -> float: ...
+def triangle_stress(
+    X: numpy.typing.NDArray[numpy.float64],
+    x: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    params: numpy.typing.NDArray[numpy.float64],
+    plane_stress: bool,
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]: ...
 def update_friction_anchors(
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     anchor: numpy.typing.NDArray[numpy.float64],
@@ -526,6 +560,7 @@ def update_friction_anchors(
     limit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     slip: typing.SupportsFloat | typing.SupportsIndex,
 ) -> float: ...
+def von_mises(stress: numpy.typing.NDArray[numpy.float64]) -> numpy.typing.NDArray[numpy.float64]: ...
 def watch(
     seconds: typing.SupportsFloat | typing.SupportsIndex,
     bytes: typing.SupportsInt | typing.SupportsIndex,

@@ -1,11 +1,14 @@
 """Means count by length and area, not by nodes: they are those of the field, on any mesh."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from large import solid
 from small_scenes import HEAD, HOLE, block, make_replay, meshed, rows_of, write_scene
 
-from restshape.fem.averages import cell_weights, facet_weights
+from restshape import _kernels
+from restshape.fem.averages import facet_weights, node_weights
 
 ARC = np.array([[1.0, 0], [0, 1], [np.sqrt(0.5), np.sqrt(0.5)]])
 
@@ -42,6 +45,39 @@ def test_weights_of_a_curved_side_are_its_length_and_those_of_its_triangle_its_a
     cell = np.arange(6, dtype=np.int32)[None]
     # A parabola beyond the chord: two thirds of its height times the chord.
     height = np.hypot(0.2, 0.2)
-    assert cell_weights(X, cell).sum() == pytest.approx(0.5 + 2 / 3 * height * np.sqrt(2), rel=1e-12)
-    assert facet_weights(ARC, np.array([[0, 1, 2]])).sum() == pytest.approx(np.pi / 2, rel=0.011)
-    np.testing.assert_allclose(facet_weights(X, np.array([[0, 1]])), [[0.5, 0.5]])
+    assert _kernels.place_weights(X, cell, "cells").sum() == pytest.approx(0.5 + 2 / 3 * height * np.sqrt(2), rel=1e-12)
+    assert facet_weights(ARC, np.array([[0, 1, 2]], dtype=np.int32)).sum() == pytest.approx(np.pi / 2, rel=0.011)
+    np.testing.assert_allclose(facet_weights(X, np.array([[0, 1]], dtype=np.int32)), [[0.5, 0.5]])
+
+
+def test_a_mean_follows_flips_and_nodes():
+    """Two triangles of a square of which one diagonal counts double, then the other; then the square is a trapezium."""
+    X = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    space = SimpleNamespace(X=X, cells=np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32), topology=1)
+    space.cells_of = lambda name: np.array([0, 1])
+    values = np.array([6.0, 0, 0, 0])
+    weights = node_weights(space, "core", slice(None))
+    assert weights.mean(values) == pytest.approx(2.0) and weights()[0] == pytest.approx(1 / 3)
+    space.cells[:] = [[0, 1, 3], [1, 2, 3]]
+    space.topology = 2
+    assert weights.mean(values) == pytest.approx(1.0) and weights().sum() == pytest.approx(1.0)
+    X[1] = [3, 0]
+    # Areas 3/2 and 1/2: a third of the first over both.
+    assert weights.mean(values) == pytest.approx(6.0 * 0.5 / 2.0)
+
+
+def test_a_node_that_is_named_twice_counts_twice():
+    X, facets = np.array([[0.0, 0], [2, 0], [3, 0]]), np.array([[0, 1], [1, 2]], dtype=np.int32)
+    at, values = np.array([0, 1, 1, 2], dtype=np.int32), np.array([1.0, 2.0, 4.0, 8.0])
+    found = _kernels.mean_at(X, facets, "facets", at, values)
+    assert found == pytest.approx((1.0 * 1 + 1.5 * (2 + 4) + 0.5 * 8) / 4.5)
+
+
+def test_what_does_not_fit_is_refused():
+    X, facets, at = np.zeros((2, 2)), np.array([[0, 2]], dtype=np.int32), np.array([0], dtype=np.int32)
+    with pytest.raises(ValueError, match="do not exist"):
+        _kernels.place_weights(X, facets, "facets")
+    with pytest.raises(ValueError, match="cells must be"):
+        _kernels.place_weights(X, facets, "cells")
+    with pytest.raises(ValueError, match="as many values"):
+        _kernels.mean_at(X, facets - facets, "facets", at, np.zeros(2))

@@ -57,8 +57,18 @@ def test_linear_stresses_are_recovered_exactly_at_inner_and_boundary_nodes():
         return np.column_stack([np.ones(len(places)), places]) @ slopes
 
     out = np.empty((len(X), 4))
-    _kernels.recover(X, cells, np.ascontiguousarray(field(X[cells].mean(axis=1))), out)
+    patches = _kernels.PatchRecovery(cells, cells, len(X))
+    patches(X, np.ascontiguousarray(field(X[cells].mean(axis=1))), out)
     # The two corners that only one triangle touches have no inner node beside them where the diagonal cuts them off.
     near = np.isin(np.arange(len(X)), np.unique(cells[np.isin(cells, np.flatnonzero(inner)).any(axis=1)]))
     assert near.sum() >= len(X) - 2
     assert np.abs(out - field(X))[near].max() < 1e-12
+
+
+def test_patches_of_cells_that_do_not_fit_are_refused():
+    cells, X = np.array([[0, 1, 2]], dtype=np.int32), np.zeros((2, 2))
+    for wrong, rows in ((cells - 1, cells), (cells, cells + 1), (cells, cells - 1)):
+        with pytest.raises(ValueError, match="do not exist"):
+            _kernels.PatchRecovery(wrong, rows, 3)
+    with pytest.raises(ValueError, match="all nodes"):
+        _kernels.PatchRecovery(cells, cells, 3)(X, np.zeros((1, 4)), np.zeros((3, 4)))

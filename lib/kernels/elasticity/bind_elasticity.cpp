@@ -1,4 +1,4 @@
-// How the thickness of a plane body changes where it stretches in its plane.
+// Stresses of plane bodies: of many triangles at once, and how the thickness changes where they stretch.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -6,7 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
+
+#include "elasticity/triangle_stress.hpp"
+#include "fem/bounds.hpp"
+#include "fem/calls.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;
@@ -66,6 +71,37 @@ py::array_t<double> thickness_stretch(const Reals& X, const Reals& u, const Ints
     return out;
 }
 
+std::pair<py::array_t<double>, py::array_t<double>> triangle_stress(const Reals& X, const Reals& x, const Ints& cells,
+                                                                    const Reals& params, bool plane_stress) {
+    const py::ssize_t n = X.ndim() == 2 && X.shape(1) == 2 ? X.shape(0) : 0, ne = cells.shape(0);
+    if (x.size() != 2 * n || cells.ndim() != 2 || cells.shape(1) != 3)
+        throw std::invalid_argument("X and x must be (n, 2), cells (ne, 3)");
+    const bool each = params.ndim() == 2 && params.shape(0) == ne && params.shape(1) == 5;
+    if (!each && (params.ndim() != 1 || params.size() != 5))
+        throw std::invalid_argument("params must be (5,) or (ne, 5)");
+    if (!restshape::all_within(cells.data(), cells.size(), n))
+        throw std::invalid_argument("cells name nodes that do not exist");
+    static restshape::Tally& tally = restshape::tallies()["linear_elastic_tri3"];
+    tally.add(restshape::Purpose::stress, ne);
+    py::array_t<double> stress({ne, py::ssize_t(4)}), energy(ne);
+    restshape::triangle_stress(X.data(), x.data(), cells.data(), ne, params.data(), each ? 5 : 0, plane_stress,
+                               stress.mutable_data(), energy.mutable_data());
+    return {stress, energy};
+}
+
+py::array_t<double> von_mises(const Reals& stress) {
+    if (stress.ndim() != 2 || stress.shape(1) != 4) throw std::invalid_argument("stress must be (n, 4)");
+    const py::ssize_t n = stress.shape(0);
+    py::array_t<double> out(n);
+    const double* s = stress.data();
+    double* found = out.mutable_data();
+    for (py::ssize_t k = 0; k < n; ++k, s += 4) {
+        const double a = s[0] - s[1], b = s[1] - s[3], c = s[3] - s[0];
+        found[k] = std::sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * s[2] * s[2]);
+    }
+    return out;
+}
+
 }  // namespace
 
 void bind_thickness(py::module_& m) {
@@ -74,4 +110,11 @@ void bind_thickness(py::module_& m) {
           "Thickness (ne, m) over that at rest at reference coordinates (m, 2) of triangles of either order, for the "
           "displacement u (n, 2), in plane stress under the law of St. Venant and Kirchhoff: sqrt(1 - 2 ratio tr E), "
           "ratio nu/(1 - nu) a cell; not a number where nothing is left.");
+    m.def("triangle_stress", &triangle_stress, py::arg("X").noconvert(), py::arg("x").noconvert(),
+          py::arg("cells").noconvert(), py::arg("params").noconvert(), py::arg("plane_stress"),
+          "Stresses (ne, 4), xx yy xy zz [Pa], and strain energies (ne,) [J] of triangles of first order at the "
+          "displacement x (n, 2), as `linear_elastic_tri3` has them with params (5,) or (ne, 5); in plane stress zz is "
+          "0.");
+    m.def("von_mises", &von_mises, py::arg("stress").noconvert(),
+          "Equivalent stresses (n,) of plane states (n, 4): xx yy xy zz.");
 }

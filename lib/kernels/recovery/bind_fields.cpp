@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 #include <vector>
 
@@ -22,15 +23,22 @@ double area(const double* X, const int* cell) {
     return 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
 }
 
-void recover(const Reals& X, const Ints& cells, const Reals& stress, Reals out) {
-    const py::ssize_t n = X.shape(0), ne = cells.shape(0);
-    if (stress.shape(0) != ne || stress.shape(1) != 4 || out.shape(0) != n || out.shape(1) != 4)
-        throw std::invalid_argument("stress must be (ne, 4) and out (n, 4)");
-    const int stride = static_cast<int>(cells.shape(1));
+restshape::PatchRecovery patch_recovery(const Ints& cells, const Ints& rows, int count) {
+    if (cells.ndim() != 2 || cells.shape(1) != 3 || rows.ndim() != 2 || rows.shape(1) != 3 ||
+        rows.shape(0) != cells.shape(0))
+        throw std::invalid_argument("cells and rows must be (ne, 3)");
+    return {cells.data(), rows.data(), static_cast<int>(cells.shape(0)), count};
+}
+
+void recover(restshape::PatchRecovery& patches, const Reals& X, const Reals& stress, Reals out) {
+    if (X.ndim() != 2 || X.shape(1) != 2 || X.shape(0) < patches.least_nodes())
+        throw std::invalid_argument("X must be (n, 2), with all nodes of the cells");
+    if (stress.ndim() != 2 || stress.shape(0) != patches.cells() || stress.shape(1) != 4 || out.ndim() != 2 ||
+        out.shape(0) != patches.rows() || out.shape(1) != 4)
+        throw std::invalid_argument("stress must be (ne, 4) and out (rows, 4)");
     static restshape::Tally& tally = restshape::tallies()["recover"];
-    tally.add(restshape::Purpose::field, ne);
-    restshape::PatchRecovery(X.data(), cells.data(), stride, stress.data(), static_cast<int>(n), static_cast<int>(ne))
-        .run(out.mutable_data());
+    tally.add(restshape::Purpose::field, patches.cells());
+    patches.run(X.data(), stress.data(), out.mutable_data());
 }
 
 py::array_t<int> cells_around(const Ints& cells, const Ints& nodes, int node_count) {
@@ -96,13 +104,24 @@ py::array_t<int> inverted_cells(const Reals& X, const Reals& u, const Ints& cell
     return py::array_t<int>(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
+bool same_bits(const Reals& a, const Reals& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+}
+
 }  // namespace
 
 void bind_fields(py::module_& m) {
-    m.def(
-        "recover", &recover, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("stress").noconvert(),
-        py::arg("out").noconvert(),
-        "Nodal stresses (n, 4) recovered from cell stresses (ne, 4) by fits over patches (Zienkiewicz and Zhu 1992).");
+    py::class_<restshape::PatchRecovery>(
+        m, "PatchRecovery",
+        "Recovers nodal stresses from those of triangles by fits over patches (Zienkiewicz and Zhu 1992). Cells (ne, "
+        "3) "
+        "name the nodes of corners, rows (ne, 3) the rows, `count` of them, in which these have their stresses: the "
+        "nodes themselves, or one a side of a border. Made once a topology.")
+        .def(py::init(&patch_recovery), py::arg("cells").noconvert(), py::arg("rows").noconvert(), py::arg("count"))
+        .def("__call__", &recover, py::arg("X").noconvert(), py::arg("stress").noconvert(), py::arg("out").noconvert(),
+             "Writes stresses out (count, 4) recovered from those of the cells (ne, 4), on nodes X (n, 2).");
+    m.def("same_bits", &same_bits, py::arg("a"), py::arg("b"),
+          "Whether two arrays hold the same numbers, bit for bit.");
     m.def("cells_around", &cells_around, py::arg("cells").noconvert(), py::arg("nodes").noconvert(),
           py::arg("node_count"), "Cells (k,), ascending, of which a corner is one of the nodes.");
     m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fem/bounds.hpp"
 #include "recovery/estimate.hpp"
 #include "recovery/space_recovery.hpp"
 
@@ -20,11 +21,7 @@ void require(bool holds, const char* message) {
 }
 
 void require_nodes(const Ints& cells, py::ssize_t count) {
-    const int32_t* node = cells.data();
-    // Negative ones are the largest without a sign. Without an end in the middle the loop takes many at once.
-    uint32_t most = 0;
-    for (py::ssize_t i = 0; i < cells.size(); ++i) most = std::max(most, static_cast<uint32_t>(node[i]));
-    require(cells.size() == 0 || most < count, "cells name nodes that do not exist");
+    require(restshape::all_within(cells.data(), cells.size(), count), "cells name nodes that do not exist");
 }
 
 template <class Visit>

@@ -6,109 +6,134 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
 #include <vector>
 
 namespace restshape {
 
+// Made for triangles that keep their corners; places and values may change from run to run.
 class PatchRecovery {
  public:
     using Value = Eigen::Array4d;
 
-    // X (n, 2), cells (ne, stride) with corners first, values (ne, 4).
-    PatchRecovery(const double* X, const int32_t* cells, int stride, const double* values, int n, int ne)
-        : X_(X), cells_(cells), stride_(stride), values_(values), n_(n), ne_(ne), patches_(n) {}
+    // cells (ne, 3): nodes of the corners; rows (ne, 3): where each cell has them in what is recovered, `count` rows.
+    PatchRecovery(const int32_t* cells, const int32_t* rows, int ne, int count)
+        : corners_(rows, rows + 3 * static_cast<size_t>(ne)),
+          nodes_(cells, cells + corners_.size()),
+          first_(count + 1, 0),
+          around_(corners_.size()),
+          patches_(count),
+          centres_(ne) {
+        for (const int32_t row : corners_) {
+            if (row < 0 || row >= count) throw std::invalid_argument("cells have rows that do not exist");
+            ++first_[row + 1];
+        }
+        for (const int32_t node : nodes_) {
+            if (node < 0) throw std::invalid_argument("cells name nodes that do not exist");
+            least_ = std::max(least_, node + 1);
+        }
+        for (int row = 0; row < count; ++row) first_[row + 1] += first_[row];
+        // Backwards, each row's cells fill its place from the end, and are in ascending order.
+        std::vector<int> next(first_.begin() + 1, first_.end());
+        for (int k = static_cast<int>(corners_.size()) - 1; k >= 0; --k) around_[--next[corners_[k]]] = k;
+        for (int row = 0; row < count; ++row) patches_[row].inner = inner(row);
+    }
 
-    void run(double* out) {
-        gather();
-        for (Patch& p : patches_) p.fitted = p.balance == 0 && p.m[0] >= 3.0 && fit(p);
-        extrapolate();
-        spread(out);
+    int cells() const { return static_cast<int>(centres_.size()); }
+    int rows() const { return static_cast<int>(patches_.size()); }
+    int least_nodes() const { return least_; }
+
+    // X (n, 2), values (ne, 4), out (rows, 4).
+    void run(const double* X, const double* values, double* out) {
+        for (int e = 0; e < cells(); ++e) {
+            const double *p = X + 2 * node(3 * e), *q = X + 2 * node(3 * e + 1), *r = X + 2 * node(3 * e + 2);
+            centres_[e] = {(p[0] + q[0] + r[0]) / 3.0, (p[1] + q[1] + r[1]) / 3.0};
+        }
+        for (int row = 0; row < rows(); ++row) {
+            Patch& p = patches_[row];
+            p.fitted = p.inner && fit(X, values, row);
+            if (p.fitted) Eigen::Map<Value>(out + 4 * static_cast<size_t>(row)) = p.b[0];
+        }
+        for (int row = 0; row < rows(); ++row)
+            if (!patches_[row].fitted) Eigen::Map<Value>(out + 4 * static_cast<size_t>(row)) = around(X, values, row);
     }
 
  private:
     struct Patch {
-        Value b[3] = {Value::Zero(), Value::Zero(), Value::Zero()};  // moments of the values, then the polynomial
-        Value sum = Value::Zero();                                   // of the neighbours' polynomials here
-        double m[6] = {0, 0, 0, 0, 0, 0};                            // 1, x, y, xx, xy, yy
-        int64_t balance = 0;  // 0 where triangles go all the way around: each neighbour follows and precedes one
-        int count = 0;
-        bool fitted = false;
+        Value b[3];  // the polynomial 1, x, y
+        bool inner = false, fitted = false;
+    };
+    struct Place {
+        double x, y;
     };
 
-    const int32_t* cell(int e) const { return cells_ + static_cast<size_t>(e) * stride_; }
-    const double* place(int a) const { return X_ + 2 * static_cast<size_t>(a); }
+    size_t node(int corner) const { return static_cast<size_t>(nodes_[corner]); }
 
-    void gather() {
-        for (int e = 0; e < ne_; ++e) {
-            const int32_t* c = cell(e);
-            const Eigen::Map<const Value> value(values_ + 4 * static_cast<size_t>(e));
-            const double *p = place(c[0]), *q = place(c[1]), *r = place(c[2]);
-            const double cx = (p[0] + q[0] + r[0]) / 3.0, cy = (p[1] + q[1] + r[1]) / 3.0;
-            for (int i = 0; i < 3; ++i) {
-                Patch& patch = patches_[c[i]];
-                const double x = cx - place(c[i])[0], y = cy - place(c[i])[1];
-                patch.m[0] += 1.0, patch.m[1] += x, patch.m[2] += y;
-                patch.m[3] += x * x, patch.m[4] += x * y, patch.m[5] += y * y;
-                patch.b[0] += value, patch.b[1] += x * value, patch.b[2] += y * value;
-                const int64_t after = c[(i + 1) % 3], before = c[(i + 2) % 3];
-                patch.balance += after * (after + 1) - before * (before + 1);
-            }
+    // Whether three or more triangles go all the way around: each neighbour follows and precedes one.
+    bool inner(int row) const {
+        int64_t balance = 0;
+        for (int k = first_[row]; k < first_[row + 1]; ++k) {
+            const int e = around_[k] / 3, i = around_[k] % 3;
+            const int64_t after = nodes_[3 * e + (i + 1) % 3], before = nodes_[3 * e + (i + 2) % 3];
+            balance += after * (after + 1) - before * (before + 1);
         }
+        return balance == 0 && first_[row + 1] - first_[row] >= 3;
     }
 
     // Least squares by the normal equations of the polynomial 1, x, y.
-    static bool fit(Patch& p) {
-        const double* m = p.m;
-        const double c00 = m[3] * m[5] - m[4] * m[4], c01 = m[2] * m[4] - m[1] * m[5], c02 = m[1] * m[4] - m[2] * m[3];
-        const double det = m[0] * c00 + m[1] * c01 + m[2] * c02;
-        if (!(std::abs(det) > 1e-6 * m[0] * m[3] * m[5])) return false;
-        const double c11 = m[0] * m[5] - m[2] * m[2], c12 = m[1] * m[2] - m[0] * m[4], c22 = m[0] * m[3] - m[1] * m[1];
-        const Value r0 = p.b[0] / det, r1 = p.b[1] / det, r2 = p.b[2] / det;
+    bool fit(const double* X, const double* values, int row) {
+        const double* here = X + 2 * node(around_[first_[row]]);
+        Value b0 = Value::Zero(), b1 = Value::Zero(), b2 = Value::Zero();
+        double m1 = 0, m2 = 0, m3 = 0, m4 = 0, m5 = 0;
+        for (int k = first_[row]; k < first_[row + 1]; ++k) {
+            const int e = around_[k] / 3;
+            const double x = centres_[e].x - here[0], y = centres_[e].y - here[1];
+            const Eigen::Map<const Value> value(values + 4 * static_cast<size_t>(e));
+            m1 += x, m2 += y, m3 += x * x, m4 += x * y, m5 += y * y;
+            b0 += value, b1 += x * value, b2 += y * value;
+        }
+        const double m0 = first_[row + 1] - first_[row];
+        const double c00 = m3 * m5 - m4 * m4, c01 = m2 * m4 - m1 * m5, c02 = m1 * m4 - m2 * m3;
+        const double det = m0 * c00 + m1 * c01 + m2 * c02;
+        if (!(std::abs(det) > 1e-6 * m0 * m3 * m5)) return false;
+        const double c11 = m0 * m5 - m2 * m2, c12 = m1 * m2 - m0 * m4, c22 = m0 * m3 - m1 * m1;
+        const Value r0 = b0 / det, r1 = b1 / det, r2 = b2 / det;
+        Patch& p = patches_[row];
         p.b[0] = c00 * r0 + c01 * r1 + c02 * r2;
         p.b[1] = c01 * r0 + c11 * r1 + c12 * r2;
         p.b[2] = c02 * r0 + c12 * r1 + c22 * r2;
         return true;
     }
 
-    // Adds up, at nodes that have no polynomial, those of the neighbours that have one.
-    void extrapolate() {
-        for (int e = 0; e < ne_; ++e)
-            for (int i = 0; i < 3; ++i) {
-                const int to = cell(e)[i];
-                if (patches_[to].fitted) continue;
-                for (int j = 1; j < 3; ++j)
-                    if (const int from = cell(e)[(i + j) % 3]; patches_[from].fitted) add(from, to);
+    // The mean of the neighbours' polynomials; of the triangles around where no inner node is near.
+    Value around(const double* X, const double* values, int row) const {
+        Value sum = Value::Zero(), plain = Value::Zero();
+        int count = 0;
+        for (int k = first_[row]; k < first_[row + 1]; ++k) {
+            const int e = around_[k] / 3, i = around_[k] % 3;
+            plain += Eigen::Map<const Value>(values + 4 * static_cast<size_t>(e));
+            for (int j = 1; j < 3; ++j) {
+                const int corner = 3 * e + (i + j) % 3;
+                const Patch& p = patches_[corners_[corner]];
+                if (!p.fitted) continue;
+                const double *to = X + 2 * node(3 * e + i), *from = X + 2 * node(corner);
+                sum += p.b[0] + (to[0] - from[0]) * p.b[1] + (to[1] - from[1]) * p.b[2];
+                ++count;
             }
-    }
-
-    void add(int from, int to) {
-        const Patch& p = patches_[from];
-        const double x = place(to)[0] - place(from)[0], y = place(to)[1] - place(from)[1];
-        patches_[to].sum += p.b[0] + x * p.b[1] + y * p.b[2];
-        ++patches_[to].count;
-    }
-
-    void spread(double* out) {
-        for (int a = 0; a < n_; ++a) {
-            const Patch& p = patches_[a];
-            Eigen::Map<Value> value(out + 4 * static_cast<size_t>(a));
-            if (p.fitted)
-                value = p.b[0];
-            else if (p.count > 0)
-                value = p.sum / p.count;
-            else  // no inner node is near: the plain mean of the triangles around
-                value = p.m[0] > 0.0 ? Value(p.b[0] / p.m[0]) : Value::Zero();
         }
+        if (count > 0) return sum / count;
+        const int cells = first_[row + 1] - first_[row];
+        return cells > 0 ? Value(plain / cells) : Value::Zero();
     }
 
-    const double* X_;
-    const int32_t* cells_;
-    int stride_;
-    const double* values_;
-    int n_, ne_;
-    std::vector<Patch> patches_;
+    std::vector<int32_t> corners_, nodes_;  // (ne, 3) rows, and nodes
+    std::vector<int> first_, around_;       // corners k = 3 e + i of each row, from first to next first
+    std::vector<Patch> patches_;            // of each row
+    std::vector<Place> centres_;            // of each cell
+    int32_t least_ = 0;
 };
 
 }  // namespace restshape

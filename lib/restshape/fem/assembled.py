@@ -40,7 +40,7 @@ class Assembled:
             out: is changed and returned.
             subset: (k,) int32 cells of the first block that count; the other blocks count whole.
         """
-        out = np.zeros_like(x) if out is None else out
+        out = np.zeros(x.shape) if out is None else out
         for integral in self.integrals:
             integral.add_residual(x, out, subset if integral.block == 0 else None)
         return out

@@ -4,10 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.fem.space import PlaneSpace
-
-SIMPSON = np.array([1.0, 1.0, 4.0]) / 6.0
-"""Weights of a side's ends and middle."""
 
 
 def mean_over(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
@@ -16,35 +14,58 @@ def mean_over(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> C
     Arguments as in `node_weights`.
     """
     weights = node_weights(space, at, nodes)
-    if weights is None:
-        return plain_mean
-
-    def mean(values: np.ndarray) -> float:
-        w = weights()
-        # As numpy's average does it, without its checks, which take as long as all else here.
-        return (values * w).sum() / w.sum()
-
-    return mean
+    return plain_mean if weights is None else weights.mean
 
 
-def node_weights(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> Callable[[], np.ndarray] | None:
-    """The function of the weights (k,) of nodes in a mean over an entity; None where they are equal.
+class NodeWeights:
+    """How much nodes count in a mean over an entity, on the mesh at rest as it then lies.
+
+    Args:
+        space: whose nodes they are.
+        of: "cells" or "facets".
+        chosen: (m,) which of them the entity has; None: all.
+        nodes: (k,) of the values, in their order; each of them on the entity.
+    """
+
+    def __init__(self, space: PlaneSpace, of: str, chosen: np.ndarray | None, nodes: np.ndarray | slice) -> None:
+        self.space, self.of, self.chosen = space, of, chosen
+        self.nodes = np.arange(len(space.X), dtype=np.int32)[nodes]
+        self._places: tuple[int | None, np.ndarray] = (None, space.cells)
+
+    def __call__(self) -> np.ndarray:
+        """The weights (k,): lengths [m], or areas [m^2]."""
+        X, places = self.space.X, self._followed()
+        weights = _kernels.place_weights(X, places, self.of)
+        return np.bincount(places.ravel(), weights.ravel(), len(X))[self.nodes]
+
+    def mean(self, values: np.ndarray) -> float:
+        """The mean of values (k,)."""
+        return _kernels.mean_at(self.space.X, self._followed(), self.of, self.nodes, values)
+
+    def _followed(self) -> np.ndarray:
+        """The nodes of the entity's cells or facets: flips make other cells in the same region."""
+        topology, places = self._places
+        if topology != self.space.topology:
+            every = self.space.cells if self.of == "cells" else self.space.facets
+            places = np.ascontiguousarray(every if self.chosen is None else every[self.chosen], dtype=np.int32)
+            self._places = (self.space.topology, places)
+        return places
+
+
+def node_weights(space: PlaneSpace, at: str | None, nodes: np.ndarray | slice) -> NodeWeights | None:
+    """The weights of nodes in a mean over an entity; None where they are equal.
 
     Args:
         space: whose nodes they are.
         at: an entity: a region or all (None) counts by area, edges by length, vertices one like the other.
         nodes: of the values, in their order; each of them on the entity.
     """
-    weights_of: Callable[[np.ndarray, np.ndarray], np.ndarray]
     if at is None:
-        places, weights_of = space.cells, cell_weights
-    elif len(cells := space.cells_of(at)):
-        places, weights_of = space.cells[cells], cell_weights
-    elif len(facets := space.facets_of(at)):
-        places, weights_of = space.facets[facets], facet_weights
-    else:
-        return None
-    return lambda: np.bincount(places.ravel(), weights_of(space.X, places).ravel(), len(space.X))[nodes]
+        return NodeWeights(space, "cells", None, nodes)
+    if len(cells := space.cells_of(at)):
+        return NodeWeights(space, "cells", cells, nodes)
+    facets = space.facets_of(at)
+    return NodeWeights(space, "facets", facets, nodes) if len(facets) else None
 
 
 def plain_mean(values: np.ndarray) -> float:
@@ -54,31 +75,4 @@ def plain_mean(values: np.ndarray) -> float:
 
 def facet_weights(X: np.ndarray, facets: np.ndarray) -> np.ndarray:
     """Lengths [m] that stand for the nodes of facets (m, 2) or (m, 3: both ends, middle)."""
-    P = X[facets]
-    chord = P[:, 1] - P[:, 0]
-    if facets.shape[1] == 2:
-        return np.repeat(0.5 * np.hypot(*chord.T)[:, None], 2, axis=1)
-    bend = 2.0 * (P[:, 0] + P[:, 1] - 2.0 * P[:, 2])
-    tangents = np.stack([chord - bend, chord + bend, chord], axis=1)
-    return SIMPSON * np.hypot(tangents[..., 0], tangents[..., 1])
-
-
-def cell_weights(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Areas [m^2] that stand for the nodes of triangles (m, 3), or (m, 6), whose corners count nothing."""
-    P = X[cells]
-    if cells.shape[1] == 3:
-        thirds = _cross(P[:, 1] - P[:, 0], P[:, 2] - P[:, 0]) / 6.0
-        return np.broadcast_to(thirds[:, None], cells.shape)
-    sides = np.roll(P[:, :3], -1, axis=1) - P[:, :3]
-    weights = np.zeros(cells.shape)
-    for k in range(3):
-        # At the middle of a side: the tangents along it and towards the corner beyond.
-        first, second, beyond = k, (k + 1) % 3, (k + 2) % 3
-        across = 2.0 * (P[:, 3 + second] + P[:, 3 + beyond] - P[:, 3 + k]) - P[:, beyond]
-        across -= 0.5 * (P[:, first] + P[:, second])
-        weights[:, 3 + k] = _cross(sides[:, k], across) / 6.0
-    return weights
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return _kernels.place_weights(X, facets, "facets")

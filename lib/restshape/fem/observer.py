@@ -23,10 +23,11 @@ def largest_size(values: np.ndarray) -> float:
 
 # Of a single solution the peak over a frame's time steps is its largest size.
 REDUCTIONS: dict[str, Callable[[np.ndarray], float]] = {
-    "max": np.max,
-    "min": np.min,
-    "mean": np.mean,
-    "sum": np.sum,
+    # Methods, which numpy's functions find in as long as they take.
+    "max": np.ndarray.max,
+    "min": np.ndarray.min,
+    "mean": np.ndarray.mean,
+    "sum": np.ndarray.sum,
     "absmax": largest_size,
     "peak": largest_size,
 }

@@ -25,13 +25,14 @@ class NodalFlux:
         self.space = space
         second = space.cells.shape[1] == 6
         self.points = _kernels.recovery_points() if second else None
-        self._recover = _kernels.recover_quadratic if second else _kernels.recover
         regions = np.unique(space.cell_region)
         self._cells = [np.flatnonzero(space.cell_region == region) for region in regions] if len(regions) > 1 else []
         parts = [np.unique(space.cells[cells]) for cells in self._cells] or [np.arange(len(space.X))]
         self.nodes = np.concatenate(parts)
         self.region = np.repeat(regions, [len(part) for part in parts])
         self._parts = parts
+        self._rows: tuple[int | None, np.ndarray] = (None, space.cells)
+        self._patches: tuple[int | None, _kernels.PatchRecovery | None] = (None, None)
 
     @property
     def jumps(self) -> bool:
@@ -48,14 +49,17 @@ class NodalFlux:
         return np.flatnonzero(chosen)
 
     def cell_rows(self) -> np.ndarray:
-        """Rows (ne, nodes) int32 of the cells' nodes, as the region of each cell sees them."""
+        """Rows (ne, nodes) int32 of the cells' nodes, as the region of each cell sees them; not to be written to."""
         cells = self.space.cells
         if not self._cells:
             return cells
-        rows, first = np.empty_like(cells), 0
-        for chosen, nodes in zip(self._cells, self._parts):
-            rows[chosen] = first + np.searchsorted(nodes, cells[chosen])
-            first += len(nodes)
+        topology, rows = self._rows
+        if topology != self.space.topology:
+            rows, first = np.empty_like(cells), 0
+            for chosen, nodes in zip(self._cells, self._parts):
+                rows[chosen] = first + np.searchsorted(nodes, cells[chosen])
+                first += len(nodes)
+            self._rows = (self.space.topology, rows)
         return rows
 
     def __call__(self, flux: np.ndarray) -> np.ndarray:
@@ -64,13 +68,25 @@ class NodalFlux:
         Args:
             flux: (ne, 4), or (ne, 3, 4) at `points`.
         """
+        return self._linear(flux) if self.points is None else self._quadratic(flux)
+
+    def _linear(self, flux: np.ndarray) -> np.ndarray:
+        space, out = self.space, np.empty((len(self.nodes), 4))
+        topology, patches = self._patches
+        if patches is None or topology != space.topology:
+            patches = _kernels.PatchRecovery(space.cells, self.cell_rows(), len(self.nodes))
+            self._patches = (space.topology, patches)
+        patches(space.X, flux, out)
+        return out
+
+    def _quadratic(self, flux: np.ndarray) -> np.ndarray:
         X, cells = self.space.X, self.space.cells
         out = np.empty((len(X), 4))
         if not self._cells:
-            self._recover(X, cells, flux, out)
+            _kernels.recover_quadratic(X, cells, flux, out)
             return out
         found = []
         for chosen, nodes in zip(self._cells, self._parts):
-            self._recover(X, cells[chosen], flux[chosen], out)
+            _kernels.recover_quadratic(X, cells[chosen], flux[chosen], out)
             found.append(out[nodes])
         return np.concatenate(found)

@@ -68,6 +68,14 @@ def test_stresses_are_recovered_once_a_frame_and_only_where_a_quantity_is_one(tm
         assert row["calls"].get("recover", {}) == ({"field": (1, row["elements"])} if moved else {})
 
 
+def test_stresses_and_energies_of_triangles_come_of_one_loop(tmp_path):
+    energy = 'energy = { energy = "strain" }\n'
+    for row in rows_of(tmp_path, PLATE + STRETCH + PEAK + energy):
+        moved = row["event"] in ("start", "drag")
+        calls = row["calls"].get("linear_elastic_tri3", {})
+        assert "energy" not in calls and calls.get("stress") == ((1, row["elements"]) if moved else None)
+
+
 def test_flips_only_patch(tmp_path):
     rows = rows_of(tmp_path, PLATE + STRETCH, LONG)
     flipped = [row for row in rows if row["level"] == 2]

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.fem.problem import Fields
 from restshape.fem.recovery import NodalFlux
 from restshape.fem.space import Space
@@ -24,7 +25,7 @@ IN_CELLS = "_in_cells"
 
 
 class NodalStress:
-    """Cauchy's stresses recovered at nodes, computed once a state of the space and its displacement.
+    """Cauchy's stresses in cells and recovered at nodes, each computed once a state of the space and its displacement.
 
     Args:
         stresses: of the cells.
@@ -33,8 +34,9 @@ class NodalStress:
     def __init__(self, stresses: PlaneStresses) -> None:
         self.stresses, self.space = stresses, stresses.space
         self._versions = (-1, -1)
-        self._x = np.empty(0)
-        self._sampled = self._nodal = np.empty(0)
+        self._x = self._sampled = np.empty(0)
+        self._energies: np.ndarray | None = None
+        self._nodal: np.ndarray | None = None
         self._components: dict[str, np.ndarray] = {}
 
     @cached_property
@@ -47,25 +49,33 @@ class NodalStress:
         self._follow(x)
         return self._sampled
 
+    def energies(self, x: np.ndarray) -> np.ndarray | None:
+        """Strain energies (ne,) [J] of the cells at x (n, 2) [m]; None where they do not come with the stresses."""
+        if self.stresses.one_loop:
+            self._follow(x)
+        return self._energies
+
     def __call__(self, x: np.ndarray) -> np.ndarray:
         """Recovered stresses [Pa] (rows, 4) in the rows of `recovery`: xx, yy, xy, zz, at x (n, 2) [m]."""
         self._follow(x)
+        if self._nodal is None:
+            self._nodal = self.recovery(self._sampled)
         return self._nodal
 
     def component(self, name: str, x: np.ndarray) -> np.ndarray:
         """One of `COMPONENTS` [Pa] (rows,) at x (n, 2) [m], computed once a state; not to be written to."""
-        self._follow(x)
+        nodal = self(x)
         found = self._components.get(name)
         if found is None:
-            found = self._components[name] = COMPONENTS[name](self._nodal)
+            found = self._components[name] = COMPONENTS[name](nodal)
         return found
 
     def _follow(self, x: np.ndarray) -> None:
         versions = self.space.topology, self.space.geometry
-        if versions == self._versions and np.array_equal(x, self._x):
+        if versions == self._versions and _kernels.same_bits(x, self._x):
             return
-        self._sampled = self.stresses.cauchy(x, self.recovery.points)
-        self._nodal = self.recovery(self._sampled)
+        self._sampled, self._energies = self.stresses.with_energies(x, self.recovery.points)
+        self._nodal = None
         self._versions, self._x = versions, x.copy()
         self._components.clear()
 

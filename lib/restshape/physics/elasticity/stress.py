@@ -12,6 +12,9 @@ from restshape.physics.elasticity.thickness_stretch import thickness_stretch
 REFERENCE_NODES = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 0]], dtype=float)
 """Reference coordinates of a triangle's corners and the middles of its sides."""
 
+ONE_LOOP = "linear_elastic_tri3"
+"""The element of which `_kernels.triangle_stress` knows stress and energy."""
+
 
 class PlaneStresses:
     """Stresses of the cells of a plane solid.
@@ -45,6 +48,18 @@ class PlaneStresses:
             if self.large:
                 out /= thickness_stretch(self.space.X, x, self.space.cells, self._ratio, points)[..., None]
         return out
+
+    @property
+    def one_loop(self) -> bool:
+        """Whether stresses and energies come of one loop."""
+        return self.element.name == ONE_LOOP
+
+    def with_energies(self, x: np.ndarray, points: np.ndarray | None) -> tuple[np.ndarray, np.ndarray | None]:
+        """The same stresses, and the cells' strain energies (ne,) [J], None where `one_loop` is not."""
+        if not self.one_loop:
+            return self.cauchy(x, points), None
+        space, x = self.space, np.ascontiguousarray(x)
+        return _kernels.triangle_stress(space.X, x, space.cells, self.parameters, self.thins)
 
     def strain(self, x: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
         """Strains [1] of each cell, xx, yy, xy, zz: small ones, or Green's; arguments and shape as of `cauchy`."""
@@ -104,8 +119,7 @@ class PlaneStresses:
 
 def von_mises(s: np.ndarray) -> np.ndarray:
     """Equivalent stresses (n,) [Pa] of plane stress states s (n, 4): xx, yy, xy, zz."""
-    xx, yy, xy, zz = s.T
-    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)
+    return _kernels.von_mises(np.ascontiguousarray(s))
 
 
 def principal(s: np.ndarray, sign: float) -> np.ndarray:

@@ -1,0 +1,71 @@
+"""Stresses and energies of triangles in one loop: as by hand, and as the element gives them, bit for bit."""
+
+import numpy as np
+import pytest
+
+from restshape import _kernels
+
+LAMBDA, MU, THICKNESS = 3.0, 5.0, 0.5
+PARAMETERS = np.array([LAMBDA, MU, THICKNESS, 0.0, 0.0])
+STRAIN = np.array([[2e-3, 7e-4], [7e-4, -1e-3]])
+
+
+def strip(rng):
+    """Places (12, 2) of two rows of six nodes, and the triangles (10, 3) between them."""
+    X = np.array([(i, j) for j in range(2) for i in range(6)]) + rng.uniform(-0.2, 0.2, (12, 2))
+    cells = [corners for i in range(5) for corners in ((i, i + 1, i + 7), (i, i + 7, i + 6))]
+    return X, np.array(cells, dtype=np.int32)
+
+
+def test_a_uniform_strain_has_its_stress_and_energy():
+    """Sigma = lambda tr(eps) I + 2 mu eps, by hand; the energy is half of sigma : eps on area and thickness."""
+    X, cells = strip(np.random.default_rng(1))
+    turned = np.array([[0.0, -4e-3], [4e-3, 0.0]])
+    x = np.ascontiguousarray(X @ (STRAIN + turned).T)
+    sigma = LAMBDA * np.trace(STRAIN) * np.eye(2) + 2.0 * MU * STRAIN
+    stress, energy = _kernels.triangle_stress(X, x, cells, PARAMETERS, False)
+    expected = [sigma[0, 0], sigma[1, 1], sigma[0, 1], LAMBDA * np.trace(STRAIN)]
+    np.testing.assert_allclose(stress, np.tile(expected, (len(cells), 1)), rtol=1e-10)
+    work = 0.5 * (sigma * STRAIN).sum() * THICKNESS
+    assert energy.sum() == pytest.approx(work * _kernels.total_area(X, cells), rel=1e-10)
+    assert not _kernels.triangle_stress(X, x, cells, PARAMETERS, True)[0][:, 3].any()
+
+
+@pytest.mark.parametrize("each", [False, True])
+def test_it_is_what_the_element_gives(each):
+    rng = np.random.default_rng(2)
+    X, cells = strip(rng)
+    x = rng.normal(size=X.shape)
+    parameters = PARAMETERS * rng.uniform(0.5, 2.0, (len(cells), 1)) if each else PARAMETERS
+    element, expected = _kernels.Element("linear_elastic_tri3"), np.empty((len(cells), 4))
+    element.stress(X, x, cells, parameters, expected)
+    stress, energy = _kernels.triangle_stress(X, x, cells, parameters, False)
+    np.testing.assert_array_equal(stress, expected)
+    np.testing.assert_array_equal(energy, element.energy(X, x, cells, parameters))
+
+
+def test_what_does_not_fit_is_refused():
+    X, cells = strip(np.random.default_rng(3))
+    for wrong in (cells + 1, cells - 1):
+        with pytest.raises(ValueError, match="do not exist"):
+            _kernels.triangle_stress(X, np.zeros_like(X), wrong, PARAMETERS, True)
+    with pytest.raises(ValueError, match="params"):
+        _kernels.triangle_stress(X, np.zeros_like(X), cells, PARAMETERS[:3].copy(), True)
+    with pytest.raises(ValueError, match=r"\(n, 2\)"):
+        _kernels.triangle_stress(X, np.zeros(len(X)), cells, PARAMETERS, True)
+
+
+@pytest.mark.parametrize(
+    ("state", "expected"),
+    [((7, 0, 0, 0), 7), ((0, -7, 0, 0), 7), ((0, 0, 2, 0), 2 * np.sqrt(3)), ((3, 3, 0, 3), 0), ((0, 0, 0, 5), 5)],
+)
+def test_equivalent_stress(state, expected):
+    """Tension on any axis is itself, shear sqrt(3) times it, pressure on all sides nothing."""
+    assert _kernels.von_mises(np.array([state], dtype=float)) == pytest.approx([expected])
+
+
+def test_the_same_bits():
+    a = np.array([[1.0, np.nan], [0.0, 2.0]])
+    assert _kernels.same_bits(a, a.copy())
+    assert not _kernels.same_bits(a, a.ravel()[:3]) and not _kernels.same_bits(a, np.abs(a) * -1.0)
+    assert not _kernels.same_bits(a, a + 1e-16 * np.array([[2.0, 0.0], [0.0, 2.0]]))
