@@ -50,7 +50,8 @@ def joined(piece: Piece, scene: Scene, event: Any) -> Change:
     plank = plank_number(piece, event.on)
     found = plank_edits.connected(piece, plank, scene.joints.reach, event.fastener or scene.fastener.name)
     if len(found.joints) == len(piece.joints) and len(found.feet) == len(piece.feet):
-        raise UserError(f"{event.on} is near nothing that it is not joined to already")
+        missed = [end.words(piece) for end in free_ends(piece, [plank])]
+        raise UserError(f"{event.on} is near nothing that it is not joined to already", do=", ".join(missed))
     return found, _met(piece, found)
 
 

@@ -117,3 +117,12 @@ def test_frames_of_a_drag_that_differ_in_how_far_a_rail_is_off_are_one_row(tmp_p
     rows = list(make_replay(path, write_edits(tmp_path, *events)).frames())
     (span,) = runs(rows)
     assert "the centre line of rail -x passes up to 18 mm beside left, on its +y side" in span[2]
+
+
+def test_a_rail_that_cannot_be_connected_says_what_to_do(tmp_path) -> None:
+    path = write_bench(tmp_path, BENCH + rail(-0.49, 0.49, 0.158, EDGE))
+    *_, row = make_replay(path, write_edits(tmp_path, {"do": "connect", "on": "rail"})).frames()
+    assert (
+        "near nothing" in row["refused"]
+        and "8 mm beside left, on its +y side; move rail 18 mm along -y" in row["refused"]
+    )
