@@ -1,6 +1,7 @@
 """Replays whose frames are counted: unknowns, matrix entries, kernel calls, PETSc's events, stages."""
 
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from restshape_studies.explain.paired import Counted
 from slepc4py import SLEPc
 
 from restshape import _kernels
+from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import LOGGED, log_stage
 from restshape.application import application
 from restshape.calibration import Calibration
@@ -43,16 +45,42 @@ EVENTS = (
 )
 
 
+FACTORS = (
+    "MatCholFctrSym",
+    "MatCholFctrNum",
+    "MatICCFactorSym",
+    "MatLUFactorSym",
+    "MatLUFactorNum",
+    "MatILUFactorSym",
+)
+"""Events of factors: analyses of their patterns, and their numbers."""
+
+
 class Watched(Counted):
-    """A replay whose rows hold what PETSc did in the frame's time (`events`), and which stages took some (`stages`)."""
+    """A replay whose rows hold what PETSc did in the frame's time (`events`), and which stages took some (`stages`).
+
+    Of linear problems `counted_seconds`, too: what that costs by the calibration.
+    """
 
     events: EventCounts
 
     def _record(self, edit: Any, row: dict[str, Any], end: float) -> None:
         row["events"] = self.events.since_last()
         row["stages"] = sorted(name for name, seconds in self.stages.seconds.items() if seconds > 0.0)
+        row["counted_seconds"] = counted_seconds(row["events"], getattr(self.analysis, "solver", None))
         super()._record(edit, row, end)
         self.events.since_last()
+
+
+def counted_seconds(events: dict[str, int], solver: Any) -> float:
+    """What PETSc's events cost with the preconditioner of a linear solver; 0 where there is none."""
+    if not isinstance(solver, LinearSolver) or not solver.kept.ready:
+        return 0.0
+    kept, price = solver.kept, solver.kept.price()
+    product = kept.choice.calibration.pass_seconds(kept.size.unknowns, kept.size.nonzeros)
+    symbolic, numeric = (sum(events[name] for name in FACTORS if name.endswith(end)) for end in ("Sym", "Num"))
+    factors = numeric * price.refresh + symbolic * (price.setup - price.refresh)
+    return factors + events["PCApply"] * (price.iteration - product) + events["MatMult"] * product
 
 
 def begin_log() -> None:
@@ -85,11 +113,17 @@ def counted(event: PETSc.LogEvent, stage: int) -> bool:
 
 
 def watched(
-    scene: Path, script: Path | None = None, overrides: Sequence[str] = (), name: str = "auto", predict: str = "none"
+    scene: Path,
+    script: Path | None = None,
+    overrides: Sequence[str] = (),
+    name: str = "auto",
+    predict: str = "none",
+    frames: int | None = None,
 ) -> tuple[list[dict[str, Any]], Watched]:
     """The rows of a replay in this process, and the replay.
 
-    Each row has besides `calls`, `calls_beside`, `events`, `stages`, and `entries` of the replay's matrices.
+    Those of the first `frames`, if not None. Each row has besides `calls`, `calls_beside`, `events`, `stages`,
+    `counted_seconds`, and `entries` of the replay's matrices.
     """
     read = load_scene(scene, overrides)
     edits = load_script(script, read) if script else Script.empty(read)
@@ -99,7 +133,7 @@ def watched(
     replay.events.since_last()
     before, rows = stored()[1], []
     _kernels.reset_calls()
-    for row in replay.frames():
+    for row in islice(replay.frames(), frames):
         rows.append({**row, "entries": stored()[1] - before})
         _kernels.reset_calls()
     return rows, replay

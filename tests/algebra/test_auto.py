@@ -206,8 +206,8 @@ def factorisations() -> int:
     return sum(event.getPerfInfo(stage and stage.id)["count"] for stage in stages)
 
 
-def test_level_2_factors_only_when_the_iteration_was_given_up(tmp_path):
-    """A frame of level 2 has a factorisation if and only if an iteration with the old factor came before it."""
+def test_level_2_keeps_the_factor_while_that_pays(tmp_path):
+    """Few flips in a row do not cost twice a factor: level 2 makes one only where its iteration was given up."""
     PETSc.Log.begin()
     made = make_replay(
         write_scene(tmp_path, plate(0.07)),

@@ -43,6 +43,9 @@ def test_up_to_as_many_as_are_kept_all_is_exact():
     assert found["levels"] == {str(k): int((level == k).sum()) for k in (1, 2, 3)}
     assert found["idle"] == int((level == 0).sum()) and found["predicted"] == sum(row["predicted"] for row in later)
     assert found["iterations"] == sum(row["iterations"] for row in rows)
+    for key, column in {"iterations_by_level": "iterations", "refreshes_by_level": "pc_rebuilt"}.items():
+        totals = {str(k or "still"): sum(row[column] for row in later if row["level"] == k) for k in range(4)}
+        assert found[key] == totals
     assert found["refused"] == sum(bool(row["refused"]) for row in rows)
     assert found["stages"]["krylov"] == pytest.approx(sum(row["ms_krylov"] for row in rows))
     assert found["quantities"] == {"sag": [row["q_sag"] for row in rows]}

@@ -90,7 +90,7 @@ class LinearSolver:
         self.projection = Projection(comm, directions) if directions else None
         self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool, Reals | None], None] | None = None
         self.age = -1
-        self._begun = False
+        self._begun = self._current = False
         self.scale: float | None = None
         self._aimed: tuple[float | None, float] = (None, tolerance)
 
@@ -153,6 +153,7 @@ class LinearSolver:
         places: Reals | None = None,
         scale: float | None = None,
         auxiliary: bool = False,
+        uses: int = 1,
     ) -> LinearReport:
         """Solve mat x = b from the guess in x.
 
@@ -161,11 +162,12 @@ class LinearSolver:
             b: right side.
             x: guess on entry (but for `direct`), solution on return.
             new_system: the mesh is another one, so that no old preconditioner fits.
-            same_matrix: mat is what it was in the last solve, so that `direct` has its factor.
-            patched: flips have changed the pattern: level 2, which never factors ahead of the iteration.
+            same_matrix: mat is what it was in the last solve.
+            patched: flips have changed the pattern: level 2.
             places: (n, d) nodes of this rank [m], whose rigid motions algebraic multigrid interpolates.
             scale: what the residual is measured against, in place of the norm of b.
             auxiliary: the solution is not one of the sequence that guesses come from.
+            uses: solves with this matrix that are known to come, this one among them.
 
         Raises:
             ReplayProblem: no convergence, or no factor.
@@ -179,20 +181,20 @@ class LinearSolver:
                 self.projection(mat, b, x)
         if self.on_solve:
             self.on_solve(mat, b, x, new_system, places)
-        again = (self.method == "direct" and not same_matrix) or (self.keeps and self.refresh.worth_refreshing)
+        again = not self._current and (self.method == "direct" or (self.keeps and self.refresh.worth_refreshing(uses)))
         stale = self.kept.ready and not again
         if stale:
             self.ksp.setOperators(mat)
         else:
             self._factor(mat, places, self._why(again))
         self._use()
-        iterations = last = self._iterate(b, x, limited=stale and self.keeps)
+        iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0)
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
             stale = False
             self._factor(mat, places, f"no convergence in {last} iterations with the old one", rebuild=True)
             self._use()
-            last = self._iterate(b, x, limited=False)
+            last = self._iterate(b, x)
             iterations += last
         self._check()
         if self.keeps:
@@ -206,35 +208,34 @@ class LinearSolver:
         if self.projection:
             self.projection.interpolate(interpolate)
 
-    def prepare(self, mat: PETSc.Mat, new_system: bool, uses: int, patched: bool = False) -> bool:
-        """Whether this matrix now has a complete factor of its own, for `apply`; made if its uses are worth it.
-
-        A solve with an old factor takes at least one iteration more than `apply`: as many uses as there are iterations
-        in the cost of a refresh pay for it.
+    def prepare(self, mat: PETSc.Mat, new_system: bool, uses: int) -> None:
+        """Take up another matrix, and make a complete factor of it, for `apply`, if its uses are worth it.
 
         Args:
-            mat: symmetric positive definite.
+            mat: as the traits say.
             new_system: the mesh is another one, so that no old preconditioner fits.
             uses: solves with this matrix that are known to come.
-            patched: flips have changed the pattern, so that nothing is factored ahead.
 
         Raises:
             ReplayProblem: no factor.
         """
+        self._current = False
         if self.comm.size > 1 or self.method == "ilu":
-            return False
-        self._begin(mat, new_system, False, patched)
+            return
+        self._begin(mat, new_system, False, False)
         self._begun = True
-        if self.kind != "cholesky":
-            return False
-        pays = uses >= self.refresh.break_even and not self.refresh.patched
-        if not (self.method == "direct" or not self.kept.ready or pays):
-            return False
-        self._factor(mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even} iterations")
-        return True
+        if self.kind == "cholesky" and (
+            self.method == "direct" or not self.kept.ready or self.refresh.worth_refreshing(uses)
+        ):
+            self._factor(mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even} iterations")
+
+    @property
+    def factored(self) -> bool:
+        """Whether there is a complete factor of the very matrix of the last solve, or of `prepare`, for `apply`."""
+        return self._current and self.kept.ready and self.kept.exact
 
     def apply(self, b: PETSc.Vec, x: PETSc.Vec) -> LinearReport:
-        """Solve with the factor that `prepare` has made: no guess, no iteration."""
+        """Solve with the factor that there is (`factored`): no guess, no iteration."""
         self._begun = False
         with self.stages("krylov"):
             self.ksp.getPC().apply(b, x)
@@ -278,6 +279,7 @@ class LinearSolver:
         """See what is new about a matrix, and choose its preconditioner where the system is another one."""
         # A patch that adds to the pattern makes another matrix object, beside the one that the KSP still holds.
         kept, grown = self.kept, mat.handle != self.kept.handle
+        self._current = self._current and same_matrix and not grown
         if grown or new_system:
             grown = kept.measure(mat) or patched
         if new_system or (kept.chooses and not kept.candidate):
@@ -297,7 +299,7 @@ class LinearSolver:
         with self.stages("factor"):
             self.kept.make(mat, places, rebuild)
         self.kept.note_kind()
-        self.age = -1
+        self.age, self._current = -1, True
         log.info("KSP %s PC %s rebuilt: %s", self.ksp.getOptionsPrefix(), self.name, why)
         self.refresh.restart()
         if self.keeps:
@@ -327,10 +329,10 @@ class LinearSolver:
             self.projection.pays = spent < saved
         self.refresh.set_refresh_price(price, self.kept.pattern_changed)
 
-    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, limited: bool) -> int:
-        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper."""
+    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, uses: int = 0) -> int:
+        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper for the uses."""
         if self.keeps:
-            most = self.refresh.limit(self.kept.complete) if limited else MOST_ITERATIONS
+            most = self.refresh.limit(self.kept.complete, uses) if uses else MOST_ITERATIONS
             self.ksp.setTolerances(max_it=most)
         self._aim()
         with self.stages("krylov"):

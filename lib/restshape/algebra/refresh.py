@@ -6,7 +6,10 @@ from restshape.algebra.choice import Prices
 
 
 class RefreshCriterion:
-    """Rent or buy: a refresh is worth it once the iterations beyond those of a fresh one have cost as much.
+    """Rent or buy: a refresh is worth it once what an old preconditioner costs beyond a fresh one comes to as much.
+
+    Where a matrix has several uses that are known to come, their cost is counted ahead. Of one use, half of what the
+    last solve took beyond a fresh preconditioner is expected, with which growing costs are cut at their least mean.
 
     Args:
         most: iterations of a solve.
@@ -14,9 +17,11 @@ class RefreshCriterion:
     Attributes:
         break_even: iterations that cost as much as a refresh.
         extra_iterations: iterations beyond those of a fresh preconditioner, since it was made.
+        last_extra: such iterations of the last solve.
         fresh_iterations: of a solve with a fresh one.
         uses: solves since it was made, -1 before the first.
-        patched: the pattern of the matrix is not that of the frame before: then nothing is made ahead of the iteration.
+        patched: flips have changed the matrix. More of them often follow, and then a new mesh, for which a refresh
+            serves no longer: it must be worth twice as much.
 
     Source: docs/theory/levels-of-reuse.md.
     """
@@ -24,34 +29,43 @@ class RefreshCriterion:
     def __init__(self, most: int) -> None:
         self.most = most
         self.uses = -1
-        self.extra_iterations = self.break_even = 0
+        self.extra_iterations = self.last_extra = self.break_even = 0
         self.fresh_iterations = 1
         self.patched = False
 
     def restart(self) -> None:
         """Take in that the preconditioner has just been made."""
-        self.uses, self.extra_iterations = -1, 0
+        self.uses, self.extra_iterations, self.last_extra = -1, 0, 0
 
     def set_refresh_price(self, price: Prices, pattern_changed: bool) -> None:
         """Take in what the preconditioner costs; a new pattern asks for an analysis of it."""
         refresh = price.setup if pattern_changed else price.refresh
         self.break_even = max(1, math.ceil(refresh / price.iteration))
 
-    @property
-    def worth_refreshing(self) -> bool:
-        """Whether the iterations beyond those of a fresh preconditioner have cost as much as a refresh."""
-        return not self.patched and self.extra_iterations >= self.break_even
+    def worth_refreshing(self, known: int = 1) -> bool:
+        """Whether a refresh is worth it before a solve.
 
-    def limit(self, complete: bool) -> int:
+        Args:
+            known: uses of the matrix that are known to come. If they are several, an old preconditioner costs each of
+                them one iteration at least, for a fresh factor is applied without any.
+        """
+        expected = known * max(1, self.last_extra) if known > 1 else self.last_extra / 2
+        return self.extra_iterations + expected >= self._budget(known)
+
+    def limit(self, complete: bool, known: int = 1) -> int:
         """Iterations after which a solve with an old preconditioner is better given up for a new one.
 
         Args:
             complete: it is a complete factor.
+            known: uses of the matrix that are known to come, this solve among them: each would take as many.
         """
         # An iteration that is cut short has to restart: where a fresh one is long too, that must be paid twice.
         fresh = self.fresh_iterations if complete else 2 * self.fresh_iterations
-        break_even = 2 * self.break_even if self.patched else self.break_even
-        return min(self.most, max(fresh + 1, fresh + break_even - self.extra_iterations))
+        return min(self.most, fresh + math.ceil(self._budget(known) / known))
+
+    def _budget(self, known: int) -> int:
+        """Iterations that may be spent in place of a refresh."""
+        return 2 * self.break_even if self.patched and known == 1 else self.break_even
 
     def count(self, iterations: int, refreshed: bool, complete: bool) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now.
@@ -67,4 +81,5 @@ class RefreshCriterion:
         if self.uses == 1 and not complete:
             # The guess on a new mesh is worse than those that follow it.
             self.fresh_iterations = max(1, min(self.fresh_iterations, iterations))
-        self.extra_iterations += max(0, iterations - self.fresh_iterations)
+        self.last_extra = max(0, iterations - self.fresh_iterations)
+        self.extra_iterations += self.last_extra

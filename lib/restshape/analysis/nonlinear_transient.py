@@ -167,7 +167,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     # --- time steps ---------------------------------------------------------------------------------------------------
 
-    def _step(self, stale: bool, new_system: bool) -> LinearReport:
+    def _step(self, stale: bool, new_system: bool, steps: int) -> LinearReport:
         """One time step."""
         system, state, scheme = self.state.system, self.state.now, self.state.integration.scheme
         equations, newton, problem = system.equations, system.newton, self.problem

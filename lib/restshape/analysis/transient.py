@@ -392,7 +392,7 @@ class TransientAnalysis:
         if self.state.observer.watched:
             self.state.observer.begin()
         for k in range(steps):
-            report = self._step(stale and k == 0, new_system and k == 0)
+            report = self._step(stale and k == 0, new_system and k == 0, steps - k)
             iterations, refreshed = iterations + report.iterations, refreshed or report.refreshed
             newton += report.newton
             self._refuse_growth()
@@ -415,18 +415,18 @@ class TransientAnalysis:
             system.assemble(self.state.now, np.zeros(system.right.shape[1]))
         system.right[:] = 0.0
 
-    def _step(self, stale: bool, new_system: bool) -> LinearReport:
-        """One time step."""
+    def _step(self, stale: bool, new_system: bool, steps: int) -> LinearReport:
+        """One time step, the first of so many."""
         bound, state, integration = made(self.state.bound), self.state.now, self.state.integration
-        system, scheme, factored = bound.system, integration.scheme, self.state.factored
+        system, scheme = bound.system, integration.scheme
         components = state.y.shape[1]
         with self.context.stages("values"):
             base_acceleration = integration.base_acceleration(state.time + scheme.dt, components)
             base_acceleration += scheme.a3 * integration.base_acceleration(state.time, components)
             (system.assemble if stale else system.right_side)(state, base_acceleration)
         if stale:
-            factored = self.solver.prepare(system.mat, new_system, integration.steps)
-            self.state = replace(self.state, factored=factored)
+            self.solver.prepare(system.mat, new_system, steps)
+        factored = self.solver.factored
         guessed = self.context.policy.extrapolate and not factored
         if factored:
             report = self.solver.apply(system.b, system.solution)
@@ -436,7 +436,7 @@ class TransientAnalysis:
             if guessed:
                 system.full += bound.increments(system.force())
                 system.solution.stateIncrease()
-            report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale)
+            report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale, uses=steps)
         gather_vector(system.full, system.rows, self.context.comm)
         y = system.full.reshape(state.y.shape).copy()
         if guessed:

@@ -64,7 +64,6 @@ class TransientState:
         now, previous: after the last step and before it.
         account: of energies.
         topology, geometry: versions of the space that it was found at; -1: on none.
-        factored: the solver has a complete factor of this very matrix.
         unsolved: no step has been taken yet.
         age: frames since the preconditioner was made.
         start: before the first step of the last frame, on its mesh.
@@ -81,7 +80,6 @@ class TransientState:
     account: EnergyAccount = field(default_factory=EnergyAccount)
     topology: int = -1
     geometry: int = -1
-    factored: bool = False
     unsolved: bool = True
     age: int = 0
     start: TimeState = NOTHING
@@ -96,7 +94,7 @@ class TransientState:
     def after(self, now: TimeState) -> "TransientState":
         """The motion after a step to `now`: what `dataclasses.replace` makes, in a quarter of its time."""
         whole = self.plan, self.scene, self.in_time, self.bound
-        known = self.account, self.topology, self.geometry, self.factored
+        known = self.account, self.topology, self.geometry
         return TransientState(
             *whole, now, self.now, *known, False, self.age, self.start, self.last_end, self.interrupted
         )

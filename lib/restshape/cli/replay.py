@@ -216,10 +216,16 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     )
     for column, reasons in summary["reasons"].items():
         _print_reasons(column, reasons)
-    heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]")
+    heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations", "factorisations")
     counts, times = summary["levels"] | {"still": summary["still"]}, summary["ms"]
+    work = summary["iterations_by_level"], summary["refreshes_by_level"]
     rows = [
-        (LEVEL_NAMES[k], counts[k], *(f"{v:.3f}" if counts[k] else "-" for v in times[k].values()))
+        (
+            LEVEL_NAMES[k],
+            counts[k],
+            *(f"{v:.3f}" if counts[k] else "-" for v in times[k].values()),
+            *(f"{done[k]:,}" for done in work),
+        )
         for k in LEVELS
         if counts[k] or k != "still"
     ]

@@ -102,9 +102,11 @@ class Tally:
         self._add_texts(row)
 
     def _add_times(self, row: RowValues) -> None:
-        level, ms = whole(row, "level"), number(row, "ms")
-        self._counts[f"level {level}"] += 1
-        self._counts["predicted"] += bool(row["predicted"])
+        level, ms, counts = whole(row, "level"), number(row, "ms"), self._counts
+        counts[f"level {level}"] += 1
+        counts["predicted"] += bool(row["predicted"])
+        for name in ("iterations", "pc_rebuilt"):
+            counts[f"{name} {level or 'still'}"] += whole(row, name)
         if level > 0:
             for name in ("all", str(level)):
                 self._samples[f"ms {name}"].add(ms)
@@ -207,6 +209,8 @@ class Tally:
             "iterations": counts["iterations"],
             "newton": counts["newton"],
             "refreshes": counts["pc_rebuilt"],
+            "iterations_by_level": {name: counts[f"iterations {name}"] for name in ("1", "2", "3", "still")},
+            "refreshes_by_level": {name: counts[f"pc_rebuilt {name}"] for name in ("1", "2", "3", "still")},
             "preconditioners": dict(self._preconditioners),
             "unknowns": self._size[0],
             "elements": self._size[1],
