@@ -18,7 +18,7 @@ from restshape_apps.vibration.stage import add_structure, structure
 from restshape.cli.options import print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
-from restshape.outputs.kinds import TABLE_MARK, PictureFile, TableFile
+from restshape.outputs.kinds import PictureFile, TableFile
 
 
 def table(found: Sweep) -> str:
@@ -28,7 +28,7 @@ def table(found: Sweep) -> str:
         heads += [f"{name} [m]", f"{name}_phase [deg]", f"{name}_transmissibility"]
         columns += [np.abs(values), np.angle(values, deg=True), found.transmissibility[name]]
     lines = [",".join(f"{value:.9g}" for value in row) for row in zip(*columns)]
-    return "\n".join([f"{TABLE_MARK}harmonic", ",".join(heads), *lines, ""])
+    return "\n".join([",".join(heads), *lines, ""])
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -20,7 +20,7 @@ from restshape.analysis.response_spectrum import oscillator_motions, response_sp
 from restshape.cli.options import print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
-from restshape.outputs.kinds import TABLE_MARK, PictureFile, TableFile
+from restshape.outputs.kinds import PictureFile, TableFile
 from restshape.physics.elasticity.ground_record import GroundRecord, read_record
 
 ROUNDING = 1e-9
@@ -108,7 +108,7 @@ def table(modes: BaseModes, damping: np.ndarray) -> str:
     so_far = np.cumsum(modes.effective_mass)
     columns = (modes.frequencies, damping, modes.participation, modes.effective_mass, so_far)
     lines = [",".join([str(k), *(f"{value:.9g}" for value in row)]) for k, row in enumerate(zip(*columns), 1)]
-    return "\n".join([f"{TABLE_MARK}participation", heads, *lines, ""])
+    return "\n".join([heads, *lines, ""])
 
 
 def _name(args: argparse.Namespace) -> str:

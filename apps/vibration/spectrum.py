@@ -16,7 +16,7 @@ from restshape.analysis.response_spectrum import ResponseSpectrum, response_spec
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
-from restshape.outputs.kinds import TABLE_MARK, PictureFile, TableFile
+from restshape.outputs.kinds import PictureFile, TableFile
 from restshape.physics.elasticity.ground_record import GroundRecord, read_record
 
 SHOWN = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
@@ -86,7 +86,7 @@ def _print(args: argparse.Namespace, found: Sequence[ResponseSpectrum]) -> None:
 def table(found: Sequence[ResponseSpectrum]) -> str:
     """The spectra as text: damping, period [s], S_d [m], pseudo-velocity [m/s], pseudo-acceleration [m/s^2]."""
     heads = "damping,period [s],displacement [m],pseudo_velocity [m/s],pseudo_acceleration [m/s^2]"
-    lines = [f"{TABLE_MARK}spectrum", heads]
+    lines = [heads]
     for one in found:
         columns = (one.damping, one.periods, one.displacement, one.pseudo_velocity, one.pseudo_acceleration)
         lines += [",".join(f"{value:.9g}" for value in row) for row in zip(*columns)]

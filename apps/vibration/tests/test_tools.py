@@ -1,5 +1,6 @@
 """Modes, harmonic sweeps and response spectra of a shape, against each other, closed forms and the motion in time."""
 
+import csv
 import json
 
 import numpy as np
@@ -182,12 +183,30 @@ def test_modes_are_printed_with_peaks(tmp_path, capsys, monkeypatch):
     assert "SRSS" in capsys.readouterr().out
 
 
+def test_tables_begin_with_their_columns_and_are_replaced(tmp_path):
+    """Readers take the first line of a table for the names of its columns."""
+    file = tmp_path / "a.csv"
+    words = ["harmonic", str(FRAME), "--range", "1", "3", "--points", "3", "--set", "mesh.size=2", "--csv", str(file)]
+    assert main(words) == 0 and main(words) == 0
+    with file.open(newline="") as lines:
+        rows = list(csv.DictReader(lines))
+    assert float(rows[0]["frequency [Hz]"]) == 1.0 and float(rows[0]["drift [m]"]) > 0.0
+    words = ["participation", str(FRAME), "--modes", "2", "--set", "mesh.size=2", "--csv", str(tmp_path / "b.csv")]
+    assert main(words) == 0 and main(words) == 0
+    assert (tmp_path / "b.csv").read_text().startswith("mode,frequency [Hz],")
+    words = ["spectrum", str(RECORD), "--points", "2", "--csv", str(tmp_path / "c.csv")]
+    assert main(words) == 0 and main(words) == 0
+    assert (tmp_path / "c.csv").read_text().startswith("damping,period [s],")
+    file.write_text("frequency [Hz],mine\n")
+    assert main(["spectrum", str(RECORD), "--points", "2", "--csv", str(file)]) == 2
+
+
 def test_modes_are_written_and_drawn_as_they_are_printed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     drawn = []
     monkeypatch.setattr(pictures, "save_picture", lambda figure, path: drawn.append(figure))
     assert main(["participation", str(FRAME), "--modes", "3", *COMMON, "--csv", "a.csv", "--picture", "a.png"]) == 0
-    table = np.genfromtxt("a.csv", delimiter=",", skip_header=2)
+    table = np.genfromtxt("a.csv", delimiter=",", skip_header=1)
     data = json.loads((tmp_path / "a.json").read_text())
     for column, key in ((1, "frequency"), (2, "damping"), (3, "participation"), (4, "effective_mass")):
         np.testing.assert_allclose(table[:, column], data[key], rtol=1e-7)
@@ -216,7 +235,7 @@ def test_a_sweep_is_written_as_it_is_printed(tmp_path, monkeypatch):
     files = [tmp_path / "a.csv", tmp_path / "a.png"]
     words = ["--csv", str(files[0]), "--picture", str(files[1])]
     assert main(["harmonic", str(FRAME), "--range", "1", "3", "--points", "5", *COMMON, *words]) == 0
-    table = np.genfromtxt(files[0], delimiter=",", skip_header=2)
+    table = np.genfromtxt(files[0], delimiter=",", skip_header=1)
     data = json.loads((tmp_path / "a.json").read_text())
     np.testing.assert_allclose(table[:, 0], data["frequency"])
     np.testing.assert_allclose(table[:, 1], data["quantities"]["drift"]["amplitude"], rtol=1e-7)
@@ -230,7 +249,7 @@ def test_a_spectrum_is_written_as_it_is_printed(tmp_path):
     assert main(["spectrum", str(RECORD), *words]) == 0
     data = json.loads((tmp_path / "a.json").read_text())
     assert [one["damping"] for one in data] == [0.02, 0.05]
-    assert len(np.genfromtxt(files[0], delimiter=",", skip_header=2)) == 8
+    assert len(np.genfromtxt(files[0], delimiter=",", skip_header=1)) == 8
 
 
 @pytest.mark.parametrize(

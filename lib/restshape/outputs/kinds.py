@@ -83,17 +83,19 @@ class SweepFile(OutputFile):
 
 
 TABLE_MARK = "# written by restshape "
-"""Beginning of the first line of a table; what follows it says of what."""
+"""Beginning of the first line of a made record; what follows it says of what."""
+TABLE_HEADS = rb"damping,period \[s\],|mode,frequency \[Hz\],|frequency \[Hz\],[^,\n]+ \[m\],[^,\n]+_phase \[deg\],"
+"""First columns of a spectrum, of modes, and of a harmonic response."""
 
 
 class TableFile(OutputFile):
-    """A table (CSV) that says in its first line that restshape has written it: a spectrum, modes, a made record."""
+    """A table (CSV) of a spectrum, of modes, of a harmonic response, or a made record, which says so."""
 
     what = "a table that restshape wrote"
 
     def known(self, head: bytes) -> bool:
-        """Whether it says so."""
-        return head.startswith(TABLE_MARK.encode())
+        """Whether it has the columns of one, or says so in its first line."""
+        return head.startswith(TABLE_MARK.encode()) or re.match(TABLE_HEADS, head) is not None
 
 
 class RecordingFile(OutputFile):
