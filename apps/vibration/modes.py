@@ -16,7 +16,7 @@ from restshape_apps.vibration.stage import Structure, add_structure, structure
 
 from restshape.analysis.base_modes import BaseModes, cqc, srss
 from restshape.analysis.modes_beside import present_modes
-from restshape.analysis.response_spectrum import oscillator_motions, response_spectrum
+from restshape.analysis.response_spectrum import spectrum_and_sums
 from restshape.cli.options import print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
@@ -58,14 +58,14 @@ def peaks(shape: Structure, modes: BaseModes, record: GroundRecord, scale: float
     if damping.max() >= 1.0:
         what = f"mode {int(np.argmax(damping)) + 1} has {damping.max():.3g} of critical damping, and does not vibrate"
         raise UserError(what, "effects.damping", "ask for fewer modes, or less damping")
-    accelerations = scale * record.accelerations
-    spectrum = response_spectrum(record.times, accelerations, modes.frequencies, damping)
-    moved = oscillator_motions(record.times, accelerations, modes.frequencies, damping)
+    accelerations, added = scale * record.accelerations, factors(shape, modes)
+    by_mode = np.array(list(added.values())).reshape(len(added), -1).T
+    spectrum, sums = spectrum_and_sums(record.times, accelerations, modes.frequencies, damping, by_mode)
     found = {}
-    for name, factor in factors(shape, modes).items():
+    for (name, factor), in_time in zip(added.items(), sums):
         single = factor * spectrum.displacement
         combined = float(srss(single)), float(cqc(single, modes.omega, damping))
-        found[name] = Peaks(*combined, float(np.abs(moved @ factor).max()))
+        found[name] = Peaks(*combined, float(in_time))
     return found
 
 

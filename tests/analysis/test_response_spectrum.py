@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import StateSpace, lsim
 
-from restshape.analysis.response_spectrum import oscillator_motions, response_spectrum
+from restshape.analysis.response_spectrum import response_spectrum, spectrum_and_sums
 
 
 def noise(count=40, seed=3):
@@ -43,31 +43,65 @@ def test_a_half_sine_shock_has_the_closed_form():
     np.testing.assert_allclose(found.pseudo_acceleration / peak, np.maximum(residual, inside), rtol=2e-5)
 
 
+def integrated(t, a, frequency, ratio, dense):
+    """Displacements at dense times, by a Runge-Kutta method of high order."""
+    w = 2 * np.pi * frequency
+
+    def rates(time, y):
+        return [y[1], -np.interp(time, t, a, left=0, right=0) - 2 * ratio * w * y[1] - w**2 * y[0]]
+
+    return solve_ivp(rates, (t[0], dense[-1]), [0, 0], "DOP853", dense, max_step=0.02, rtol=1e-7, atol=1e-9).y[0]
+
+
 @pytest.mark.parametrize("ratio", [0.0, 0.03])
-def test_motions_are_those_of_scipy(ratio):
-    """scipy.signal.lsim is exact for inputs that are linear between samples of equal steps."""
-    t = 0.01 * np.arange(300)
+def test_sums_of_motions_peak_where_those_of_scipy_do(ratio):
+    """scipy.signal.lsim is exact for inputs that are linear between samples of equal steps: here, 1/40 of the record's.
+
+    The record has 2.5 samples in a period of the fastest oscillator.
+    """
+    t, frequencies = 0.02 * np.arange(60), np.array([3.0, 8.0, 20.0])
     a = np.random.default_rng(1).normal(size=len(t))
-    found = oscillator_motions(t, a, np.array([0.3, 3.0, 20.0]), ratio)
-    for column, frequency in enumerate((0.3, 3.0, 20.0)):
-        w = 2 * np.pi * frequency
+    dense = np.linspace(0, 2 * t[-1], 40 * 2 * (len(t) - 1) + 1)
+    ground = np.interp(dense, t, a)
+    ground[dense > t[-1] + 1e-9] = 0.0
+    factors = np.array([[1.0, 0.4], [-2.0, 0.0], [9.0, 30.0]])
+    moved = []
+    for w in 2 * np.pi * frequencies:
         system = StateSpace([[0, 1], [-(w**2), -2 * ratio * w]], [[0], [-1]], [[1, 0]], [[0]])
-        expected = lsim(system, a, t, interp=True)[1]
-        np.testing.assert_allclose(found[:, column], expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+        moved.append(lsim(system, ground, dense, interp=True)[1])
+    during = np.abs(np.array(moved).T @ factors)[: 40 * (len(t) - 1) + 1]
+    found = spectrum_and_sums(t, a, frequencies, ratio, factors)[1]
+    if ratio:
+        np.testing.assert_allclose(found, during.max(axis=0), rtol=1e-3)
+        assert np.all(during[::40].max(axis=0) < 0.99 * found)
+    else:
+        assert np.all(found > 0.999 * np.abs(np.array(moved).T @ factors).max(axis=0))
+
+
+def test_a_sum_that_is_largest_after_the_record_is_followed():
+    """A push of 10 ms: two oscillators then swing freely, and their sum peaks when both do, some periods later."""
+    t, a = np.array([0.0, 0.005, 0.01]), np.array([0.0, 1.0, 0.0])
+    frequencies, factors = np.array([1.0, 1.25]), np.array([[1.0, 1.0], [1.0, -1.0]])
+    dense = np.linspace(0, 6, 12001)
+    parts = np.array([integrated(t, a, frequency, 0.01, dense) for frequency in frequencies])
+    found = spectrum_and_sums(t, a, frequencies, 0.01, factors)[1]
+    np.testing.assert_allclose(found, np.abs(parts.T @ factors).max(axis=0), rtol=1e-4)
+
+
+def test_a_sum_of_one_oscillator_is_its_spectrum():
+    """Whatever its factor, and whatever the damping: during the record and after it."""
+    t, a = noise()
+    for ratio in (0.0, 0.05, 0.6):
+        spectrum, sums = spectrum_and_sums(t, a, np.array([6.0]), ratio, np.array([[-3.0]]))
+        np.testing.assert_allclose(sums, 3.0 * spectrum.displacement, rtol=2e-5)
 
 
 def test_peaks_between_and_after_uneven_samples_are_found():
     """Against a Runge-Kutta method of high order that goes on after the record."""
     t, a = noise()
     for frequency in (1.3, 9.0):
-        w = 2 * np.pi * frequency
-
-        def rates(time, y, w=w):
-            return [y[1], -np.interp(time, t, a, left=0, right=0) - 0.06 * w * y[1] - w**2 * y[0]]
-
-        end = t[-1] + 1 / frequency
-        dense = np.linspace(t[0], end, 4000)
-        expected = solve_ivp(rates, (t[0], end), [0, 0], "DOP853", dense, max_step=0.02, rtol=1e-7, atol=1e-9).y[0]
+        dense = np.linspace(t[0], t[-1] + 1 / frequency, 4000)
+        expected = integrated(t, a, frequency, 0.03, dense)
         found = response_spectrum(t, a, np.array([frequency]), 0.03).displacement[0]
         assert found == pytest.approx(np.abs(expected).max(), rel=1e-4)
 

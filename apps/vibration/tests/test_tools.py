@@ -8,12 +8,13 @@ import pytest
 from restshape_apps.vibration import modes, pictures
 from restshape_apps.vibration.harmonic_sweep import resonant_sweep, summit, sweep
 from restshape_apps.vibration.stage import structure_of
+from scipy.signal import StateSpace, lsim
 from small_scenes import make_replay, rows_of, write_script
 
 from restshape.analysis.modes_beside import present_modes
 from restshape.application import application
 from restshape.cli.main import main
-from restshape.physics.elasticity.ground_record import read_record
+from restshape.physics.elasticity.ground_record import GroundRecord, read_record
 
 SCENES = application("vibration").folder / "scenes"
 FRAME, RECORD, COLUMN = SCENES / "frame.toml", SCENES / "ground.csv", SCENES / "column.toml"
@@ -40,12 +41,12 @@ def motion(tmp_path_factory):
 @pytest.mark.slow
 def test_adding_modes_in_time_gives_the_time_history(shape, motion):
     """6 modes, each exact in time, against Newmark's method, which lengthens periods by (w dt)^2 / 12 = 0.1 %."""
-    from restshape.analysis.response_spectrum import oscillator_motions
-
     found, record = present_modes(shape.analysis, 6), read_record(RECORD)
     damping = found.damping(shape.analysis.state.integration.damping)
-    moved = oscillator_motions(record.times, record.accelerations, found.frequencies, damping)
-    history = moved @ modes.factors(shape, found)["drift"]
+    history = np.zeros(len(record.times))
+    for w, z, factor in zip(found.omega, damping, modes.factors(shape, found)["drift"]):
+        oscillator = StateSpace([[0, 1], [-(w**2), -2 * z * w]], [[0], [-1]], [[factor, 0]], [[0]])
+        history += lsim(oscillator, record.accelerations, record.times, interp=True)[1]
     assert np.abs(history[:1201:10] - motion[0]).max() < 0.03 * motion[1]
 
 
@@ -57,6 +58,15 @@ def test_combinations_come_near_the_peak_of_the_time_history(shape, motion):
     assert found.in_time == pytest.approx(peak, rel=0.02)
     assert found.srss == pytest.approx(peak, rel=0.1)
     assert found.cqc == pytest.approx(peak, rel=0.1)
+
+
+def test_one_mode_peaks_in_time_where_its_spectrum_does(shape):
+    """A record with four samples in a period of the mode: its peaks lie between them."""
+    found, whole = present_modes(shape.analysis, 1), read_record(RECORD)
+    times = np.arange(0.0, 8.0, 0.25 / found.frequencies[0])
+    record = GroundRecord(times, np.interp(times, whole.times, whole.accelerations))
+    one = modes.peaks(shape, found, record)["drift"]
+    assert one.in_time == pytest.approx(one.srss, rel=1e-5)
 
 
 def test_modes_hold_nearly_all_of_the_mass(shape):

@@ -10,6 +10,10 @@ from scipy.linalg import expm
 
 STEPS_A_PERIOD = 24
 """Least steps in a period of an oscillator: between two of them its motion is taken for a cubic."""
+FREE_PERIODS = 20
+"""Of the slowest oscillator: for so long sums of motions are followed after a record, where they might grow."""
+STEPS_AT_ONCE = 240
+"""Of free motion."""
 NEWTON_STEPS = 3
 """To where the cubic turns, from where its velocity would if it were linear."""
 
@@ -62,24 +66,43 @@ def response_spectrum(
 
     Source: N. C. Nigam and P. C. Jennings, Bull. Seism. Soc. Am. 59 (1969) 909.
     """
+    nothing = np.zeros((np.size(frequencies), 0))
+    return spectrum_and_sums(times, accelerations, frequencies, damping, nothing)[0]
+
+
+def spectrum_and_sums(
+    times: np.ndarray,
+    accelerations: np.ndarray,
+    frequencies: np.ndarray,
+    damping: float | np.ndarray,
+    factors: np.ndarray,
+) -> tuple[ResponseSpectrum, np.ndarray]:
+    """The spectrum of a record, and the largest sizes (q,) [m] of sums of the same oscillators' displacements.
+
+    Both hold during the record, between its samples, and after its end. Sums that end up above what they were before
+    are followed for some `FREE_PERIODS` periods of the slowest oscillator after it.
+
+    Args:
+        times, accelerations, frequencies, damping: as of `response_spectrum`.
+        factors: (m, q) of each oscillator in each sum.
+
+    Raises:
+        ValueError: the numbers are not of this kind.
+    """
     omega, ratio = _oscillators(frequencies, damping)
     t, a = _subdivided(times, accelerations, 2.0 * np.pi / (STEPS_A_PERIOD * omega.max()))
-    peak, u, v, before = np.zeros_like(omega), np.zeros_like(omega), np.zeros_like(omega), t[0]
-    for time, next_u, next_v in _motion(t, a, omega, ratio):
-        if time > before:
-            peak = np.maximum(peak, _turn(u, v, next_u, next_v, time - before))
-        peak = np.maximum(peak, np.abs(next_u))
-        u, v, before = next_u, next_v, time
-    peak = np.maximum(peak, _free_peak(u, v, omega, ratio))
-    return ResponseSpectrum(omega / (2.0 * np.pi), ratio, peak)
-
-
-def oscillator_motions(
-    times: np.ndarray, accelerations: np.ndarray, frequencies: np.ndarray, damping: float | np.ndarray
-) -> np.ndarray:
-    """Displacements (n, m) [m] of oscillators at the times of the samples; arguments as of `response_spectrum`."""
-    omega, ratio = _oscillators(frequencies, damping)
-    return np.array([u for _, u, _ in _motion(times, accelerations, omega, ratio)])
+    motion = _motion(t, a, omega, ratio)
+    before, u, v = next(motion)
+    looked, rates = _with_sums(u, factors), _with_sums(v, factors)
+    peak = np.zeros(len(looked))
+    for time, u, v in motion:
+        next_looked, next_rates = _with_sums(u, factors), _with_sums(v, factors)
+        peak = np.maximum(peak, _turn(looked, rates, next_looked, next_rates, time - before))
+        peak = np.maximum(peak, np.abs(next_looked))
+        before, looked, rates = time, next_looked, next_rates
+    single, sums = peak[: len(omega)], peak[len(omega) :]
+    single = np.maximum(single, _free_peak(u, v, omega, ratio))
+    return ResponseSpectrum(omega / (2.0 * np.pi), ratio, single), _free_sums(u, v, omega, ratio, factors, sums)
 
 
 def _oscillators(frequencies: np.ndarray, damping: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -98,6 +121,11 @@ def _subdivided(times: np.ndarray, accelerations: np.ndarray, step: float) -> tu
     share = (np.arange(len(begins)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[begins]
     fine = np.append(times[begins] + share * np.diff(times)[begins], times[-1])
     return fine, np.interp(fine, times, accelerations)
+
+
+def _with_sums(values: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Values (m,) of oscillators, followed by their sums (q,)."""
+    return np.concatenate([values, values @ factors])
 
 
 def _motion(
@@ -130,7 +158,7 @@ def _transition(step: float, omega: np.ndarray, ratio: np.ndarray) -> np.ndarray
 
 
 def _turn(u: np.ndarray, v: np.ndarray, next_u: np.ndarray, next_v: np.ndarray, step: float) -> np.ndarray:
-    """The largest |u| (m,) where velocities change their sign within a step; 0 where they do not."""
+    """The largest |u| where velocities change their sign within a step, 0 where they do not; of any shape."""
     turns = v * next_v < 0.0
     if not turns.any():
         return np.zeros_like(u)
@@ -141,7 +169,7 @@ def _turn(u: np.ndarray, v: np.ndarray, next_u: np.ndarray, next_v: np.ndarray, 
     for _ in range(NEWTON_STEPS):
         rate = linear + 2.0 * square * s
         s = np.clip(s - np.divide(v + s * (linear + s * square), rate, out=np.zeros_like(s), where=rate != 0.0), 0, 1)
-    found = np.zeros(len(turns))
+    found = np.zeros(turns.shape)
     found[turns] = np.abs(u + step * s * (v + s * (linear / 2.0 + s * square / 3.0)))
     return found
 
@@ -154,3 +182,25 @@ def _free_peak(u: np.ndarray, v: np.ndarray, omega: np.ndarray, ratio: np.ndarra
     # u = size exp(-z w t) cos(w_d t - angle), which rests where tan(w_d t - angle) = -z w / w_d.
     phase = np.mod(angle - np.arcsin(ratio), np.pi)
     return size * np.exp(-ratio * omega * phase / damped) * np.abs(np.cos(phase - angle))
+
+
+def _free_sums(
+    u: np.ndarray, v: np.ndarray, omega: np.ndarray, ratio: np.ndarray, factors: np.ndarray, known: np.ndarray
+) -> np.ndarray:
+    """The largest sizes (q,) of sums of the free motions that begin at u, v; at least those known (q,).
+
+    Each motion is the real part of c exp((-z w + i w_d) t), of which |c| exp(-z w t) is a bound.
+    """
+    damped = omega * np.sqrt(1.0 - ratio**2)
+    rate, motion = -ratio * omega + 1j * damped, u - 1j * (v + ratio * omega * u) / damped
+    step = 2.0 * np.pi / (STEPS_A_PERIOD * omega.max())
+    within = np.exp(rate * step * np.arange(STEPS_AT_ONCE + 1)[:, None])
+    for _ in range(int(np.ceil(FREE_PERIODS * 2.0 * np.pi / (omega.min() * step * STEPS_AT_ONCE)))):
+        if np.all(np.abs(motion) @ np.abs(factors) <= known):
+            break
+        moved = within * motion
+        looked, rates = moved.real @ factors, (rate * moved).real @ factors
+        turns = _turn(looked[:-1], rates[:-1], looked[1:], rates[1:], step)
+        known = np.maximum(known, np.maximum(turns, np.abs(looked[1:])).max(axis=0))
+        motion = moved[-1]
+    return known
