@@ -101,7 +101,7 @@ def draw_participation(
         axes.grid(alpha=0.25)
     if peaks:
         _draw_peaks(figure.add_subplot(grid[:, 1]), peaks)
-    figure.suptitle(f"{name}: modes on moving ground, of a mass of {modes.mass:.4g} kg", x=0.01, ha="left")
+    figure.suptitle(f"{name}: modes on moving ground, of a mass of {modes.mass:.6g} kg", x=0.01, ha="left")
     save_picture(figure, path)
 
 
@@ -116,5 +116,6 @@ def _draw_peaks(axes: Axes, peaks: Mapping[str, Mapping[str, float]]) -> None:
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.set_xlabel(f"largest displacement under the record [{unit}]")
     more = f"{len(peaks) - MOST} more quantities are not shown"
-    axes.legend(loc="best", title=more if len(peaks) > MOST else None)
+    above = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 3}
+    axes.legend(**above, title=more if len(peaks) > MOST else None)
     axes.grid(alpha=0.25, axis="x")

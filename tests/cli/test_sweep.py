@@ -16,8 +16,10 @@ from restshape.analysis.modal import ModalAnalysis
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.replay.first_frame import first_frame
+from restshape.scene.load import load_scene
 from restshape.variation.runs import Sweep
 from restshape.variation.sweep_notes import sweep_notes
+from restshape.variation.sweep_picture import key_unit
 from restshape.variation.sweep_request import SweepRequest
 from restshape.variation.swept_key import combinations, swept_keys
 from restshape.variation.swept_run import SweptRun
@@ -49,6 +51,35 @@ def test_displacements_go_with_the_inverse_of_the_modulus(command, tmp_path):
     assert [one["values"]["material.steel.E"] for one in runs] == [100, 125, 150, 175, 200]
     assert [one["analysis"] for one in runs] == ["new"] + 4 * ["reused"]
     assert [one["level"] for one in runs] == [3, 0, 0, 0, 0]
+
+
+def test_values_of_one_column_have_one_prefix(command, tmp_path):
+    """0.1 MPa and 10 MPa on a bar of 2 m: 0.952 and 95.2 um."""
+    words = ("--set", "loads.pull.traction=['100 kPa', 0],['10 MPa', 0]")
+    ended = command("sweep", write_scene(tmp_path, BAR), *words)
+    assert ended.returncode == 0, ended.stderr
+    lines = [line for line in ended.stdout.splitlines() if "kPa" in line or "MPa" in line]
+    assert len(lines) == 2
+    first, second = ([word for word in line.split() if word.endswith("m") and len(word) <= 2] for line in lines)
+    assert first == second and first
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "unit"),
+    [
+        ("material.steel.E", "2e11,2.1e11", "Pa"),
+        ("material.steel.E", "200GPa,210GPa", "GPa"),
+        ("material.steel.nu", "0.2,0.3", ""),
+        ("shape.vertices.b.0", "2,2.1", "m"),
+        ("loads.pull.traction.0", "1e6,2e6", "Pa"),
+        ("supports.wall.fix.x", "0,0.1", "m"),
+        ("effects.gravity.g.1", "-9,-8", "m/s²"),
+        ("parameters.nothing", "1,2", ""),
+    ],
+)
+def test_plain_numbers_along_the_axis_have_their_si_unit(tmp_path, key, value, unit):
+    scene = load_scene(write_scene(tmp_path, BAR + "[effects.gravity]\ng = [0, -9.81]\n"))
+    assert key_unit(scene, swept_keys([f"{key}={value}"])[1][0]) == unit
 
 
 def test_nodes_move_where_the_shape_changes(command, tmp_path):

@@ -11,9 +11,9 @@ HEARD = (16.0, 20e3)
 """Frequencies [Hz] that are tones."""
 
 
-def cells(values: Sequence[float | None], unit: str, digits: int = 5) -> list[str]:
-    """The values of one quantity, all with the prefix of the largest; a dash where there is none."""
-    known = [abs(value) for value in values if value is not None and isfinite(value)]
+def cells(values: Sequence[float | None], unit: str, digits: int = 5, others: Sequence[float | None] = ()) -> list[str]:
+    """The values of one quantity, all with the prefix of the largest, `others` included; a dash where there is none."""
+    known = [abs(value) for value in (*values, *others) if value is not None and isfinite(value)]
     largest = max(known, default=0.0)
     return [MISSING if value is None else si(value, unit, digits, largest) for value in values]
 

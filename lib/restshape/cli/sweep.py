@@ -232,9 +232,9 @@ def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], r
     if args.edits:
         heads[len(keys) + 1 + len(levels) : len(keys) + 1 + len(levels)] = ["frames", "refused"]
     rows, sizes = [], run_scales(sweep.scene, runs)
-    for one in runs:
-        row = one.table_row(bool(args.edits))
-        shown = [_cells(row, name, parts, sweep, sizes[name]) for name in columns]
+    table = [one.table_row(bool(args.edits)) for one in runs]
+    for one, row in zip(runs, table):
+        shown = [_cells(row, name, parts, sweep, sizes[name], table) for name in columns]
         status = f"{one.status}, {one.constraint_status}" if one.constraint_status else one.status
         counts = [one.frames, one.refused] if args.edits else []
         level = [f"{one.level} {MOVES[one.level]}" if one.level in MOVES else ""] * len(levels)
@@ -242,15 +242,24 @@ def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], r
     print_table("quantities", heads, rows, right=heads[len(keys) + 1 :])
 
 
-def _cells(row: dict[str, Any], name: str, parts: Sequence[str], sweep: Sweep, size: float) -> list[str]:
+def _cells(
+    row: dict[str, Any],
+    name: str,
+    parts: Sequence[str],
+    sweep: Sweep,
+    size: float,
+    rows: Sequence[dict[str, Any]],
+) -> list[str]:
     """The values of a quantity in the row of a run: at the end, and where there are several frames its extremes.
 
     Args:
         size: of the quantity in all runs; what is rounding beside it is shown as 0.
+        rows: of all runs, which have one prefix.
     """
     from restshape.replay.rounding import cleared
 
     quantity = sweep.scene.quantities.get(name.removeprefix("q_")) if sweep.scene else None
-    found = [row.get(f"{name}{part.replace(' ', '_')}") for part in parts]
-    known = [None if value is None or value != value else cleared(value, size) for value in found]
-    return cells(known, unit_of(quantity.unit) if quantity else "", 6)
+    names = [f"{name}{part.replace(' ', '_')}" for part in parts]
+    known = [None if (value := row.get(one)) is None or value != value else cleared(value, size) for one in names]
+    others = [other.get(one) for other in rows for one in names]
+    return cells(known, unit_of(quantity.unit) if quantity else "", 6, others)

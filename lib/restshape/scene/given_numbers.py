@@ -57,6 +57,16 @@ def value_at(scene: Scene, key: str) -> object:
     return value_below(scene, split_key(key))
 
 
+def unit_at(model: BaseModel, key: Key) -> str:
+    """The SI unit of the number that a scene, or a table of it, holds at a key; empty without one, or if not known."""
+    kind: object = type(model)
+    here: object = model
+    for part in key:
+        kind, here = _inside(kind, here, part), _inner(here, part)
+    dimension = dimension_of(kind)
+    return SYMBOLS.get(dimension, "") if isinstance(dimension, str) else ""
+
+
 def value_below(here: object, key: Key) -> object:
     """What models, tables and lists hold at a key; None where they hold nothing there."""
     for part in key:

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
+from restshape.application import application
 from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import counted, scaled_unit
@@ -21,8 +22,11 @@ from restshape.replay.singular_notes import marked
 from restshape.report.quantity_panels import EACH, FRAMED, MOST, draw_limits, least_span
 from restshape.report.recorded_quantities import kind_units
 from restshape.report.style import COLOURS, INK, REFUSED, new_figure
+from restshape.scene.given_numbers import unit_at
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import table_in
+from restshape.scene.source import split_key
+from restshape.scene.units import SYMBOLS
 from restshape.variation.swept_key import SweptKey, combinations
 from restshape.variation.swept_run import SweptRun, run_scales
 
@@ -69,7 +73,7 @@ def draw_sweep(
         name = column.removeprefix("q_")
         _panel(axes, swept, runs, column, limits.get(column, {}), _unit(scene, name), several, sizes[column])
         axes.set_title(marked(name, singular), loc="left", pad=2)
-    _name_axis(panels[-1], swept[-1], notes)
+    _name_axis(panels[-1], swept[-1], key_unit(scene, swept[-1]), notes)
     title = _title(scene, runs, len(columns))
     figure.suptitle(shorten(title, 95, placeholder=" …"), x=0.01, ha="left", color=INK)
     keys = shorten(", ".join(one.key for one in swept[:-1]), 90, placeholder="…")
@@ -101,9 +105,25 @@ def _unit(scene: Scene, name: str) -> str:
     return next((units[key] for key in given if key in units), "") if name in scene.quantities else ""
 
 
-def _name_axis(axes: Axes, along: SweptKey, notes: Sequence[str]) -> None:
+def key_unit(scene: Scene, swept: SweptKey) -> str:
+    """The unit of the numbers of a key: as it was written, else the SI unit, in which plain numbers are."""
+    if swept.unit or not swept.numbers:
+        return swept.unit
+    app, key = application(scene.app), split_key(swept.key)
+    match key:
+        case ("effects", name, *rest) if name in app.effects:
+            found = unit_at(app.effects[name].model.model_validate(scene.effects.get(name, {})), tuple(rest))
+        case ("supports", _, "fix", axis):
+            dimensions = {axis: dimension for one in app.physics for axis, dimension in one.boundary.items()}
+            found = SYMBOLS.get(dimensions.get(axis, ""), "")
+        case _:
+            found = unit_at(scene, key)
+    return found.replace("^2", "²").replace("^3", "³")
+
+
+def _name_axis(axes: Axes, along: SweptKey, unit: str, notes: Sequence[str]) -> None:
     """The key along the axis and its unit, with notes under them; values that are no numbers beside their places."""
-    label = f"{along.key} [{along.unit}]" if along.unit else along.key
+    label = f"{along.key} [{unit}]" if unit else along.key
     axes.set_xlabel("\n".join([label, *(fill(note, 110) for note in notes)]))
     if not along.numbers:
         labels = [shorten(value.strip('"'), LABEL, placeholder="…") for value in along.values]
