@@ -18,7 +18,7 @@ from restshape_apps.furniture.guidance.doubt_mends import DoubtMends
 from restshape_apps.furniture.guidance.doubts import depends, doubts, free
 from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
 from restshape_apps.furniture.guidance.force_space import durability_space
-from restshape_apps.furniture.guidance.lengthening import lengthenings
+from restshape_apps.furniture.guidance.lengthening import lengthenings, why_overlapping
 from restshape_apps.furniture.guidance.preferences import farthest_move, kept_modes, locked
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.ranked import ranked
@@ -272,7 +272,8 @@ class Design:
             tried, tested, why = 0, len(found), "no move of a part joins it to the rest: draw a plank between them"
         elif flaws & OVERLAPPING or not flaws & (UNSTABLE | WEAK):
             found, tried, tested = [Suggestion.of(one) for one in lengthenings(self.piece)], 0, 0
-            why = "planks overlap: move them apart" if flaws & OVERLAPPING else "no equilibrium was found"
+            overlaps = self.furniture.geometry().overlaps
+            why = why_overlapping(self.piece, overlaps) if overlaps else "no equilibrium was found"
         elif flaws & UNSTABLE and not self.piece.feet:
             found, tried, tested = [Suggestion.of(one) for one in lengthenings(self.piece)], 0, 0
             why = "nothing stands on the floor: draw a plank that does, or connect one that is near it"

@@ -137,6 +137,21 @@ def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:
     return FreeEnd(i, side, j, gap, aside, bool(half[2] > piece.reach), tuple((other.axes[:, :2] @ sideways).tolist()))
 
 
+def goes_through(one: Plank, other: Plank) -> bool:
+    """Whether a plank goes in by one face of another one, with all of its section, and out by the other one."""
+    for a in range(2):
+        ends = np.array([one.end(2 * a), one.end(2 * a + 1)]) - other.centre
+        first, last = (ends @ other.axes).tolist()
+        if first[2] * last[2] >= 0.0 or min(abs(first[2]), abs(last[2])) <= 0.5 * other.size[2]:
+            continue
+        part = first[2] / (first[2] - last[2])
+        place = np.abs(np.array(first[:2]) + part * (np.array(last[:2]) - np.array(first[:2])))
+        half = 0.5 * one.size[1 - a] * np.abs(other.axes.T @ one.axes[:, 1 - a])[:2] + half_thick(one, other)
+        if np.all(place + half <= 0.5 * other.size[:2] + FLUSH):
+            return True
+    return False
+
+
 def half_thick(one: Plank, other: Plank) -> np.ndarray:
     """Half of the thickness of a plank along the two axes (2,) of a face of another one [m]."""
     return np.abs(other.axes.T @ one.axes[:, 2])[:2] * 0.5 * one.size[2]

@@ -126,3 +126,21 @@ def test_a_rail_that_cannot_be_connected_says_what_to_do(tmp_path) -> None:
         "near nothing" in row["refused"]
         and "8 mm beside left, on its +y side; move rail 18 mm along -y" in row["refused"]
     )
+
+
+MIDDLE = "\n[planks.middle]\nfrom = [0, 0, 0]\nto = [0, 0, 0.5]\nwidth = [0, 0.3, 0]\n"
+
+
+@pytest.mark.parametrize("width", [FLAT, EDGE])
+def test_a_rail_through_a_leg_between_its_ends_is_to_be_drawn_as_two(tmp_path, width) -> None:
+    design = drawn(tmp_path, rail(-0.49, 0.49, 0.0, width), MIDDLE)
+    assert design.furniture.test().words == ("overlapping: rail and middle",)
+    suggestions = design.suggestion_list
+    assert not suggestions.found
+    assert suggestions.why == "rail goes through middle: draw it as two planks, one on each side of middle"
+
+
+def test_planks_that_share_an_edge_go_through_nothing(tmp_path) -> None:
+    # The rail is a quarter outside of the middle leg.
+    design = drawn(tmp_path, rail(-0.49, 0.49, 0.135, EDGE), MIDDLE.replace("0.3, 0]", "0.28, 0]"))
+    assert design.suggestion_list.why == "planks overlap: move them apart"
