@@ -65,8 +65,8 @@ def doubtful(row: Row) -> bool:
 
 def doubt_causes(rows: Iterable[Row]) -> str:
     """Why pieces that hold in doubt do so, in these frames; empty where none does."""
-    uncertain = [row for row in rows if doubtful(row)]
-    kinds = {one.kind for row in uncertain for one in findings_of(row)}
+    holding = [row for row in rows if doubtful(row) or only_limits(row)]
+    kinds = {one.kind for row in holding for one in findings_of(row)}
     return " or ".join(words for kind, words in CAUSES.items() if kind in kinds)
 
 

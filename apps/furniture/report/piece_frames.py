@@ -15,6 +15,7 @@ import numpy as np
 from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.physics.plank_findings import DEPENDS, DOUBTFUL
+from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.report.furniture import (
     DesignDirectionView,
     bounds,
@@ -38,7 +39,7 @@ from restshape_apps.furniture.session.plank_session import PlankFrame
 from restshape.errors import UserError
 from restshape.guidance.ranges import Ranges
 from restshape.outputs.picture_files import save_picture
-from restshape.replay.constraints import HOLDS
+from restshape.replay.constraints import HOLDS, LIMIT
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.report.frames import scene_name
@@ -181,9 +182,14 @@ def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
 
 
 def heading(row: Mapping[str, Any]) -> str:
-    """What a heading says of the piece of a frame: first, where it is never cut off, whether it depends on joints."""
-    words = said(row) or "not judged"
-    if not any(one.kind == DEPENDS for one in findings_of(row)) or words.startswith(SAID):
+    """What a heading says of the piece of a frame, what must not be cut off first: whether it depends on joints, and of
+    a piece that holds quantities beyond their limits."""
+    findings, words = findings_of(row), row["violated_constraints"]
+    limits = "; ".join(phrases([one for one in findings if one.kind == LIMIT]))
+    if only_limits(row) and words.endswith(f"; {limits}"):
+        words = f"{limits}; {words.removesuffix(f'; {limits}')}"
+    words = said(row, words) or "not judged"
+    if not any(one.kind == DEPENDS for one in findings) or words.startswith(SAID):
         return words
     # The joints have their ranges beside them.
     return "; ".join([DEPENDING, *(part for part in words.split("; ") if not part.startswith(DEPENDING))])

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from restshape_apps.furniture.guidance.amounts import UNITS
-from restshape_apps.furniture.report.guided import doubt_causes, found, grabbed, only_limits
+from restshape_apps.furniture.report.guided import doubt_causes, doubtful, found, grabbed, only_limits
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT, status_colour
 
 from restshape.outputs.picture_files import save_picture
@@ -159,7 +159,7 @@ def _mark_searches(panels: list[Axes], rows: list[dict[str, Any]]) -> None:
 
 def _doubts(rows: list[dict[str, Any]]) -> tuple[str, bool]:
     """Why pieces hold in doubt, if any does, and whether a part of a valid range is doubtful."""
-    return doubt_causes(rows), any(bool(hand.doubtful) for row in rows if (hand := grabbed(row)))
+    return doubt_causes(filter(doubtful, rows)), any(bool(hand.doubtful) for row in rows if (hand := grabbed(row)))
 
 
 def _legend(figure: Figure, ranges: bool, suggested: bool, limits: bool, doubts: tuple[str, bool]) -> None:

@@ -27,7 +27,7 @@ from restshape_apps.furniture.report.piece_frames import (
     worst_case,
 )
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
-from restshape_apps.furniture.report.status_colour import DOUBT
+from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.outputs.picture_files import save_picture
@@ -45,6 +45,7 @@ MEANING = (
 )
 BREAKS = "Red: a joint that breaks, with its utilisation, and headings of what does not hold"
 DOUBTS = "Amber heading: it holds, but what follows is doubtful, or a quantity beyond its limit"
+LIMITS = "Purple heading: the piece holds, but a quantity is beyond its limit"
 MOMENTS = "Amber joint: overloaded by moments that do not count, with its utilisation by them"
 
 
@@ -78,18 +79,19 @@ def draw_suggestions(recording: Recording, i: int, path: Path) -> None:
     names = [plank.name for plank in furniture.piece.planks if few]
     draw_piece(panels[0], furniture, words, None, case, few, box, names)
     panels[0].set_title(words, fontsize=8.5, loc="left", color=colour)
-    moments = False
+    moments = bool(furniture.test().doubts)
     for number, (axes, suggestion, direction_view) in enumerate(zip(panels[1:], suggestion_list, direction_views), 1):
         made, worst = _made(furniture, direction_view)
         moments |= bool(made.test().doubts)
         draw_piece(axes, furniture, "", direction_view, worst, False, box)
-        colour = REFUSED if not suggestion.valid else DOUBT if suggestion.doubt else INK
-        axes.set_title(_title(number, suggestion), fontsize=8.5, loc="left", color=colour)
+        own = REFUSED if not suggestion.valid else DOUBT if suggestion.doubt else INK
+        axes.set_title(_title(number, suggestion), fontsize=8.5, loc="left", color=own)
     parts = [
         MEANING,
         *([REDUNDANT] if marks_redundant(panels[:1]) else []),
         BREAKS,
-        *([DOUBTS] if any(one.doubt for one in suggestion_list) else []),
+        *([DOUBTS] if colour == DOUBT or any(one.doubt for one in suggestion_list) else []),
+        *([LIMITS] if colour == BEYOND else []),
     ]
     meaning = ". ".join([*parts, *([MOMENTS] if moments else [])])
     name = shorten(scene_name(recording), 80, placeholder=" …")

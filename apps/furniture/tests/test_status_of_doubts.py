@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.report.guided import doubt_causes, runs, said
-from restshape_apps.furniture.report.piece_frames import caption
-from restshape_apps.furniture.report.status_colour import DOUBT
+from restshape_apps.furniture.report.piece_frames import caption, meaning
+from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.tests.furniture_scenes import BENCH, rail, write_bench
 from small_scenes import make_replay
@@ -64,3 +64,17 @@ def test_a_free_end_of_a_piece_that_breaks_is_no_finding(scene) -> None:
     scene.write_text(f'{scene.read_text()}[effects.push]\n[pushes.shove]\non = "top"\nforce = [5000, 0, 0]\n')
     (row,) = make_replay(scene).frames()
     assert row["constraint_status"] == "fails" and "free end" not in row["violated_constraints"]
+
+
+def test_a_heading_begins_with_the_limit_and_its_legend_names_the_doubt(tmp_path) -> None:
+    # The rail ends before the leg, and the top is longer than it may be.
+    limit = '[effects.guidance]\n[quantities]\nlong = { length = "x", at = "top", max = "1.1 m" }\n'
+    recorded = tmp_path / "bench.vtkhdf"
+    assert main(["replay", str(write_bench(tmp_path, BENCH + SHORT + limit)), "--out", str(recorded)]) == 0
+    recording = Recording(recorded)
+    words, colour = caption(recording, 0)
+    said_first = "holds, but long is 1.2 m, at most 1.1 m; free end: rail +x is 24 mm from right"
+    assert said_first in " ".join(words.split("\n")) and colour == BEYOND
+    legend = meaning(recording, [0], ranges=False, numbers=False)
+    assert "Purple heading" in legend and "an end is free" in legend and "joined by a dash" not in legend
+    assert "joined by a dash" in meaning(recording, [0], ranges=False, numbers=True)
