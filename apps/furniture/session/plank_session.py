@@ -326,11 +326,12 @@ class PlankSession(ScriptSession):
             self.scene = before[1]
             yield from self._refused(event.frames, error)
             return
+        named = self.scene
         for i in range(1, event.frames + 1):
             step = self._revised(key, event.value, part_of, i / event.frames)
             if i == event.frames and not step.refused:
-                then, now = ((design.piece, scene) for design, scene in (before, self._state()))
-                step = replace(step, note=without_effect(key, then, now))
+                now = self.design.piece, self.scene
+                step = replace(step, note=without_effect(key, (before[0].piece, named), now))
             yield step
         if self.design is before[0]:
             self.scene = before[1]

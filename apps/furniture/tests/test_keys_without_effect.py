@@ -53,6 +53,12 @@ def test_a_parameter_that_nothing_follows_says_so(tmp_path) -> None:
     assert notes(tmp_path, put("parameters.unused", 2, frames=2)) == ["", said.format("unused")]
 
 
+def test_what_an_edit_has_drawn_has_the_values_that_it_has(tmp_path) -> None:
+    drawn = {"do": "plank", "name": "arm", "from": [-0.49, 0, 0.3], "to": [0.49, 0, 0.3], "width": [0, 0.1, 0]}
+    events = drawn, put("planks.arm.thickness", 0.02), put("planks.arm.thickness", 0.018)
+    assert notes(tmp_path, *events)[1:] == ["", ""]
+
+
 def test_a_limit_is_none_of_the_piece(tmp_path) -> None:
     assert notes(tmp_path, put("parameters.most", "9 kg"), put("quantities.heavy.max", "7 kg")) == ["", ""]
 
