@@ -94,6 +94,7 @@ def test_a_free_end_is_joined_or_the_reason_says_why_not(tmp_path) -> None:
     assert design.suggestion_list.why.startswith("no free end meets its face by its length or a move beside it")
 
 
+@pytest.mark.slow
 def test_of_two_limits_that_nothing_keeps_at_once_each_is_mended_alone(tmp_path) -> None:
     # A stiffer top is heavier.
     limits = '[quantities]\nq = { deflection = true, max = "0.5 mm" }\nheavy = { mass = true, max = "5 kg" }\n'

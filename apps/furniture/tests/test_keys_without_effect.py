@@ -63,6 +63,7 @@ def test_a_limit_is_none_of_the_piece(tmp_path) -> None:
     assert notes(tmp_path, put("parameters.most", "9 kg"), put("quantities.heavy.max", "7 kg")) == ["", ""]
 
 
+@pytest.mark.slow
 def test_a_formula_whose_place_a_suggestion_took_is_followed_no_more(tmp_path) -> None:
     # The bench weighs more than it may: thinner planks take the place of the formula of their thickness.
     scene = write_bench(tmp_path, BENCH.replace("thickness = 0.02", 'thickness = "t"') + RAIL.replace("8 kg", "5 kg"))

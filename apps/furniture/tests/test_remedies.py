@@ -87,6 +87,7 @@ def test_two_kinds_are_combined_where_neither_is_enough(tmp_path) -> None:
     assert not holds(0.018, 0.02) and not holds(0.036, 0.06) and t == 0.019
 
 
+@pytest.mark.slow
 def test_a_pair_is_chosen_like_others(tmp_path) -> None:
     scene = heavy_stool(tmp_path, "55 kg")
     found = Design(Furniture(piece_of(load_scene(scene))).moved(), Guidance()).suggestion_list.found

@@ -27,6 +27,7 @@ def scene(tmp_path) -> Path:
     return write_bench(tmp_path, BENCH + SHORT + "[effects.guidance]\n")
 
 
+@pytest.mark.slow
 def test_a_free_end_makes_a_piece_that_holds_uncertain_in_all_outputs(scene, tmp_path, capsys) -> None:
     recorded, checked = tmp_path / "bench.vtkhdf", tmp_path / "check.json"
     assert main(["check", str(scene), "--json", str(checked)]) == 0
@@ -66,6 +67,7 @@ def test_a_free_end_of_a_piece_that_breaks_is_no_finding(scene) -> None:
     assert row["constraint_status"] == "fails" and "free end" not in row["violated_constraints"]
 
 
+@pytest.mark.slow
 def test_a_heading_begins_with_the_limit_and_its_legend_names_the_doubt(tmp_path) -> None:
     # The rail ends before the leg, and the top is longer than it may be.
     limit = '[effects.guidance]\n[quantities]\nlong = { length = "x", at = "top", max = "1.1 m" }\n'
