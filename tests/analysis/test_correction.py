@@ -5,13 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from counted_replays import begin_log
 from petsc4py import PETSc
+from restshape_studies.bench.events import EventCounts
 from scipy.sparse import diags
 from scipy.sparse.linalg import splu
 from small_scenes import across, drag, make_replay, write_scene, write_script
 
-from restshape.analysis import time_error
 from restshape.analysis.correction import DELAY, MOST, conjugate_steps, gathered, largest_values
+from restshape.analysis.time_error import StepMatrix
 
 BUILDING = Path(__file__).parents[1] / "scenes" / "building.toml"
 COARSE = ("mesh.size=0.8", "effects.dynamics.steps=10")
@@ -35,10 +37,27 @@ def test_error_of_a_time_step_with_an_incomplete_factor(tmp_path, monkeypatch, p
     for row in replay.frames():
         if row["index"]:
             with monkeypatch.context() as changed:
-                changed.setattr(time_error, "conjugate_steps", lambda _, __, rest: directly(replay.analysis, rest))
+                changed.setattr(StepMatrix, "solve", lambda _, rest: directly(replay.analysis, rest))
                 ratios.append(row["estimate_time"] / replay.analysis.errors()["estimate_time"])
     assert len(ratios) == 9
     np.testing.assert_allclose(ratios, 1.0, atol=0.02)
+
+
+@pytest.mark.parametrize("steps, applied, products", [(20, 1, 0), (1, 5, 5)])
+def test_the_error_of_a_time_step_costs_a_solve_with_the_kept_factor(tmp_path, steps, applied, products):
+    """One application where the factor is that of the step's matrix, a few where it is an old one."""
+    begin_log()
+    overrides = ["mesh.size=0.8", f"effects.dynamics.steps={steps}", "solve.jumps=false"]
+    replay = make_replay(BUILDING, write_script(tmp_path, MOVED), "auto", overrides)
+    counts, moved = EventCounts(("PCApply", "MatMult")), 0
+    for row in replay.frames():
+        counts.since_last()
+        replay.analysis.errors()
+        spent = counts.since_last()
+        if row["level"] == 1:
+            moved += 1
+            assert spent["PCApply"] <= applied and spent["MatMult"] <= products
+    assert moved >= 2
 
 
 @pytest.mark.slow
@@ -140,7 +159,7 @@ def test_a_new_mesh_on_which_nothing_had_to_be_solved_for(tmp_path, monkeypatch)
         if row["index"] and row["unknowns"] != replay.analysis.solver.kept.size.unknowns:
             unsolved += 1
             with monkeypatch.context() as changed:
-                changed.setattr(time_error, "conjugate_steps", lambda _, __, rest: directly(replay.analysis, rest))
+                changed.setattr(StepMatrix, "solve", lambda _, rest: directly(replay.analysis, rest))
                 right = replay.analysis.errors()["estimate_time"]
             assert row["estimate_time"] == pytest.approx(right, rel=0.02)
     assert unsolved == 1

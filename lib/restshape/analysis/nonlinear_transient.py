@@ -11,10 +11,12 @@ from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
 from restshape.analysis.analysis import Context, RowValues
+from restshape.analysis.correction import preconditioner
 from restshape.analysis.equilibrium_search import least_scale, rounding
 from restshape.analysis.frame import Frame
 from restshape.analysis.motion_equations import MotionSystem
 from restshape.analysis.nonlinear import rounding_note
+from restshape.analysis.time_error import StepMatrix, element_product
 from restshape.analysis.transient import TransientAnalysis
 from restshape.analysis.transient_state import TransientState
 from restshape.errors import ReplayProblem
@@ -107,6 +109,12 @@ class NonlinearTransientAnalysis(TransientAnalysis):
     def row(self) -> RowValues:
         """What the frame's row reports besides."""
         return super().row() | rounding_note(self.state.residual, self.solver.tolerance)
+
+    def _last_matrix(self) -> StepMatrix:
+        """The matrix at the end of the last step, which is not assembled, nor need the factor be one like it."""
+        state, kept = self.state, preconditioner(self.solver, self.state.system.rows)
+        product = element_product(state.body, state.integration.scheme, state.now.y)
+        return StepMatrix(product, kept, exact=False, complete=False)
 
     # --- a new frame --------------------------------------------------------------------------------------------------
 

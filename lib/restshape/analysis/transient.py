@@ -12,7 +12,7 @@ from restshape.algebra.gathering import gather_matrix, gather_vector, matrix_dif
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
-from restshape.analysis.correction import preconditioner
+from restshape.analysis.correction import gathered, preconditioner
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
@@ -20,7 +20,7 @@ from restshape.analysis.modes_beside import ModesBeside
 from restshape.analysis.repeated_motion import RepeatedMotion
 from restshape.analysis.settings import modal_settings
 from restshape.analysis.solution import Solution, moduli_of
-from restshape.analysis.time_error import local_error
+from restshape.analysis.time_error import StepMatrix, local_error
 from restshape.analysis.transient_state import BoundMotion, TransientState
 from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application
@@ -277,10 +277,15 @@ class TransientAnalysis:
         if not before.time < now.time or before.y.shape != now.y.shape:
             return float("nan")
         accelerations = self._base_acceleration(before.time), self._base_acceleration(now.time)
-        kept = preconditioner(self.solver, state.system.rows)
-        error = local_error(state.body, scheme, (before, now), accelerations, kept)
+        error = local_error(state.body, scheme, (before, now), accelerations, self._last_matrix())
         self._largest = max(self._largest, float(np.linalg.norm(self.x, axis=1).max()))
         return float(np.linalg.norm(error, axis=1).max()) / self._largest if self._largest else float("nan")
+
+    def _last_matrix(self) -> StepMatrix:
+        """The matrix of the last step."""
+        system, solver = self.state.system, self.solver
+        kept, product = preconditioner(solver, system.rows), gathered(system.mat.mult, system.rows, self.context.comm)
+        return StepMatrix(product, kept, solver.factored, solver.kept.complete)
 
     # --- a new frame --------------------------------------------------------------------------------------------------
 

@@ -65,6 +65,28 @@ class SemiDiscrete:
             return self.static - Assembled(self.problem.integrals(STIFFNESS)).residual(y)
         return -unconstrained_residual(self.problem, self.unknowns(y))
 
+    def change_of_force(
+        self, before: tuple[np.ndarray, np.ndarray], now: tuple[np.ndarray, np.ndarray], base: np.ndarray
+    ) -> np.ndarray:
+        """What applied less internal and damping forces (n, f), less the inertia of the base, change by.
+
+        Args:
+            before, now: y and v (n, f) each.
+            base: (f,) change of its acceleration.
+        """
+        (y, v), (new_y, new_v) = before, now
+        alpha, beta = self.damping_of.alpha, self.damping_of.beta
+        if self.problem.linear:
+            strain = new_y - y + beta * (new_v - v) if beta else new_y - y
+            out = -Assembled(self.problem.integrals(STIFFNESS)).residual(strain)
+        else:
+            out = self.force(new_y) - self.force(y)
+            if beta:
+                out -= Assembled(self.problem.integrals(REFERENCE)).residual(beta * (new_v - v))
+        if alpha or base.any():
+            out -= self.mass.apply(alpha * (new_v - v) + base)
+        return out
+
     def damping(self, v: np.ndarray) -> np.ndarray:
         """C v (n, f) at the rates v (n, f)."""
         alpha, beta = self.damping_of.alpha, self.damping_of.beta
