@@ -1,6 +1,7 @@
 """What is odd about a script is reported before it is replayed under many settings."""
 
-from small_scenes import across, drag, plate, write_scene, write_script
+import ezdxf
+from small_scenes import CLAMPED, HEAD, STEEL, across, drag, plate, write_scene, write_script
 from vibrating import SHAKEN, dynamics, tower
 
 from restshape.cli.main import main
@@ -50,3 +51,15 @@ def test_a_replay_of_motion_without_a_script_says_where_time_begins(tmp_path):
     assert UNMOVED not in start_notes(scene, load_script(lasting, scene))
     still = load_scene(write_scene(tmp_path, plate(0.3)))
     assert UNMOVED not in start_notes(still, Script.empty(still))
+
+
+def test_a_replay_says_how_large_the_gaps_are_that_were_closed_in_a_drawing(tmp_path):
+    drawing = ezdxf.new("R2010", units=4)
+    corners = [(0, 0), (200, 0), (200, 100), (0, 100), (0, 0.3)]
+    drawing.modelspace().add_lwpolyline(corners, dxfattribs={"layer": "rim"})
+    drawing.saveas(tmp_path / "x.dxf")
+    shape = '[shape]\nfile = "x.dxf"\ntolerance = "1 mm"\n'
+    held = CLAMPED.replace('"left"', '"outline"')
+    scene = load_scene(write_scene(tmp_path, f"{HEAD}{shape}{STEEL}{held}[mesh]\nsize = 0.05\n"))
+    note = "shape.tolerance: 1 gap is closed in x.dxf, the largest of 300 µm; restshape check lists them"
+    assert note in start_notes(scene, Script.empty(scene))

@@ -130,6 +130,26 @@ def test_a_spline_that_ends_where_it_begins_is_a_loop(tmp_path, gap):
     )
 
 
+@pytest.mark.parametrize("gap", [0.0, 0.002])
+def test_a_gap_of_a_spline_is_closed_after_smaller_ones_to_its_neighbours(tmp_path, gap):
+    """Two halves of an ellipse of 6 mm by 20 mm, each with its ends 6 mm apart, beside a whole one."""
+    drawing, space = plate()
+    space.add_ellipse((150, 50), (8, 0), 0.5, dxfattribs={"layer": "egg"})
+    for sign in (1, -1):
+        points = [
+            (100 + 3 * math.cos(math.pi * i / 24), 50 + sign * (gap + 10 * math.sin(math.pi * i / 24)))
+            for i in range(25)
+        ]
+        space.add_spline(fit_points=points, dxfattribs={"layer": "slit"})
+    found = areas(read(drawing, tmp_path, tolerance="20 mm"))
+    assert found == {
+        "egg": pytest.approx(32 * math.pi, rel=1e-6),
+        "slit": pytest.approx(30 * math.pi + 12 * gap, rel=2e-3),
+    }
+    drawn = imported_shape(ShapeSpec(file="x.dxf", tolerance=2e-2), tmp_path)
+    assert drawn is not None and [one.size for one in drawn.gaps] == pytest.approx([2e-3 * gap] * (2 * (gap > 0)))
+
+
 def test_blocks_without_end_are_refused_before_they_are_made(tmp_path):
     drawing, space = plate()
     names = [f"B{i}" for i in range(12)]

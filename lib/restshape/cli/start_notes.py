@@ -3,10 +3,11 @@
 from restshape.application import application
 from restshape.cli.doubts import script_doubts
 from restshape.errors import ReplayProblem, UserError
-from restshape.outputs.si_numbers import counted
+from restshape.outputs.si_numbers import counted, counted_are, si
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
+from restshape.shape.imported_shape import imported_shape
 
 UNMOVED = 'time begins after the first frame, the only one: let it go on by events {"do": "idle", "frames": 20}'
 """Of motion and heat in time without a script."""
@@ -25,6 +26,8 @@ def start_notes(scene: Scene, script: Script) -> list[str]:
         own.append(UNMOVED)
     try:
         data, _, outline = app.editing.checked(scene, effects)
+        if closed := _closed_gaps(scene):
+            own.append(closed)
     except (ReplayProblem, UserError):
         # The first frame says what is wrong with the shape.
         return own
@@ -34,3 +37,12 @@ def start_notes(scene: Scene, script: Script) -> list[str]:
     if len(more) > 1:
         more = [f"{counted(len(more), 'more warning')}, which restshape check lists; the first: {more[0]}"]
     return own + more
+
+
+def _closed_gaps(scene: Scene) -> str:
+    """How many gaps in a drawing `shape.tolerance` let close, and how large they were; "" without any."""
+    drawing = None if scene.mesh.file else imported_shape(scene.shape, scene.folder)
+    if drawing is None or not drawing.gaps:
+        return ""
+    many, largest = counted_are(len(drawing.gaps), "gap"), si(drawing.gaps[0].size, "m")
+    return f"shape.tolerance: {many} closed in {scene.shape.file}, the largest of {largest}; restshape check lists them"

@@ -9,12 +9,14 @@ import numpy as np
 from restshape.bounds import SPLINE_POINTS
 from restshape.shape.bsplines import cubic_of, edges_of_cubic
 from restshape.shape.curves import chord_parameters
-from restshape.shape.gaps import JOIN, Gap
+from restshape.shape.gaps import JOIN, Gap, Joints, joints
 from restshape.shape.loose_curve import Curve
 
 
 def cut_closed(loose_curves: list[Curve], size: float, tolerance: float) -> tuple[list[Curve], list[Gap]]:
     """The curves with those splines in two edges whose ends meet; gaps between these ends are closed half-way.
+
+    A spline with an end that meets another curve, or is nearer to another's open end than to its own, stays whole.
 
     Args:
         loose_curves: the curves.
@@ -26,14 +28,31 @@ def cut_closed(loose_curves: list[Curve], size: float, tolerance: float) -> tupl
     """
     found: list[Curve] = []
     gaps: list[Gap] = []
-    for curve in loose_curves:
-        apart = float(np.hypot(*(curve.points[0] - curve.points[-1])))
-        parts = _halves(curve) if curve.kind == "spline" and apart <= max(tolerance, JOIN * size) else []
+    near = max(tolerance, JOIN * size)
+    starts, stops = (np.array([curve.points[end] for curve in loose_curves]) for end in (0, -1))
+    ends = joints(starts, stops, size)
+    loose = ends.open_ends()
+    for k, curve in enumerate(loose_curves):
+        apart = float(np.hypot(*(starts[k] - stops[k])))
+        closes = curve.kind == "spline" and apart <= near and _meets_itself(ends, loose, k, apart)
+        parts = _halves(curve) if closes else []
         found += parts or [curve]
         if parts and apart > JOIN * size:
             x, y = parts[0].points[0]
             gaps.append(Gap((float(x), float(y)), apart, (curve.source, curve.source)))
     return found, gaps
+
+
+def _meets_itself(ends: Joints, loose: dict[int, int], curve: int, apart: float) -> bool:
+    """Whether a curve's ends are one, or both are open and nearer to each other than to another curve's open end."""
+    pair = ends.ends[curve]
+    if pair[0] == pair[1]:
+        return True
+    if not loose.keys() >= set(pair):
+        return False
+    others = [vertex for vertex, of in loose.items() if of != curve]
+    far = np.hypot(*(ends.corners[others][:, None] - ends.corners[list(pair)]).T)
+    return bool(far.min(initial=np.inf) >= apart)
 
 
 def _halves(curve: Curve) -> list[Curve]:
