@@ -4,10 +4,11 @@ import curve_areas
 import ezdxf
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
 from restshape.export.dxf_drawing import write_dxf
 from restshape.scene.model import ShapeSpec
-from restshape.shape.bsplines import beziers_of, cubic_of, edges_of_cubic
+from restshape.shape.bsplines import beziers_of, cubic_between, cubic_of, edges_of_cubic
 from restshape.shape.build import outline_from_spec
 from restshape.shape.curves import spline_weights
 
@@ -90,3 +91,18 @@ def test_a_region_with_edges_of_the_outline_is_left_out_of_a_dxf(tmp_path):
     assert write_dxf(outline, tmp_path / "two.dxf") == ["half"]
     back = outline_from_spec(ShapeSpec(file="two.dxf"), tmp_path)
     assert back.area() == pytest.approx(2.0) and set(back.names("edge")) == set(spec.outline)
+
+
+def test_a_closed_curve_that_is_a_cubic_between_knots_becomes_two_edges():
+    """By its points alone, of parameters from 2 to 5; with other knots it is none."""
+    controls = np.array([(0, 0), (30, -12), (45, 20), (20, 22), (12, 55), (-20, 30), (0, 0)], dtype=float)
+    knots = [2.0, 2.7, 3.9, 4.1, 5.0]
+    curve = BSpline([2.0] * 3 + knots + [5.0] * 3, controls, 3)
+    first, second = cubic_between(curve, 2.0, 5.0, knots)
+    cuts = np.linspace(2.0, 3.9, 101), np.linspace(3.9, 5.0, 101)
+    for (points, own, ends), s in zip((first, second), cuts):
+        there = spline_weights(own, ends, (s - s[0]) / np.ptp(s)) @ points
+        np.testing.assert_allclose(there, curve(s), atol=1e-12 * np.ptp(controls))
+    assert cubic_between(curve, 2.0, 5.0, [2.0, 2.8, 3.9, 4.1, 5.0]) == []
+    (part,) = cubic_between(curve, 2.1, 4.0, knots)
+    assert len(part[1]) == 6

@@ -244,12 +244,12 @@ def test_edges_that_had_a_layer_together_have_its_name_again(tmp_path, kind, wri
 def test_a_step_file_is_read_back_by_the_program(outline, thickness, tmp_path):
     write_step(outline, thickness, tmp_path / "plate.step")
     back = outline_from_spec(ShapeSpec(file="plate.step"), tmp_path)
-    assert back.area() == pytest.approx(outline.area(), rel=1e-6)
+    assert back.area() == pytest.approx(outline.area(), rel=1e-11)
     np.testing.assert_allclose(back.bounds(), outline.bounds(), atol=1e-3)
     assert set(back.names("hole")) == set(outline.names("hole"))
     for name in ("bottom", "right", "top.1", "window"):
         lengths = [sum(one.length(e) for e in one.entity(name).edges) for one in (outline, back)]
-        assert lengths[1] == pytest.approx(lengths[0], rel=1e-6)
+        assert lengths[1] == pytest.approx(lengths[0], rel=1e-9)
     assert {edge.kind for edge in back.edges} == {"line", "arc", "spline"}
 
 

@@ -3,11 +3,13 @@
 import math
 import re
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
 
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
@@ -107,7 +109,49 @@ def test_a_b_spline_keeps_its_area(tmp_path):
 
     write(tmp_path / "hill.step", draw)
     outline, _ = read(tmp_path / "hill.step")
-    assert 1e6 * outline.area() == pytest.approx(30 * (10 + 40 + 30 + 10) / 4, rel=1e-6)
+    assert 1e6 * outline.area() == pytest.approx(30 * (10 + 40 + 30 + 10) / 4, rel=1e-12)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_cubic_b_spline_is_read_as_it_is(tmp_path, turned):
+    """Its edges have its knots, and the area is that of scipy's B-spline, by Green's theorem and Gauss's rule."""
+    knots = [0.0, 0.23, 0.61, 0.7, 1.0]
+    xy = [(30, 10), (28, 40), (19, 12), (12, 55), (11, 30), (2, 33), (0, 10)]
+
+    def draw(occ: Any) -> None:
+        points = [occ.addPoint(x, y, 0) for x, y in (*xy, (0, 0), (30, 0))]
+        sides = [occ.addBSpline(points[:-2], -1, 3, [], knots, [4, 1, 1, 1, 4])]
+        sides += [occ.addLine(*pair) for pair in pairwise((*points[-3:], points[0]))]
+        occ.addPlaneSurface([occ.addCurveLoop(sides)])
+        if turned:
+            occ.rotate(occ.getEntities(2), 3, 1, 2, 1, 2, 3, 0.7)
+
+    write(tmp_path / "hill.step", draw)
+    outline, _ = read(tmp_path / "hill.step")
+    curve = BSpline([0.0] * 3 + knots + [1.0] * 3, np.array(xy, dtype=float), 3)
+    places, weights = np.polynomial.legendre.leggauss(6)
+    steps = np.diff(knots)[:, None] / 2
+    s, w = (steps * (1 + places) + np.array(knots[:-1])[:, None]).ravel(), (steps * weights).ravel()
+    (x, y), (dx, dy) = curve(s).T, curve(s, 1).T
+    area = 0.5 * w @ (x * dy - y * dx) + 0.5 * 30 * 10
+    assert 1e6 * outline.area() == pytest.approx(area, rel=1e-10)
+    (edge,) = (edge for edge in outline.edges if edge.kind == "spline")
+    assert len(edge.knots) == len(knots) + 2, "two more in the spans at the ends, where it bends"
+
+
+def test_a_b_spline_of_degree_2_is_fitted(tmp_path):
+    """Its second derivative jumps, as no spline edge's does."""
+
+    def draw(occ: Any) -> None:
+        points = [occ.addPoint(x, y, 0) for x, y in ((30, 0), (20, 30), (10, 30), (0, 0))]
+        side = occ.addBSpline(points, -1, 2, [], [0.0, 0.4, 1.0], [3, 1, 3])
+        occ.addPlaneSurface([occ.addCurveLoop([side, occ.addLine(points[-1], points[0])])])
+
+    write(tmp_path / "low.step", draw)
+    outline, _ = read(tmp_path / "low.step")
+    curve = BSpline([0, 0, 0, 0.4, 1, 1, 1], np.array([(30.0, 0.0), (20, 30), (10, 30), (0, 0)]), 2)
+    x, y = curve(np.linspace(0, 1, 200_001)).T
+    assert 1e6 * outline.area() == pytest.approx(-np.trapz(y, x), rel=1e-6)
 
 
 @pytest.mark.slow

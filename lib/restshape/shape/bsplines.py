@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,8 @@ SplineEdge = tuple[Reals, tuple[float, ...], Ends]
 """The points (n, 2) of a spline edge, its knots (n,) from 0 to 1, and its end conditions."""
 NEGLIGIBLE = 1e-11
 """A derivative smaller than this share of the largest one is 0: the curve moves by no more than that share."""
-
+SAME_KNOT = 1e-9
+"""Share of the range of a parameter by which knots differ that are not the same."""
 JOINED = 1e-9
 """Share of the handles by which slope and bend of two Bézier curves of one spline may differ where they join."""
 
@@ -71,8 +72,39 @@ def edges_of_cubic(knots: Reals, controls: Reals) -> list[SplineEdge]:
     clamped = not knots[:4].any() and bool((knots[-4:] == 1.0).all())
     if not clamped or np.diff(own).min() <= 0.0 or len(own) + 4 > SPLINE_POINTS:
         return []
-    curve = BSpline(knots, controls, 3)
-    if np.hypot(*(controls[0] - controls[-1])) > 1e-9 * np.ptp(controls):
+    return _edges(BSpline(knots, controls, 3), own)
+
+
+def cubic_between(curve: Callable[[Reals], Reals], low: float, high: float, knots: Sequence[float]) -> list[SplineEdge]:
+    """The spline edges that are a curve which may be a cubic between knots: one, or two of a closed curve.
+
+    Args:
+        curve: gives points (n, 2) of parameters (n,).
+        low, high: parameters of its ends.
+        knots: rising, where its third derivative may jump.
+
+    Returns:
+        The edges; none where they would be off the curve, or have more points than `bounds.SPLINE_POINTS`.
+    """
+    known = np.array(knots)
+    near = SAME_KNOT * (high - low)
+    own = np.array([low, *known[(known > low + near) & (known < high - near)], high])
+    if len(own) + 4 > SPLINE_POINTS:
+        return []
+    steps = np.diff(own) / 3.0
+    places = np.union1d(own, [low + steps[0], high - steps[-1]])
+    whole = cubic_of(curve(places), tuple((places - low) / (high - low)), ("smooth", "smooth"))
+    probes = (own[:-1, None] + steps[:, None] * np.array([0.5, 1.5, 2.5])).ravel()
+    off = np.abs(whole((probes - low) / (high - low)) - curve(probes)).max()
+    if not off <= NEGLIGIBLE * np.ptp(whole.c, axis=0).max():
+        return []
+    return _edges(whole, (own - low) / (high - low))
+
+
+def _edges(curve: BSpline, own: Reals) -> list[SplineEdge]:
+    """The spline edges that a cubic from 0 to 1 with these knots is: one, or two of a closed curve."""
+    begin, end = curve.c[0], curve.c[-1]
+    if np.hypot(*(begin - end)) > 1e-9 * np.ptp(curve.c):
         return [_part(curve, own)]
     middle = 0.5 if len(own) == 2 else float(own[len(own) // 2])
     return [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.errors import UserError
+from restshape.shape.bsplines import cubic_between
 from restshape.shape.curves import bulge_through
 from restshape.shape.fitted_spline import SMOOTH, fitted_spline
 from restshape.shape.loose_curve import Curve
@@ -75,6 +76,7 @@ def curves_between(
     place: Callable[[Reals], Reals],
     names: dict[tuple[int, int], str],
     regions: dict[int, str],
+    knots: Mapping[int, Sequence[tuple[float, ...]]] | None = None,
 ) -> list[Curve]:
     """Curves of a model of gmsh's as loose curves in the plane.
 
@@ -83,6 +85,7 @@ def curves_between(
         faces: the curves that bound each.
         place: gives coordinates (n, 2) in the plane of points (n, 3).
         names: by (dimension, entity); regions: names of the regions that curves bound.
+        knots: that curves may have which may be cubic B-splines.
 
     Raises:
         UserError: a curve bends too much.
@@ -95,13 +98,15 @@ def curves_between(
 
         low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, tag))
         label, region = names.get((1, tag), ""), regions.get(tag)
-        for piece in _pieces(model.getType(1, tag), points, low, high, tag):
+        for piece in _pieces(model.getType(1, tag), points, low, high, tag, (knots or {}).get(tag, ())):
             loose_curves.append(replace(piece, label=label, source=f"curve {tag}", region=region))
     return loose_curves
 
 
-def _pieces(kind: str, points: Points, low: float, high: float, tag: int) -> list[Curve]:
-    """The edges that a curve of a model becomes, without names: lines and arcs as they are, splines for others."""
+def _pieces(
+    kind: str, points: Points, low: float, high: float, tag: int, knots: Sequence[tuple[float, ...]]
+) -> list[Curve]:
+    """The edges that a curve of a model becomes, without names: splines of what is neither line, arc nor cubic."""
     ends = points(np.array([low, 0.5 * (low + high), high]))
     if kind == "Line":
         return [Curve(ends[[0, 2]], "line")]
@@ -110,6 +115,9 @@ def _pieces(kind: str, points: Points, low: float, high: float, tag: int) -> lis
         return [Curve(ends[[0, 2]], "arc", bulge=bulge_through(ends[0], ends[1], ends[2]))]
     if kind == "Circle":
         return [Curve(ends[[0, 1]], "arc", bulge=1.0), Curve(ends[[1, 2]], "arc", bulge=1.0)]
+    for known in knots:
+        if exact := cubic_between(points, low, high, known):
+            return [Curve(own, "spline", knots=inner, ends=conditions) for own, inner, conditions in exact]
     parts = [(low, 0.5 * (low + high)), (0.5 * (low + high), high)] if closed else [(low, high)]
     found = [fitted_spline(points, *part, f"curve {tag}") for part in parts]
     return [Curve(own, "spline", knots=knots, ends=SMOOTH) for own, knots in found]

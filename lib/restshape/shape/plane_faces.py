@@ -14,7 +14,7 @@ from restshape.errors import UserError
 from restshape.shape.geo_model import curves_between, surface_regions
 from restshape.shape.layer_names import name_of
 from restshape.shape.loose_curve import LooseCurves
-from restshape.shape.step_names import names_in
+from restshape.shape.step_names import knots_in, names_in
 
 FLAT = 1e-6
 """Distance from the plane, over the size of all bodies, and difference of normals, that still count as none."""
@@ -80,7 +80,8 @@ def step_curves(gmsh: ModuleType, path: Path) -> LooseCurves:
         names |= _labelled(names_in(model, _borders(model, chosen), text), 1)
     names = {(2, s): f"region{number}" for number, s in enumerate(chosen, start=1)} | names
     faces = _borders(model, chosen)
-    found = curves_between(model, _outermost(faces), plane.place, names, surface_regions(faces, names))
+    knots = knots_in(model, {curve for own in faces.values() for curve in own}, text)
+    found = curves_between(model, _outermost(faces), plane.place, names, surface_regions(faces, names), knots)
     note = f"{path.name}: {len(chosen)} of {count} faces, in the plane {plane.words}"
     return LooseCurves(found, notes=(note,))
 

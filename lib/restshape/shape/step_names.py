@@ -1,10 +1,11 @@
-"""Names of edges and faces in the text of a STEP file (ISO 10303-21), which OpenCASCADE does not hand on."""
+"""Names of edges and faces, and knots, in the text of a STEP file (ISO 10303-21), which gmsh does not hand on."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,11 @@ MILLIMETRES = {"": 1e3, "MILLI": 1.0, "CENTI": 10.0, "MICRO": 1e-3, "KILO": 1e6,
 """Of a unit of length, by its SI prefix or its name."""
 TYPES = (
     "CARTESIAN_POINT|VERTEX_POINT|EDGE_CURVE|ORIENTED_EDGE|EDGE_LOOP|FACE_BOUND|FACE_OUTER_BOUND|ADVANCED_FACE"
-    "|LINE|CIRCLE|SURFACE_CURVE|SEAM_CURVE|INTERSECTION_CURVE"
+    "|LINE|CIRCLE|B_SPLINE_CURVE_WITH_KNOTS|SURFACE_CURVE|SEAM_CURVE|INTERSECTION_CURVE"
 )
 _ENTITY = re.compile(rf"#(\d+)\s*=\s*({TYPES})\s*\(\s*'((?:[^']|'')*+)'\s*,((?:[^';]|'(?:[^']|'')*+')*+)\s*;")
+_CUBIC = re.compile(r"\s*3\s*,\s*\([^()]*\)\s*,[^()]*\(\s*4\s*,((?:\s*1\s*,)*)\s*4\s*\)\s*,\s*\(([^()]*)\)[^()]*\)\s*")
+"""What follows the name of a cubic B-spline whose inner knots are simple: its knots are the last list."""
 _LENGTH = re.compile(r"[^;]*\bLENGTH_UNIT\s*\([^;]*")
 _UNIT = re.compile(r"SI_UNIT\s*\(\s*(?:\.(\w*)\.|\$)\s*,\s*\.METRE\.|CONVERSION_BASED_UNIT\s*\(\s*'(\w*)'")
 _REFERENCE = re.compile(r"#(\d+)")
@@ -36,12 +39,14 @@ class StepEdge:
         name: "" where it has none; at: where in the text it begins.
         ends: (2, 3) its first and last place [mm].
         kind: "Line", "Circle", or "" of other curves.
+        knots: of a cubic B-spline with simple inner knots, each once; none of other curves.
     """
 
     name: str
     at: int
     ends: Reals
     kind: str
+    knots: tuple[float, ...] = ()
 
 
 class StepText:
@@ -71,14 +76,17 @@ class StepText:
         ends = [self._place(vertex) for vertex in numbers[:2]]
         if None in ends:
             return None
-        return StepEdge(_name(match[3]), match.start(3), factor * np.array(ends), self._kind(numbers[2]))
+        curve = self._curve(numbers[2])
+        kind = curve[2].title() if curve else ""
+        known = kind if kind in KINDS else ""
+        return StepEdge(_name(match[3]), match.start(3), factor * np.array(ends), known, _knots(curve) if curve else ())
 
-    def _kind(self, curve: int) -> str:
-        """That of a curve in space, which may be given with its images on surfaces."""
+    def _curve(self, curve: int) -> re.Match[str] | None:
+        """A curve in space, which may be given with its images on surfaces."""
         match = self._found.get(curve)
         if match and match[2].endswith("_CURVE"):
             match = self._found.get(next(iter(_references(match)), 0))
-        return match[2].title() if match else ""
+        return match
 
     def _place(self, vertex: int) -> list[float] | None:
         match = self._found.get(vertex)
@@ -130,6 +138,17 @@ def candidates(model: Any, curves: Iterable[int], edges: Iterable[StepEdge]) -> 
     return found
 
 
+def knots_in(model: Any, curves: Iterable[int], text: str) -> dict[int, list[tuple[float, ...]]]:
+    """The knots that each curve of a model may have, of those that are cubic B-splines with simple inner knots.
+
+    Args:
+        model: of gmsh, in mm; curves: of it; text: of the file.
+    """
+    edges = candidates(model, curves, StepText(text).edges.values())
+    found = {curve: list(dict.fromkeys(edge.knots for edge in own if edge.knots)) for curve, own in edges.items()}
+    return {curve: knots for curve, knots in found.items() if knots}
+
+
 def names_in(model: Any, faces: Mapping[int, Iterable[int]], text: str) -> dict[tuple[int, int], str]:
     """Names that a file gives curves and faces of a model, by (dimension, entity).
 
@@ -159,6 +178,17 @@ def with_names(model: Any, names: Mapping[int, str], text: str) -> str:
 def _references(match: re.Match[str]) -> list[int]:
     """The numbers of the entities that one refers to."""
     return [int(number) for number in _REFERENCE.findall(match[4])]
+
+
+def _knots(curve: re.Match[str]) -> tuple[float, ...]:
+    """Those of a cubic B-spline with simple inner knots, rising; none of another curve."""
+    cubic = _CUBIC.fullmatch(curve[4]) if curve[2] == "B_SPLINE_CURVE_WITH_KNOTS" else None
+    try:
+        knots = tuple(float(word) for word in cubic[2].split(",")) if cubic else ()
+    except ValueError:
+        return ()
+    simple = cubic is not None and len(knots) == cubic[1].count(",") + 2
+    return knots if simple and all(a < b for a, b in pairwise(knots)) else ()
 
 
 def _name(text: str) -> str:
