@@ -9,6 +9,7 @@ import numpy as np
 from restshape_studies.accuracy.grid import Grid, Places
 
 from restshape.analysis.analysis import Analysis
+from restshape.replay.columns import quantity_column, quantity_names
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class State:
     @property
     def quantities(self) -> dict[str, float]:
         """Quantities of interest by name."""
-        return {key[2:]: float(value) for key, value in self.row.items() if key.startswith("q_")}
+        return {name: float(self.row[quantity_column(name)]) for name in quantity_names(self.row)}
 
 
 def state_of(analysis: Analysis, outline: np.ndarray, row: dict[str, Any]) -> State:

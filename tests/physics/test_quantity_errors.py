@@ -314,6 +314,15 @@ def test_areas_and_names_of_other_columns_are_refused(tmp_path):
         columns_of(scene, application("plane"))
 
 
+@pytest.mark.parametrize("other", ["error", "jump", "max"])
+def test_a_quantity_of_the_name_of_a_column_beside_another_is_refused(tmp_path, other):
+    """Whether the column is recorded or not: tables alone say which of their columns are quantities."""
+    both = "".join(f'{name} = {{ displacement = "x", at = "c" }}\n' for name in ("q", other))
+    scene = load_scene(write_scene(tmp_path, plate() + both, "solve = { jumps = false }\n"))
+    with pytest.raises(UserError, match=f"a column of it would be q_{other}, which is another column"):
+        columns_of(scene, application("plane"))
+
+
 def test_duals_of_a_drag_start_at_those_before(tmp_path, monkeypatch):
     """As good as from nothing, with no more applications of the preconditioner than the frames take."""
     steps = []

@@ -3,6 +3,7 @@
 import json
 from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -22,8 +23,10 @@ from restshape.report.frames import caption
 from restshape.report.happenings import worst_frame
 from restshape.report.quantity_panels import draw_limits, draw_quantities
 from restshape.report.scenery import scenery
+from restshape.report.tables import quantity_table
 from restshape.report.timeline import draw_timeline
 from restshape.scene.edit_script import load_script
+from restshape.scene.load import load_scene
 from restshape.scene.quantity import limit_in_unit
 
 
@@ -127,3 +130,20 @@ def test_limits_have_one_rounding_everywhere(bound, shown):
     axes = Figure().subplots()
     draw_limits(axes, 1.0, 350.0, 360.0, {"max": bound}, "K")
     assert axes.get_title(loc="right") == f"max {shown}" + ("" if bound > 350.0 else ", beyond the axis")
+
+
+def test_columns_beside_a_quantity_q_are_no_quantities(tmp_path, capsys):
+    """`q_error` and `q_jump` of a quantity `q`, `q_top_error` of one `q_top`, in tables, JSON and recordings."""
+    text = plate(0.3).replace("stretch = {", "q = { max = 1.0,")
+    scene = write_scene(tmp_path, text + 'q_top = { displacement = "y", at = "c", max = 1.0 }\n')
+    out, summary = tmp_path / "a.vtkhdf", tmp_path / "a.json"
+    assert main(["replay", str(scene), "--out", str(out), "--json", str(summary)]) == 0
+    assert "q_error" not in capsys.readouterr().out
+    found, names = json.loads(summary.read_text()), set(load_scene(scene).quantities)
+    assert found["quantities"].keys() == names and found["quantity_errors"].keys() == {"q", "q_top"}
+    assert found["jumps"].keys() <= names
+    with Recording(out) as recording:
+        assert {"q_error", "q_top_error", "q_jump"} <= recording.table.keys()
+        assert {row["quantity"] for row in quantity_table(recording)} == names
+    with h5py.File(out) as file:
+        assert "q_jump" not in file["VTKHDF/FieldData"] and "q_q" in file["VTKHDF/FieldData"]

@@ -12,7 +12,7 @@ import numpy as np
 from restshape import bounds
 from restshape.arrays import AnyArray, Flags, Reals
 from restshape.errors import UserError
-from restshape.replay.columns import SIMULATED
+from restshape.replay.columns import SIMULATED, quantity_names
 from restshape.replay.recording import Recording
 from restshape.report.recorded_quantities import quantity_units
 from restshape.report.tables import column, refused, singular
@@ -93,7 +93,7 @@ def _recorded(path: Path) -> Result:
     """The result in a recording, which stays open."""
     recording = Recording(path)
     table = recording.table
-    names = [name[2:] for name in table if name.startswith("q_")]
+    names = quantity_names(table)
     stopped = refused(recording)
     quantities = {name: np.where(stopped, np.nan, column(recording, f"q_{name}")) for name in names}
     status = table.get("constraint_status")

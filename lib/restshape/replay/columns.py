@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from restshape.errors import UserError
 from restshape.findings import FINDINGS_BYTES
-from restshape.replay.constraints import limit_column, moving_limits
+from restshape.replay.constraints import MAX, MIN, limit_column, moving_limits
 from restshape.replay.recorded_places import PLACES_BYTES, SINGULAR_PLACES, places_wanted
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ ESTIMATES = ("estimate", "estimate_time", "prediction_error")
 """What is estimated, or measured, of a frame's error."""
 
 
+QUANTITY = "q_"
+"""Begins the columns of values of quantities."""
 SIMULATED = "time"
 """The simulated time [s] at the end of a frame, of analyses in time: a column of `Application.own_columns`."""
 
@@ -67,6 +69,30 @@ def error_column(quantity: str) -> str:
 def jump_column(quantity: str) -> str:
     """The column of what changes of the mesh alone do to a quantity."""
     return f"{quantity}_jump"
+
+
+def quantity_column(quantity: str) -> str:
+    """The column of the values of a quantity."""
+    return f"{QUANTITY}{quantity}"
+
+
+def columns_beside(quantity: str) -> list[str]:
+    """The columns that a recording may have beside the values of a quantity."""
+    return [error_column(quantity), jump_column(quantity), *(limit_column(quantity, key) for key in (MIN, MAX))]
+
+
+def quantity_names(table: Iterable[str]) -> list[str]:
+    """The quantities of a table with these columns, in their order.
+
+    Of a quantity `q` the column `q_error` is no quantity; a scene that had both is refused (`columns_of`).
+    """
+    found = [name.removeprefix(QUANTITY) for name in table if name.startswith(QUANTITY)]
+    beside: set[str] = set()
+    # A column beside a quantity has a longer name than it.
+    for name in sorted(found, key=len):
+        if quantity_column(name) not in beside:
+            beside.update(columns_beside(name))
+    return [name for name in found if quantity_column(name) not in beside]
 
 
 def estimated_quantities(scene: Scene, application: Application) -> list[str]:
@@ -91,7 +117,9 @@ def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLik
     if jumps_wanted(scene, application):
         own |= {jump_column(name): name for name in scene.quantities}
     own |= {limit_column(name, key): name for name, key in moving_limits(scene)}
-    for column, name in own.items():
+    values = set(map(quantity_column, scene.quantities))
+    beside = {column: name for name in scene.quantities for column in columns_beside(name) if column in values}
+    for column, name in (beside | own).items():
         if column in known:
             what = f"a column of it would be {column}, which is another column"
             raise scene.located(UserError(what, f"quantities.{name}", "give it another name"))
@@ -125,7 +153,7 @@ def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) 
     return {
         **dict.fromkeys(integers, np.int64),
         **dict.fromkeys(reals, np.float64),
-        **{f"q_{name}": np.float64 for name in quantities},
+        **{quantity_column(name): np.float64 for name in quantities},
         "event": str,
         "preconditioner": "S24",
         "note": "S160",

@@ -4,6 +4,7 @@ import h5py
 import numpy as np
 
 from restshape.arrays import Records
+from restshape.replay.columns import jump_column, quantity_names
 from restshape.replay.growable_array import Growing
 
 STATUS = "constraint_status"
@@ -22,7 +23,8 @@ CHUNK = 128
 def plotted(row: np.dtype[np.void]) -> list[str]:
     """The columns of a row that are field data: numbers of what is simulated, and flags."""
     names = [name for name in row.names or () if row[name].kind in "iuf" and name not in LEFT_OUT]
-    found = [name for name in names if not name.startswith("ms") and not name.endswith("_jump")]
+    jumps = set(map(jump_column, quantity_names(names)))
+    found = [name for name in names if not name.startswith("ms") and name not in jumps]
     return [*found, STATUS] if STATUS in (row.names or ()) else found
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
-from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column
+from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column, quantity_column, quantity_names
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN, UNSURE
 from restshape.replay.reservoir import Reservoir
 from restshape.replay.rounding import ROUNDING, largest, scales
@@ -78,8 +78,10 @@ class Tally:
         """Takes the row of the next frame."""
         counts = self._counts
         if not counts["frames"]:
-            self._series = {key: array("d") for key in row if key.startswith("q_") or key == SIMULATED}
-            errors = {key[2:]: error_column(key[2:]) for key in self._series if key != SIMULATED}
+            names = quantity_names(row)
+            times = [SIMULATED] if SIMULATED in row else []
+            self._series = {key: array("d") for key in (*map(quantity_column, names), *times)}
+            errors = {name: error_column(name) for name in names}
             self._errors = {name: array("d") for name, column in errors.items() if column in row}
         else:
             self._add_times(row)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from restshape.outputs.si_numbers import si
+from restshape.replay.columns import quantity_names
 from restshape.replay.constraints import FAILS, UNCERTAIN
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import cleared
@@ -63,7 +64,7 @@ def worst_frame(recording: Recording) -> tuple[int, str] | None:
         name = max(used, key=lambda key: float(np.nanmax(used[key])))
         i = int(np.nanargmax(used[name]))
         return i, f"worst: {name} {_margin(recording, name, i)}"
-    field, names = shown_field(recording), [key[2:] for key in recording.table if key.startswith("q_")]
+    field, names = shown_field(recording), quantity_names(recording.table)
     own = [q for q in names if field and field.quantity_of(recording, q)]
     for name in [*own, *names]:
         sizes = np.abs(column(recording, f"q_{name}"))

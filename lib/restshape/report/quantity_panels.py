@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
-from restshape.replay.columns import error_column, jump_column
+from restshape.replay.columns import error_column, jump_column, quantity_names
 from restshape.replay.recording import Recording, ranges
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
@@ -25,7 +25,6 @@ from restshape.report.style import GOAL, INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS,
 from restshape.report.tables import at_singular_places, column, quantity_scales, refused, singular
 from restshape.scene.quantity import limit_digits
 
-JUMP = jump_column("")
 EACH, FRAMED = 1.35, 1.3
 """Height of a panel, and of what is around them [inch]."""
 NAMED = 0.24
@@ -51,7 +50,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     Quantities with limits come first; of more than `MOST` the others are left out, and counted in the title.
     """
     limits = limit_series(recording)
-    names = sorted((key[2:] for key in recording.table if key.startswith("q_")), key=lambda name: name not in limits)
+    names = sorted(quantity_names(recording.table), key=lambda name: name not in limits)
     if not names:
         return False
     shown = names[:MOST]
@@ -203,7 +202,7 @@ def _shade(axes: Axes, frames: np.ndarray) -> None:
 def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray) -> int:
     """The legend below all panels, of what occurs; its lines."""
     level = column(recording, "level")
-    names = [key[2:] for key in recording.table if key.startswith("q_")]
+    names = quantity_names(recording.table)
     if any(np.isfinite(column(recording, error_column(name))).any() for name in names):
         axes.fill_between([], [], [], color=BAND, label="estimated error")
     for k in (k for k in (2, 3) if (level == k).any()):
@@ -211,7 +210,7 @@ def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray
     if limited:
         axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label="limit")
         axes.plot([], [], ls="", marker="x", color=REFUSED, ms=4.5, label="beyond its limit")
-    if any(np.isfinite(column(recording, name)).any() for name in recording.table if name.endswith(JUMP)):
+    if any(np.isfinite(column(recording, jump_column(name))).any() for name in names):
         axes.plot([], [], color=GOAL, lw=1.6, label="jump by the mesh")
     if stopped.any():
         axes.axvspan(np.nan, np.nan, color=REFUSED, alpha=0.3, label=f"refused ({stopped.sum()}), no value")

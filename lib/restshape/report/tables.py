@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from restshape.replay.columns import error_column, jump_column
+from restshape.replay.columns import error_column, jump_column, quantity_column, quantity_names
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recorded_places import SINGULAR_PLACES, RecordedPlaces, decode_places
 from restshape.replay.recording import Recording
@@ -114,21 +114,20 @@ def quantity_table(recording: Recording) -> list[dict[str, Any]]:
     """
     units, sizes = quantity_units(recording.header), quantity_scales(recording)
     rows = []
-    for name in recording.table:
-        if name.startswith("q_"):
-            values = without_rounding(column(recording, name), sizes[name[2:]])
-            finite = values[np.isfinite(values)]
-            found = (values[0], values[-1], finite.min(), finite.max()) if len(finite) else (None,) * 4
-            numbers = [float(v) if v is not None and np.isfinite(v) else None for v in found]
-            row = dict(zip(("first", "last", "min", "max"), numbers, strict=True))
-            more = quantity_extras(recording, name[2:], sizes[name[2:]])
-            rows.append({"quantity": name[2:], **row, **more, "unit": units.get(name[2:], "")})
+    for name in quantity_names(recording.table):
+        values = without_rounding(column(recording, quantity_column(name)), sizes[name])
+        finite = values[np.isfinite(values)]
+        found = (values[0], values[-1], finite.min(), finite.max()) if len(finite) else (None,) * 4
+        numbers = [float(v) if v is not None and np.isfinite(v) else None for v in found]
+        row = dict(zip(("first", "last", "min", "max"), numbers, strict=True))
+        more = quantity_extras(recording, name, sizes[name])
+        rows.append({"quantity": name, **row, **more, "unit": units.get(name, "")})
     return rows
 
 
 def quantity_scales(recording: Recording) -> dict[str, float]:
     """What counts as the size of each quantity (`rounding.scales`)."""
-    series = {key[2:]: column(recording, key) for key in recording.table if key.startswith("q_")}
+    series = {name: column(recording, quantity_column(name)) for name in quantity_names(recording.table)}
     loads = recording.header.get("load_scales")
     return scales(series, quantity_units(recording.header), loads if isinstance(loads, dict) else None)
 

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit, si
-from restshape.replay.columns import SIMULATED
+from restshape.replay.columns import SIMULATED, quantity_names
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.quantity_panels import draw_limits, least_span
@@ -42,7 +42,7 @@ def draw_history(recording: Recording, path: Path) -> bool:
     Quantities with limits come first; of more than `MOST` the others are left out, and counted in the title.
     """
     limits = limit_series(recording)
-    names = sorted((key[2:] for key in recording.table if key.startswith("q_")), key=lambda name: name not in limits)
+    names = sorted(quantity_names(recording.table), key=lambda name: name not in limits)
     times = column(recording, SIMULATED)
     if not names or not np.nanmax(times, initial=0.0) > 0.0:
         return False
