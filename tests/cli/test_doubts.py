@@ -189,7 +189,7 @@ def test_rounding_beside_the_body_is_shown_as_0_and_limits_have_units(command, t
     shown = command("check", "scene.toml")
     assert shown.returncode == 0, shown.stderr
     lines = {line.split()[0]: " ".join(line.split()[1:]) for line in shown.stdout.splitlines() if line.strip()}
-    assert lines["bounding"].endswith("lower left corner (0, 0) m") and "traction (0, -1) Pa" in lines["load"]
+    assert lines["bounding"].endswith("lower left corner (0, 0) mm") and "traction (0, -1) Pa" in lines["load"]
     assert lines["shape.vertices.a.1"] == "-R*cos(q) 0 m" and lines["shape.vertices.c.0"] == "R*cos(q) 0 m"
     assert lines["support"] == "left x = R*cos(q) = 0 m and y = 0 on left"
     assert lines["supports.left.fix.x"] == "R*cos(q) 0 m"

@@ -58,7 +58,7 @@ def test_a_plate_in_any_plane_is_its_largest_face(tmp_path, turn, words):
     write(tmp_path / "plate.step", draw)
     outline, note = read(tmp_path / "plate.step")
     assert 1e6 * outline.area() == pytest.approx(20_000 - 100 * math.pi, rel=1e-9)
-    assert words in note and "of 7 faces" in note
+    assert words in note and "of 7 faces" in note and "e-" not in note
     assert {edge.kind for edge in outline.edges} == {"line", "arc"} and len(outline.names("hole")) == 1
 
 
@@ -158,7 +158,7 @@ def test_a_b_spline_of_degree_2_is_fitted(tmp_path):
 def test_a_file_is_read_in_a_process_of_its_own(tmp_path):
     write(tmp_path / "plate.stp", plate)
     found = imported_shape(ShapeSpec(file="plate.stp"), tmp_path)
-    assert found is not None and found.notes == ("plate.stp: 1 of 7 faces, in the plane z = 0 m",)
+    assert found is not None and found.notes == ("plate.stp: 1 of 7 faces, in the plane z = 0 mm",)
     assert len(found.tables["edges"]) == 6
 
 

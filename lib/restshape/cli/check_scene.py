@@ -22,12 +22,12 @@ from restshape.errors import UserError, one_line
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
-from restshape.outputs.si_numbers import si
+from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.replay.rounding import cleared
 from restshape.scene.application_registry import clashes_with
 from restshape.scene.bare_lengths import with_bare_lengths
 from restshape.scene.condition_words import load_words, support_words
-from restshape.scene.descriptions import but_rounding, keys_in_words, listing, with_symbol
+from restshape.scene.descriptions import but_rounding, keys_in_words, listing
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.given_numbers import GivenNumber, Key, given_numbers
 from restshape.scene.key_aliases import notes
@@ -238,7 +238,8 @@ def described(scene: Scene, effects: Plan, outline: Outline) -> list[tuple[str, 
     rows = [(plurals[kind], listed(found)) for kind, found in names.items() if found or kind in ("vertex", "edge")]
     rows.append(("area", f"{outline.area():.6g} m^2"))
     (x, y), (width, height) = outline.bounds()[0], np.subtract(*outline.bounds()[::-1])
-    corner = with_symbol(tuple(cleared(float(one), max(width, height)) for one in (x, y)), "length")
+    factor, unit = scaled_unit(max(width, height), "m")
+    corner = f"{listing([factor * cleared(float(one), max(width, height)) for one in (x, y)])} {unit}"
     rows.append(("bounding box", f"{si(width, 'm', 6)} x {si(height, 'm', 6)}, lower left corner {corner}"))
     known = scene.parameters
     rows += [(f"parameter {name}", _parameter(scene, name)) for name in known]

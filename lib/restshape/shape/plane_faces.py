@@ -11,6 +11,7 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import length_unit
 from restshape.shape.geo_model import curves_between, surface_regions
 from restshape.shape.layer_names import name_of
 from restshape.shape.loose_curve import LooseCurves
@@ -70,7 +71,7 @@ def step_curves(gmsh: ModuleType, path: Path) -> LooseCurves:
         what = "the file has no plane face" if model.getEntities() else "the file has no body and no face"
         raise UserError(what, path.name, "export a flat part, or one of its faces, from your CAD program")
     size = float(np.ptp(np.reshape(model.getBoundingBox(-1, -1), (2, 3)), axis=0).max())
-    plane = _plane(model, _largest(model, flat, size))
+    plane = _plane(model, _largest(model, flat, size), size)
     chosen = [s for s in flat if _lies_in(model, s, plane, FLAT * size)]
     # A file that has been read is at least mostly ASCII.
     text = path.read_text(encoding="ascii", errors="replace")
@@ -123,20 +124,26 @@ def _normal_and_point(model: Any, surface: int) -> tuple[Reals, Reals]:
     return np.array(model.getNormal(surface, middle)), np.array(model.getValue(2, surface, middle))
 
 
-def _plane(model: Any, surface: int) -> FacePlane:
-    """The plane of a face: x and y are those of space where it is parallel to them, else two of the axes of space."""
+def _plane(model: Any, surface: int, size: float) -> FacePlane:
+    """The plane of a face: x and y are those of space where it is parallel to them, else two of the axes of space.
+
+    Args:
+        model: of gmsh; surface: the face.
+        size: of all bodies [mm], whose unit words have; places nearer to 0 than `FLAT` of it are 0 in words.
+    """
     normal, point = _normal_and_point(model, surface)
+    factor, unit = length_unit(MM * size)
+    at = [f"{factor * MM * c:.6g}" for c in np.where(np.abs(point) < FLAT * size, 0.0, point)]
     across = int(np.abs(normal).argmax())
     if abs(normal[across]) > 1.0 - FLAT**2:
         first, second = (axis for axis in range(3) if axis != across)
         axes = np.eye(3)[[first, second]]
-        return FacePlane(
-            np.zeros(3), axes, float(point @ np.cross(*axes)), f"{'xyz'[across]} = {MM * point[across]:.6g} m"
-        )
+        return FacePlane(np.zeros(3), axes, float(point @ np.cross(*axes)), f"{'xyz'[across]} = {at[across]} {unit}")
     along = np.cross(np.eye(3)[2], normal)
     along /= np.hypot(*along[:2])
     axes = np.array([along, np.cross(normal, along)])
-    words = f"through ({', '.join(f'{c:.6g}' for c in MM * point)}) m, normal ({', '.join(f'{c:.6g}' for c in normal)})"
+    towards = [f"{c:.6g}" for c in np.where(np.abs(normal) < FLAT, 0.0, normal)]
+    words = f"through ({', '.join(at)}) {unit}, normal ({', '.join(towards)})"
     return FacePlane(point, axes, 0.0, words)
 
 
