@@ -74,6 +74,11 @@ class KeptPoints:
         kept = f"the reference and {counted(points, 'point')}" if points else "the reference"
         return f"interrupted; kept in {self.folder}: {kept}; the same command goes on from there"
 
+    def stopped(self) -> None:
+        """The study ends early: without a reference nothing is kept."""
+        if not (self.folder / "reference.json").is_file():
+            self.done()
+
     def done(self) -> None:
         """The study has all: nothing is kept."""
         shutil.rmtree(self.folder, ignore_errors=True)

@@ -170,6 +170,10 @@ def study(
             _run_points(found, tried, kept, deadline, on_run, on_point)
         except KeyboardInterrupt:
             on_run(f"{case.name}: {kept.words()}" if out else f"{case.name}: interrupted: nothing is kept")
+            kept.stopped()
+            raise
+        except UserError:
+            kept.stopped()
             raise
     mark_pareto(found.records)
     found.seconds = monotonic() - start

@@ -154,7 +154,22 @@ def test_a_study_that_is_interrupted_says_what_is_kept(tmp_path, monkeypatch, af
     with pytest.raises(KeyboardInterrupt):
         study(Case("plate", scene, edits), asked, said.append, out=tmp_path)
     assert words in said[-1] and said[-1].startswith("plate: interrupted")
-    assert (str(tmp_path / ".plate-points") in said[-1]) == bool(after)
+    assert (str(tmp_path / ".plate-points") in said[-1]) == bool(after) == (tmp_path / ".plate-points").exists()
+
+
+def test_a_reference_without_a_solution_leaves_no_folder(tmp_path, monkeypatch):
+    scene = write_scene(tmp_path, plate(0.25))
+    edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.55, 0.5), 3)))
+
+    def referred(*given):
+        assert given[6].folder.is_dir()
+        raise UserError("the reference was not finished", "plate", "--reference-seconds")
+
+    monkeypatch.setattr(module, "referred", referred)
+    with pytest.raises(UserError):
+        asked = Asked(Choice((2.0, 1.0), (1,), (1e-6,), ("auto",)), samples=2)
+        study(Case("plate", scene, edits), asked, lambda text: None, out=tmp_path)
+    assert not (tmp_path / ".plate-points").exists()
 
 
 def empty_study():
