@@ -271,12 +271,11 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
     from restshape_studies.accuracy.study import Case
 
     from restshape.application import application
-    from restshape.cli.shipped import script_of
+    from restshape.cli.shipped import refuse_shared_script, script_of
     from restshape.scene.edit_script import load_script
     from restshape.scene.load import load_scene
 
-    if args.edits and len(args.scenes) > 1:
-        raise UserError("a script belongs to one scene", "--edits", "name one scene")
+    refuse_shared_script(args.scenes, args.edits)
     found = []
     for path in args.scenes:
         scene = load_scene(path, args.set)

@@ -22,7 +22,7 @@ from restshape_studies.commands.bench_kind import Kind
 
 from restshape.application import applications
 from restshape.cli.options import add_json, add_set, require_mesh, write_json
-from restshape.cli.shipped import script_of
+from restshape.cli.shipped import refuse_shared_script, script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import writable
@@ -128,8 +128,9 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
     if kind.scenes not in ("several", "unscripted", "one", "still"):
         return [Case(kind.scenes, installed_scene(kind.scenes), None)]
     scripted = kind.scenes != "unscripted"
-    if scripted and args.edits and len(args.scenes) != 1:
-        raise UserError("a script belongs to one scene", "--edits", "name one scene")
+    refuse_shared_script(args.scenes, args.edits if scripted else None)
+    if scripted and args.edits and not args.scenes:
+        raise UserError("a script belongs to one scene", "--edits", "name its scene")
     meshed = [app for app in applications().values() if app.editing.has_mesh]
     installed = [path for app in meshed for path in app.scenes() if script_of(path) or not scripted]
     paths = args.scenes or installed

@@ -1,12 +1,34 @@
 """Edit scripts that come with a scene."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from restshape.cli.list import scene_of
+from restshape.errors import UserError
 
 
 def script_of(scene: Path) -> Path | None:
     """The edit script in `../edits`, or beside it, whose header names the scene; of several the scene's namesake."""
+    return next(iter(scripts_of(scene)), None)
+
+
+def scripts_of(scene: Path) -> list[Path]:
+    """All such scripts, the scene's namesake first."""
     folders = (scene.parent.parent / "edits", scene.parent)
     found = [path for folder in folders for path in sorted(folder.glob("*.jsonl")) if scene_of(path) == scene.name]
-    return next((path for path in found if path.stem == scene.stem), found[0] if found else None)
+    return sorted(found, key=lambda path: path.stem != scene.stem)
+
+
+def refuse_shared_script(scenes: Sequence[Path], edits: Path | None) -> None:
+    """Makes sure that a script is named for one scene alone, and that all words that name scenes do.
+
+    Raises:
+        UserError: a scene is not there, as a number behind a list without commas; or a script is for several.
+    """
+    missing = next((path for path in scenes if not path.exists()), None)
+    if missing:
+        number = str(missing).replace(".", "", 1).isdigit()
+        do = "write the numbers of an option with commas between and no space: 1,2,4" if number else "check the path"
+        raise UserError("there is no such scene", str(missing), do)
+    if edits and len(scenes) > 1:
+        raise UserError("a script belongs to one scene", "--edits", "name one scene")

@@ -226,6 +226,16 @@ def test_bad_wishes_are_refused_before_any_work(small, tmp_path, capsys, words, 
     assert reported in message and "try: " in message
 
 
+def test_numbers_without_commas_are_not_taken_for_scenes_of_the_script(small, tmp_path, capsys):
+    scene, edits = small
+    words = ["--edits", str(edits), "--out", str(tmp_path / "found")]
+    assert main(["accuracy", str(scene), *words, "--sizes", "1", "2", "4"]) == 2
+    message = capsys.readouterr().err
+    assert "2: there is no such scene" in message and "with commas between" in message
+    assert main(["accuracy", str(scene), str(scene), *words]) == 2
+    assert "a script belongs to one scene" in capsys.readouterr().err
+
+
 def test_scenes_of_no_use_for_a_study_are_refused(small, tmp_path, capsys):
     scene, _ = small
     out = ("--out", str(tmp_path / "found"))
