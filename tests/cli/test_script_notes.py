@@ -42,6 +42,10 @@ def test_a_replay_without_its_script_says_where_one_is(tmp_path, capsys):
     script.write_text(f'{{"format": "restshape-edits", "version": 1, "scene": "{scene.name}", "units": "m"}}\n')
     assert main(["replay", str(scene)]) == 0
     assert f"its edits: {script}" in capsys.readouterr().err
+    other = tmp_path / "again.jsonl"
+    other.write_text(script.read_text())
+    assert main(["replay", str(scene)]) == 0
+    assert f"its edits: {other}, {script}\n" in capsys.readouterr().err
 
 
 def test_a_replay_of_motion_without_a_script_says_where_time_begins(tmp_path):

@@ -78,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
 def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     """The exit code of a replay that says when each frame begins."""
     from restshape.calibration import Calibration
-    from restshape.cli.shipped import script_of
+    from restshape.cli.shipped import scripts_of
     from restshape.cli.start_notes import start_notes
     from restshape.replay.request import Request
     from restshape.scene.edit_script import Script, load_script
@@ -97,8 +97,8 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     if first:
         for note in start_notes(scene, script):
             print(f"note: {note}", file=sys.stderr)
-        if not args.edits and (known := script_of(args.scene)):
-            print(f"note: the first shape only; its edits: {known}", file=sys.stderr)
+        if not args.edits and (known := scripts_of(args.scene)):
+            print(f"note: the first shape only; its edits: {', '.join(map(str, known))}", file=sys.stderr)
     recorder = _start_recorder(args.out, request) if args.out and first else None
     try:
         if recorder:
