@@ -12,7 +12,7 @@ from matplotlib.tri import Triangulation
 
 from restshape.replay.recording import Recording
 from restshape.report.marks import CROSS, SYMBOLS, Mark, marks, singular_points
-from restshape.report.outlines import border, lines, sides
+from restshape.report.outlines import border, chains, lines, sides
 from restshape.report.scenery import Scenery
 from restshape.report.segments import Segments
 from restshape.report.smooth import smooth_triangles
@@ -82,7 +82,7 @@ class Drawing:
         around = border(cells)
         self.outline.show(lines(x, around))
         moved = bool(scenery.scale * scenery.seen.largest[i] > 0.0)
-        self.rest.show(factor * lines(X, around if moved else around[:0]))
+        self.rest.trace(chains(factor * X, around) if moved else ())
         found = marks(recording, i, scenery.field, cells) if scenery.field and scenery.seen.solved[i] else []
         self._put(found, x)
         self._cross(singular_points(recording, i) if scenery.seen.solved[i] else np.empty((0, 2)), X, x)

@@ -39,6 +39,32 @@ def border(cells: np.ndarray) -> np.ndarray:
     return all_sides[counts == 1]
 
 
+def chains(x: np.ndarray, around: np.ndarray) -> list[np.ndarray]:
+    """The lines (k, 2) that sides of a border make together, along which dashes go on from side to side.
+
+    Args:
+        x: (n, 2) places of the nodes.
+        around: (m, 2) or (m, 3) of `border`; lines that are closed end where they begin.
+    """
+    drawn, at = lines(x, around), dict[int, list[int]]()
+    ends = around[:, :2].tolist()
+    for side, pair in enumerate(ends):
+        for node in pair:
+            at.setdefault(node, []).append(side)
+    left, found = dict.fromkeys(range(len(ends))), []
+    while left:
+        side, parts = next(iter(left)), []
+        node = ends[side][0]
+        while side in left:
+            del left[side]
+            forward = ends[side][0] == node
+            parts.append(drawn[side][:: 1 if forward else -1][bool(parts) :])
+            node = ends[side][forward]
+            side = next((other for other in at[node] if other in left), side)
+        found.append(np.concatenate(parts))
+    return found
+
+
 def _sides(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Sides, and how many cells have each."""
     ends = np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64), axis=1)

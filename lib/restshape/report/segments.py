@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,10 @@ class Segments(PathCollection):
     def show(self, lines: np.ndarray) -> None:
         """Puts lines (n, k, 2) of k points each."""
         self.set_paths([_path(lines[start : start + MOST]) for start in range(0, len(lines), MOST)])
+
+    def trace(self, lines: Iterable[np.ndarray]) -> None:
+        """Puts lines (k, 2) of any number of points each; dashes go along the whole of each."""
+        self.set_paths([Path(line) for line in lines])
 
 
 def _path(lines: np.ndarray) -> Path:
