@@ -1,6 +1,10 @@
 """Pictures of modes: what their colours mean, and where the shape rests."""
 
+from itertools import pairwise
+
 import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 
@@ -11,7 +15,7 @@ X = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]])
 CELLS = np.array([[0, 1, 2], [0, 2, 3]])
 
 
-def drawn(tmp_path, monkeypatch, shape, **words):
+def drawn(tmp_path, monkeypatch, shape, X=X, **words):
     figures = []
     monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
     draw_modes(tmp_path / "a.png", X, CELLS, np.array([shape]), ["load factor 2"], "column", **words)
@@ -23,7 +27,8 @@ def test_a_bent_mode_has_its_outline_at_rest_and_a_bar_of_shares(tmp_path, monke
     figure = drawn(tmp_path, monkeypatch, shape, bend=0.3)
     axes, bar = figure.axes
     (rest,) = [one for one in axes.collections if isinstance(one, LineCollection)]
-    ends = {tuple(map(tuple, np.sort(line, axis=0))) for line in rest.get_segments()}
+    (line,) = rest.get_segments()
+    ends = {tuple(map(tuple, np.sort(pair, axis=0))) for pair in pairwise(line)}
     assert ends == {tuple(map(tuple, np.sort(X[[k, (k + 1) % 4]], axis=0))) for k in range(4)}
     assert "dashed: shape at rest" in figure.get_suptitle()
     assert "amplitude arbitrary" in bar.get_ylabel() and "size of the motion" in bar.get_ylabel()
@@ -38,6 +43,19 @@ def test_a_mode_out_of_the_plane_has_a_bar_of_both_signs(tmp_path, monkeypatch):
     bar = figure.axes[-1]
     assert bar.get_ylim() == (-1.0, 1.0) and "deflection" in bar.get_ylabel()
     assert not any(len(one.get_segments()) for one in figure.axes[0].collections if type(one) is LineCollection)
+
+
+@pytest.mark.parametrize("high", [0.05, 0.1, 0.3, 0.6, 1.0, 1.4, 3.0])
+def test_the_label_of_the_bar_is_not_cut_off(tmp_path, monkeypatch, high):
+    shape = np.array([[0, 0, -3.0], [0, 0, 0], [0, 0, 1.5], [0, 0, 0]])
+    for part in (shape, shape[:, ::-1]):
+        figure = drawn(tmp_path, monkeypatch, part, X=X * [3.0, 1.5 * high])
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        width, height = canvas.get_width_height()
+        for axes in figure.axes:
+            box = axes.get_tightbbox(canvas.get_renderer())
+            assert box.x0 >= 0.0 and box.y0 >= 0.0 and box.x1 <= width and box.y1 <= height
 
 
 def test_the_size_of_a_mode_is_named_for_people():

@@ -11,11 +11,13 @@ from matplotlib.tri import Triangulation
 
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
-from restshape.report.outlines import border, lines
+from restshape.report.outlines import border, chains
 from restshape.report.style import COLOURS, INK, SIGNED, new_figure
 
 ACROSS = 3
 """Most pictures side by side."""
+LABELLED, BAR = 3.9, 0.6
+"""Height of a figure with room for the label of a bar beside its pictures, and of a bar below them [inch]."""
 QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
 """Nodes of the four triangles that a second-order one is drawn as."""
 
@@ -47,17 +49,22 @@ def draw_modes(
     width, height = np.ptp(X, axis=0)
     factor, unit = length_unit(float(max(width, height)))
     each = 10.0 / across
-    figure = new_figure(10.8, 0.5 + down * (0.75 + each * min(1.4, height / width)))
+    kinds = {_bent(shape) for shape in shapes}
+    high = 0.5 + down * (0.75 + each * min(1.4, height / width))
+    # The label of a bar is as long as a bar beside high pictures is; bars of low ones lie below.
+    beside = high >= LABELLED
+    figure = new_figure(10.8, high if beside else high + BAR * len(kinds))
     drawn: dict[bool, ScalarMappable] = {}
     grid = np.atleast_1d(figure.subplots(down, across)).ravel()
-    rest = factor * lines(X, border(cells)) if bend else ()
+    rest = chains(factor * X, border(cells)) if bend else ()
     for axes, shape, name in zip(grid, shapes, names):
         normal = _bent(shape)
         drawn[normal] = _draw_mode(axes, factor * X, factor * bend, triangles, shape)
         axes.add_collection(LineCollection(rest, colors=INK, linewidths=0.7, linestyles="--"))
         axes.set(title=name, aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
     for normal, picture in drawn.items():
-        bar = figure.colorbar(picture, ax=list(grid), fraction=0.05, aspect=30)
+        way = {"fraction": 0.05, "aspect": 30} if beside else {"location": "bottom", "shrink": 0.5, "aspect": 40}
+        bar = figure.colorbar(picture, ax=list(grid), **way)
         bar.set_label(f"{'deflection' if normal else 'size of the motion'} / its largest, amplitude arbitrary")
         bar.outline.set_visible(False)
     for axes in grid[len(shapes) :]:
