@@ -121,6 +121,18 @@ def test_how_near_a_limit_is_reads_in_the_unit_where_a_share_means_nothing(monke
     assert worst_frame(SimpleNamespace(table=table, n=n, header={"limits": {"q": limit}})) == (0, words)
 
 
+def test_a_limit_far_from_the_values_is_named_in_its_own_unit():
+    axes = Figure().subplots()
+    assert not draw_limits(axes, 1e6, -5e-4, 5e-4, {"max": 0.04}, "µm")
+    assert axes.get_title(loc="right") == "max 40 mm, beyond the axis" and not axes.get_lines()
+    assert draw_limits(axes, 1e6, -5e-4, 5e-4, {"max": 6e-4}, "µm")
+    assert axes.get_title(loc="right") == "max 600 µm"
+    assert not draw_limits(axes, 1e-6, 1e5, 2e6, {"max": 4e9}, "MPa")
+    assert axes.get_title(loc="right") == "max 4 GPa, beyond the axis"
+    assert not draw_limits(axes, 1.0, 1.0, 2.0, {"max": 4e3}, "m")
+    assert axes.get_title(loc="right") == "max 4 km, beyond the axis"
+
+
 @pytest.mark.parametrize(("bound", "shown"), [(363.15, "363.15 K"), (313.15, "313.15 K"), (300.0, "300 K")])
 def test_limits_have_one_rounding_everywhere(bound, shown):
     row = {"quantity": "q", "first": 350.0, "last": 350.0, "min": 350.0, "max": 350.0, "at_most": bound, "unit": "K"}

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
-from restshape.outputs.si_numbers import scaled_unit
+from restshape.outputs.si_numbers import prefix, scaled_unit
 from restshape.replay.columns import error_column, jump_column, quantity_names
 from restshape.replay.recording import Recording, ranges
 from restshape.replay.rounding import without_rounding
@@ -32,6 +32,8 @@ NAMED = 0.24
 LEAST_SPAN = 1e-4
 """Least span of an axis, over the size of its values."""
 BAND = "#c6dbef"
+LIMIT, BEYOND = "limit", "beyond its limit"
+"""Names in the legend."""
 ALONE = 3.5
 """Size of the mark of a value without a line to it [points]."""
 POWERS = 1e5
@@ -57,14 +59,14 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     figure = new_figure(10.0, FRAMED + EACH * len(shown))
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     units, stopped, sizes = quantity_units(recording.header), refused(recording), quantity_scales(recording)
-    known = singular(recording)
+    known, seen = singular(recording), set[str]()
     for axes, name in zip(panels, shown):
         values, jumps, errors = (
             without_rounding(column(recording, one), sizes[name])
             for one in (f"q_{name}", jump_column(name), error_column(name))
         )
         values = np.where(stopped, np.nan, values)
-        _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
+        seen |= _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
         _jumps(axes, values, jumps, units.get(name, ""))
         _band(axes, values, errors, units.get(name, ""))
         axes.set_title(_title(recording, name, known), loc="left", pad=2)
@@ -73,7 +75,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     left_out = f", {len(names) - MOST} more quantities are not shown" if len(names) > MOST else ""
     title = shorten(scene_name(recording), 70, placeholder=" …")
     figure.suptitle(f"{title}: {recording.summary}{left_out}", x=0.01, ha="left", color=INK)
-    legend = _legend(panels[0], recording, bool(limits), stopped)
+    legend = _legend(panels[0], recording, seen, stopped)
     stack_panels(figure, panels, [1] * len(shown), [NAMED] * len(shown), legend)
     save_picture(figure, path)
     return True
@@ -86,8 +88,11 @@ def _title(recording: Recording, name: str, known: Mapping[str, float]) -> str:
     return marked(name, known, shorten(ranges(frames), FRAMES_LETTERS, placeholder=" …"))
 
 
-def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str, Reals], unit: str) -> None:
-    """One quantity: a line with gaps, marks at reconnections and reconstructions, crosses beyond a limit."""
+def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str, Reals], unit: str) -> set[str]:
+    """One quantity: a line with gaps, marks at reconnections and reconstructions, crosses beyond a limit.
+
+    Returns which of `LIMIT` and `BEYOND` it shows.
+    """
     frames, level = np.arange(recording.n), column(recording, "level")
     ms = 2.5 if recording.n > 1 else 8.0
     known = values[np.isfinite(values)]
@@ -108,11 +113,14 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
         axes.yaxis.set_major_formatter("{x:g}")
     else:
         axes.ticklabel_format(axis="y", useOffset=False)
+    seen = {BEYOND} if beyond.any() else set()
     if len(known):
         least_span(axes, factor * float(known.min()), factor * float(known.max()))
-        draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown, frames)
+        if draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown, frames):
+            seen.add(LIMIT)
     else:
         axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
+    return seen
 
 
 def _alone(values: np.ndarray) -> np.ndarray:
@@ -161,7 +169,7 @@ def draw_limits(
     limit: Mapping[str, Reals | float],
     unit: str,
     x: Reals | None = None,
-) -> None:
+) -> bool:
     """Lines at limits near the values; those that are far are written above the panel.
 
     Args:
@@ -170,11 +178,13 @@ def draw_limits(
         low, high: the smallest and the largest value, in the SI unit.
         limit: by `min` and `max`, in the SI unit; where it moves (n,) of frames, or (k, n) of k lines, not numbers
             where a line has none.
-        unit: that is shown.
+        unit: that is shown; a limit beyond the axis has the prefix that suits it.
         x: (n,) where frames are on the axis; None where no limit moves.
+
+    Returns whether there is a line.
     """
     span = max(high - low, 1e-3 * max(abs(low), abs(high)))
-    words = []
+    words, drawn = [], False
     for key, one in limit.items():
         rows = np.atleast_2d(np.asarray(one, dtype=float))
         bounds = rows[np.isfinite(rows)]
@@ -187,10 +197,24 @@ def draw_limits(
         elif shown:
             axes.plot(x, factor * rows.T, color=REFUSED, lw=1.0, ls="--", zorder=1, drawstyle="steps-mid")
         ends = (least, most) if bounds[0] <= bounds[-1] else (most, least)
-        numbers = [f"{factor * end:.{limit_digits(end)}g}" for end in ends]
-        number = f"{' to '.join(dict.fromkeys(numbers))} {unit}".rstrip()
+        number = _limit_number(ends, factor, unit) if shown else _far_limit(ends, factor, unit)
+        drawn = drawn or shown
         words.append(f"{key} {number}{'' if shown else ', beyond the axis'}")
     axes.set_title("; ".join(words), loc="right", pad=2, color=REFUSED, fontsize=8)
+    return drawn
+
+
+def _limit_number(ends: tuple[float, float], factor: float, unit: str) -> str:
+    """A limit, or the first and the last one of those that move, with the unit that this factor leads to."""
+    numbers = [f"{factor * end:.{limit_digits(end)}g}" for end in ends]
+    return f"{' to '.join(dict.fromkeys(numbers))} {unit}".rstrip()
+
+
+def _far_limit(ends: tuple[float, float], factor: float, unit: str) -> str:
+    """The same in a unit of its own, such as 40 mm beside an axis of micrometres."""
+    letter = prefix(1.0 / factor)[1] if factor != 1.0 else ""
+    own, name = scaled_unit(max(map(abs, ends)), unit.removeprefix(letter))
+    return _limit_number(ends, own, name)
 
 
 def _shade(axes: Axes, frames: np.ndarray) -> None:
@@ -199,7 +223,7 @@ def _shade(axes: Axes, frames: np.ndarray) -> None:
         axes.axvspan(run[0] - 0.5, run[-1] + 0.5, color=REFUSED, alpha=0.18, linewidth=0, zorder=0)
 
 
-def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray) -> int:
+def _legend(axes: Axes, recording: Recording, seen: set[str], stopped: np.ndarray) -> int:
     """The legend below all panels, of what occurs; its lines."""
     level = column(recording, "level")
     names = quantity_names(recording.table)
@@ -207,9 +231,10 @@ def _legend(axes: Axes, recording: Recording, limited: bool, stopped: np.ndarray
         axes.fill_between([], [], [], color=BAND, label="estimated error")
     for k in (k for k in (2, 3) if (level == k).any()):
         axes.plot([], [], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, label=LEVEL_LABELS[k])
-    if limited:
-        axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label="limit")
-        axes.plot([], [], ls="", marker="x", color=REFUSED, ms=4.5, label="beyond its limit")
+    if LIMIT in seen:
+        axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label=LIMIT)
+    if BEYOND in seen:
+        axes.plot([], [], ls="", marker="x", color=REFUSED, ms=4.5, label=BEYOND)
     if any(np.isfinite(column(recording, jump_column(name))).any() for name in names):
         axes.plot([], [], color=GOAL, lw=1.6, label="jump by the mesh")
     if stopped.any():
