@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver
+from matplotlib.text import Annotation
 from PIL import Image
 from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, PULLED, STEEL, across, drag, meshed, write_scene, write_script
 
@@ -88,6 +90,24 @@ def test_names_stand_at_what_they_name(recorded):
         found = {one.get_text(): one.xy for one in over.draw(axes, 0) if hasattr(one, "xy")}
         assert set(found) == {"a", "b", "c", "d", "bottom", "right", "top", "left", "window"}
         assert found["a"] == pytest.approx((0.0, 0.0)) and found["window"] == pytest.approx((0.5, 0.5), abs=0.1)
+
+
+@pytest.mark.parametrize("recorded", [1], indirect=True)
+def test_the_name_of_the_hand_lies_on_no_other_and_within_the_axes(recorded):
+    """The hand stands in the middle of the hole, where the hole's name is without it, and at the edge of the axes."""
+    recording, _, over = overlaid(recorded, "hand", "names")
+    with recording:
+        for limits in ((-0.5, 2.5), (-1.4, 0.72)):
+            figure = Figure(figsize=(4, 3))
+            axes = figure.add_axes((0.1, 0.1, 0.8, 0.8))
+            axes.set(xlim=limits, ylim=(-0.5, 1.5))
+            texts = [one for one in over.draw(axes, 3) if isinstance(one, Annotation)]
+            FigureCanvasAgg(figure).draw()
+            boxes = {text.get_text(): text.get_bbox_patch().get_window_extent() for text in texts}
+            hand = boxes.pop("hand on window")
+            assert hand.x1 <= axes.bbox.x1 + 8 and hand.x0 >= axes.bbox.x0 - 8
+            inside = [box for box in boxes.values() if axes.bbox.contains(*box.p0)]
+            assert inside and not any(hand.overlaps(box) for box in inside)
 
 
 def test_another_scene_in_the_header_is_refused(recorded):

@@ -109,7 +109,7 @@ def test_every_name_is_written_once_and_none_on_another(figure):
 def test_labels_keep_off_each_other_and_off_the_border():
     axes = Figure(figsize=(3, 3)).add_axes((0.1, 0.1, 0.8, 0.8))
     labels = Labels(axes)
-    for _ in range(6):
+    for _ in range(9):
         labels.add((0.98, 0.5), "a name", "k")
     FigureCanvasAgg(axes.figure).draw()
     boxes = [text.get_bbox_patch().get_window_extent() for text in axes.texts]

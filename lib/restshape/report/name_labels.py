@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 LETTER, HIGH = 0.7, 1.7
 """Width of a letter and height of a line, over the size of the font."""
-NEAR = (0.0, 8.0, 17.0, 28.0, 42.0)
+NEAR = (0.0, 8.0, 17.0, 28.0, 42.0, 60.0, 84.0, 115.0)
 """Distances from the place that are tried [points]."""
 STEP = 2.0
 """Distance between the points of lines that names keep off [points]."""
@@ -37,6 +37,11 @@ class Labels:
             found = np.column_stack([np.interp(steps, along, at[:, k]) for k in (0, 1)])
             dense += [found + shift for shift in ([0.0, 0.0], [wide, 0.0], [-wide, 0.0], [0.0, wide], [0.0, -wide])]
         self._lines = np.concatenate(dense)
+
+    def occupy(self, place: np.ndarray, half: float) -> None:
+        """Have names keep off a square mark of this half side [points] at a place (2,)."""
+        at = (np.asarray(place, dtype=float) - self._low) * self._scale
+        self._taken.append((at - half, at + half))
 
     def add(
         self,

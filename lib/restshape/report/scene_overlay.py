@@ -15,7 +15,7 @@ from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.report.conditions import Moved, draw_loads, draw_supports
 from restshape.report.outlines import border, lines
-from restshape.report.scene_picture import name_entities
+from restshape.report.scene_picture import labels_beside, name_entities
 from restshape.report.scenery import Scenery
 from restshape.report.style import INK
 from restshape.report.survey import known_displacement
@@ -26,6 +26,8 @@ from restshape.shape.script_frame import ScriptFrame
 
 SAME = 1e-6
 """How far vertices that are rebuilt may be from nodes of the recording, over the size of the shape."""
+HAND = 8.0
+"""Size of the mark of the hand [points]."""
 SAMPLES = np.linspace(0.0, 1.0, 9)
 
 
@@ -55,21 +57,16 @@ class Overlay:
             draw_supports(axes, scene, outline, moved)
         if "loads" in self.things:
             draw_loads(axes, scene, outline, moved, width=1.5)
-        if "names" in self.things:
-            used = {name for table in (scene.supports, scene.loads) for one in table.values() for name in one.on}
-            name_entities(axes, outline, moved, used, size=6.0)
+        labels = labels_beside(axes, outline, moved)
         if "hand" in self.things and frame.hand:
             name, cursor = frame.hand
             (here,) = moved(np.array([cursor]))
-            axes.plot(*here, marker="P", ms=8, mfc="white", mec=INK, mew=1.2, zorder=10)
-            look = {
-                "fontsize": 7,
-                "xytext": (7, 5),
-                "textcoords": "offset points",
-                "zorder": 11,
-                "annotation_clip": False,
-            }
-            axes.annotate(f"hand on {name}", here, **look, bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.6})
+            axes.plot(*here, marker="P", ms=HAND, mfc="white", mec=INK, mew=1.2, zorder=10)
+            labels.occupy(here, 0.5 * HAND)
+            labels.add(here, f"hand on {name}", INK, 7.0)
+        if "names" in self.things:
+            used = {name for table in (scene.supports, scene.loads) for one in table.values() for name in one.on}
+            name_entities(labels, outline, moved, used, size=6.0)
         return [artist for artist in axes.get_children() if artist not in before]
 
 

@@ -2,7 +2,7 @@
 
 # More than 15 modules: whatever a scene may hold is drawn here.
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from textwrap import shorten, wrap
 
@@ -82,7 +82,9 @@ def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> No
     axes.add_collection(LineCollection([factor * goal for goal in goals], colors=GOAL, linewidths=1.3), autolim=False)
     draw_supports(axes, scene, outline, moved)
     arrows = draw_loads(axes, scene, outline, moved)
-    name_entities(axes, outline, moved, used, [*arrows, *(factor * goal for goal in goals)])
+    labels = labels_beside(axes, outline, moved)
+    labels.keep_off([*arrows, *(factor * goal for goal in goals)], HEAD)
+    name_entities(labels, outline, moved, used)
     _write_legend(figure, legend, wide, high_figure)
     save_picture(figure, path)
 
@@ -112,22 +114,27 @@ def loop_points(outline: Outline, edges: tuple[tuple[int, bool], ...]) -> np.nda
     return np.concatenate([smooth(outline, edge)[:: 1 if forward else -1][:-1] for edge, forward in edges])
 
 
-def name_entities(
-    axes: Axes, outline: Outline, moved: Moved, used: set[str], drawn: Iterable[np.ndarray] = (), size: float = 7.5
-) -> None:
-    """Writes the names of regions, holes, edges and vertices beside them.
+def labels_beside(axes: Axes, outline: Outline, moved: Moved) -> Labels:
+    """What puts names into axes with final limits, in a figure without a layout engine, beside the edges drawn there.
 
     Args:
-        axes: with final limits, in a figure without a layout engine.
-        outline: whose entities they are.
-        moved: where places at rest are drawn.
-        used: names that are written in any case.
-        drawn: lines (m, 2) besides edges that names keep off, such as arrows.
-        size: of the font.
+        axes: with final limits; outline: that is drawn; moved: where places at rest are.
     """
     labels = Labels(axes)
     labels.keep_off(moved(outline.polyline(edge)) for edge in range(len(outline.edges)))
-    labels.keep_off(drawn, HEAD)
+    return labels
+
+
+def name_entities(labels: Labels, outline: Outline, moved: Moved, used: set[str], size: float = 7.5) -> None:
+    """Writes the names of regions, holes, edges and vertices beside them.
+
+    Args:
+        labels: that put them into their axes.
+        outline: whose entities they are.
+        moved: where places at rest are drawn.
+        used: names that are written in any case.
+        size: of the font.
+    """
     for kind, colour in (("region", INK), ("hole", INK), ("edge", NAME), ("vertex", POINT)):
         names = outline.names(kind)
         # Parts of round loops are named after these.
@@ -140,7 +147,7 @@ def name_entities(
                 labels.add(moved(place.at[[middle]])[0], name, colour, size, first=place.outwards[middle])
             elif kind == "vertex":
                 (here,) = moved(place.points[:1])
-                axes.plot(*here, ".", color=POINT, ms=3.5, zorder=6)
+                labels.axes.plot(*here, ".", color=POINT, ms=3.5, zorder=6)
                 labels.add(here, name, colour, size)
             else:
                 labels.add(moved(place.inside[None])[0], name, colour, size, on_it=True)
