@@ -1,7 +1,10 @@
 """Pictures show the stress that quantities report: its values, its place, its range over all frames, its limit."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from small_scenes import (
     BLOCK,
@@ -25,15 +28,17 @@ from restshape.cli.quantity_tables import percent
 from restshape.errors import UserError
 from restshape.replay.recording import Recording
 from restshape.replay.singular_notes import marked
+from restshape.report import frames
 from restshape.report.drawing import Drawing
 from restshape.report.field import limits_of, shown_field
 from restshape.report.frames import caption
 from restshape.report.happenings import chosen_frames, failure, utilisations, worst_frame
 from restshape.report.marks import marks
 from restshape.report.quantity_panels import draw_quantities, least_span
-from restshape.report.scenery import scenery
+from restshape.report.scenery import Scenery, scenery
 from restshape.report.smooth import smooth_triangles
 from restshape.report.survey import survey
+from restshape.scene.physics import PictureField
 
 LIMITED = """
 [quantities]
@@ -101,6 +106,17 @@ def test_a_part_of_a_body_with_one_stress_everywhere_has_no_mark_elsewhere(tmp_p
         assert not any(mark.text.startswith("atc") for mark in marks(recording, 0, field, recording.cells(0)))
     # What rounding leaves of the estimated error is none.
     assert "error 0 %" in words
+
+
+def test_the_error_of_a_marked_value_is_named_as_such():
+    """What stands behind ± in notes on limits is twice that."""
+    header = {"scene_values": {"quantities": {"peak": {"stress": "von_mises"}}}}
+    recording = SimpleNamespace(header=header, table={"q_peak": [5e6], "peak_error": [2.5e5]}, n=1)
+    values = np.arange(6.0).reshape(2, 3) * 1e6
+    look = PictureField("von Mises stress", "Pa")
+    field = SimpleNamespace(values=lambda *_: values, look=look, quantity_of=lambda *_: True)
+    (mark,) = marks(recording, 0, field, np.arange(6).reshape(2, 3))
+    assert mark.text == "peak 5 MPa (error 250 kPa)"
 
 
 def test_an_error_that_is_rounding_is_shown_as_0():
@@ -253,6 +269,20 @@ def test_quantities_over_the_edit_have_gaps_limits_and_marks(recorded, tmp_path,
     dashed = [line for line in panels["peak"].lines if line.get_linestyle() == "--" and len(line.get_xdata())]
     assert {float(line.get_ydata()[0]) for line in dashed} == {200.0}
     assert panels["peak"].get_title(loc="right") == "max 200 MPa"
+
+
+def test_small_pure_numbers_have_a_power_of_ten_in_their_label():
+    """Strains of 1.5e-4, whose numbers would else push the label out of the picture."""
+    seen = SimpleNamespace(bottom=np.array([-1.5e-4]), top=np.array([1.5e-4]))
+    field = SimpleNamespace(look=PictureField("strain xy, shear", "", signed=True))
+    for size, factor, label in ((1.5e-4, 1e6, " [10⁻⁶]"), (0.2, 1.0, ""), (2.5e5, 1e-3, " [10³]")):
+        common = Scenery(1.0, False, (0.0, 1.0, 0.0, 1.0), field, -size, size, seen)
+        assert common.colour == (pytest.approx(factor), f"strain xy, shear{label}")
+        figure, _, bar = frames._panels(frames.layout(1, 1.0), ["frame 0"], ["ring"])
+        frames.add_colour_bar(figure, bar, SimpleNamespace(header={}, table={}, n=1), common)
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        assert bar.get_tightbbox(canvas.get_renderer()).x1 <= canvas.get_width_height()[0]
 
 
 def test_rounding_of_a_quantity_that_stays_is_not_drawn_as_a_change():

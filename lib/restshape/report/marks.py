@@ -98,8 +98,11 @@ def _of_quantities(
 
 
 def _beside(error: float, unit: str) -> str:
-    """The estimated error behind a value; empty where there is none."""
-    return f" ± {si(abs(error), unit, 2)}" if np.isfinite(error) else ""
+    """The estimated error behind a value; empty where there is none.
+
+    It is no ±, which elsewhere has twice the estimated error behind it: see `replay.constraints`.
+    """
+    return f" (error {si(abs(error), unit, 2)})" if np.isfinite(error) else ""
 
 
 def _of_field(field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:
