@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import floor, log10
 
 import numpy as np
 from matplotlib import colormaps
@@ -17,6 +18,11 @@ from restshape.report.style import BODY, COLOURS, SIGNED
 from restshape.report.survey import Survey, colour_range, known_displacement, survey
 
 SHARE = 0.08
+PURE = ("", "1")
+"""Units of pure numbers."""
+SMALL, LARGE = 1e-2, 1e4
+"""Sizes of pure numbers that colour bars show as they are; others have a power of ten in the label."""
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MARGIN = 0.02
 """Room around all, over its size."""
 
@@ -60,8 +66,12 @@ class Scenery:
         """Factor of the field's values and the label of the colour bar."""
         if self.field is None:
             return 1.0, ""
-        look = self.field.look
-        factor, shown = scaled_unit(max(abs(self.bottom), abs(self.top)), look.unit)
+        look, size = self.field.look, max(abs(self.bottom), abs(self.top))
+        factor, shown = scaled_unit(size, look.unit)
+        if look.unit in PURE and size and not SMALL <= size < LARGE:
+            # Numbers of as many digits would push the label out of the picture.
+            power = 3 * floor(log10(size) / 3)
+            factor, shown = 10.0**-power, f"10{str(power).translate(RAISED)}"
         return factor, f"{look.label} [{shown}]" if shown else look.label
 
     @property
