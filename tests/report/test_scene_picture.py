@@ -79,6 +79,22 @@ def test_arrows_along_their_edge_are_one_and_values_of_parameters_are_written(tm
     assert "load shear on right: force (0, P = -1000) N" in words
 
 
+@pytest.mark.parametrize("g", ['[0, "-9.81 m/s^2"]', '["3 m/s^2", "-G"]'])
+def test_gravity_is_an_arrow_in_the_corner_and_in_the_legend(tmp_path, monkeypatch, g):
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    own = f'[parameters]\nG = "4 m/s^2"\n[effects.gravity]\ng = {g}\n'
+    text = HEAD + own + BLOCK.format(width=2, height=1) + STEEL + CLAMPED + meshed(0.2)
+    assert main(["check", str(write_scene(tmp_path, text)), "--picture", str(tmp_path / "scene.png")]) == 0
+    (axes,) = figures[0].axes
+    (arrow,) = (one for one in axes.get_children() if isinstance(one, Quiver))
+    way = (arrow.U[0], arrow.V[0])
+    assert np.allclose(way / np.hypot(*way), [0.0, -1.0] if "9.81" in g else [0.6, -0.8])
+    assert arrow.XY[0][0] < 0.0 and arrow.XY[0][1] > 1.0
+    words = [text.get_text() for text in figures[0].texts]
+    assert any(word.startswith("gravity: (") and word.endswith("m/s^2") for word in words), words
+
+
 def test_supports_and_legend(figure):
     (axes,) = figure.axes
     thick = [one for one in axes.collections if isinstance(one, LineCollection) and one.get_linewidth()[0] == 3.0]

@@ -119,6 +119,13 @@ def test_the_error_of_a_marked_value_is_named_as_such():
     assert mark.text == "peak 5 MPa (error 250 kPa)"
 
 
+def test_a_field_that_is_0_everywhere_has_no_largest_place():
+    table = SimpleNamespace(header={}, table={}, n=1)
+    for values, count in ((np.zeros((2, 3)), 0), (np.arange(6.0).reshape(2, 3), 1)):
+        field = SimpleNamespace(values=lambda *_, found=values: found, look=PictureField("von Mises stress", "Pa"))
+        assert len(marks(table, 0, field, np.arange(6).reshape(2, 3))) == count
+
+
 def test_an_error_that_is_rounding_is_shown_as_0():
     assert percent(2.2e-14) == "0 %" and percent(2.2e-4) == "0.022 %"
 

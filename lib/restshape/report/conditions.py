@@ -1,11 +1,13 @@
 """Supports and loads drawn where they act: coloured edges, points and arrows."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
+from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.nodal_values import Nodal, evaluate
 from restshape.report.entity_outlines import Place, place_of
@@ -19,6 +21,10 @@ ARROW = 0.09
 """Length of the longest arrow of a load, over the size of the picture."""
 SHAFT, HEAD = 0.004, 4.0
 """Width of an arrow over that of the axes, and of its head over that of the arrow."""
+LOOK: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "zorder": 6, "clip_on": False}
+"""Of all arrows."""
+ACCELERATION, CORNER = "#444444", 0.67
+"""Colour of the arrow of gravity, and how far its middle is from the corner of the axes, over its length."""
 
 Moved = Callable[[np.ndarray], np.ndarray]
 """Where places (n, 2) at rest [m] are drawn, in the unit of the axes."""
@@ -52,6 +58,32 @@ def draw_loads(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: 
                 drawn += _arrows(axes, place, moved, vectors, longest, inside, colour)
             elif len(place.points):
                 axes.plot(*moved(place.points).T, "D", color=colour, ms=2.5 * width, zorder=6)
+    return drawn + _draw_accelerations(axes, scene, longest)
+
+
+def accelerations(scene: Scene) -> dict[str, Sequence[object]]:
+    """Accelerations of all bodies, such as gravity, by the effect: vectors of numbers [m/s^2] and formulas."""
+    known = {name: effect for name, effect in application(scene.app).effects.items() if effect.acceleration}
+    named = {name: effect for name, effect in known.items() if name in scene.effects}
+    return {
+        name: getattr(one.model.model_validate(scene.effects[name]), one.acceleration) for name, one in named.items()
+    }
+
+
+def _draw_accelerations(axes: Axes, scene: Scene, longest: float) -> list[np.ndarray]:
+    """An arrow of this length in the upper left corner for each acceleration in the plane; from tail to tip (2, 2)."""
+    left, top = axes.get_xlim()[0], axes.get_ylim()[1]
+    at, drawn = np.array([left, top]) + CORNER * longest * np.array([1.0, -1.0]), []
+    for name, value in accelerations(scene).items():
+        try:
+            (way,) = evaluate(list(value), np.zeros((1, 2)), scene.parameters, f"effects.{name}")[:, :2]
+        except (ReplayProblem, UserError):
+            # The replay refuses it, and says why.
+            continue
+        if size := float(np.hypot(*way)):
+            arrow = way * (longest / size)
+            axes.quiver(*at, *arrow, pivot="mid", width=SHAFT, headwidth=HEAD, color=ACCELERATION, **LOOK)
+            drawn.append(np.stack([at - 0.5 * arrow, at + 0.5 * arrow]))
     return drawn
 
 
@@ -96,10 +128,11 @@ def _arrows(
     pushes = np.zeros(len(at), dtype=bool) if inside else (vectors * place.outwards).sum(axis=1) < -1e-9 * sizes.max()
     tails = at - np.where(pushes[:, None], arrows, 0.0)
     shown = _apart(tails, arrows, HEAD * SHAFT * abs(float(np.subtract(*axes.get_xlim()))))
-    look = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "color": colour, "zorder": 6, "clip_on": False}
     for chosen, pivot in ((pushes, "tip"), (~pushes, "tail")):
         if (chosen := chosen & shown).any():
-            axes.quiver(*at[chosen].T, *arrows[chosen].T, pivot=pivot, width=SHAFT, headwidth=HEAD, **look)
+            axes.quiver(
+                *at[chosen].T, *arrows[chosen].T, pivot=pivot, width=SHAFT, headwidth=HEAD, color=colour, **LOOK
+            )
     return [np.stack(ends) for ends in zip(tails[shown], (tails + arrows)[shown])]
 
 

@@ -43,7 +43,7 @@ def marks(recording: Recording, i: int, field: ShownField, cells: np.ndarray) ->
     A quantity that is an extreme of the field is where the field has its value, also where it looks at one edge only.
     One that looks at a part of the body is not marked where several nodes have its value: the recording does not say
     which of them are of the part. Without any it is the largest value of the field, and the smallest where colours do
-    not begin at 0.
+    not begin at 0, but none where the field is the same everywhere.
 
     Args:
         recording: of a shape in the plane.
@@ -106,6 +106,8 @@ def _beside(error: float, unit: str) -> str:
 
 
 def _of_field(field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:
+    if not np.ptp(flat):
+        return []
     unit = field.look.unit
     ends = [(int(flat.argmax()), "max")]
     if field.look.signed or not field.look.from_zero:

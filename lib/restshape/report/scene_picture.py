@@ -15,12 +15,21 @@ from matplotlib.lines import Line2D
 from restshape.application import application
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
-from restshape.report.conditions import SUPPORT, Moved, draw_loads, draw_supports, load_colours
+from restshape.report.conditions import (
+    ACCELERATION,
+    SUPPORT,
+    Moved,
+    accelerations,
+    draw_loads,
+    draw_supports,
+    load_colours,
+)
 from restshape.report.entity_outlines import place_of, smooth
 from restshape.report.legends import first_named
 from restshape.report.name_labels import Labels
 from restshape.report.style import BODY, GOAL, INK, new_figure
 from restshape.scene.condition_words import load_words, support_words
+from restshape.scene.descriptions import with_symbol
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 
@@ -180,6 +189,8 @@ def _legend(scene: Scene, outline: Outline, goals: str) -> list[tuple[str, str]]
     found += [(colour, f"load {name} on {on(one.on)}: {load_words(one, known)}") for (name, one), colour in loads]
     if len(found) > MOST_CONDITIONS:
         found = [*found[:MOST_CONDITIONS], ("white", f"and {len(found) - MOST_CONDITIONS} more supports and loads")]
+    own = accelerations(scene).items()
+    found += [(ACCELERATION, f"{name}: {with_symbol(value, 'acceleration', known)}") for name, value in own]
     return found + ([(GOAL, f"goal {goals}")] if goals else [])
 
 

@@ -59,6 +59,7 @@ class Effect:
         fixed: the analysis is another one with it, so that an edit can switch it neither on nor off.
         drives: it loads the body or sets it in motion.
         transient: a frame goes on from the one before it, so that none can be left out.
+        acceleration: the key of its model that is a vector of acceleration of all bodies; empty without one.
         quantities: kinds of quantities that there are with it only.
         kernels: how the names of elements begin that are there for it alone.
         repeats: effects whose work is done again for what this one adds: its price is that of a scene without them.
@@ -70,6 +71,7 @@ class Effect:
     fixed: bool = False
     drives: bool = False
     transient: bool = False
+    acceleration: str = ""
     quantities: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     repeats: tuple[str, ...] = ()

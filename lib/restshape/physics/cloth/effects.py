@@ -189,7 +189,7 @@ def cloth_columns(scene: Scene) -> dict[str, Any]:
 
 EFFECTS = {
     "cloth": Effect(ClothKeys, "a sheet that stretches and bends", required=True),
-    "gravity": Effect(SpaceGravityKeys, "weight of the cloth", drives=True),
+    "gravity": Effect(SpaceGravityKeys, "weight of the cloth", drives=True, acceleration="g"),
     "contact": Effect(ContactKeys, "bodies that cloth lies on"),
     "drape": Effect(DrapeKeys, "the solution strategy", required=True),
 }

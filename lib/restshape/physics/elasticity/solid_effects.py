@@ -138,7 +138,7 @@ def buckling_columns(scene: Scene) -> dict[str, Any]:
 
 
 ELASTICITY = Effect(SolidKeys, "elasticity", required=True)
-GRAVITY = Effect(PlaneGravityKeys, "weight of the body", drives=True)
+GRAVITY = Effect(PlaneGravityKeys, "weight of the body", drives=True, acceleration="g")
 LARGE_DEFORMATION = Effect(LargeDeformationKeys, "large displacements and rotations, follower loads", fixed=True)
 BUCKLING = Effect(BucklingKeys, "critical load factors and modes of buckling", fixed=True, quantities=("load_factor",))
 STATIC = {"solid": ELASTICITY, "gravity": GRAVITY, "large_deformation": LARGE_DEFORMATION, "buckling": BUCKLING}
