@@ -1,9 +1,10 @@
-"""`restshape modes`: pictures of the modes of a plate, and of where rasping its edge moves a tone."""
+"""`restshape modes`: the modes of a plate, pictures of them, and of where rasping its edge moves a tone."""
 
 import argparse
 
 from restshape_apps.metallophone.stage import add_frame, analysed
 
+from restshape.cli.options import add_json, write_json
 from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import PictureFile
 
@@ -15,17 +16,20 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rasp", type=PictureFile, metavar="FILE", help="what rasping the outline does to the first tone (.png)"
     )
+    add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Draw what is asked for; 0."""
-    if not (args.out or args.rasp):
-        raise UserError("no picture is asked for", "--out", "--out modes.png, or --rasp rasp.png")
+    """Draw and write what is asked for; 0."""
+    if not (args.out or args.rasp or args.json):
+        raise UserError("nothing is asked for", "--out", "--out modes.png, --rasp rasp.png, or --json modes.json")
     analysis = analysed(args)
-    from restshape_apps.metallophone.picture import draw, draw_rasp
+    from restshape_apps.metallophone.picture import draw, draw_rasp, tones
 
     for path, drawn in ((args.out, draw), (args.rasp, draw_rasp)):
         if path:
             drawn(analysis, path)
             print(f"wrote {one_line(path)}")
+    names, cents = zip(*tones(analysis))
+    write_json(args, {"frequencies": analysis.frequencies.tolist(), "tones": names, "cents": cents})
     return 0

@@ -16,14 +16,17 @@ from restshape.sensitivity.outline_density import outline_density
 
 def draw(analysis: ModalAnalysis, path: Path) -> None:
     """Draw the modes that the scene asks for, each with its frequency and tone."""
-    a4 = analysis.state.plan.settings("modal").a4
-    names = []
-    for k, f in enumerate(analysis.frequencies, 1):
-        tone, cents = note(float(f), a4)
-        names.append(f"mode {k}: {f:.1f} Hz, {tone} {cents:+.0f} cents")
+    pairs = enumerate(zip(analysis.frequencies, tones(analysis)), 1)
+    names = [f"mode {k}: {f:.1f} Hz, {tone} {cents:+.0f} cents" for k, (f, (tone, cents)) in pairs]
     fields, _ = analysis.fields()
     shapes = np.stack(list(fields.values()))
     draw_modes(path, analysis.space.X, analysis.space.cells, shapes, names, analysis.state.scene.title)
+
+
+def tones(analysis: ModalAnalysis) -> list[tuple[str, float]]:
+    """The nearest tone of each frequency, and how many cents it lies above it, tuned as the scene says."""
+    a4 = analysis.state.plan.settings("modal").a4
+    return [note(float(f), a4) for f in analysis.frequencies]
 
 
 def draw_rasp(analysis: ModalAnalysis, path: Path) -> None:

@@ -4,6 +4,7 @@ import argparse
 
 from restshape_apps.metallophone.stage import add_frame, analysed
 
+from restshape.cli.options import add_json, write_json
 from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import SoundFile
 
@@ -15,6 +16,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--at", type=float, nargs=2, metavar=("X", "Y"), help="where it is struck [m]")
     parser.add_argument("--damping", type=float, default=1e-3, help="share of critical damping (default: %(default)s)")
     parser.add_argument("--seconds", type=float, default=2.0, help="how long (default: %(default)s)")
+    add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -30,5 +32,7 @@ def run(args: argparse.Namespace) -> int:
     write_wav(args.out, struck(analysis.frequencies, np.linalg.norm(shapes, axis=1), args.damping, args.seconds))
     x, y = analysis.space.X[node]
     tones = ", ".join(f"{f:.1f}" for f in analysis.frequencies)
+    sizes = np.linalg.norm(shapes, axis=1).tolist()
+    write_json(args, {"at": [float(x), float(y)], "frequencies": analysis.frequencies.tolist(), "deflections": sizes})
     print(f"wrote {one_line(args.out)}: struck at ({x:.4g}, {y:.4g}) m, {tones} Hz")
     return 0

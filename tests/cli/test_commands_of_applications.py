@@ -35,6 +35,13 @@ def test_each_has_options_and_a_summary(name):
     assert f"usage: restshape {name}" in text and summary in " ".join(text.split())
 
 
+@pytest.mark.parametrize("name", [name for name in BROUGHT if not name.startswith("sample-")])
+def test_each_takes_json_but_those_whose_result_is_the_file_that_they_write(name):
+    summary, module = named_command(name, [])
+    text = command_parser(name, summary, module).format_help()
+    assert "--json" in text or " --out" in text.replace("[--out", "")
+
+
 def test_names_are_given_once():
     names = [one.name for many in brought_commands().values() for one in many]
     assert len(names) == len(set(names))

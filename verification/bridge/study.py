@@ -6,10 +6,12 @@ That is an illustration of figure 4.14 of the thesis, which shows what six peopl
 
 import argparse
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from restshape.application import application
+from restshape.cli.options import add_json, write_json
 from restshape.errors import one_line
 from restshape.outputs.kinds import PictureFile
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
@@ -66,6 +68,7 @@ def followed(rows: list[dict]) -> SessionCourse:
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="score against edit time (.png)")
+    add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -82,4 +85,12 @@ def run(args: argparse.Namespace) -> int:
 
         draw_score(args.picture, ways, load_scene(SCENE).quantities["strength"].max)
         print(f"wrote {one_line(args.picture)}")
+    write_json(args, {name: _plain(way) for name, way in ways.items()})
     return 0
+
+
+def _plain(way: SessionCourse) -> dict[str, Any]:
+    """What one way reports, for programs: lists by frames, null where nothing is known."""
+    known = {name: getattr(way, name).tolist() for name in ("t", "score", "holds", "fails")}
+    unsure = {name: [float(x) if np.isfinite(x) else None for x in getattr(way, name)] for name in ("stress", "best")}
+    return {**known, **unsure, "analysed": way.analysed, "ms": way.milliseconds}

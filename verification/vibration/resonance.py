@@ -14,6 +14,7 @@ from restshape.analysis.harmonic import harmonic_response
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.cli.options import add_json, write_json
 from restshape.errors import one_line
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import CsvFile, PictureFile
@@ -123,6 +124,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--csv", type=CsvFile, metavar="FILE", help="place [m], amplitude [m] of each frame of the drag"
     )
+    add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -139,4 +141,7 @@ def run(args: argparse.Namespace) -> int:
 
         draw_response(args.picture, found)
         print(f"wrote {one_line(args.picture)}")
+    lists = {name: getattr(found, name).tolist() for name in ("path", "amplitude", "places", "harmonic", "frequency")}
+    summits = {name: getattr(found, name) for name in ("crossing", "moving_peak", "harmonic_peak")}
+    write_json(args, {"excitation_frequency": found.excitation_frequency, **lists, **summits})
     return 0

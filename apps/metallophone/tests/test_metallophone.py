@@ -81,7 +81,17 @@ def test_rasping_is_not_drawn_for_one_of_a_pair(tmp_path, capsys):
 def test_sound_has_the_frequencies_of_the_modes(tmp_path):
     path = tmp_path / "bar.wav"
     words = [str(SCENES / "bar_200.toml"), *settings(), "--out", str(path), "--seconds", "1", "--at", "0.1", "0.015"]
-    assert main(["sound", *words]) == 0
+    assert main(["sound", *words, "--json", str(tmp_path / "a.json")]) == 0
+    found = json.loads((tmp_path / "a.json").read_text())
+    # Bending deflects the middle of a free bar, the bar that twists does not move there.
+    assert found["frequencies"][0] == pytest.approx(523.3, rel=0.02) and found["deflections"][0] > 0.0
+    assert found["at"] == pytest.approx([0.1, 0.015], abs=0.01)
+    words = [*words[: words.index("--out")], "--json", str(tmp_path / "b.json")]
+    assert main(["modes", *words]) == 0
+    found = json.loads((tmp_path / "b.json").read_text())
+    # 523.25 Hz is C5.
+    assert found["tones"][0] == "C5" and abs(found["cents"][0]) < 40
+    assert len(found["frequencies"]) == len(found["cents"])
     samples, rate = heard(path)
     spectrum = np.abs(np.fft.rfft(samples))
     loudest = np.argmax(spectrum) * rate / len(samples)

@@ -1,0 +1,19 @@
+"""`restshape buckling`: its load factors for programs."""
+
+import json
+
+import pytest
+
+from restshape.application import application
+from restshape.cli.main import main
+
+COLUMN = application("solid").folder / "scenes" / "column.toml"
+
+
+def test_load_factors_are_those_of_euler(tmp_path):
+    """P = E I (4.493409 / L)^2 of a column clamped at one end and guided at the other, over its load of 40 kN."""
+    found = tmp_path / "a.json"
+    assert main(["buckling", str(COLUMN), "--json", str(found)]) == 0
+    euler = 210e9 * 0.02 * 0.05**3 / 12.0 * 4.493409**2 / 40e3
+    assert json.loads(found.read_text())["load_factors"][0] == pytest.approx(euler, rel=0.02)
+    assert main(["buckling", str(COLUMN)]) == 2
