@@ -1,11 +1,8 @@
-"""Numbers of tables on the console: unit and prefix, notes, plural forms."""
+"""Numbers of tables on the console: unit and prefix, what is said beside them, plural forms."""
 
-import pytest
-
-from restshape.cli.quantity_cells import cells, tone, unit_of
+from restshape.cli.quantity_cells import cells, unit_of
 from restshape.cli.quantity_tables import print_quantities
 from restshape.outputs.si_numbers import counted
-from restshape.report.recorded_quantities import recorded_tuning
 
 
 def test_values_have_the_prefix_of_the_largest():
@@ -15,43 +12,16 @@ def test_values_have_the_prefix_of_the_largest():
     assert unit_of("m^2") == "m²"
 
 
-@pytest.mark.parametrize(
-    ("frequency", "a4", "words"),
-    [
-        (440.0, 440.0, "A4 +0 cents"),
-        (442.0, 440.0, "A4 +8 cents"),
-        (261.63, 440.0, "C4 +0 cents"),
-        (432.0, 440.0, "A4 −32 cents"),
-        (442.0, 442.0, "A4 +0 cents"),
-        (2.0, 440.0, ""),
-    ],
-)
-def test_notes(frequency, a4, words):
-    assert tone(frequency, "Hz", a4) == words
-
-
-def test_what_is_no_frequency_has_no_note():
-    assert tone(440.0, "Pa") == "" and tone(None, "Hz") == ""
-
-
-@pytest.mark.parametrize(
-    ("header", "a4"),
-    [
-        ({"a4": 443.5}, 443.5),
-        ({"scene_values": {"effects": {"modal": {"a4": "442 Hz"}}}}, 442.0),
-        ({"scene_values": {"effects": {"modal": {"a4": 442}}}}, 442.0),
-        ({"scene_values": {"effects": {"modal": {"a4": "pitch"}}}}, 440.0),
-        ({"scene_values": {"effects": {}}}, 440.0),
-        ({}, 440.0),
-    ],
-)
-def test_recordings_know_their_tuning(header, a4):
-    assert recorded_tuning(header) == a4
-
-
 def test_the_table_of_a_replay_has_units_notes_and_errors(capsys):
     values = {"first": [440.0, 466.16], "sag": [-1e-3, None]}
-    summary = {"quantities": values, "quantity_errors": {"first": [0.5, 0.25]}, "jumps": {}, "singular": {}}
+    beside = {"first": ["A4 +0 cents", "A#4 +0 cents"], "sag": ["", ""]}
+    summary = {
+        "beside": beside,
+        "quantities": values,
+        "quantity_errors": {"first": [0.5, 0.25]},
+        "jumps": {},
+        "singular": {},
+    }
     print_quantities(
         summary | {"predicted": 0, "scales": {"first": 440.0, "sag": 1e-3}, "units": {"first": "Hz", "sag": "m"}}
     )

@@ -2,7 +2,9 @@
 
 import pytest
 
-from restshape.analysis.pitch import note
+from restshape.analysis.pitch import note, tuned
+from restshape.physics.elasticity.elasticity_declaration import QUANTITIES
+from restshape.physics.elasticity.tones import tone
 
 
 @pytest.mark.parametrize(
@@ -22,3 +24,33 @@ def test_cents_count_from_the_nearest_tone():
 
 def test_what_does_not_sound_has_no_name():
     assert note(0.0)[0] == "" and note(float("nan"))[0] == ""
+
+
+@pytest.mark.parametrize("a4", [415.0, 440.0, 443.5])
+@pytest.mark.parametrize("frequency", [31.7, 440.0, 1234.5, 9999.0])
+def test_a_note_says_how_it_is_tuned(frequency, a4):
+    assert tuned(frequency, *note(frequency, a4)) == pytest.approx(a4, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "a4", "words"),
+    [
+        (440.0, 440.0, "A4 +0 cents"),
+        (442.0, 440.0, "A4 +8 cents"),
+        (261.63, 440.0, "C4 +0 cents"),
+        (432.0, 440.0, "A4 \N{MINUS SIGN}32 cents"),
+        (442.0, 442.0, "A4 +0 cents"),
+        (2.0, 440.0, ""),
+    ],
+)
+def test_notes_beside_frequencies_are_tuned_as_their_frame(frequency, a4, words):
+    """Its row says by the tone of the first frequency."""
+    name, cents = note(777.0, a4)
+    assert tone(frequency, {"f_1": 777.0, "tone": name.encode(), "cents": cents}) == words
+    if a4 == 440.0:
+        assert tone(frequency, {}) == tone(frequency, {"f_1": float("nan"), "tone": "", "cents": 0.0}) == words
+
+
+def test_what_is_no_frequency_has_no_note():
+    assert QUANTITIES["frequency"].said(440.0, {}) == QUANTITIES["mode"].said(440.0, {}) == "A4 +0 cents"
+    assert QUANTITIES["stress"].said(440.0, {}) == "" and QUANTITIES["mode"].said(None, {}) == ""

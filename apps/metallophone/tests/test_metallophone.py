@@ -55,6 +55,33 @@ def test_notes_of_tables_are_tuned_as_the_scene_says(command, tmp_path, a4):
 
 
 @pytest.mark.slow
+def test_notes_of_the_last_frame_are_tuned_as_a_script_has_set(command, tmp_path):
+    script = tmp_path / "tuned.jsonl"
+    head = {"format": "restshape-edits", "version": 1, "scene": str(SCENES / "bar_100.toml")}
+    lines = [
+        head,
+        {"t": 0.0, "do": "idle", "frames": 1},
+        {"t": 0.5, "do": "set", "key": "effects.modal.a4", "value": "466.16 Hz"},
+    ]
+    script.write_text("\n".join(map(json.dumps, lines)))
+    scene = SCENES / "bar_100.toml"
+    replayed = command(
+        "replay", scene, "--edits", script, *settings(), "--out", "bar.vtkhdf", "--json", "bar.json", "--csv", "bar.csv"
+    )
+    assert replayed.returncode == 0, replayed.stderr
+    pitch = json.loads((tmp_path / "bar.json").read_text())["quantities"]["pitch"]
+    assert pitch[0] == pytest.approx(pitch[-1], rel=1e-6)
+    # The same frequency is a half tone lower where A4 is a half tone higher.
+    wanted = []
+    for name, a4, keys in (("C7", 440.0, 27), ("B6", 466.16, 26)):
+        cents = round(1200.0 * np.log2(pitch[0] / a4) - 100.0 * keys)
+        wanted.append(f"{name} {cents:+d} cents".replace("-", "\N{MINUS SIGN}"))
+    reported = command("report", "bar.vtkhdf", "--animation", "none")
+    for table in (replayed.stdout, reported.stdout):
+        assert all(words in table for words in wanted)
+
+
+@pytest.mark.slow
 def test_report_draws_a_recording_of_modes(command, tmp_path):
     scene, edits = SCENES / "bar_100.toml", EDITS / "bar_100.jsonl"
     command("replay", scene, "--edits", edits, *settings(), "--out", "bar.vtkhdf")

@@ -1,6 +1,5 @@
 """Names of tones in equal temperament."""
 
-from collections.abc import Mapping
 from math import isfinite, log2
 
 NAMES = ("C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B")
@@ -24,7 +23,8 @@ def note(frequency: float, a4: float = A4) -> tuple[str, float]:
     return f"{NAMES[key % 12]}{key // 12 - 1}", 100.0 * (keys - key)
 
 
-def tuning(effects: Mapping[str, Mapping[str, object]]) -> float:
-    """The frequency of the tone A4 [Hz] by the effects of a scene, as `Scene.effects` gives them."""
-    given = effects.get("modal", {}).get("a4", A4)
-    return float(given) if isinstance(given, int | float) else A4
+def tuned(frequency: float, name: str, cents: float) -> float:
+    """The frequency of A4 [Hz] by which `note` gives a frequency [Hz] this name and these cents."""
+    letter = name.rstrip("-0123456789")
+    key = NAMES.index(letter) + 12 * (int(name.removeprefix(letter)) + 1)
+    return frequency / 2.0 ** ((key - A4_NUMBER + 0.01 * cents) / 12.0)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from restshape.analysis.pitch import A4
 from restshape.cli.options import print_table
-from restshape.cli.quantity_cells import MISSING, cells, tone
+from restshape.cli.quantity_cells import MISSING, cells
 from restshape.outputs.si_numbers import si
 
 SINGULAR = "singular"
@@ -19,9 +18,8 @@ def print_quantities(summary: dict[str, Any]) -> None:
     from restshape.replay.singular_notes import ESTIMATES_NOTE, singular_notes
 
     quantities, errors, sizes = summary["quantities"], summary["quantity_errors"], summary["scales"]
-    units, a4 = summary.get("units", {}), summary.get("a4", A4)
-    tones = {name: [tone(v[k], units.get(name, ""), a4) for k in (0, -1)] for name, v in quantities.items()}
-    with_tones = any(map(any, tones.values()))
+    units, beside = summary.get("units", {}), summary.get("beside", {})
+    said = any(map(any, beside.values()))
     head = LARGEST + (OF_SOLVED if summary["predicted"] else "")
     heads = ("quantity", "first", "last", "min", "max") + ((head,) if errors else ())
     rows = []
@@ -29,8 +27,8 @@ def print_quantities(summary: dict[str, Any]) -> None:
         unit, size = units.get(name, ""), sizes[name]
         row = [name, *cells(_ends(values, size), unit)]
         row += [_largest(errors.get(name, []), size, unit)] if errors else []
-        rows.append([*row, *(tones[name] if with_tones else [])])
-    heads += ("first note", "last note") if with_tones else ()
+        rows.append([*row, *(beside.get(name, ()) if said else ())])
+    heads += ("first note", "last note") if said else ()
     print_table("quantities", heads, rows, right=heads[1:])
     if any(isinstance(error, float) for known in errors.values() for error in known):
         print(ESTIMATES_NOTE)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 KINDS = ("none", "linear")
 LEVELS = ("1", "2", "3", "still")
-NOT_IN_JSON = ("rows", "reasons", "largest_residual", "scales", "units", "a4")
+NOT_IN_JSON = ("rows", "reasons", "largest_residual", "scales", "units", "ends", "beside")
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
 
 
@@ -190,9 +190,12 @@ def _stop_other_ranks(error: BaseException) -> None:
 def _print_and_write(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -> int:
     """Print the tables, write the JSON file, and give the exit code."""
     summary["units"] = {name: unit_of(one.unit) for name, one in request.scene.quantities.items()}
-    from restshape.analysis.pitch import tuning
-
-    summary["a4"] = tuning(request.scene.effects)
+    ends, values = summary["ends"], summary["quantities"]
+    summary["beside"] = {
+        name: [one.kinds[one.kind].said(values[name][k], ends[k]) for k in (0, -1)]
+        for name, one in request.scene.quantities.items()
+        if name in values
+    }
     # What is printed may find nobody who reads it.
     found = {key: value for key, value in summary.items() if key not in NOT_IN_JSON}
     write_json(args, {"origin": request.origin(), **found})

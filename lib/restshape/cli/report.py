@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application, applications
 from restshape.cli.options import add_json, print_table, write_json
-from restshape.cli.quantity_cells import cells, tone
+from restshape.cli.quantity_cells import cells
 from restshape.cli.report_looks import add_looks, read_looks
 from restshape.cli.report_pictures import draw_report
 from restshape.errors import UserError, one_line
@@ -195,9 +195,9 @@ def _print_quantities(recording: Recording, quantities: Sequence[dict[str, Any]]
     print()
     extras = [key for key in EXTRAS if any(key in row for row in quantities)]
     heads = ("quantity", "first", "last", "min", "max", *(EXTRAS[key] for key in extras))
-    tones = _tones(recording, quantities)
-    heads += ("first note", "last note") if tones else ()
-    rows = [[*_quantity(row, extras), *tones.get(row["quantity"], ())] for row in quantities]
+    beside = _beside(recording, quantities)
+    heads += ("first note", "last note") if beside else ()
+    rows = [[*_quantity(row, extras), *beside.get(row["quantity"], ())] for row in quantities]
     print_table("quantities", heads, rows, right=heads[1:])
     if any(isinstance(row.get("error"), float) for row in quantities):
         print(ESTIMATES_NOTE)
@@ -229,12 +229,17 @@ def _quantity(row: dict[str, Any], extras: Sequence[str]) -> list[str]:
     return [row["quantity"], *shown, *texts]
 
 
-def _tones(recording: Recording, rows: list[dict[str, Any]]) -> dict[str, list[str]]:
-    """The notes of the first and the last value of quantities that are tones, by name; empty where none is."""
-    from restshape.report.recorded_quantities import recorded_tuning
+def _beside(recording: Recording, rows: list[dict[str, Any]]) -> dict[str, list[str]]:
+    """What is said of the first and the last value of quantities, by name; empty where nothing is."""
+    from restshape.report.recorded_quantities import recorded_kinds
 
-    a4 = recorded_tuning(recording.header)
-    found = {row["quantity"]: [tone(row[key], row["unit"], a4) for key in ("first", "last")] for row in rows}
+    kinds = recorded_kinds(recording.header)
+    ends = [{name: values[k] for name, values in recording.table.items()} for k in (0, -1)]
+    found = {
+        row["quantity"]: [kind.said(row[key], end) for key, end in zip(("first", "last"), ends)]
+        for row in rows
+        if (kind := kinds.get(row["quantity"]))
+    }
     return found if any(map(any, found.values())) else {}
 
 

@@ -10,7 +10,7 @@ from restshape.bounds import NESTING
 from restshape.comparison.result import Result
 
 TEXT = "script_text"
-REPEATED = ("units", "overrides", "load_scales", "limits", "a4")
+REPEATED = ("units", "overrides", "load_scales", "limits")
 """Keys that repeat what the scene says."""
 SHOWN = 60
 """Characters of a value that is shown."""

@@ -5,7 +5,6 @@ from pathlib import Path
 import h5py
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from restshape.analysis.pitch import A4
 from restshape.arrays import Integers
 from restshape.errors import UserError, printable
 from restshape.scene.plain_values import Table
@@ -40,7 +39,6 @@ class _Header(BaseModel):
     policy: str = ""
     predict: str = ""
     scene_values: _RecordedScene = _RecordedScene()
-    a4: float = A4
     limits: dict[str, Table] = {}
     singular: dict[str, float] = {}
     load_scales: dict[str, float] = {}

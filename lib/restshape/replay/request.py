@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from restshape import __version__
-from restshape.analysis.pitch import tuning
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.policy import Policy
@@ -59,7 +58,6 @@ class Request:
             "script_text": self.script.path.read_text(errors="replace") if self.script.path else "",
             "title": self.scene.title,
             "load_scales": load_scales(self.scene),
-            **({"a4": tuning(self.scene.effects)} if "modal" in self.scene.effects else {}),
             "limits": recorded_limits(self.scene.quantities),
             "app": self.application.name,
             "policy": self.policy.name,

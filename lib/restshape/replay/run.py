@@ -56,6 +56,7 @@ def run_replay(
     check = Parity(replay) if parity else None
     units = {name: quantity.unit for name, quantity in request.scene.quantities.items()}
     tally, rows, interrupted = Tally(units, load_scales(request.scene)), [], False
+    ends: list[RowValues] = []
     keep = keep_rows or request.application.report is not None
     names = list(columns_of(request.scene, request.application))
     with table_of_rows(csv if first else None, names) as table:
@@ -64,6 +65,7 @@ def run_replay(
                 if check:
                     row |= check()
                 tally.add(row)
+                ends = [*ends[:1], row]
                 if keep:
                     rows.append(row)
                 if table:
@@ -75,7 +77,7 @@ def run_replay(
                 raise
             interrupted = True
     summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)
-    summary |= {"reasons": tally.reasons, "largest_residual": tally.largest_residual}
+    summary |= {"reasons": tally.reasons, "largest_residual": tally.largest_residual, "ends": ends}
     summary |= {"guess": request.policy.guess, "interrupted": interrupted, "rows": rows, "singular": singular}
     summary |= replay.errors.linear_theory.summary()
     if request.application.report:

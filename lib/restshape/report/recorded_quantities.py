@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from restshape.analysis.pitch import A4
 from restshape.application import applications
 from restshape.arrays import Reals
 from restshape.replay.constraints import limit_column
@@ -65,15 +64,14 @@ def limit_series(recording: Recording) -> dict[str, dict[str, Reals]]:
     return found
 
 
-def recorded_tuning(header: Mapping[str, Any]) -> float:
-    """The frequency of the tone A4 [Hz]; of recordings of version 0.1 that of their scene, where it is a number."""
-    if isinstance(a4 := header.get("a4"), float):
-        return a4
-    scene = header.get("scene_values")
-    effects = scene.get("effects") if isinstance(scene, Mapping) else None
-    modal = effects.get("modal") if isinstance(effects, Mapping) else None
-    found = _number(modal.get("a4", A4), "frequency") if isinstance(modal, Mapping) else A4
-    return found if 0.0 < found < np.inf else A4
+def recorded_kinds(header: Mapping[str, Any]) -> dict[str, QuantityKind]:
+    """The kind of each quantity of the recorded scene, of those that are known."""
+    known = known_kinds()
+    found = (
+        (name, next((known[key] for key in spec if key in known), None))
+        for name, spec in quantity_specs(header).items()
+    )
+    return {name: kind for name, kind in found if kind}
 
 
 @cache

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self, cast
 
 from pydantic import Field, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
+from restshape.declared_paths import declared
 from restshape.outputs.si_numbers import si
 from restshape.scene.annotations import Definition, extended, optional
 from restshape.scene.expressions import Expression, Value
@@ -31,6 +32,8 @@ class QuantityKind:
         reductions: how values may become one; empty: in any way.
         renamed: its key in version 0.1; empty: the same.
         on: kinds of entities of which one must be named; empty: any may be, or none.
+        beside: path ``module:attribute`` of the function of a value and the row of its frame, by column, that gives
+            what tables say beside it, such as the note of a frequency; empty: they say nothing.
     """
 
     value: object
@@ -41,6 +44,13 @@ class QuantityKind:
     reductions: tuple[str, ...] = ()
     renamed: str = ""
     on: tuple[str, ...] = ()
+    beside: str = ""
+
+    def said(self, value: float | None, row: Mapping[str, object]) -> str:
+        """What tables say beside a value of a frame with this row; empty where there is none."""
+        if not self.beside or value is None or not isfinite(value):
+            return ""
+        return str(cast("Callable[..., object]", declared(self.beside, "a kind of quantities"))(value, row))
 
     @property
     def unit(self) -> str:

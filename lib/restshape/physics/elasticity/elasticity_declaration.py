@@ -29,6 +29,8 @@ LOADS = {
     "body": LoadKind(tuple[value_of("body force"), value_of("body force")], AREAS, "a body force [N/m^3]"),
 }
 
+TONE = "restshape.physics.elasticity.tones:tone"
+
 QUANTITIES = {
     "displacement": QuantityKind(
         Literal["x", "y", "magnitude"], "length", "mean", summary="a component of the displacement"
@@ -64,13 +66,14 @@ QUANTITIES = {
         summary='the distance between a goal and the deformed edges, counted from both: "mean" is half the mean along '
         "the edges of their distance from the goal plus half the mean along the goal of its distance from them",
     ),
-    "frequency": QuantityKind(Ordinal, "frequency", "sum", True, "2: the second lowest frequency"),
+    "frequency": QuantityKind(Ordinal, "frequency", "sum", True, "2: the second lowest frequency", beside=TONE),
     "mode": QuantityKind(
         Ordinal,
         "frequency",
         "sum",
         True,
         "2: the frequency of the mode that was the second one at the start, wherever it has gone since",
+        beside=TONE,
     ),
     "load_factor": QuantityKind(
         Ordinal,
