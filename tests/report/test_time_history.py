@@ -9,23 +9,27 @@ from restshape.outputs import picture_files
 from restshape.replay.columns import columns
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
+from restshape.report import time_history
 from restshape.report.time_history import draw_history, edited_spans, value_step
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 SWAY = 1e-3 * np.sin(np.arange(12.0))
 
 
-def record(path, own):
-    """A recording of 12 frames, 0.5 s of simulated time each, of which 4 to 6 move nodes and 9 is refused."""
+def record(path, own, scale=1.0):
+    """A recording of 12 frames, 0.5 s of simulated time each, of which 4 to 6 move nodes and 9 is refused.
+
+    Times and values are multiplied by a scale.
+    """
     known = columns(["sway"], own)
     with Recorder.start(path, {"title": "mast"}, known) as recorder:
         recorder.topology(np.array([[0, 1, 2]]))
         time = 0.0
         for i, value in enumerate(SWAY):
-            time += 0.5 if i and i != 9 else 0.0
+            time += 0.5 * scale if i and i != 9 else 0.0
             row = {"index": i, "level": int(4 <= i <= 6), "event": "drag" if 4 <= i <= 6 else "idle", "time": time}
-            row |= {"q_sway": np.nan if i == 9 else value, "refused": "crosses itself" if i == 9 else ""}
-            recorder.frame(0.1 * i, CORNERS, {}, {}, {name: row[name] for name in row if name in known})
+            row |= {"q_sway": np.nan if i == 9 else scale * value, "refused": "crosses itself" if i == 9 else ""}
+            recorder.frame(0.1 * scale * i, CORNERS, {}, {}, {name: row[name] for name in row if name in known})
     return Recording(path)
 
 
@@ -69,3 +73,15 @@ def test_without_simulated_time_there_is_no_picture(tmp_path):
     with record(tmp_path / "a.vtkhdf", {}) as recording:
         assert not draw_history(recording, tmp_path / "history.png")
     assert not (tmp_path / "history.png").exists()
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e-4, 3e-3, 0.02])
+def test_numbers_along_the_axes_of_short_runs_differ(tmp_path, monkeypatch, scale):
+    figures = []
+    monkeypatch.setattr(time_history, "save_picture", lambda figure, path: figures.append(figure))
+    with record(tmp_path / "a.vtkhdf", {"time": float}, scale) as recording:
+        assert draw_history(recording, tmp_path / "history.png")
+    (panel,) = figures[0].axes
+    for axis in (panel.xaxis, panel.yaxis, panel.child_axes[0].xaxis):
+        texts = [text.get_text() for text in axis.get_ticklabels() if text.get_text()]
+        assert len(set(texts)) == len(texts) > 1
