@@ -34,6 +34,7 @@ __all__: list[str] = [
     "has_cgal",
     "hilbert_keys",
     "inverted_cells",
+    "largest_size",
     "locate",
     "locate_quadratic",
     "matrices",
@@ -53,6 +54,7 @@ __all__: list[str] = [
     "reset_calls",
     "same_bits",
     "smooth_fresh",
+    "solve_by_panels",
     "space_recovery_points",
     "split_prisms",
     "stop_watching",
@@ -413,6 +415,7 @@ def inverted_cells(
     u: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
 ) -> numpy.typing.NDArray[numpy.int32]: ...
+def largest_size(a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> float: ...
 def locate(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
@@ -529,6 +532,7 @@ def smooth_fresh(
     fixed: typing.SupportsInt | typing.SupportsIndex,
     sweeps: typing.SupportsInt | typing.SupportsIndex,
 ) -> float: ...
+def solve_by_panels(handle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
 def space_recovery_points() -> numpy.typing.NDArray[numpy.float64]: ...
 def split_prisms(
     plane_cells: numpy.typing.NDArray[numpy.int32],

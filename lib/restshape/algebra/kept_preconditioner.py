@@ -4,6 +4,7 @@ import logging
 
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.choice import ILU, Candidate, Choice, Prices, Size, prices
 from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
 from restshape.algebra.preconditioner import COMPLETE, kind_of, nonzeros, set_preconditioner, set_rigid_motions
@@ -112,6 +113,12 @@ class KeptPreconditioner:
             self.ksp.setUpOnBlocks()
         pc.setReusePreconditioner(True)
         self.ready, self.pattern_changed = True, False
+
+    def substitute_by_panels(self) -> None:
+        """Let a complete factor substitute by panels, which are worth making where it serves several solves."""
+        if self.kind == "cholesky":
+            for part in factors_of(self.ksp):
+                _kernels.solve_by_panels(part.getFactorMatrix().handle)
 
     def note_kind(self) -> None:
         """Take in what PETSc has made of it, once the options for its set-up are not needed any more."""

@@ -184,6 +184,8 @@ class LinearSolver:
         again = not self._current and (self.method == "direct" or (self.keeps and self.refresh.worth_refreshing(uses)))
         stale = self.kept.ready and not again
         if stale:
+            if self.refresh.uses == 0:
+                self.kept.substitute_by_panels()
             self.ksp.setOperators(mat)
         else:
             self._factor(mat, places, self._why(again))

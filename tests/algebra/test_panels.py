@@ -1,0 +1,106 @@
+"""Substitutions by panels: solutions of systems that numpy solves too, from factors that PETSc has made."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from petsc4py import PETSc
+
+from restshape import _kernels
+from restshape.algebra import kept_preconditioner
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
+from restshape.calibration import Calibration
+
+
+def matrix(n, fields, rng):
+    """Positive definite (n n f, n n f): springs between neighbours of a grid, with so many unknowns a node."""
+    line = sp.diags([1.0, 1.0], [-1, 1], (n, n))
+    grid = sp.kron(sp.eye(n), line) + sp.kron(line, sp.eye(n)) + sp.kron(line, line) + sp.eye(n * n)
+    pairs = sp.coo_matrix(sp.triu(sp.kron(grid, np.ones((fields, fields))), 1))
+    springs = sp.coo_matrix((rng.uniform(-1.0, 1.0, pairs.nnz), (pairs.row, pairs.col)), pairs.shape)
+    both = (springs + springs.T).tocsr()
+    return (both + sp.diags(np.abs(both).sum(axis=1).A1 + 0.1)).tocsr()
+
+
+def petsc(found):
+    return PETSc.Mat().createAIJ(found.shape, csr=(found.indptr, found.indices, found.data), comm=PETSc.COMM_SELF)
+
+
+def factored(mat, kind="cholesky", ordering="amd"):
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setType(kind)
+    pc.setFactorOrdering(ordering)
+    pc.setOperators(mat)
+    pc.setUp()
+    return pc
+
+
+def solved(pc, b):
+    right, x = (PETSc.Vec().createWithArray(array, comm=PETSc.COMM_SELF) for array in (b.copy(), np.zeros_like(b)))
+    pc.getFactorMatrix().solve(right, x)
+    return x.getArray().copy()
+
+
+@pytest.mark.parametrize(("n", "fields"), [(1, 1), (2, 1), (12, 1), (12, 2), (7, 3), (5, 11)])
+@pytest.mark.parametrize("ordering", ["amd", "natural", "nd"])
+def test_a_system_is_solved(n, fields, ordering):
+    rng = np.random.default_rng(n)
+    found = matrix(n, fields, rng)
+    pc, b = factored(petsc(found), ordering=ordering), rng.normal(size=found.shape[0])
+    assert _kernels.solve_by_panels(pc.getFactorMatrix().handle)
+    np.testing.assert_allclose(solved(pc, b), np.linalg.solve(found.toarray(), b), rtol=1e-10, atol=1e-12)
+
+
+def test_it_takes_the_values_of_a_factor_that_is_made_again():
+    rng = np.random.default_rng(5)
+    found, b = matrix(9, 2, rng), rng.normal(size=162)
+    mat = petsc(found)
+    pc = factored(mat)
+    handle = pc.getFactorMatrix().handle
+    assert _kernels.solve_by_panels(handle) and _kernels.solve_by_panels(handle)
+    mat.scale(4.0)
+    pc.setOperators(mat)
+    pc.setUp()
+    expected = np.linalg.solve(4.0 * found.toarray(), b)
+    assert pc.getFactorMatrix().handle == handle
+    np.testing.assert_allclose(solved(pc, b), expected, rtol=1e-10)
+    assert _kernels.solve_by_panels(handle)
+    np.testing.assert_allclose(solved(pc, b), expected, rtol=1e-10)
+
+
+def test_what_is_not_a_number_leaves_nothing_behind():
+    rng = np.random.default_rng(6)
+    found, b = matrix(9, 2, rng), rng.normal(size=162)
+    pc = factored(petsc(found))
+    assert _kernels.solve_by_panels(pc.getFactorMatrix().handle)
+    before = solved(pc, b)
+    assert np.isnan(solved(pc, np.full_like(b, np.nan))).all()
+    np.testing.assert_array_equal(solved(pc, b), before)
+
+
+def test_factors_of_other_kinds_stay_as_they_are():
+    found = matrix(6, 2, np.random.default_rng(7))
+    assert not _kernels.solve_by_panels(factored(petsc(found), "lu").getFactorMatrix().handle)
+    assert not _kernels.solve_by_panels(petsc(found).handle)
+    rough = factored(petsc(found), "icc", "natural")
+    b = np.ones(found.shape[0])
+    before = solved(rough, b)
+    _kernels.solve_by_panels(rough.getFactorMatrix().handle)
+    np.testing.assert_allclose(solved(rough, b), before, rtol=1e-12)
+
+
+def test_a_factor_goes_by_panels_from_its_second_solve_on(monkeypatch):
+    handles = []
+    monkeypatch.setattr(kept_preconditioner, "_kernels", type("", (), {"solve_by_panels": handles.append}))
+    mat = petsc(matrix(6, 2, np.random.default_rng(8)))
+    traits, stages = Traits(True), Stages()
+    solver = LinearSolver(PETSc.COMM_SELF, "panels_", "stale", 1e-8, Calibration.load(), stages, traits=traits)
+    b, x = mat.createVecs()
+    counts = []
+    for scale in (1.0, 1.01, 1.0):
+        mat.scale(scale)
+        b.set(1.0)
+        solver.solve(mat, b, x, new_system=not counts)
+        counts.append(len(handles))
+    assert counts == [0, 1, 1]
