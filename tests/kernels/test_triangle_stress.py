@@ -69,3 +69,10 @@ def test_the_same_bits():
     assert _kernels.same_bits(a, a.copy())
     assert not _kernels.same_bits(a, a.ravel()[:3]) and not _kernels.same_bits(a, np.abs(a) * -1.0)
     assert not _kernels.same_bits(a, a + 1e-16 * np.array([[2.0, 0.0], [0.0, 2.0]]))
+
+
+def test_the_largest_size():
+    assert _kernels.largest_size(np.array([[1.0, -3.0], [2.0, 0.0]])) == 3.0
+    assert _kernels.largest_size(np.empty(0)) == 0.0
+    assert np.isnan(_kernels.largest_size(np.array([np.nan, 1.0])))
+    assert _kernels.largest_size(np.array([-np.inf, 1.0])) == np.inf

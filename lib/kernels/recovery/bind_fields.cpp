@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -108,6 +109,19 @@ bool same_bits(const Reals& a, const Reals& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
 }
 
+double largest_size(const Reals& a) {
+    const double* value = a.data();
+    const py::ssize_t count = a.size();
+    double most = 0.0;
+    bool numbers = true;
+    for (py::ssize_t i = 0; i < count; ++i) {
+        const double size = std::abs(value[i]);
+        numbers &= size == size;
+        most = std::max(most, size);
+    }
+    return numbers ? most : std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 void bind_fields(py::module_& m) {
@@ -122,6 +136,8 @@ void bind_fields(py::module_& m) {
              "Writes stresses out (count, 4) recovered from those of the cells (ne, 4), on nodes X (n, 2).");
     m.def("same_bits", &same_bits, py::arg("a"), py::arg("b"),
           "Whether two arrays hold the same numbers, bit for bit.");
+    m.def("largest_size", &largest_size, py::arg("a"),
+          "The largest size among numbers, 0 of none; not a number where one of them is not.");
     m.def("cells_around", &cells_around, py::arg("cells").noconvert(), py::arg("nodes").noconvert(),
           py::arg("node_count"), "Cells (k,), ascending, of which a corner is one of the nodes.");
     m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),

@@ -124,7 +124,7 @@ class RecoveryEstimate:
         return self._ratio(error, size, reference)
 
     def _ratio(self, error: float, size: float, x: np.ndarray) -> float:
-        rounding = self.stiffest * (ROUNDING * float(np.abs(x).max(initial=0.0))) ** 2
+        rounding = self.stiffest * (ROUNDING * _kernels.largest_size(x)) ** 2
         return float(np.sqrt(error / size)) if size > rounding else float("nan")
 
     def _norm(self, flux: np.ndarray) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.analysis.row_values import RowValues, text, whole
 from restshape.arrays import Reals
 
@@ -56,14 +57,19 @@ class LinearTheory:
         They differ by no more than twice the largest component in each direction. The body is no smaller than two of
         its nodes are apart, for which those that were farthest from each other are taken.
         """
-        most = 2.0 * sqrt(u.shape[1]) * max(float(u.max()), -float(u.min()))
+        most = 2.0 * sqrt(u.shape[1]) * _kernels.largest_size(u)
         first, last = self._ends
-        if len(X) <= max(self._ends) or most > LARGEST * np.abs(X[last] - X[first]).max():
+        if len(X) <= max(self._ends) or most > LARGEST * _apart(X, first, last):
             axis = int(np.ptp(X, axis=0).argmax())
             first, last = self._ends = int(X[:, axis].argmin()), int(X[:, axis].argmax())
-        return bool(most <= LARGEST * np.abs(X[last] - X[first]).max())
+        return most <= LARGEST * _apart(X, first, last)
 
     def summary(self) -> dict[str, object]:
         """For programs, where it was too large: the largest share, and its frame."""
         beyond = {"displacement_over_size": self.largest, "frame": self.frame}
         return {"beyond_linear_theory": beyond} if self.largest > LARGEST else {}
+
+
+def _apart(X: Reals, first: int, last: int) -> float:
+    """The largest difference of two nodes' coordinates."""
+    return max(abs(a - b) for a, b in zip(X[first].tolist(), X[last].tolist()))

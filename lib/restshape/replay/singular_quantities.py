@@ -45,6 +45,7 @@ class SingularQuantities:
         self._recorded = places_wanted(scene, application)
         self.now, self._points = self._found(scene, session.outline)
         self.ever = dict(self.now)
+        self._encoded: tuple[dict[str, float], list[tuple[float, ...]], str] = ({}, [], "")
 
     def __call__(self, edit: ScriptFrame, row: RowValues) -> RowValues:
         """Look at the shape of a frame that was solved; its singular places, and the note where they change."""
@@ -75,7 +76,13 @@ class SingularQuantities:
         outline = self.session.outline
         if not self.now or outline is None:
             return ""
-        return encode_places(self.now, [outline.points[k] for k in self._points if k < len(outline.points)])
+        at = [tuple(outline.points[k]) for k in self._points if k < len(outline.points)]
+        known, places, encoded = self._encoded
+        if places != at or known != self.now:
+            encoded = encode_places(self.now, at)
+            # Most of them rest while a hand drags one point.
+            self._encoded = (dict(self.now), at, encoded)
+        return encoded
 
     def _found(self, scene: Scene, outline: Outline | None) -> tuple[dict[str, float], tuple[int, ...]]:
         """Quantities with their exponents, and control points."""
