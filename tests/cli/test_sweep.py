@@ -312,6 +312,16 @@ def test_a_value_without_a_result_leaves_the_others(command, tmp_path):
     assert command("sweep", scene, "--set", "material.steel.E=1e9,2e9", "--csv", "mine.csv").returncode == 2
 
 
+def test_errors_of_one_run_are_apart_and_say_once_what_to_do(command, tmp_path):
+    """One parameter is a mass where two places want a length."""
+    text = BAR.replace("c = [2.0, 0.5]", 'c = [2.0, "h"]').replace("d = [0, 0.5]", 'd = [0, "h"]')
+    scene = write_scene(tmp_path, text + '[parameters]\nh = "0.5 m"\n')
+    ended = command("sweep", scene, "--set", "parameters.h=0.5m,2kg")
+    (line,) = [line for line in ended.stderr.splitlines() if ", invalid: " in line]
+    assert "but a length is wanted; also scene.toml: " in line and line.count("another unit") == 1
+    assert line.endswith('; try: give the parameter another unit, as in "12 mm"')
+
+
 def test_a_first_shape_without_a_solution_is_one_run_without_a_result(command, tmp_path):
     """Without the support in x the bar slides: the scene is valid, and has no solution."""
     scene = write_scene(tmp_path, BAR)

@@ -32,7 +32,9 @@ def user_error(
     found = sorted(whole_lists(error.errors(include_url=False)), key=lambda e: e["type"] != "extra_forbidden")
     reported = [_reported(details, source, root, prefix) for details in found[:MAX_REPORTED]]
     first = reported[0]
-    others = [f"  also {other.where}: {other.what}{f' ({other.do})' * bool(other.do)}" for other in reported[1:]]
+    # What is to be done about all of them is said once.
+    remedies = [f" ({other.do})" * bool(other.do and other.do != first.do) for other in reported[1:]]
+    others = [f"  also {other.where}: {other.what}{remedy}" for other, remedy in zip(reported[1:], remedies)]
     if len(found) > MAX_REPORTED:
         others.append(f"  and {len(found) - MAX_REPORTED} more")
     return UserError("\n".join([first.what, *others]), first.where, first.do)

@@ -157,4 +157,4 @@ class Sweep:
 
 def _plain(error: UserError) -> str:
     """A message in one line."""
-    return str(error).replace("\n  try:", "; try:").replace("\n", " ")
+    return "; ".join(line.strip() for line in str(error).splitlines())
