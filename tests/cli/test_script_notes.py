@@ -48,6 +48,14 @@ def test_a_replay_without_its_script_says_where_one_is(tmp_path, capsys):
     assert f"its edits: {other}, {script}\n" in capsys.readouterr().err
 
 
+def test_fields_without_a_recording_are_said_to_do_nothing(tmp_path, capsys):
+    scene, out = str(write_scene(tmp_path, plate(0.4))), str(tmp_path / "a.vtkhdf")
+    assert main(["replay", scene, "--fields", "stress"]) == 0
+    assert "without --out FILE.vtkhdf it does nothing" in capsys.readouterr().err
+    assert main(["replay", scene, "--fields", "stress", "--out", out]) == 0
+    assert "it does nothing" not in capsys.readouterr().err
+
+
 def test_a_replay_of_motion_without_a_script_says_where_time_begins(tmp_path):
     scene = load_scene(tower(tmp_path, SHAKEN, dynamics()))
     assert UNMOVED in start_notes(scene, Script.empty(scene))

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -10,6 +11,7 @@ from cloths import BALL, CONTACT, write_cloth
 from small_scenes import drag, plate, write_scene, write_script
 
 from restshape.cli.main import main
+from restshape.export.formats import write_mesh
 from restshape.export.frame_mesh import FrameMesh
 from restshape.export.stl_surface import surface
 from restshape.mesh.importer import read_mesh
@@ -117,6 +119,15 @@ def test_a_csv_has_a_row_a_node(folder, recording):
     moved = np.array([[float(row["displacement_x"]), float(row["displacement_y"])] for row in rows])
     np.testing.assert_array_equal(moved, recording.field(-1, "displacement"))
     np.testing.assert_array_equal([[float(row["x"]), float(row["y"])] for row in rows], recording.points(-1))
+
+
+def test_a_csv_says_which_fields_have_values_a_cell(tmp_path):
+    """As stresses of a body with regions, which jump between these."""
+    mesh = FrameMesh(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), np.array([[0, 1, 2]]), "triangle")
+    with_stress = replace(mesh, in_cells={"von_mises_in_cells": np.ones((1, 3))})
+    (note,) = write_mesh("csv", with_stress, tmp_path / "a.csv")
+    assert "von_mises_in_cells" in note and "vtu" in note
+    assert write_mesh("csv", mesh, tmp_path / "b.csv") == write_mesh("vtu", with_stress, tmp_path / "a.vtu") == []
 
 
 def test_a_refused_frame_shows_the_shape_before_it(folder, recording, capsys):

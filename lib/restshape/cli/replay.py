@@ -97,6 +97,8 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     if first:
         for note in start_notes(scene, script):
             print(f"note: {note}", file=sys.stderr)
+        if args.fields is not None and not args.out:
+            print("note: --fields is of a recording: without --out FILE.vtkhdf it does nothing", file=sys.stderr)
         if not args.edits and (known := scripts_of(args.scene)):
             print(f"note: the first shape only; its edits: {', '.join(map(str, known))}", file=sys.stderr)
     recorder = _start_recorder(args.out, request) if args.out and first else None

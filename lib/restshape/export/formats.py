@@ -55,6 +55,14 @@ def _points_left_out(outline: Outline, what: str) -> list[str]:
     return [f"left out, for {what} has no points: {', '.join(names)}"] if names else []
 
 
+def _cells_left_out(mesh: FrameMesh) -> list[str]:
+    """A note of fields that have values a cell, which rows of nodes do not hold."""
+    fields = ", ".join(mesh.in_cells)
+    return [f"left out, for the rows of a csv are nodes, and these have values a cell: {fields}; vtu has them"] * bool(
+        fields
+    )
+
+
 def write_mesh(kind: str, mesh: FrameMesh, out: Path, thickness: float | None = None) -> list[str]:
     """Writes a mesh with its fields as "vtu" or "csv", or its surface as "stl"; what there is to note.
 
@@ -67,7 +75,7 @@ def write_mesh(kind: str, mesh: FrameMesh, out: Path, thickness: float | None = 
     """
     if kind != "stl":
         (write_vtu if kind == "vtu" else write_csv)(mesh, out)
-        return []
+        return _cells_left_out(mesh) if kind == "csv" else []
     write_stl(mesh, thickness, out)
     if mesh.placed is not None:
         return ["the cloth in space: a surface without thickness"]
