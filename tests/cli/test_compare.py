@@ -248,6 +248,14 @@ def test_tables_have_units(command, tmp_path, replayed):
     assert f"{si(found['fields']['displacement']['largest'], 'm')}" in rows["displacement"]
 
 
+def test_units_of_json_are_those_of_recordings(tmp_path):
+    path = tmp_path / "a.json"
+    origin = {"units": {"area": "m^2", "stored": "J", "volume": "m^3"}}
+    path.write_text(json.dumps({"frames": 1, "quantities": {"area": [2.0]}, "origin": origin}))
+    with closing(read_result(path)) as found:
+        assert found.units == {"area": "m²", "stored": "J", "volume": "m³"}
+
+
 def test_values_are_written_as_scenes_have_them():
     values = (["bottom", "höhe"], True, {"x": 0}, None, "5 mm", [0.0, 1])
     shown = ['["bottom", "höhe"]', "true", '{"x": 0}', "-", "5 mm", "[0.0, 1]"]

@@ -1,8 +1,8 @@
 """Numbers of tables on the console: unit and prefix, what is said beside them, plural forms."""
 
-from restshape.cli.quantity_cells import cells, unit_of
+from restshape.cli.quantity_cells import cells
 from restshape.cli.quantity_tables import print_quantities
-from restshape.outputs.si_numbers import counted
+from restshape.outputs.si_numbers import counted, unit_of
 
 
 def test_values_have_the_prefix_of_the_largest():

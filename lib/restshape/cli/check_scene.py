@@ -16,13 +16,12 @@ from pydantic import BaseModel
 from restshape.application import application, applications
 from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.options import print_table, read_scene, write_json
-from restshape.cli.quantity_cells import unit_of
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError, one_line
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.kinds import PICTURES
-from restshape.outputs.si_numbers import scaled_unit, si
+from restshape.outputs.si_numbers import scaled_unit, si, unit_of
 from restshape.replay.rounding import cleared
 from restshape.scene.application_registry import clashes_with
 from restshape.scene.bare_lengths import with_bare_lengths

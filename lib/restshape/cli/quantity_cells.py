@@ -13,8 +13,3 @@ def cells(values: Sequence[float | None], unit: str, digits: int = 5, others: Se
     known = [abs(value) for value in (*values, *others) if value is not None and isfinite(value)]
     largest = max(known, default=0.0)
     return [MISSING if value is None else si(value, unit, digits, largest) for value in values]
-
-
-def unit_of(symbol: str) -> str:
-    """A unit as tables and pictures write it."""
-    return symbol.replace("^2", "²").replace("^3", "³")

@@ -18,14 +18,13 @@ from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_li
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
 from restshape.cli.parser import add_edits
-from restshape.cli.quantity_cells import unit_of
 from restshape.cli.quantity_tables import percent, print_quantities
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing, exit_code
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
-from restshape.outputs.si_numbers import counted
+from restshape.outputs.si_numbers import counted, unit_of
 from restshape.policy import GUESSES, POLICIES, policy
 from restshape.replay.level_names import LEVEL_NAMES
 from restshape.scene.key_aliases import notes

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 from restshape.cli.limits import add_limits, lift_limits, limited
 from restshape.cli.options import add_scene, print_table, refuse_files_of_scene, write_json
 from restshape.cli.parser import add_edits
-from restshape.cli.quantity_cells import cells, unit_of
+from restshape.cli.quantity_cells import cells
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, one_line, printable
 from restshape.outputs.kinds import PICTURES, PictureFile, SweepFile
-from restshape.outputs.si_numbers import counted
+from restshape.outputs.si_numbers import counted, unit_of
 from restshape.policy import GUESSES, POLICIES
 from restshape.surroundings import start_petsc
 

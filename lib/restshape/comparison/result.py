@@ -12,6 +12,7 @@ import numpy as np
 from restshape import bounds
 from restshape.arrays import AnyArray, Flags, Reals
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import unit_of
 from restshape.replay.columns import SIMULATED, quantity_names
 from restshape.replay.recording import Recording
 from restshape.report.recorded_quantities import quantity_units
@@ -137,7 +138,7 @@ def _written(path: Path) -> Result:
     origin = data.get("origin")
     origin = dict(origin) if isinstance(origin, dict) else {}
     units = origin.pop("units", {})
-    known_units = {k: str(v) for k, v in units.items()} if isinstance(units, dict) else {}
+    known_units = {k: unit_of(str(v)) for k, v in units.items()} if isinstance(units, dict) else {}
     simulated = _simulated(data.get(SIMULATED), n)
     return Result(
         path, n, origin | header, quantities, known_units, stopped, percentiles=percentiles, simulated=simulated

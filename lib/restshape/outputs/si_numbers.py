@@ -7,6 +7,11 @@ UNPREFIXED = ("1", "m²", "m^2", "m³", "m^3", "kg", "K", "deg", "°")
 """Beginnings of units whose prefix would be read for another one, or is not used."""
 
 
+def unit_of(symbol: str) -> str:
+    """A unit as tables and pictures write it."""
+    return symbol.replace("^2", "²").replace("^3", "³")
+
+
 def prefix(size: float) -> tuple[float, str]:
     """The factor and SI prefix that bring a number of this size between 1 and 1000."""
     if not isfinite(size) or size == 0:

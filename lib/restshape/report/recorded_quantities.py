@@ -8,6 +8,7 @@ import numpy as np
 
 from restshape.application import applications
 from restshape.arrays import Reals
+from restshape.outputs.si_numbers import unit_of
 from restshape.replay.constraints import limit_column
 from restshape.replay.recording import Recording
 from restshape.scene.key_aliases import by_todays_names
@@ -84,7 +85,7 @@ def known_kinds() -> dict[str, QuantityKind]:
 @cache
 def kind_units() -> dict[str, str]:
     """Their units."""
-    return {key: kind.unit.replace("^2", "²") for key, kind in known_kinds().items()}
+    return {key: unit_of(kind.unit) for key, kind in known_kinds().items()}
 
 
 @cache
