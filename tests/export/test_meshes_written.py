@@ -112,6 +112,27 @@ def test_the_mesh_of_a_scene_is_read_back_with_the_area_of_its_shape(folder):
     assert read_mesh(folder / "mesh.vtu")[1].area() == pytest.approx(2.0 - np.pi * 0.15**2, rel=1e-9)
 
 
+@pytest.mark.slow
+def test_the_mesh_of_a_second_order_scene_is_that_of_its_first_frame(tmp_path):
+    """And the surface has the middles of sides on the circle of the hole: it is a polygon of 16 sides, not 8."""
+    scene = write_scene(tmp_path, plate(0.2).replace("order = 1", "order = 2"), "plate.toml")
+    assert main(["replay", str(scene), "--out", str(tmp_path / "a.vtkhdf")]) == 0
+    for kind in ("vtu", "stl", "csv"):
+        assert main(["export", str(scene), "--as", kind, "--out", str(tmp_path / f"plate.{kind}")]) == 0
+    found = meshio.read(tmp_path / "plate.vtu")
+    with Recording(tmp_path / "a.vtkhdf") as recording:
+        X, cells = recording.mesh(0)
+    assert found.cells[0].type == "triangle6"
+    np.testing.assert_array_equal(found.points[:, :2], X)
+    np.testing.assert_array_equal(found.cells[0].data, cells)
+    assert len((tmp_path / "plate.csv").read_text().splitlines()) == len(X) + 1
+    corners = triangles(tmp_path / "plate.stl")
+    assert_closed(corners)
+    straight = 2.0 - 8 * 0.5 * 0.15**2 * np.sin(2 * np.pi / 8)
+    halved = 2.0 - 16 * 0.5 * 0.15**2 * np.sin(2 * np.pi / 16)
+    assert volume(corners) == pytest.approx(1e7 * halved, rel=1e-6) and halved < straight
+
+
 def test_a_csv_has_a_row_a_node(folder, recording):
     export(folder, "--as", "csv", "--frame", "-1")
     with (folder / "plate.csv").open() as file:

@@ -6,10 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.replay.recording import Recording
 from restshape.scene.model import Scene
+from restshape.scene.plan import plan
 from restshape.shape.outline import Outline
 
 CELL_TYPES = {5: "triangle", 22: "triangle6", 10: "tetra", 24: "tetra10", 12: "hexahedron"}
@@ -66,13 +69,18 @@ def mesh_of_recording(recording: Recording, row: int) -> FrameMesh:
 
 
 def mesh_of_shape(scene: Scene, outline: Outline) -> FrameMesh:
-    """A mesh of a shape, first-order triangles of the sizes of the scene, with the region of each.
+    """A new mesh of a shape, triangles of the scene's sizes and element order, with the region of each.
 
     Raises:
         UserError: the shape cannot be meshed.
     """
+    order = plan(scene, application(scene.app)).order
     try:
-        mesh = generate(outline, scene.mesh)
+        mesh = generate(outline, scene.mesh.model_copy(update={"order": order}))
     except ReplayProblem as problem:
         raise UserError(str(problem), str(scene.path), "change mesh.size") from problem
-    return FrameMesh(mesh.X, mesh.cells, "triangle", in_cells={"region": mesh.cell_region})
+    regions = {"region": mesh.cell_region}
+    if order == 1 or scene.mesh.levels > 1:
+        return FrameMesh(mesh.X, mesh.cells, "triangle", in_cells=regions)
+    space = LagrangeSpace(mesh)
+    return FrameMesh(space.X, space.cells, "triangle6", in_cells=regions)
