@@ -7,6 +7,7 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 from cloths import BALL, CONTACT, write_cloth
 from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
@@ -446,3 +447,31 @@ def test_modes_go_on_where_values_change(key, value, counts, caplog):
     assert "q_pitch" in runs[1].quantities
     for name, extent in runs[1].quantities.items():
         assert extent.last == pytest.approx(own[name], rel=1e-6), name
+
+
+PULLED_AND_LET_GO = [{"do": "set", "key": "loads.pull.traction", "value": [pull, 0]} for pull in (2 * PULL, PULL)]
+
+
+def test_frames_beyond_a_limit_are_reported_though_the_last_one_holds(command, tmp_path):
+    """A bar stretches by PULL * LENGTH / E, 1 mm, then 2 mm, then 1 mm again; the limit is between, or follows E."""
+    scene = write_scene(tmp_path, BAR.replace("stretch = {", 'stretch = { max = "1.5 mm",'))
+    script = write_script(tmp_path, PULLED_AND_LET_GO)
+    words = ("--edits", script, "--set", "material.steel.E=200e9,400e9", "--csv", "a.csv", "--out", "a.svg")
+    done = command("sweep", scene, *words, "--json", tmp_path / "sweep.json")
+    assert done.returncode == 0 and "done, fails in 1 of 3 frames" in done.stdout and "done, holds " in done.stdout
+    runs = json.loads((tmp_path / "sweep.json").read_text())["runs"]
+    assert [(one["constraint_status"], one["violating"]) for one in runs] == [("holds", 1), ("holds", 0)]
+    with (tmp_path / "a.csv").open() as file:
+        assert [row["violating"] for row in csv.DictReader(file)] == ["1", "0"]
+
+
+def test_a_value_beyond_its_limit_is_held_against_the_limit_of_its_frame():
+    """The limit of the last frame, 5, would find none of them beyond."""
+    run = SweptRun(0, {}, {}, limits={"sag": {"max": 5.0}})
+    for value, limit in ((1.0, 2.0), (3.0, 2.5), (2.7, 2.5), (4.0, 5.0)):
+        status = "fails" if value > limit else "holds"
+        run.add({"level": 1, "refused": "", "constraint_status": status, "q_sag": value, "sag_max": limit}, ["q_sag"])
+    assert run.quantities["q_sag"].beyond == 3.0 and run.outcome == "done, fails in 2 of 4 frames"
+    held = SweptRun(0, {}, {}, limits={"sag": {"max": 5.0}})
+    held.add({"level": 1, "refused": "", "constraint_status": "holds", "q_sag": 4.0}, ["q_sag"])
+    assert np.isnan(held.quantities["q_sag"].beyond) and held.outcome == "done, holds"

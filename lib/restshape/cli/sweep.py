@@ -235,10 +235,10 @@ def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], r
     table = [one.table_row(bool(args.edits)) for one in runs]
     for one, row in zip(runs, table):
         shown = [_cells(row, name, parts, sweep, sizes[name], table) for name in columns]
-        status = f"{one.status}, {one.constraint_status}" if one.constraint_status else one.status
         counts = [one.frames, one.refused] if args.edits else []
         level = [f"{one.level} {MOVES[one.level]}" if one.level in MOVES else ""] * len(levels)
-        rows.append([*(row[key] for key in keys), status, *level, *counts, *(cell for many in shown for cell in many)])
+        values = [cell for many in shown for cell in many]
+        rows.append([*(row[key] for key in keys), one.outcome, *level, *counts, *values])
     print_table("quantities", heads, rows, right=heads[len(keys) + 1 :])
 
 

@@ -77,7 +77,8 @@ def draw_sweep(
     title = _title(scene, runs, len(columns))
     figure.suptitle(shorten(title, 95, placeholder=" …"), x=0.01, ha="left", color=INK)
     keys = shorten(", ".join(one.key for one in swept[:-1]), 90, placeholder="…")
-    _legend(panels[0], keys, bool(limits), not all(one.frames for one in runs), several)
+    beyond = any(np.isfinite(_beyond(one, column)) for one in runs for column in shown)
+    _legend(panels[0], keys, bool(limits), beyond, not all(one.frames for one in runs), several)
     figure.align_ylabels()
     save_picture(figure, path)
 
@@ -155,9 +156,8 @@ def _panel(
         axes.plot(at, own[:, 0], color=colour, lw=1.1, marker="o", ms=3, zorder=3, label=name or None)
         if several:
             axes.fill_between(at, own[:, 1], own[:, 2], color=colour, alpha=0.15, linewidth=0, zorder=1)
-        most, least = (limit[key][part] if key in limit else np.nan for key in (MAX, MIN))
-        beyond = (values[part, 0] > most) | (values[part, 0] < least)
-        axes.plot(at[beyond], own[beyond, 0], ls="", marker="x", color=REFUSED, ms=6, zorder=4)
+        beyond = factor * np.array([_beyond(one, column) for one in runs[part]])
+        axes.plot(at, beyond, ls="", marker="x", color=REFUSED, ms=6, zorder=4)
     for place in {places[one.index][-1] for one, value in zip(runs, values) if not np.isfinite(value[0])}:
         axes.axvline(x[place], color=REFUSED, alpha=0.35, lw=2.0, zorder=0)
     if len(known):
@@ -188,16 +188,22 @@ def _extent(run: SweptRun, column: str) -> tuple[float, float, float]:
     return (found.last, found.least, found.most) if found else (np.nan, np.nan, np.nan)
 
 
+def _beyond(run: SweptRun, column: str) -> float:
+    """The value of a run that is farthest beyond its limit; not a number where none is."""
+    return run.quantities[column].beyond if column in run.quantities else np.nan
+
+
 def _line_name(swept: Sequence[SweptKey], places: Sequence[int]) -> str:
     """The values of all keys but the last."""
     words = [one.values[place].replace('"', "") for one, place in zip(swept[:-1], places)]
     return shorten(", ".join(words), 2 * LABEL, placeholder="…")
 
 
-def _legend(axes: Axes, keys: str, limited: bool, failed: bool, several: bool) -> None:
+def _legend(axes: Axes, keys: str, limited: bool, beyond: bool, failed: bool, several: bool) -> None:
     """The legend below all panels: of the lines, whose keys are its title, and of what occurs."""
     if limited:
         axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label="limit")
+    if beyond:
         axes.plot([], [], ls="", marker="x", color=REFUSED, ms=6, label="beyond its limit")
     if several:
         axes.fill_between([], [], [], color=INK, alpha=0.15, label="least to largest over the edit")

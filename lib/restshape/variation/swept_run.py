@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
-from restshape.replay.constraints import limits_of, recorded_limits
+from restshape.replay.constraints import FAILS, HOLDS, MAX, MIN, UNCERTAIN, limit_column, limits_of, recorded_limits
 from restshape.replay.rounding import load_scales, scales
 
 if TYPE_CHECKING:
@@ -32,15 +33,21 @@ class Extent:
     Args:
         last: in the last frame; not a number where that was refused.
         least, most: of all frames.
+        beyond: of all frames the value that is farthest beyond its limit; not a number where none is.
     """
 
     last: float = math.nan
     least: float = math.nan
     most: float = math.nan
+    beyond: float = math.nan
+    _farthest: float = 0.0
 
-    def add(self, value: float) -> None:
-        """Take in a frame."""
+    def add(self, value: float, limits: Mapping[str, float]) -> None:
+        """Take in a frame, with the limits `min` and `max` there that the quantity has."""
         self.last = value
+        excess = max(limits.get(MIN, -math.inf) - value, value - limits.get(MAX, math.inf))
+        if excess > self._farthest:
+            self._farthest, self.beyond = excess, value
         if math.isfinite(value):
             self.least = value if math.isnan(self.least) else min(self.least, value)
             self.most = value if math.isnan(self.most) else max(self.most, value)
@@ -57,7 +64,7 @@ class SweptRun:
         analysis: `NEW` or `REUSED`.
         level: of reuse of the mesh in the first frame: 3 reconstruction, 2 reconnection, 1 relocation, 0 as it was.
         frames, refused: how many there are, and how many of them were refused.
-        violating: frames in which a quantity is beyond its limit.
+        statuses: how many frames have each constraint status.
         constraint_status: of the last frame.
         limits: of quantities in the last frame, by `min` and `max`, in SI units (`constraints.recorded_limits`).
         quantities: by column: ``q_`` and the name, or a column of the application where the scene names none.
@@ -74,7 +81,7 @@ class SweptRun:
     level: int = -1
     frames: int = 0
     refused: int = 0
-    violating: int = 0
+    statuses: Counter[str] = field(default_factory=Counter)
     constraint_status: str = ""
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     quantities: dict[str, Extent] = field(default_factory=dict)
@@ -88,9 +95,23 @@ class SweptRun:
         self.frames += 1
         self.refused += bool(row["refused"])
         self.constraint_status = text(row, "constraint_status")
-        self.violating += self.constraint_status == "fails"
-        for name in columns:
-            self.quantities.setdefault(name, Extent()).add(number(row, name))
+        self.statuses[self.constraint_status] += 1
+        for column in columns:
+            name = column.removeprefix("q_")
+            # Those that follow parameters have columns of their own.
+            own = self.limits.get(name, {}).items()
+            limits = {key: number(row, limit_column(name, key), limit) for key, limit in own}
+            self.quantities.setdefault(column, Extent()).add(number(row, column), limits)
+
+    @property
+    def outcome(self) -> str:
+        """Its status, for people, with that of its limits over all frames: how many fail, else how many may fail."""
+        word = next((word for word in (FAILS, UNCERTAIN) if self.statuses[word]), self.constraint_status)
+        if not word:
+            return self.status
+        many = self.statuses[word]
+        part = "" if word == HOLDS or many == self.frames else f" in {many} of {self.frames} frames"
+        return f"{self.status}, {word}{part}"
 
     def limit(self, scene: Scene) -> None:
         """Take the limits of a scene, which may follow its parameters."""
@@ -104,6 +125,8 @@ class SweptRun:
             "frames": self.frames,
             "refused": self.refused,
             "constraint_status": self.constraint_status,
+            "violating": self.statuses[FAILS],
+            "uncertain": self.statuses[UNCERTAIN],
             "analysis": self.analysis,
             "level": self.level,
             "cpu_s": self.cpu_s,
@@ -122,7 +145,6 @@ class SweptRun:
         for name in (*self.values, *self.quantities):
             found.pop(name)
         found["values"] = {key: self.numbers.get(key, value.strip('"')) for key, value in self.values.items()}
-        found["violating"] = self.violating
         found["quantities"] = {
             name.removeprefix("q_"): {"last": _finite(one.last), "min": _finite(one.least), "max": _finite(one.most)}
             for name, one in self.quantities.items()
@@ -157,8 +179,8 @@ def column_names(keys: Iterable[str], quantities: Sequence[str], several: bool) 
     """The columns of the CSV file; `quantities` as `quantity_columns` gives them."""
     parts = ("", "_min", "_max") if several else ("",)
     own = [f"{name}{part}" for name in quantities for part in parts]
-    known = ["run", "status", "frames", "refused", "constraint_status", "analysis", "level", "cpu_s"]
-    return [*known, *keys, *own, "why"]
+    limits = ["constraint_status", "violating", "uncertain"]
+    return ["run", "status", "frames", "refused", *limits, "analysis", "level", "cpu_s", *keys, *own, "why"]
 
 
 def _finite(value: float) -> float | None:
