@@ -4,6 +4,7 @@
 namespace py = pybind11;
 
 void bind_averages(py::module_&);
+void bind_algebra(py::module_&);
 void bind_boundary(py::module_&);
 void bind_build(py::module_&);
 void bind_calls(py::module_&);
@@ -28,6 +29,7 @@ void bind_watch(py::module_&);
 PYBIND11_MODULE(_kernels, m) {
     m.doc() = "Compiled kernels of restshape: elements, assembly, mesh operations.";
     bind_averages(m);
+    bind_algebra(m);
     bind_boundary(m);
     bind_build(m);
     bind_calls(m);

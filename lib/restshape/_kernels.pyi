@@ -9,6 +9,7 @@ __all__: list[str] = [
     "Element",
     "HarmonicExtension",
     "MesherFailure",
+    "NODE_BLOCKS",
     "Operator",
     "OutlineCheck",
     "PatchRecovery",
@@ -50,6 +51,7 @@ __all__: list[str] = [
     "recovery_energies",
     "recovery_points",
     "refine_delaunay",
+    "register_node_cholesky",
     "relax_and_check",
     "reset_calls",
     "same_bits",
@@ -508,6 +510,7 @@ def refine_delaunay(
     sine_bound: typing.SupportsFloat | typing.SupportsIndex,
     patience: typing.SupportsInt | typing.SupportsIndex,
 ) -> tuple: ...
+def register_node_cholesky() -> None: ...
 def relax_and_check(
     X_reference: numpy.typing.NDArray[numpy.float64],
     Psi: numpy.typing.NDArray[numpy.float64],
@@ -576,4 +579,5 @@ def watch_outlet(
     control: typing.SupportsInt | typing.SupportsIndex, process: typing.SupportsInt | typing.SupportsIndex
 ) -> None: ...
 
+NODE_BLOCKS: str = "node_blocks"
 has_cgal: bool = True

@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from scipy.optimize import nnls
 
 from restshape import _kernels
-from restshape.algebra.preconditioner import nonzeros, set_preconditioner
+from restshape.algebra.preconditioner import nonzeros, order_factor, set_preconditioner
 from restshape.calibration import Calibration
 from restshape.fem.elements import LINEAR_ELASTIC
 
@@ -95,8 +95,10 @@ def measure_factor(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, kind: str) -> tup
     def make() -> PETSc.PC:
         pc = PETSc.PC().create(PETSc.COMM_SELF)
         pc.setType(kind)
-        pc.setFactorOrdering("amd" if kind == "cholesky" else "natural")
-        if kind == "ilu":
+        if kind == "cholesky":
+            order_factor(pc)
+        else:
+            pc.setFactorOrdering("natural")
             pc.setFactorLevels(3)
         pc.setOperators(mat)
         pc.setUp()

@@ -18,6 +18,9 @@ from restshape.errors import ReplayProblem
 
 WIDEST = 1.5
 """A count goes so far beyond the last load factor at most, for what lies farther is hardly known."""
+BESIDE = 1.0 + 1e-6
+"""The largest load factor over the one up to which is counted: at a mean strain of 1 itself the stiffness of a bar cancels
+exactly, and its matrix has no factor."""
 
 LEAST, USUAL = 4, 12
 """Iterations that are always granted, and with a new factor."""
@@ -87,7 +90,7 @@ class BucklingSolver:
         if self.warm and self.history:
             # A mode that has just come down among the others may be lost again in the next frame.
             found = self._follow(min(count, self.known), new_system, verify or self.doubtful)
-        end = -1.0 / most
+        end = -BESIDE / most
         if found is not None and len(lowest_below(found, end, count)) < count:
             # Fewer than asked for: so that none comes unseen, they are counted in each frame.
             self.report.inertia_checked, self.unchecked = True, 0

@@ -9,7 +9,6 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.at_exit import destroyed_at_exit
-from restshape.algebra.block_cholesky import BLOCK, BlockCholesky
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
 from restshape.algebra.weak_calls import weak_call
@@ -207,9 +206,7 @@ class Descent:
         ksp = destroyed_at_exit(PETSc.KSP().create(comm))
         ksp.setOptionsPrefix(prefix)
         ksp.setType("preonly")
-        if factor == "cholesky" and comm.size == 1 and self.nodal.shape[1] == BLOCK:
-            BlockCholesky(ksp.getPC())
-        elif factor == "cholesky" and comm.size > 1:
+        if factor == "cholesky" and comm.size > 1:
             # Every rank factors all of it: with its own rows alone a descent would lead elsewhere.
             ksp.getPC().setType("redundant")
         else:

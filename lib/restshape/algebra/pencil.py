@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.preconditioner import order_factor
 from restshape.algebra.stages import Stages
 from restshape.arrays import Reals
 from restshape.errors import ReplayProblem
@@ -149,7 +150,7 @@ class _Factor:
             self._matrix = stiffness.duplicate(copy=True)
             self._pc = PETSc.PC().create(PETSc.COMM_SELF)
             self._pc.setType("cholesky")
-            self._pc.setFactorOrdering("amd")
+            order_factor(self._pc)
             self.stale_pattern = False
         else:
             stiffness.copy(self._matrix, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)

@@ -3,6 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.arrays import Reals
 
 COMPLETE = ("cholesky", "lu")
@@ -31,6 +32,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
         pc.setType("asm")
         pc.setASMOverlap(0)
         wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels)}
+        _kernels.register_node_cholesky()
     else:
         pc.setType(kind)
         if kind == "gamg":
@@ -38,7 +40,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
         elif whole:
             pc.setFactorSolverType("mumps")
         elif kind in COMPLETE:
-            pc.setFactorOrdering("amd")
+            order_factor(pc)
         elif kind in FACTORS:
             pc.setFactorLevels(levels)
             # Slender parts make incomplete factors indefinite, for which CG has no use.
@@ -51,7 +53,24 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
     return given
 
 
+def order_factor(pc: PETSc.PC) -> None:
+    """Have a complete factor on one rank made in an order of little fill, Cholesky's in blocks of a node.
+
+    Args:
+        pc: of type `cholesky` or `lu`.
+
+    Source: P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996), 886.
+    """
+    if pc.getType() == "cholesky":
+        _kernels.register_node_cholesky()
+        pc.setFactorSolverType(_kernels.NODE_BLOCKS)
+    else:
+        pc.setFactorOrdering("amd")
+
+
 def _factor_options(kind: str, levels: int) -> dict[str, object]:
+    if kind == "cholesky":
+        return {"sub_pc_factor_mat_solver_type": _kernels.NODE_BLOCKS}
     if kind in COMPLETE:
         return {"sub_pc_factor_mat_ordering_type": "amd"}
     return {"sub_pc_factor_levels": levels, "sub_pc_factor_shift_type": "positive_definite"}

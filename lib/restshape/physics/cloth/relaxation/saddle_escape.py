@@ -4,6 +4,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.preconditioner import order_factor
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import STIFFER, EquilibriumSolver
 
@@ -37,7 +38,7 @@ class SaddleEscape:
         matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
         pc = PETSc.PC().create(PETSc.COMM_SELF)
         pc.setType("cholesky")
-        pc.setFactorOrdering("amd")
+        order_factor(pc)
         pc.setOperators(matrix)
         pc.setUp()
         negative, zero, _ = pc.getFactorMatrix().getInertia()

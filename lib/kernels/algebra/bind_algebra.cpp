@@ -1,0 +1,15 @@
+// Bindings of what PETSc is extended by.
+#include <pybind11/pybind11.h>
+
+#include "algebra/node_cholesky.hpp"
+#include "fem/operator.hpp"
+
+namespace py = pybind11;
+
+void bind_algebra(py::module_& m) {
+    m.attr("NODE_BLOCKS") = restshape::NODE_BLOCKS;
+    m.def(
+        "register_node_cholesky",
+        [] { restshape::check(restshape::register_node_cholesky(), "MatSolverTypeRegister"); },
+        "Make PETSc know the solver type NODE_BLOCKS: complete Cholesky factors in blocks of one node.");
+}

@@ -1,0 +1,226 @@
+#include "algebra/node_cholesky.hpp"
+
+#include <petsc/private/matimpl.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "algebra/node_graph.hpp"
+
+// PETSc's factor in symmetric blocks takes the natural order alone: the blocks are copied in elimination order before.
+// P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996), 886.
+
+namespace restshape {
+namespace {
+
+struct NodeCholesky {
+    UpperBlocks blocks;
+    std::vector<double> right, solution;
+    Mat upper = nullptr, factor = nullptr;
+    Vec b = nullptr, x = nullptr;
+    PetscInt zero = 0;  // blocks without an inverse
+};
+
+NodeCholesky* of(Mat F) { return static_cast<NodeCholesky*>(F->data); }
+
+PetscErrorCode release(NodeCholesky* c) {
+    PetscFunctionBegin;
+    PetscCall(MatDestroy(&c->factor));
+    PetscCall(MatDestroy(&c->upper));
+    PetscCall(VecDestroy(&c->b));
+    PetscCall(VecDestroy(&c->x));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode destroy(Mat F) {
+    PetscFunctionBegin;
+    PetscCall(release(of(F)));
+    delete of(F);
+    F->data = nullptr;
+    PetscFunctionReturn(0);
+}
+
+// The pattern of a sequential AIJ matrix, for a call.
+template <class Use>
+PetscErrorCode with_pattern(Mat A, const Use& use) {
+    Pattern a;
+    PetscBool done;
+    PetscFunctionBegin;
+    PetscCall(MatGetRowIJ(A, 0, PETSC_FALSE, PETSC_FALSE, &a.rows, &a.starts, &a.columns, &done));
+    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs rows and columns of a sequential AIJ matrix");
+    PetscCall(use(a));
+    PetscCall(MatRestoreRowIJ(A, 0, PETSC_FALSE, PETSC_FALSE, &a.rows, &a.starts, &a.columns, &done));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info);
+
+PetscErrorCode symbolic(Mat F, Mat A, IS, const MatFactorInfo* info) {
+    NodeCholesky* c = of(F);
+    UpperBlocks& u = c->blocks;
+    IS rows, columns;
+    PetscFunctionBegin;
+    PetscCall(release(c));
+    PetscCall(with_pattern(A, [&](const Pattern& a) { return make_blocks(a, block_size(a), &u); }));
+    const PetscInt n = A->rmap->n;
+    PetscCall(MatCreate(PETSC_COMM_SELF, &c->upper));
+    PetscCall(MatSetSizes(c->upper, n, n, n, n));
+    PetscCall(MatSetType(c->upper, MATSEQSBAIJ));
+    PetscCall(MatSeqSBAIJSetPreallocationCSR(c->upper, u.size, u.starts.data(), u.columns.data(), nullptr));
+    PetscCall(MatGetFactor(c->upper, MATSOLVERPETSC, MAT_FACTOR_CHOLESKY, &c->factor));
+    PetscCall(MatGetOrdering(c->upper, MATORDERINGNATURAL, &rows, &columns));
+    PetscCall((*c->factor->ops->choleskyfactorsymbolic)(c->factor, c->upper, rows, info));
+    PetscCall(ISDestroy(&rows));
+    PetscCall(ISDestroy(&columns));
+    c->right.resize(n);
+    c->solution.resize(n);
+    PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, u.size, n, c->right.data(), &c->b));
+    PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, u.size, n, c->solution.data(), &c->x));
+    F->ops->choleskyfactornumeric = numeric;
+    PetscFunctionReturn(0);
+}
+
+// The factor's diagonal blocks, inverted, which PETSc stores before its rows where blocks have two rows or more: A = U'
+// D U with D in blocks, so that D has the inertia of A (Sylvester).
+template <int size>
+using Block = Eigen::Matrix<double, size, size>;
+
+// Blocks that have no inverse in numbers. One that has, however near singular, stays: inverse iteration lives of it.
+template <int size>
+PetscInt count_zero(const UpperBlocks& u, const double* inverses) {
+    PetscInt found = 0;
+    for (std::size_t k = 0; k + 1 < u.starts.size(); ++k) {
+        const Eigen::Map<const Block<size>> inverse(inverses + k * size * size);
+        found += !inverse.allFinite() || inverse.isZero(0.0);
+    }
+    return found;
+}
+
+template <int size>
+PetscInt count_negative(const UpperBlocks& u, const double* inverses) {
+    PetscInt found = 0;
+    for (std::size_t k = 0; k + 1 < u.starts.size(); ++k) {
+        const Eigen::Map<const Block<size>> raw(inverses + k * size * size);
+        const Block<size> inverse = 0.5 * (raw + raw.transpose()) / raw.cwiseAbs().maxCoeff();
+        Eigen::SelfAdjointEigenSolver<Block<size>> solver;
+        found += (solver.computeDirect(inverse, Eigen::EigenvaluesOnly).eigenvalues().array() < 0.0).count();
+    }
+    return found;
+}
+
+PetscErrorCode find_zero(Mat F) {
+    NodeCholesky* c = of(F);
+    double* inverses;
+    PetscFunctionBegin;
+    PetscCall(MatSeqSBAIJGetArray(c->factor, &inverses));
+    const auto count = c->blocks.size == 3 ? count_zero<3> : count_zero<2>;
+    c->zero = count(c->blocks, inverses);
+    PetscCall(MatSeqSBAIJRestoreArray(c->factor, &inverses));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
+    NodeCholesky* c = of(F);
+    const double* values;
+    double* copied;
+    PetscFunctionBegin;
+    PetscCall(MatSeqAIJGetArrayRead(A, &values));
+    PetscCall(MatSeqSBAIJGetArray(c->upper, &copied));
+    copy_values(values, c->blocks, copied);
+    PetscCall(MatSeqSBAIJRestoreArray(c->upper, &copied));
+    PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
+    c->factor->factorerrortype = MAT_FACTOR_NOERROR;
+    PetscCall((*c->factor->ops->choleskyfactornumeric)(c->factor, c->upper, info));
+    c->zero = 0;
+    if (c->blocks.size > 1) PetscCall(find_zero(F));
+    F->factorerrortype = c->zero ? MAT_FACTOR_NUMERIC_ZEROPIVOT : c->factor->factorerrortype;
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode solve(Mat F, Vec b, Vec x) {
+    NodeCholesky* c = of(F);
+    const PetscInt size = c->blocks.size, n = static_cast<PetscInt>(c->blocks.order.size());
+    const PetscInt* order = c->blocks.order.data();
+    const double* from;
+    double* to;
+    PetscFunctionBegin;
+    PetscCall(VecGetArrayRead(b, &from));
+    for (PetscInt k = 0; k < n; ++k)
+        for (PetscInt d = 0; d < size; ++d) c->right[size * k + d] = from[size * order[k] + d];
+    PetscCall(VecRestoreArrayRead(b, &from));
+    PetscCall((*c->factor->ops->solve)(c->factor, c->b, c->x));
+    PetscCall(VecGetArrayWrite(x, &to));
+    for (PetscInt k = 0; k < n; ++k)
+        for (PetscInt d = 0; d < size; ++d) to[size * order[k] + d] = c->solution[size * k + d];
+    PetscCall(VecRestoreArrayWrite(x, &to));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode inertia(Mat F, PetscInt* negative, PetscInt* zero, PetscInt* positive) {
+    NodeCholesky* c = of(F);
+    double* inverses;
+    PetscFunctionBegin;
+    if (c->blocks.size == 1) {
+        PetscCall(MatGetInertia(c->factor, negative, zero, positive));
+        PetscFunctionReturn(0);
+    }
+    PetscCall(MatSeqSBAIJGetArray(c->factor, &inverses));
+    const auto count = c->blocks.size == 3 ? count_negative<3> : count_negative<2>;
+    const PetscInt below = count(c->blocks, inverses);
+    PetscCall(MatSeqSBAIJRestoreArray(c->factor, &inverses));
+    if (negative) *negative = below;
+    if (zero) *zero = c->zero;
+    if (positive) *positive = F->rmap->n - below - c->zero;
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode get_info(Mat F, MatInfoType type, MatInfo* info) {
+    PetscFunctionBegin;
+    PetscCall(MatGetInfo(of(F)->factor, type, info));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode view(Mat F, PetscViewer viewer) {
+    PetscFunctionBegin;
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  blocks of one node, ordered by minimum degree\n"));
+    if (of(F)->factor) PetscCall(MatView(of(F)->factor, viewer));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode get_solver(Mat, MatSolverType* type) {
+    *type = NODE_BLOCKS;
+    return 0;
+}
+
+PetscErrorCode get_factor(Mat A, MatFactorType type, Mat* F) {
+    PetscFunctionBegin;
+    PetscCall(MatCreate(PetscObjectComm(reinterpret_cast<PetscObject>(A)), F));
+    PetscCall(MatSetSizes(*F, A->rmap->n, A->cmap->n, A->rmap->n, A->cmap->n));
+    PetscCall(PetscStrallocpy(NODE_BLOCKS, &reinterpret_cast<PetscObject>(*F)->type_name));
+    PetscCall(MatSetUp(*F));
+    (*F)->data = new NodeCholesky;
+    (*F)->ops->choleskyfactorsymbolic = symbolic;
+    (*F)->ops->solve = (*F)->ops->solvetranspose = solve;
+    (*F)->ops->getinertia = inertia;
+    (*F)->ops->getinfo = get_info;
+    (*F)->ops->view = view;
+    (*F)->ops->destroy = destroy;
+    (*F)->factortype = type;
+    (*F)->assembled = PETSC_TRUE;
+    PetscCall(PetscFree((*F)->solvertype));
+    PetscCall(PetscStrallocpy(NODE_BLOCKS, &(*F)->solvertype));
+    PetscCall(PetscObjectComposeFunction(reinterpret_cast<PetscObject>(*F), "MatFactorGetSolverType_C", get_solver));
+    PetscFunctionReturn(0);
+}
+
+}  // namespace
+
+PetscErrorCode register_node_cholesky() {
+    static bool known = false;
+    PetscFunctionBegin;
+    if (!known) PetscCall(MatSolverTypeRegister(NODE_BLOCKS, MATSEQAIJ, MAT_FACTOR_CHOLESKY, get_factor));
+    known = true;
+    PetscFunctionReturn(0);
+}
+
+}  // namespace restshape

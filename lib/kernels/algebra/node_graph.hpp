@@ -1,0 +1,33 @@
+// The graph of nodes behind a symmetric sparse matrix, its elimination order, and where the matrix's values go.
+#pragma once
+
+#include <petscmat.h>
+
+#include <vector>
+
+namespace restshape {
+
+// Rows and columns of a sequential AIJ matrix, as PETSc holds them.
+struct Pattern {
+    PetscInt rows;
+    const PetscInt *starts, *columns;
+};
+
+// Blocks of the upper triangle of P A P', P the elimination order of nodes.
+struct UpperBlocks {
+    PetscInt size = 1;                      // unknowns a node
+    std::vector<PetscInt> order;            // of nodes: the k-th to be eliminated
+    std::vector<PetscInt> starts, columns;  // of block rows
+    std::vector<PetscInt> places;  // of each stored entry of A in the blocks, each by columns; -1 below the diagonal
+};
+
+// The most unknowns a node, 3, 2 or 1, for which all rows of a node have the same columns, whole nodes of them.
+PetscInt block_size(const Pattern& a);
+
+// Orders nodes by approximate minimum degree, and lays the blocks out.
+PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* blocks);
+
+// Copies the values of A, of the pattern that the blocks were made of.
+void copy_values(const double* a, const UpperBlocks& u, double* blocks);
+
+}  // namespace restshape

@@ -1,0 +1,123 @@
+"""The complete factor in blocks of a node against dense linear algebra."""
+
+import numpy as np
+import pytest
+from petsc4py import PETSc
+
+from restshape.algebra.preconditioner import order_factor, set_preconditioner
+
+N = 40
+
+
+def matrix(seed: int, share: float, size: int) -> np.ndarray:
+    """A symmetric positive definite matrix (size N, size N) of a random graph of nodes."""
+    random = np.random.default_rng(seed)
+    joined = np.triu(random.uniform(size=(N, N)) < share, 1)
+    dense = np.kron(joined, np.ones((size, size))) * random.normal(size=(size * N, size * N))
+    dense = dense + dense.T
+    own = random.normal(size=(N, size, size))
+    for k in range(N):
+        rows = slice(size * k, size * (k + 1))
+        dense[rows, rows] = own[k] @ own[k].T
+    return dense + np.diag(1.0 + abs(dense).sum(axis=1))
+
+
+def petsc(dense: np.ndarray, size: int) -> PETSc.Mat:
+    """The matrix with whole blocks in its pattern."""
+    nodes = abs(dense).reshape(N, size, N, size).sum(axis=(1, 3)) > 0.0
+    rows, columns = np.nonzero(np.kron(nodes, np.ones((size, size))))
+    starts = np.searchsorted(rows, np.arange(size * N + 1)).astype(PETSc.IntType)
+    csr = starts, columns.astype(PETSc.IntType), dense[rows, columns]
+    return PETSc.Mat().createAIJ(dense.shape, csr=csr, comm=PETSc.COMM_SELF)
+
+
+@pytest.fixture
+def ksp():
+    solver = PETSc.KSP().create(PETSc.COMM_SELF)
+    solver.setType("preonly")
+    set_preconditioner(solver, "cholesky", 0)
+    yield solver
+    solver.destroy()
+
+
+def error(ksp: PETSc.KSP, dense: np.ndarray, mat: PETSc.Mat) -> float:
+    """How far a solution is from that of dense linear algebra, relative."""
+    ksp.setOperators(mat)
+    right, way = mat.createVecs()
+    right.setArray(np.random.default_rng(9).normal(size=len(dense)))
+    ksp.solve(right, way)
+    exact = np.linalg.solve(dense, right.getArray())
+    return float(np.linalg.norm(way.getArray() - exact) / np.linalg.norm(exact))
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+def test_solves_as_dense_algebra_does(ksp, size):
+    dense = matrix(0, 0.1, size)
+    assert error(ksp, dense, petsc(dense, size)) < 1e-12
+    assert ksp.getPC().getFactorMatrix().getType() == "node_blocks"
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+def test_follows_values_and_patterns(ksp, size):
+    dense = matrix(1, 0.1, size)
+    mat = petsc(dense, size)
+    assert error(ksp, dense, mat) < 1e-12
+    # Other values on the same pattern, then another pattern.
+    mat.scale(2.0)
+    mat.shift(3.0)
+    changed = 2.0 * dense + 3.0 * np.eye(len(dense))
+    assert error(ksp, changed, mat) < 1e-12
+    other = matrix(2, 0.2, size)
+    assert error(ksp, other, petsc(other, size)) < 1e-12
+
+
+def factored(mat: PETSc.Mat) -> PETSc.PC:
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setType("cholesky")
+    order_factor(pc)
+    pc.setOperators(mat)
+    pc.setUp()
+    return pc
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_inertia_is_that_of_the_eigenvalues(size, share):
+    dense = matrix(4, 0.1, size)
+    values = np.linalg.eigvalsh(dense)
+    shift = np.quantile(values, share) + 1e-6 * values[0]
+    dense = dense - shift * np.eye(len(dense))
+    below = int(np.count_nonzero(np.linalg.eigvalsh(dense) < 0.0))
+    assert factored(petsc(dense, size)).getFactorMatrix().getInertia() == (below, 0, size * N - below)
+
+
+@pytest.mark.parametrize("size", [2, 3])
+def test_a_singular_matrix_is_told(ksp, size):
+    """A chain's Laplacian in whole numbers, whose rows sum to 0: rigid motions have no stiffness."""
+    ends = np.eye(N)[[0, -1]]
+    dense = np.kron(np.diag(2.0 - ends.sum(axis=0)) - np.eye(N, k=1) - np.eye(N, k=-1), np.eye(size))
+    mat = petsc(dense, size)
+    assert factored(mat).getFactorMatrix().getInertia()[1] > 0
+    ksp.setOperators(mat)
+    right, way = mat.createVecs()
+    right.set(1.0)
+    ksp.solve(right, way)
+    assert ksp.getConvergedReason() == PETSc.KSP.ConvergedReason.DIVERGED_PCSETUP_FAILED
+
+
+def test_rows_without_whole_nodes_are_taken_by_single_numbers(ksp):
+    dense = matrix(6, 0.1, 2)
+    dense[0, 2:4] = dense[2:4, 0] = 0.0
+    rows, columns = np.nonzero(dense)
+    starts = np.searchsorted(rows, np.arange(2 * N + 1)).astype(PETSc.IntType)
+    csr = starts, columns.astype(PETSc.IntType), dense[rows, columns]
+    mat = PETSc.Mat().createAIJ(dense.shape, csr=csr, comm=PETSc.COMM_SELF)
+    assert error(ksp, dense, mat) < 1e-12
+
+
+def test_fill_is_that_of_blocks(ksp):
+    """A chain of nodes fills nothing: its blocks and diagonal are all that is stored."""
+    size = 2
+    dense = np.kron(np.diag(np.full(N, 4.0)) - np.eye(N, k=1) - np.eye(N, k=-1), np.eye(size) + 0.1)
+    error(ksp, dense, petsc(dense, size))
+    assert ksp.getPC().getFactorMatrix().getInfo()["nz_used"] == pytest.approx((2 * N - 1) * size**2, abs=N)
