@@ -92,7 +92,7 @@ def test_inertia_is_that_of_the_eigenvalues(size, share):
 
 
 @pytest.mark.parametrize("size", [2, 3])
-def test_a_singular_matrix_is_told(ksp, size):
+def test_a_singular_matrix_is_reported(ksp, size):
     """A chain's Laplacian in whole numbers, whose rows sum to 0: rigid motions have no stiffness."""
     ends = np.eye(N)[[0, -1]]
     dense = np.kron(np.diag(2.0 - ends.sum(axis=0)) - np.eye(N, k=1) - np.eye(N, k=-1), np.eye(size))
