@@ -124,7 +124,7 @@ def box(m: int, bend: float = 0.0):
 
 @pytest.mark.parametrize("memory", [4e9, 1e6])
 def test_in_space_a_complete_factor_loses(memory):
-    _, mat, b, x, X = box(8)
+    _, mat, b, x, X = box(14)
     made = solver(memory=memory, traits=Traits(fields=3, dimension=3))
     report = made.solve(mat, b, x, True, places=X)
     assert report.preconditioner in ("icc(1)", "ilu(1)", "gamg")
@@ -297,7 +297,7 @@ def test_a_guess_is_the_nearest_point_in_energy():
 
 @pytest.mark.slow
 def test_projected_guesses_save_iterations(tmp_path):
-    scene, script = write_scene(tmp_path, plate(0.025)), write_script(tmp_path, EVENTS)
+    scene, script = write_scene(tmp_path, plate(0.01)), write_script(tmp_path, EVENTS)
     spent = []
     for guess in ("extrapolated", "projected"):
         rows = rows_of(make_replay(scene, script, "auto", ["mesh.min_quality=0.05"], guess=guess))

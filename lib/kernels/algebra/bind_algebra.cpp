@@ -7,7 +7,7 @@
 namespace py = pybind11;
 
 void bind_algebra(py::module_& m) {
-    m.attr("NODE_BLOCKS") = restshape::NODE_BLOCKS;
+    m.attr("node_blocks") = restshape::NODE_BLOCKS;
     m.def(
         "register_node_cholesky",
         [] { restshape::check(restshape::register_node_cholesky(), "MatSolverTypeRegister"); },

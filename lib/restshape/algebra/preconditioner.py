@@ -63,14 +63,14 @@ def order_factor(pc: PETSc.PC) -> None:
     """
     if pc.getType() == "cholesky":
         _kernels.register_node_cholesky()
-        pc.setFactorSolverType(_kernels.NODE_BLOCKS)
+        pc.setFactorSolverType(_kernels.node_blocks)
     else:
         pc.setFactorOrdering("amd")
 
 
 def _factor_options(kind: str, levels: int) -> dict[str, object]:
     if kind == "cholesky":
-        return {"sub_pc_factor_mat_solver_type": _kernels.NODE_BLOCKS}
+        return {"sub_pc_factor_mat_solver_type": _kernels.node_blocks}
     if kind in COMPLETE:
         return {"sub_pc_factor_mat_ordering_type": "amd"}
     return {"sub_pc_factor_levels": levels, "sub_pc_factor_shift_type": "positive_definite"}
