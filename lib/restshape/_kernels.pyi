@@ -9,7 +9,6 @@ __all__: list[str] = [
     "Element",
     "HarmonicExtension",
     "MesherFailure",
-    "NODE_BLOCKS",
     "Operator",
     "OutlineCheck",
     "PatchRecovery",
@@ -42,6 +41,7 @@ __all__: list[str] = [
     "mean_at",
     "move_and_check",
     "narrow_widths",
+    "node_blocks",
     "node_order",
     "place_weights",
     "positive_mean_value",
@@ -579,5 +579,5 @@ def watch_outlet(
     control: typing.SupportsInt | typing.SupportsIndex, process: typing.SupportsInt | typing.SupportsIndex
 ) -> None: ...
 
-NODE_BLOCKS: str = "node_blocks"
 has_cgal: bool = True
+node_blocks: str = "node_blocks"
