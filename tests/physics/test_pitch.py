@@ -48,9 +48,15 @@ def test_notes_beside_frequencies_are_tuned_as_their_frame(frequency, a4, words)
     name, cents = note(777.0, a4)
     assert tone(frequency, {"f_1": 777.0, "tone": name.encode(), "cents": cents}) == words
     if a4 == 440.0:
-        assert tone(frequency, {}) == tone(frequency, {"f_1": float("nan"), "tone": "", "cents": 0.0}) == words
+        assert tone(frequency, {"f_1": float("nan"), "tone": "", "cents": 0.0}) == words
+
+
+def test_frequencies_of_what_is_no_instrument_have_no_note():
+    """As eigenfrequencies beside the motion of a building, whose frames have no column of tones."""
+    assert tone(440.0, {"f_1": 440.0}) == tone(440.0, {}) == ""
 
 
 def test_what_is_no_frequency_has_no_note():
-    assert QUANTITIES["frequency"].said(440.0, {}) == QUANTITIES["mode"].said(440.0, {}) == "A4 +0 cents"
-    assert QUANTITIES["stress"].said(440.0, {}) == "" and QUANTITIES["mode"].said(None, {}) == ""
+    row = {"tone": ""}
+    assert QUANTITIES["frequency"].said(440.0, row) == QUANTITIES["mode"].said(440.0, row) == "A4 +0 cents"
+    assert QUANTITIES["stress"].said(440.0, row) == "" and QUANTITIES["mode"].said(None, row) == ""

@@ -14,9 +14,10 @@ def tone(frequency: float, row: Mapping[str, object]) -> str:
 
     Args:
         frequency: [Hz].
-        row: columns of its frame: `tone` and `cents` of its first frequency `f_1` say how it is tuned.
+        row: columns of its frame: `tone` and `cents` of its first frequency `f_1` say how it is tuned. Frames of what
+            is not struck to be heard, such as a building, have no `tone`, and their frequencies no note.
     """
-    if not HEARD[0] <= frequency <= HEARD[1]:
+    if "tone" not in row or not HEARD[0] <= frequency <= HEARD[1]:
         return ""
     name, cents = note(frequency, _tuning(row))
     return f"{name} {round(cents):+d} cents".replace("-", "\N{MINUS SIGN}")
