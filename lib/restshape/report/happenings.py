@@ -12,8 +12,8 @@ from restshape.replay.recording import Recording
 from restshape.replay.rounding import cleared
 from restshape.report.field import shown_field
 from restshape.report.recorded_quantities import limit_series, quantity_units
-from restshape.report.style import LEVEL_LABELS
-from restshape.report.tables import column, predicted, refused, with_values
+from restshape.report.style import LEVEL_LABELS, SOLVED, VALUES
+from restshape.report.tables import column, predicted, refused, solved_at_rest, with_values
 
 LONGEST = 90
 """Letters of a reason at most."""
@@ -163,7 +163,11 @@ def _what_it_does(recording: Recording, i: int) -> str:
     level, event = int(recording.table["level"][i]), texts(recording, "event")[i]
     if refused(recording)[i] and event:
         return event
-    return LEVEL_LABELS[level] if level else "values changed" if with_values(recording)[i] else "idle"
+    if not level and with_values(recording)[i]:
+        level = VALUES
+    elif not level and solved_at_rest(recording)[i]:
+        level = SOLVED
+    return LEVEL_LABELS[level]
 
 
 def failure(recording: Recording, i: int, solved: bool = True) -> str:

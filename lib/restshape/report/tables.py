@@ -55,17 +55,31 @@ def with_values(recording: Recording) -> np.ndarray:
     return np.array(events, dtype=bool) & (column(recording, "level") == 0) & solved
 
 
+def analysed(recording: Recording) -> np.ndarray:
+    """Whether each frame (n,) was solved because its script asked for it, while the shape rests."""
+    events = recording.table.get("event", [""] * recording.n)
+    return np.array([event == "analyse" for event in events], dtype=bool) & (column(recording, "level") == 0)
+
+
+def solved_at_rest(recording: Recording) -> np.ndarray:
+    """Whether each frame (n,) changed nothing and was solved all the same, as each one is in time."""
+    rests = (column(recording, "level") == 0) & (column(recording, "iterations") > 0)
+    return rests & ~with_values(recording) & ~analysed(recording)
+
+
 def level_table(recording: Recording) -> list[dict[str, Any]]:
     """A row a level: level, frames, p50, p95, p99 [ms], iterations (mean a frame).
 
-    The first frame is left out, as it is made from nothing; "values" are frames that changed values only, "analysed"
-    those that were solved when asked to, "all" is every later frame whose shape moved.
+    The first frame is left out, as it is made from nothing; "still" are frames that changed nothing and were solved,
+    as in time, "values" those that changed values only, "analysed" those that were solved when asked to, "all" is every
+    later frame whose shape moved.
     """
     later = np.arange(recording.n) > 0
     level, ms, iterations = (column(recording, name) for name in ("level", "ms", "iterations"))
-    valued, rows = with_values(recording), []
-    asked = np.array([event == "analyse" for event in recording.table.get("event", [""] * recording.n)]) & (level == 0)
-    rests = [("idle", (level == 0) & ~valued & ~asked), ("values", valued), ("analysed", asked)]
+    valued, asked, still = with_values(recording), analysed(recording), solved_at_rest(recording)
+    rows = []
+    idle = (level == 0) & ~valued & ~asked & ~still
+    rests = [("idle", idle), ("still", still), ("values", valued), ("analysed", asked)]
     for name, chosen in [*rests, *((str(k), level == k) for k in (1, 2, 3)), ("all", level > 0)]:
         chosen = chosen & later
         times, counts = ms[chosen], iterations[chosen]

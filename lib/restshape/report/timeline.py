@@ -15,8 +15,8 @@ from restshape.replay.recording import Recording
 from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.stacked_panels import stack_panels
-from restshape.report.style import INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, REFUSED, RESTLESS, VALUES, new_figure
-from restshape.report.tables import column, jumped, predicted, refused, with_values
+from restshape.report.style import INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, REFUSED, RESTLESS, SOLVED, VALUES, new_figure
+from restshape.report.tables import column, jumped, predicted, refused, solved_at_rest, with_values
 
 STATUS_MARKS = {UNCERTAIN: ("limit within the error", "d", RESTLESS), FAILS: ("limit violated", "x", REFUSED)}
 """By constraint status: its name in the legend, its mark, its colour."""
@@ -42,7 +42,8 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
     stopped, ahead = refused(recording), predicted(recording)
     restless = column(recording, "converged", 1.0) == 0
     ms, counts = column(recording, "ms"), column(recording, "iterations")
-    kind = np.where(stopped, STOPPED, np.where(with_values(recording), VALUES, level))
+    level_and_rest = np.where(solved_at_rest(recording), SOLVED, level)
+    kind = np.where(stopped, STOPPED, np.where(with_values(recording), VALUES, level_and_rest))
     for k in (k for k in LEVELS if k in kind):
         look = {"linestyle": "none", "marker": LEVEL_MARKS[k], "color": LEVELS[k], "markersize": 3.5}
         levels.plot([], [], label=LEVEL_LABELS[k], **look)
