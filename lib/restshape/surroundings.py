@@ -22,6 +22,11 @@ milliseconds last for minutes.
 FOLDERS = {"matplotlib": "mpl-data", "ezdxf": ""}
 """Libraries that look for settings where the process stands, and the folder of their own where they find no others."""
 PETSC = "petsc4py.PETSc"
+POINT_TO_POINT = "OMPI_MCA_pml"
+"""How Open MPI passes messages. Before it chooses, a library for network cards measures the processor's clock, for
+0.13 s: a lone process, which has nobody to pass messages to, names the plain way (ob1)."""
+RANKED = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"}
+"""What mpiexec, or a scheduler of jobs, sets in the environment of ranks, one of these."""
 
 
 def start_petsc(words: Sequence[str] = ()) -> None:
@@ -37,6 +42,9 @@ def start_petsc(words: Sequence[str] = ()) -> None:
 
     # A process that nobody has started with mpiexec would start a daemon of Open MPI, for 0.1 s, to spawn ranks.
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
+    lone = POINT_TO_POINT not in os.environ and RANKED.isdisjoint(os.environ)
+    if lone:
+        os.environ[POINT_TO_POINT] = "ob1"
     handlers = {number: signal.getsignal(number) for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM)}
     try:
         petsc4py.init(["restshape", "-skip_petscrc", *words])
@@ -48,6 +56,10 @@ def start_petsc(words: Sequence[str] = ()) -> None:
     except RuntimeError as error:
         where = f"-- {' '.join(words)}" if words else ""
         raise UserError("PETSc cannot start; its messages are above", where, "mend the words after --") from error
+    finally:
+        if lone:
+            # Ranks that this process starts choose for themselves.
+            os.environ.pop(POINT_TO_POINT, None)
 
 
 def start_gmsh() -> ModuleType:

@@ -1,10 +1,14 @@
 """What commands do not import on the way to their first result: each of these takes longer than the result itself."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
+import petsc4py
 import pytest
+
+from restshape.surroundings import POINT_TO_POINT, start_petsc
 
 BRACKET = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bracket.toml"
 UNNEEDED = ("scipy", "gmsh", "meshio", "rich.progress", "matplotlib", "numpy.typing", "h5py", "ezdxf")
@@ -31,3 +35,21 @@ def test_the_first_frame_of_the_bracket_needs_no_large_library(imported):
     assert not modules.intersection(UNNEEDED)
     # Analyses that the scene does not call for.
     assert not {name for name in modules if name.endswith((".buckling", ".transient", ".nonlinear"))}
+
+
+@pytest.mark.parametrize(
+    "environment, chosen",
+    [({}, "ob1"), ({"OMPI_COMM_WORLD_SIZE": "2"}, None), ({"PMI_RANK": "0"}, None), ({POINT_TO_POINT: "cm"}, "cm")],
+)
+def test_a_process_without_others_does_not_look_for_network_cards(monkeypatch, environment, chosen):
+    """Nor do ranks hear of that, whoever starts them."""
+    names = ("OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", POINT_TO_POINT)
+    for name in names:
+        monkeypatch.delenv(name, raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    met = []
+    monkeypatch.setattr(petsc4py, "init", lambda words: met.append(os.environ.get(POINT_TO_POINT)))
+    start_petsc()
+    assert met == [chosen]
+    assert {name: os.environ[name] for name in names if name in os.environ} == environment

@@ -35,6 +35,14 @@ def real_processes(monkeypatch):
 
 
 @pytest.mark.cli
+def test_the_process_imports_no_scenes_nor_what_reads_them():
+    """It is ready before PETSc has started."""
+    code = "import sys, restshape.replay.recorder_process; print(*sys.modules)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "h5py" in found and not {"pydantic", "restshape.scene", "petsc4py", "mpi4py"} & set(found)
+
+
+@pytest.mark.cli
 def test_it_imports_neither_mpi_nor_petsc_nor_hdf5():
     code = "import sys, restshape.replay.recorder; print({'petsc4py', 'mpi4py', 'h5py'} & set(sys.modules) or 'none')"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "none\n"

@@ -9,7 +9,6 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.findings import FINDINGS_BYTES
-from restshape.replay.constraints import MAX, MIN, limit_column, moving_limits
 from restshape.replay.recorded_places import PLACES_BYTES, SINGULAR_PLACES, places_wanted
 
 if TYPE_CHECKING:
@@ -57,6 +56,8 @@ ESTIMATES = ("estimate", "estimate_time", "prediction_error")
 
 QUANTITY = "q_"
 """Begins the columns of values of quantities."""
+LIMITS = ("min", "max")
+"""Keys by which a scene limits a quantity."""
 SIMULATED = "time"
 """The simulated time [s] at the end of a frame, of analyses in time: a column of `Application.own_columns`."""
 
@@ -71,6 +72,11 @@ def jump_column(quantity: str) -> str:
     return f"{quantity}_jump"
 
 
+def limit_column(quantity: str, key: str) -> str:
+    """The column of a limit, `min` or `max`, that follows parameters."""
+    return f"{quantity}_{key}"
+
+
 def quantity_column(quantity: str) -> str:
     """The column of the values of a quantity."""
     return f"{QUANTITY}{quantity}"
@@ -78,7 +84,7 @@ def quantity_column(quantity: str) -> str:
 
 def columns_beside(quantity: str) -> list[str]:
     """The columns that a recording may have beside the values of a quantity."""
-    return [error_column(quantity), jump_column(quantity), *(limit_column(quantity, key) for key in (MIN, MAX))]
+    return [error_column(quantity), jump_column(quantity), *(limit_column(quantity, key) for key in LIMITS)]
 
 
 def quantity_names(table: Iterable[str]) -> list[str]:
@@ -112,6 +118,9 @@ def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLik
     Raises:
         UserError: a quantity has a name with which two columns would have the same one.
     """
+    # The process of the recorder, which asks for names of columns, knows no scenes.
+    from restshape.replay.constraints import moving_limits
+
     known = columns(list(scene.quantities), application.own_columns(scene))
     own = {error_column(name): name for name in estimated_quantities(scene, application)}
     if jumps_wanted(scene, application):

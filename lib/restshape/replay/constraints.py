@@ -67,11 +67,6 @@ class MovingLimits:
         return self._limits
 
 
-def limit_column(quantity: str, key: str) -> str:
-    """The column of a limit, `min` or `max`, that follows parameters."""
-    return f"{quantity}_{key}"
-
-
 def moving_limits(scene: Scene) -> list[tuple[str, str]]:
     """The limits that formulas of parameters give: of which quantity, and `min` or `max`."""
     written = table_in(scene.raw, "quantities")

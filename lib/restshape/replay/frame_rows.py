@@ -5,23 +5,24 @@ from __future__ import annotations
 from math import nan
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from restshape.analysis.row_values import findings_in
 from restshape.fem.observer import areas
 from restshape.findings import encode_findings
+from restshape.replay.columns import SIMULATED, limit_column
 from restshape.replay.constraints import (
     MovingLimits,
     constraint_status,
     formatted_constraint,
     joined,
-    limit_column,
     moving_limits,
     violated_constraints,
 )
-from restshape.replay.rows import without_values
 
 if TYPE_CHECKING:
     from restshape.algebra.linear_report import LinearReport
-    from restshape.analysis.row_values import RowValues
+    from restshape.analysis.row_values import RowValue, RowValues
     from restshape.mesh.advance import MeshUpdate
     from restshape.replay.frame_solver import FrameSolver
     from restshape.scene.model import Scene
@@ -99,3 +100,14 @@ class FrameRows:
     def _moved(self, scene: Scene) -> dict[str, float]:
         """The limits of a frame that follow parameters."""
         return {limit_column(name, key): getattr(scene.quantities[name], key) for name, key in self._moving}
+
+
+def without_values(own: RowValues) -> RowValues:
+    """The columns of an analysis in a frame that was refused: no numbers, no texts; the simulated time stands still."""
+    return {name: value if name == SIMULATED else _no_value(value) for name, value in own.items()}
+
+
+def _no_value(value: RowValue) -> RowValue:
+    if isinstance(value, str | tuple):
+        return "" if isinstance(value, str) else ()
+    return -1 if isinstance(value, int | np.integer) else float("nan")

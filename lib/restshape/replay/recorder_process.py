@@ -203,4 +203,5 @@ def main(words: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    # The file is closed, and the solver waits: Python would take 0.1 s to clear its modules.
+    os._exit(main(sys.argv[1:]))

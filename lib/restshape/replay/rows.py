@@ -8,13 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.replay.columns import SIMULATED
-
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from restshape.analysis.analysis import RowValues
-    from restshape.analysis.row_values import RowValue
 
 
 TEXT_BYTES = 480
@@ -47,17 +44,6 @@ def encode_text(text: str, size: int) -> bytes:
     if len(data) <= size:
         return data
     return data[: max(size - 3, 0)].decode(errors="ignore").encode() + "\u2026".encode()[:size]
-
-
-def without_values(own: RowValues) -> RowValues:
-    """The columns of an analysis in a frame that was refused: no numbers, no texts; the simulated time stands still."""
-    return {name: value if name == SIMULATED else _no_value(value) for name, value in own.items()}
-
-
-def _no_value(value: RowValue) -> RowValue:
-    if isinstance(value, str | tuple):
-        return "" if isinstance(value, str) else ()
-    return -1 if isinstance(value, int | np.integer) else float("nan")
 
 
 class RowPacker:

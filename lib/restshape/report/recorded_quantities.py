@@ -9,7 +9,7 @@ import numpy as np
 from restshape.application import applications
 from restshape.arrays import Reals
 from restshape.outputs.si_numbers import unit_of
-from restshape.replay.constraints import limit_column
+from restshape.replay.columns import limit_column
 from restshape.replay.recording import Recording
 from restshape.scene.key_aliases import by_todays_names
 from restshape.scene.quantity import CORE, Quantity, QuantityKind
