@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
-from restshape.replay.constraints import FAILS, HOLDS, MAX, MIN, UNCERTAIN, limit_column, limits_of, recorded_limits
+from restshape.replay.columns import limit_column
+from restshape.replay.constraints import FAILS, HOLDS, MAX, MIN, UNCERTAIN, limits_of, recorded_limits
 from restshape.replay.rounding import load_scales, scales
 
 if TYPE_CHECKING:
