@@ -14,6 +14,7 @@ void bind_elements(py::module_&);
 void bind_estimate(py::module_&);
 void bind_extrude(py::module_&);
 void bind_operator(py::module_&);
+void bind_increments(py::module_&);
 void bind_mesh(py::module_&);
 void bind_mesher(py::module_&);
 void bind_order(py::module_&);
@@ -39,6 +40,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_estimate(m);
     bind_extrude(m);
     bind_operator(m);
+    bind_increments(m);
     bind_mesh(m);
     bind_mesher(m);
     bind_order(m);

@@ -27,6 +27,7 @@ __all__: list[str] = [
     "edge_parameters",
     "edges_of_cells",
     "element_names",
+    "energy_products",
     "estimate_points",
     "extrude_nodes",
     "follow_sides",
@@ -379,6 +380,14 @@ def edges_of_cells(
     cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], nodes: typing.SupportsInt | typing.SupportsIndex
 ) -> tuple: ...
 def element_names() -> list: ...
+def energy_products(
+    handle: typing.SupportsInt | typing.SupportsIndex,
+    x: numpy.typing.NDArray[numpy.float64],
+    b: numpy.typing.NDArray[numpy.float64],
+    steps: numpy.typing.NDArray[numpy.float64],
+    gram: numpy.typing.NDArray[numpy.float64],
+    right: numpy.typing.NDArray[numpy.float64],
+) -> bool: ...
 def estimate_points(nodes: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]: ...
 def extrude_nodes(
     plane: numpy.typing.NDArray[numpy.float64],

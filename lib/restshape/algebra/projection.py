@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.arrays import Reals
 
 RIDGE = 1e-12
@@ -39,15 +40,8 @@ class Projection:
         used = min(self.count, self.directions)
         if used == 0:
             return
-        mat.mult(x, self.residual)
-        self.residual.aypx(-1.0, b)
-        for step, product in zip(self.step_vectors[:used], self.product_vectors):
-            mat.mult(step, product)
         steps = self.steps[:used]
-        gram, right = steps @ self.products[:used].T, steps @ self.residual.getArray(readonly=True)
-        if self.comm.size > 1:
-            whole = self.comm.tompi4py().allreduce(np.column_stack([gram, right]))
-            gram, right = whole[:, :used], whole[:, used]
+        gram, right = self._energies(mat, b, x, steps)
         scale = np.sqrt(np.abs(np.diagonal(gram)))
         if not scale.all():
             return
@@ -57,6 +51,23 @@ class Projection:
         if np.isfinite(weights).all():
             x.getArray()[:] += weights @ steps
             x.stateIncrease()
+
+    def _energies(self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, steps: Reals) -> tuple[Reals, Reals]:
+        """The products steps . A steps (m, m), and those of steps (m, n) with the residual (m,)."""
+        used = len(steps)
+        gram, right = np.empty((used, used)), np.empty(used)
+        now, force = x.getArray(readonly=True), b.getArray(readonly=True)
+        if self.comm.size == 1 and _kernels.energy_products(mat.handle, now, force, steps, gram, right):
+            return gram, right
+        mat.mult(x, self.residual)
+        self.residual.aypx(-1.0, b)
+        for step, product in zip(self.step_vectors[:used], self.product_vectors):
+            mat.mult(step, product)
+        gram, right = steps @ self.products[:used].T, steps @ self.residual.getArray(readonly=True)
+        if self.comm.size > 1:
+            whole = self.comm.tompi4py().allreduce(np.column_stack([gram, right]))
+            gram, right = whole[:, :used], whole[:, used]
+        return gram, right
 
     def keep(self, x: PETSc.Vec) -> None:
         """Remember the solution x."""
