@@ -13,8 +13,10 @@ from restshape.shape.outline import Outline
 
 LEAST = 0.05
 """Quality of a triangle below which a mesh says nothing of another: its own error would count as the jump."""
-STEPS = 8
-"""In which a new mesh goes back to the shape before."""
+STEPS = (1, 8)
+"""In which a new mesh goes back to the shape before: more where fewer spoil it."""
+SPOILT = 0.5
+"""Of the quality of its worst triangle, below which it is spoilt."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ def compared_meshes(generated: Generated, kept: Kept, old: Mesh | LagrangeSpace 
             return (OtherMesh(there, before=False),)
     if len(outline.edges) != len(mesh.outline.edges) or len(outline.points) != len(mesh.outline.points):
         return ()
-    X = kept.X if old is None else _moved(mesh, outline)
+    X = kept.X if old is None else moved_to(mesh, outline)
     back = None if X is None else _fields_on(_with(mesh, X, outline, None), generated.space)
     return () if back is None else (OtherMesh(back, before=True),)
 
@@ -61,11 +63,22 @@ def _with(mesh: Mesh, X: np.ndarray, outline: Outline, connectivity: dict[str, n
     return replace(mesh, X=X.copy(), outline=outline, hierarchy=None, **copies)
 
 
-def _moved(mesh: Mesh, outline: Outline) -> np.ndarray:
-    """The nodes (n, 2) [m] of a mesh on another outline with the same edges, moved harmonically in steps."""
-    boundary, moved = BoundaryNodes(mesh), replace(mesh, X=mesh.X.copy())
-    nodes, start = boundary.nodes, mesh.outline.points
-    for part in np.linspace(0.0, 1.0, STEPS + 1)[1:]:
+def moved_to(mesh: Mesh, outline: Outline) -> np.ndarray:
+    """The nodes (n, 2) [m] of a mesh on another outline with the same edges, moved harmonically in few steps."""
+    boundary = BoundaryNodes(mesh)
+    least = SPOILT * _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)[0]
+    for steps in STEPS:
+        X = _stepped(mesh, outline, boundary, steps)
+        quality, invalid, _ = _kernels.check_cells(X, mesh.cells, 0.0, 0.0)
+        if not invalid and quality >= least:
+            break
+    return X
+
+
+def _stepped(mesh: Mesh, outline: Outline, boundary: BoundaryNodes, steps: int) -> np.ndarray:
+    """The nodes (n, 2) [m] after so many steps, each of which is harmonic on the mesh as it lies then."""
+    moved, nodes, start = replace(mesh, X=mesh.X.copy()), boundary.nodes, mesh.outline.points
+    for part in np.linspace(0.0, 1.0, steps + 1)[1:]:
         target = boundary.values(outline, start + part * (outline.points - start))
         moved.X += extension(moved, nodes, "harmonic")(target - moved.X[nodes])
     return moved.X
