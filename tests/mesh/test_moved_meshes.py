@@ -1,4 +1,4 @@
-"""A new mesh on the shape before: in one map where that serves, in more where it would spoil the mesh."""
+"""A new mesh on the shape before: in one map where that serves, in more where triangles would be of low quality."""
 
 import numpy as np
 import pytest

@@ -14,9 +14,9 @@ from restshape.shape.outline import Outline
 LEAST = 0.05
 """Quality of a triangle below which a mesh says nothing of another: its own error would count as the jump."""
 STEPS = (1, 8)
-"""In which a new mesh goes back to the shape before: more where fewer spoil it."""
-SPOILT = 0.5
-"""Of the quality of its worst triangle, below which it is spoilt."""
+"""In which a new mesh goes back to the shape before: more where fewer leave triangles of low quality."""
+LOW = 0.5
+"""Of the lowest quality of its triangles, below which it is low."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def _with(mesh: Mesh, X: np.ndarray, outline: Outline, connectivity: dict[str, n
 def moved_to(mesh: Mesh, outline: Outline) -> np.ndarray:
     """The nodes (n, 2) [m] of a mesh on another outline with the same edges, moved harmonically in few steps."""
     boundary = BoundaryNodes(mesh)
-    least = SPOILT * _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)[0]
+    least = LOW * _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)[0]
     for steps in STEPS:
         X = _stepped(mesh, outline, boundary, steps)
         quality, invalid, _ = _kernels.check_cells(X, mesh.cells, 0.0, 0.0)
