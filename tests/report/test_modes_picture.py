@@ -45,6 +45,7 @@ def test_a_mode_out_of_the_plane_has_a_bar_of_both_signs(tmp_path, monkeypatch):
     assert not any(len(one.get_segments()) for one in figure.axes[0].collections if type(one) is LineCollection)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("high", [0.05, 0.1, 0.3, 0.6, 1.0, 1.4, 3.0])
 def test_the_label_of_the_bar_is_not_cut_off(tmp_path, monkeypatch, high):
     shape = np.array([[0, 0, -3.0], [0, 0, 0], [0, 0, 1.5], [0, 0, 0]])

@@ -193,6 +193,7 @@ def test_modes_are_printed_with_peaks(tmp_path, capsys, monkeypatch):
     assert "SRSS" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_tables_begin_with_their_columns_and_are_replaced(tmp_path):
     """Readers take the first line of a table for the names of its columns."""
     file = tmp_path / "a.csv"
