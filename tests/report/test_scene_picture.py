@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cloths import BALL, CONTACT, write_cloth
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -93,6 +94,17 @@ def test_gravity_is_an_arrow_in_the_corner_and_in_the_legend(tmp_path, monkeypat
     assert arrow.XY[0][0] < 0.0 and arrow.XY[0][1] > 1.0
     words = [text.get_text() for text in figures[0].texts]
     assert any(word.startswith("gravity: (") and word.endswith("m/s^2") for word in words), words
+
+
+def test_gravity_across_the_plane_is_in_the_legend_alone(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    scene = write_cloth(tmp_path, BALL, CONTACT)
+    assert main(["check", str(scene), "--picture", str(tmp_path / "scene.png")]) == 0
+    assert not any(isinstance(one, Quiver) for one in figures[0].axes[0].get_children())
+    words = [text.get_text() for text in figures[0].texts]
+    colours = [line.get_color() for line in figures[0].get_children() if isinstance(line, Line2D)]
+    assert words[1:] == ["gravity: (0, 0, -9.81) m/s^2"] and colours == ["white"]
 
 
 def test_supports_and_legend(figure):

@@ -70,16 +70,20 @@ def accelerations(scene: Scene) -> dict[str, Sequence[object]]:
     }
 
 
+def in_plane(scene: Scene, name: str, value: Sequence[object]) -> np.ndarray:
+    """The components (2,) in the plane of a vector of an effect; 0 where the replay refuses it."""
+    try:
+        return evaluate(list(value), np.zeros((1, 2)), scene.parameters, f"effects.{name}")[0, :2]
+    except (ReplayProblem, UserError):
+        return np.zeros(2)
+
+
 def _draw_accelerations(axes: Axes, scene: Scene, longest: float) -> list[np.ndarray]:
     """An arrow of this length in the upper left corner for each acceleration in the plane; from tail to tip (2, 2)."""
     left, top = axes.get_xlim()[0], axes.get_ylim()[1]
     at, drawn = np.array([left, top]) + CORNER * longest * np.array([1.0, -1.0]), []
     for name, value in accelerations(scene).items():
-        try:
-            (way,) = evaluate(list(value), np.zeros((1, 2)), scene.parameters, f"effects.{name}")[:, :2]
-        except (ReplayProblem, UserError):
-            # The replay refuses it, and says why.
-            continue
+        way = in_plane(scene, name, value)
         if size := float(np.hypot(*way)):
             arrow = way * (longest / size)
             axes.quiver(*at, *arrow, pivot="mid", width=SHAFT, headwidth=HEAD, color=ACCELERATION, **LOOK)

@@ -22,6 +22,7 @@ from restshape.report.conditions import (
     accelerations,
     draw_loads,
     draw_supports,
+    in_plane,
     load_colours,
 )
 from restshape.report.entity_outlines import place_of, smooth
@@ -189,8 +190,10 @@ def _legend(scene: Scene, outline: Outline, goals: str) -> list[tuple[str, str]]
     found += [(colour, f"load {name} on {on(one.on)}: {load_words(one, known)}") for (name, one), colour in loads]
     if len(found) > MOST_CONDITIONS:
         found = [*found[:MOST_CONDITIONS], ("white", f"and {len(found) - MOST_CONDITIONS} more supports and loads")]
-    own = accelerations(scene).items()
-    found += [(ACCELERATION, f"{name}: {with_symbol(value, 'acceleration', known)}") for name, value in own]
+    for name, value in accelerations(scene).items():
+        # One across the plane has no arrow.
+        colour = ACCELERATION if in_plane(scene, name, value).any() else "white"
+        found.append((colour, f"{name}: {with_symbol(value, 'acceleration', known)}"))
     return found + ([(GOAL, f"goal {goals}")] if goals else [])
 
 
