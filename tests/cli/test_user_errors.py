@@ -60,10 +60,32 @@ def test_what_petsc_refuses_is_reported_with_its_option(folder, replay, words, n
 
 
 @pytest.mark.slow
+def test_words_that_keep_a_solve_from_converging_are_named(folder, replay):
+    """GMRES without a preconditioner, restarted after each iteration, does not converge: the scene is not to blame."""
+    words = ("-solid_ksp_type", "gmres", "-solid_ksp_gmres_restart", "1", "-solid_pc_type", "none")
+    code, _, shown_text = replay("--", *words, "-solid_ksp_converged_reason", "-options_left", "no")
+    assert code == 2
+    assert f"-- {' '.join(words)}: the linear solve did not converge" in shown_text
+    assert "try: leave these words out" in shown_text
+
+
+@pytest.mark.slow
 def test_words_that_petsc_never_used_are_named(folder, replay):
-    code, _, shown_text = replay("--", "-solid_ksp_tpye", "cg", "-foo", "3", "nonsense", "-solid_ksp_type", "cg")
+    code, _, shown_text = replay(
+        "--", "-solid_ksp_tpye", "cg", "-foo", "3", "nonsense", "-solid_ksp_type", "cg", "-log_viewx"
+    )
     assert code == 0
-    assert "no use of these words after --: -solid_ksp_tpye -foo nonsense\n" in shown_text
+    assert "no use of these words after --: -solid_ksp_tpye -foo -log_viewx nonsense\n" in shown_text
+
+
+@pytest.mark.slow
+def test_a_sweep_names_the_words_that_petsc_never_used_and_those_without_effect(folder, restshape):
+    words = ("sweep", "plate.toml", "--set", "material.steel.nu=0.2,0.3", "--")
+    done = restshape(*words, "-foo", "3", "-solid_ksp_rtol", "1e-2")
+    assert done.returncode == 0
+    assert "no use of these words after --: -foo\n" in done.stderr and "no effect here: -solid_ksp_rtol" in done.stderr
+    done = restshape(*words, "-solid_ksp_type", "gmres", "-solid_ksp_gmres_restart", "1", "-solid_pc_type", "none")
+    assert done.returncode == 2 and "try: leave these words out" in done.stderr
 
 
 def test_options_that_change_nothing_are_named():

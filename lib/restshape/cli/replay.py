@@ -18,6 +18,7 @@ from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_li
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
 from restshape.cli.parser import add_edits
+from restshape.cli.petsc_notes import note_petsc
 from restshape.cli.quantity_tables import percent, print_quantities
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing, exit_code
@@ -116,8 +117,8 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
         raise
     if recorder:
         summary["recording"] = recorder.close("interrupted" if summary["interrupted"] else "done")
-    if first and args.petsc:
-        _note_unused(args.petsc)
+    if first:
+        note_petsc(args.petsc)
     code = _print_and_write(args, request, summary) if first else 0
     if summary["interrupted"]:
         raise KeyboardInterrupt
@@ -158,16 +159,6 @@ def _run(
             count(1)
 
         return run_replay(request, recorder, args.parity, args.csv, on_frame, keep_rows=False, say=count.say)
-
-
-def _note_unused(words: list[str]) -> None:
-    """Which words after -- PETSc has made no use of, misspelt ones most often, and which change nothing here."""
-    from restshape.replay.petsc_options import unused, without_effect
-
-    if left := unused(words):
-        print(f"note: PETSc made no use of these words after --: {' '.join(left)}", file=sys.stderr)
-    for one in without_effect(words):
-        print(f"note: this option has no effect here: {one}", file=sys.stderr)
 
 
 def _stop_other_ranks(error: BaseException) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from restshape.cli.limits import add_limits, lift_limits, limited
 from restshape.cli.options import add_scene, print_table, refuse_files_of_scene, write_json
 from restshape.cli.parser import add_edits
+from restshape.cli.petsc_notes import note_petsc
 from restshape.cli.quantity_cells import cells
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing
@@ -72,12 +73,13 @@ def _swept(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     from restshape.variation.sweep_request import SweepRequest
 
     calibration = Calibration.load(args.calibration)
-    chosen = (args.policy, args.guess, calibration, not args.from_rest)
+    chosen = (args.policy, args.guess, calibration, not args.from_rest, tuple(args.petsc))
     request = SweepRequest(args.scene, fixed, swept, args.edits, *chosen)
     sweep, runs = Sweep(request), []
     interrupted = _run_all(args, sweep, swept, runs, begin_frame)
     lift_limits()
     if first_rank():
+        note_petsc(args.petsc)
         _write(args, sweep, swept, runs, interrupted)
     if interrupted:
         raise KeyboardInterrupt

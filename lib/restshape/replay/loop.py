@@ -1,6 +1,8 @@
 """The frame loop: edit, shape, mesh, operators, solve, observe, record."""
 
-from collections.abc import Iterator
+# More than 15 modules: the loop joins all parts of a frame.
+
+from collections.abc import Iterator, Sequence
 from logging import INFO
 from math import nan
 from time import perf_counter
@@ -16,6 +18,7 @@ from restshape.replay.frame_errors import FrameErrors
 from restshape.replay.frame_log import log, log_frame, log_refused
 from restshape.replay.frame_rows import FrameRows
 from restshape.replay.frame_solver import FrameSolver
+from restshape.replay.petsc_options import of_solvers
 from restshape.replay.recorder import Recorder
 from restshape.replay.replay_parts import replay_parts
 from restshape.replay.request import Request
@@ -44,6 +47,7 @@ class Replay:
 
     def __init__(self, request: Request, comm: PETSc.Comm, recorder: Recorder | None = None) -> None:
         self.policy, self.comm, self.recorder = request.policy, comm, recorder
+        self._petsc = request.petsc
         self.stages = Stages()
         parts = replay_parts(request, comm, self.stages)
         self.session, self.moving, self.analysis, self.prediction = parts
@@ -93,7 +97,9 @@ class Replay:
             report = solver(edit, mesh_update)
         except (ReplayProblem, UserError) as problem:
             if edit.index == 0:
-                raise _without_solution(edit, problem) from (None if isinstance(problem, UserError) else problem)
+                raise _without_solution(edit, problem, self._petsc) from (
+                    None if isinstance(problem, UserError) else problem
+                )
             refused = problem.one_line if isinstance(problem, UserError) else str(problem)
             log_refused(edit, refused)
             solver.rollback()
@@ -140,8 +146,12 @@ class Replay:
             clean_up(self.comm)
 
 
-def _without_solution(edit: ScriptFrame, problem: ReplayProblem | UserError) -> UserError:
-    """What is said of a first frame that has a problem."""
+def _without_solution(edit: ScriptFrame, problem: ReplayProblem | UserError, petsc: Sequence[str]) -> UserError:
+    """What is said of a first frame that has a problem; `petsc` are the user's words for PETSc."""
     if isinstance(problem, UserError):
         return edit.scene.located(problem)
-    return UserError(str(problem), str(edit.scene.path), "mend the scene: its first shape has no solution")
+    mend = "mend the scene: its first shape has no solution"
+    if followed := of_solvers(petsc):
+        do = f"leave these words out, for solvers follow them; where that does not help, {mend}"
+        return UserError(str(problem), f"-- {' '.join(followed)}", do)
+    return UserError(str(problem), str(edit.scene.path), mend)

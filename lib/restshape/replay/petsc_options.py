@@ -8,8 +8,12 @@ from petsc4py import PETSc
 
 from restshape.errors import UserError
 
-AT_THE_END = ("log_", "malloc", "memory_", "objects_", "options_", "citations", "mpidump", "get_total_flops")
-"""Beginnings of options that PETSc looks at only when it ends."""
+_LOGS = ("log", "log_all", "log_mpe", "log_summary", "log_trace", "log_view", "log_view_memory", "log_view_gpu_time")
+_MEMORY = ("malloc_dump", "malloc_info", "malloc_view", "malloc_view_threshold", "memory_view")
+AT_THE_END = frozenset(
+    (*_LOGS, *_MEMORY, "objects_dump", "options_left", "options_view", "citations", "mpidump", "get_total_flops")
+)
+"""Options that PETSc may look at only when it ends."""
 
 WITHOUT_EFFECT = {
     "ksp_view": "-v names each KSP and PC, -{prefix}ksp_monitor shows its iterations",
@@ -18,6 +22,9 @@ WITHOUT_EFFECT = {
     "ksp_max_it": "each solve sets its own limit, after which the preconditioner is rebuilt",
 }
 """Endings of options that PETSc knows and restshape's solvers make up for, and what serves instead."""
+_SOLVERS = re.compile("[-_](ksp|pc|snes|mat)_")
+_SHOWN = re.compile("_(monitor|view|reason)$")
+"""Options of PETSc's solvers, and those among them that only print."""
 WITH_EFFECT = "step_"
 """End of the prefix of solvers that take all options: those of the steps of cloth."""
 
@@ -74,9 +81,15 @@ def without_effect(words: Sequence[str]) -> list[str]:
     return [f"-{name} ({WITHOUT_EFFECT[ending].format(prefix=name.removesuffix(ending))})" for name, ending in found]
 
 
+def of_solvers(words: Sequence[str]) -> list[str]:
+    """Those of the words that choose what PETSc's solvers do, with their values, of options that it has looked at."""
+    options = [pair for pair in options_of(words)[0] if _SOLVERS.search(pair[0]) and not _SHOWN.search(pair[0])]
+    return [word for pair in options if _is_used(pair[0]) and not without_effect(pair) for word in pair if word]
+
+
 def _is_used(option: str) -> bool:
     name = option.lstrip("-")
-    if name.startswith(AT_THE_END):
+    if name in AT_THE_END:
         return True
     # petsc4py 3.18 has no name for PetscOptionsUsed; its module is linked with the PETSc in use.
     found = ctypes.c_int(0)

@@ -127,7 +127,7 @@ class Sweep:
         chosen = policy(self.request.policy or scene.solve.policy, self.request.guess)
         app, calibration = application(scene.app), self.request.calibration
         # No run shows what would mend it.
-        return Request(scene, script, app, chosen, calibration, guided=False)
+        return Request(scene, script, app, chosen, calibration, self.request.petsc, guided=False)
 
     def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
         """Has the replay of the last run go on to this scene; false where it cannot."""

@@ -21,6 +21,7 @@ class SweepRequest:
         calibration: seconds a unit of counted work.
         continued: meshes move with the shape, and nonlinear solutions start from that of the run before, and follow its
             branch; else each run has a mesh of its own, and starts from rest.
+        petsc: words for PETSc's options database.
     """
 
     scene: Path
@@ -31,6 +32,7 @@ class SweepRequest:
     guess: str | None
     calibration: Calibration
     continued: bool = True
+    petsc: tuple[str, ...] = ()
 
     def combinations(self) -> Iterator[tuple[int, ...]]:
         """Of each run the place of its value of each key."""
