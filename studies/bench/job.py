@@ -6,11 +6,12 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from restshape.cli.petsc_notes import note_petsc
 from restshape.cli.verbosity import relay
 from restshape.errors import UserError
 
@@ -74,12 +75,28 @@ class Outcome:
         problem: why it ended early; empty when it did not.
         hindsight_cost: of the schedule of refreshes, where asked for.
         found: what was measured in place of the frames' times.
+        unused: words for PETSc that it made no use of; None where the process ended before that was known.
     """
 
     rows: list[Row]
     problem: str = ""
     hindsight_cost: Row | None = None
     found: Row | None = None
+    unused: list[str] | None = None
+
+
+_left: dict[tuple[str, ...], list[str]] = {}
+"""Words for PETSc of the jobs of this process, and those that none of them has used."""
+
+
+def unused_by_all(words: Sequence[str]) -> list[str]:
+    """Those of the words for PETSc that no job with them has used so far; none where no such job has ended."""
+    return _left.get(tuple(words), [])
+
+
+def note_words(words: Sequence[str]) -> None:
+    """Prints which words for PETSc no job has used, and which have no effect."""
+    note_petsc(words, unused_by_all(words))
 
 
 def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.Popen] = subprocess.Popen) -> Outcome:
@@ -114,7 +131,10 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
             if process.poll() is None:
                 process.kill()
                 process.communicate()
-        return _read(reports, problem)
+        outcome = _read(reports, problem)
+    if outcome.unused is not None:
+        _left[job.petsc] = [word for word in _left.get(job.petsc, outcome.unused) if word in outcome.unused]
+    return outcome
 
 
 def ending(code: int, stderr: str) -> str:
@@ -139,6 +159,8 @@ def _read(reports: Path, problem: str) -> Outcome:
             outcome.hindsight_cost = content
         elif kind == "found":
             outcome.found = content
+        elif kind == "unused":
+            outcome.unused = content
         else:
             outcome.rows.append(content)
     return outcome

@@ -94,6 +94,10 @@ def main() -> int:
         start_petsc(job.petsc)
         try:
             (measured if job.measure else hindsight_cost if job.hindsight_cost else play)(job, report)
+            if job.petsc:
+                from restshape.replay.petsc_options import unused
+
+                report("unused", unused(job.petsc))
         except UserError as error:
             report("error", {"what": error.what, "where": error.where, "do": error.do})
             return 2

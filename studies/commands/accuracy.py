@@ -8,6 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.bench.job import note_words
 from restshape_studies.verification import verification
 
 from restshape.cli.options import add_json, add_set, print_table, require_mesh, write_json
@@ -148,6 +149,7 @@ def run(args: argparse.Namespace) -> int:
     if len(studies) > 1:
         write_index(studies, args.out, command, meshless)
         print(f"wrote {one_line(args.out / 'README.md')}")
+    note_words(args.petsc)
     return 0 if valid else 1
 
 

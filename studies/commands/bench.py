@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.bench.job import note_words
 from restshape_studies.bench.turns import Case
 from restshape_studies.commands import (
     bench_design,
@@ -78,6 +79,7 @@ def run(args: argparse.Namespace) -> int:
         found[case.name] = kind.measure(args, case, announce)
         kind.show(args, case.name, found[case.name])
     print(f"took {time.monotonic() - start:.0f} s")
+    note_words(args.petsc)
     if picture and kind.draw:
         _draw(picture, lambda: kind.draw(found, args, picture), written(kind, found))
     write_json(args, written(kind, found))

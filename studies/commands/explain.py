@@ -5,6 +5,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from restshape_studies.bench.job import note_words
+
 from restshape.application import application
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parser import add_edits
@@ -73,6 +75,7 @@ def run(args: argparse.Namespace) -> int:
     if called := kernels(rows):
         print()
         print_table("kernels called, a frame", ("effect", "kernels: calls, elements in each"), called)
+    note_words(args.petsc)
     write_json(args, rows)
     return 0
 

@@ -1,14 +1,17 @@
 """What the benchmarks count and how they sum up. No time is asserted: times here are made up."""
 
+import json
 import math
 import os
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from counted_replays import begin_log
 from restshape_studies.bench import reuse
 from restshape_studies.bench.events import EventCounts
-from restshape_studies.bench.job import Job, Outcome, run
+from restshape_studies.bench.job import Job, Outcome, run, unused_by_all
 from restshape_studies.bench.process import hindsight_cost, pin, play
 from restshape_studies.bench.reuse import Plan, compare, event_totals, frames_a_second, medians, ratios
 from restshape_studies.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
@@ -204,6 +207,28 @@ def test_a_folder_with_the_name_of_the_package_is_not_taken_for_it(tmp_path, mon
     scene, script = write_scene(tmp_path, plate(0.3)), write_script(tmp_path, [{"do": "idle"}])
     outcome = run(Job(str(scene), str(script), "auto"))
     assert len(outcome.rows) == 2 and not outcome.problem
+
+
+@pytest.mark.slow
+def test_a_process_says_which_words_petsc_never_used(tmp_path):
+    scene, script = write_scene(tmp_path, plate(0.3)), write_script(tmp_path, [{"do": "idle"}])
+    assert run(Job(str(scene), str(script), "auto")).unused is None
+    words = ("-solid_ksp_type", "cg", "-foo", "3")
+    assert run(Job(str(scene), str(script), "auto", petsc=words)).unused == ["-foo"]
+    assert unused_by_all(words) == ["-foo"]
+
+
+def test_words_that_no_process_used_are_those_that_each_one_left():
+    words = ("-a", "-b", "-c")
+    assert unused_by_all(words) == []
+    for left, by_all in ((["-a", "-b"], ["-a", "-b"]), (["-b", "-c"], ["-b"]), (None, ["-b"]), (["-a"], [])):
+
+        def start(command, *, left=left, **_):
+            Path(command[-1]).write_text("" if left is None else json.dumps(["unused", left]) + "\n")
+            return SimpleNamespace(communicate=lambda *_, **__: ("", ""), returncode=0, poll=lambda: 0)
+
+        run(Job("plate.toml", "", "auto", petsc=words), start=start)
+        assert unused_by_all(words) == by_all
 
 
 @pytest.mark.slow
