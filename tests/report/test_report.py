@@ -22,7 +22,7 @@ from restshape.replay.recording import Recording
 from restshape.report import quantity_panels, timeline
 from restshape.report.animation import animated_frames
 from restshape.report.frames import LEFT, caption, layout
-from restshape.report.happenings import chosen_frames, failure
+from restshape.report.happenings import _what_it_does, chosen_frames, failure
 from restshape.report.levels import stage_shares
 from restshape.report.outlines import border
 from restshape.report.scenery import scenery
@@ -265,6 +265,8 @@ def test_frames_that_change_values_are_not_idle(tmp_path):
             recorder.frame(float(i), CORNERS, {}, {}, row)
     with Recording(tmp_path / "a.vtkhdf") as recording:
         frames = {row["level"]: row["frames"] for row in level_table(recording)}
+        told = [_what_it_does(recording, i) for i in range(5)]
+    assert told == ["idle", "values changed", "idle", "values changed", "solved"]
     # The frame 0 is left out. The last one solves though nothing changed, as each does in time.
     assert frames["values"] == 2 and frames["idle"] == 1 and frames["still"] == 1
 

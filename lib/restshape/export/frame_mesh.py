@@ -74,13 +74,13 @@ def mesh_of_shape(scene: Scene, outline: Outline) -> FrameMesh:
     Raises:
         UserError: the shape cannot be meshed.
     """
-    order = plan(scene, application(scene.app)).order
+    order = 1 if scene.mesh.levels > 1 else plan(scene, application(scene.app)).order
     try:
         mesh = generate(outline, scene.mesh.model_copy(update={"order": order}))
     except ReplayProblem as problem:
         raise UserError(str(problem), str(scene.path), "change mesh.size") from problem
     regions = {"region": mesh.cell_region}
-    if order == 1 or scene.mesh.levels > 1:
+    if order == 1:
         return FrameMesh(mesh.X, mesh.cells, "triangle", in_cells=regions)
     space = LagrangeSpace(mesh)
     return FrameMesh(space.X, space.cells, "triangle6", in_cells=regions)

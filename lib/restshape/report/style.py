@@ -20,12 +20,12 @@ BODY, MESH = "#c9d3dc", "#ffffff"
 VALUES = -1
 """Stands for level 0 where values were changed and the system was solved."""
 SOLVED = -3
-"""Stands for level 0 where nothing was changed and the system was solved, as in time."""
+"""Stands for level 0 where the system was solved without an edit, as in time."""
 LEVELS = {0: "#b5b5b5", SOLVED: "#56b4e9", VALUES: "#009e73", 1: "#0072b2", 2: "#e69f00", 3: "#d55e00"}
 LEVEL_MARKS = {0: "o", SOLVED: "o", VALUES: "D", 1: "o", 2: "^", 3: "s"}
 LEVEL_LABELS = {
     0: "idle",
-    SOLVED: "solved, nothing changed",
+    SOLVED: "solved",
     VALUES: "values changed",
     **{level: f"level {level}, {move}" for level, move in MOVES.items()},
 }
