@@ -265,8 +265,8 @@ def test_frames_that_change_values_are_not_idle(tmp_path):
             recorder.frame(float(i), CORNERS, {}, {}, row)
     with Recording(tmp_path / "a.vtkhdf") as recording:
         frames = {row["level"]: row["frames"] for row in level_table(recording)}
-        told = [_what_it_does(recording, i) for i in range(5)]
-    assert told == ["idle", "values changed", "idle", "values changed", "solved"]
+        shown = [_what_it_does(recording, i) for i in range(5)]
+    assert shown == ["idle", "values changed", "idle", "values changed", "solved"]
     # The frame 0 is left out. The last one solves though nothing changed, as each does in time.
     assert frames["values"] == 2 and frames["idle"] == 1 and frames["still"] == 1
 
