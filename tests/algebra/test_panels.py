@@ -8,6 +8,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra import kept_preconditioner
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.preconditioner import order_factor
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
@@ -30,7 +31,10 @@ def petsc(found):
 def factored(mat, kind="cholesky", ordering="amd"):
     pc = PETSc.PC().create(PETSc.COMM_SELF)
     pc.setType(kind)
-    pc.setFactorOrdering(ordering)
+    if ordering == "nodes":
+        order_factor(pc)
+    else:
+        pc.setFactorOrdering(ordering)
     pc.setOperators(mat)
     pc.setUp()
     return pc
@@ -43,7 +47,7 @@ def solved(pc, b):
 
 
 @pytest.mark.parametrize(("n", "fields"), [(1, 1), (2, 1), (12, 1), (12, 2), (7, 3), (5, 11)])
-@pytest.mark.parametrize("ordering", ["amd", "natural", "nd"])
+@pytest.mark.parametrize("ordering", ["nodes", "amd", "natural", "nd"])
 def test_a_system_is_solved(n, fields, ordering):
     rng = np.random.default_rng(n)
     found = matrix(n, fields, rng)
@@ -52,11 +56,12 @@ def test_a_system_is_solved(n, fields, ordering):
     np.testing.assert_allclose(solved(pc, b), np.linalg.solve(found.toarray(), b), rtol=1e-10, atol=1e-12)
 
 
-def test_it_takes_the_values_of_a_factor_that_is_made_again():
+@pytest.mark.parametrize(("fields", "ordering"), [(1, "nodes"), (2, "nodes"), (3, "nodes"), (2, "amd")])
+def test_it_takes_the_values_of_a_factor_that_is_made_again(fields, ordering):
     rng = np.random.default_rng(5)
-    found, b = matrix(9, 2, rng), rng.normal(size=162)
-    mat = petsc(found)
-    pc = factored(mat)
+    found = matrix(9, fields, rng)
+    mat, b = petsc(found), rng.normal(size=found.shape[0])
+    pc = factored(mat, ordering=ordering)
     handle = pc.getFactorMatrix().handle
     assert _kernels.solve_by_panels(handle) and _kernels.solve_by_panels(handle)
     mat.scale(4.0)
@@ -72,7 +77,7 @@ def test_it_takes_the_values_of_a_factor_that_is_made_again():
 def test_what_is_not_a_number_leaves_nothing_behind():
     rng = np.random.default_rng(6)
     found, b = matrix(9, 2, rng), rng.normal(size=162)
-    pc = factored(petsc(found))
+    pc = factored(petsc(found), ordering="nodes")
     assert _kernels.solve_by_panels(pc.getFactorMatrix().handle)
     before = solved(pc, b)
     assert np.isnan(solved(pc, np.full_like(b, np.nan))).all()

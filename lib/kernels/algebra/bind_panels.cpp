@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "algebra/node_cholesky.hpp"
 #include "algebra/panels.hpp"
 #include "fem/operator.hpp"
 
@@ -19,7 +20,7 @@ namespace {
 
 constexpr const char* key = "restshape_panels";
 // Panels double the memory of a factor: 200 MB beside one with so many entries.
-constexpr PetscInt most_entries = 1 << 24;
+constexpr size_t most_entries = 1 << 24;
 
 using Factor = restshape::PanelFactor<PetscInt>;
 struct Panels {
@@ -51,11 +52,16 @@ PetscErrorCode solve(Mat mat, Vec b, Vec x) {
     return PetscLogFlops(4.0 * static_cast<double>(panels.factor.entries()) - 3.0 * panels.factor.size());
 }
 
-// A factor of PETSc's, seen through what it lets everybody see.
+// A factor of PETSc's in symmetric blocks, seen through what it lets everybody see.
 class PetscFactor {
  public:
     explicit PetscFactor(Mat mat) : mat_(mat) {
-        check(MatGetRowIJ(mat_, 0, PETSC_FALSE, PETSC_FALSE, &n_, &start_, &column_, &done_), "MatGetRowIJ");
+        PetscInt size = 0;
+        check(MatGetBlockSize(mat_, &size), "MatGetBlockSize");
+        rows_.size = static_cast<int>(size);
+        blocks_ = size > 1 ? PETSC_TRUE : PETSC_FALSE;
+        check(MatGetRowIJ(mat_, 0, PETSC_FALSE, blocks_, &rows_.count, &rows_.start, &rows_.column, &done_),
+              "MatGetRowIJ");
         check(MatSeqSBAIJGetArray(mat_, &values_), "MatSeqSBAIJGetArray");
         void (*own)(void) = nullptr;
         check(MatGetOperation(mat_, MATOP_SOLVE, &own), "MatGetOperation");
@@ -63,27 +69,30 @@ class PetscFactor {
     }
     ~PetscFactor() {
         (void)MatSeqSBAIJRestoreArray(mat_, &values_);
-        (void)MatRestoreRowIJ(mat_, 0, PETSC_FALSE, PETSC_FALSE, &n_, &start_, &column_, &done_);
+        (void)MatRestoreRowIJ(mat_, 0, PETSC_FALSE, blocks_, &rows_.count, &rows_.start, &rows_.column, &done_);
     }
     PetscFactor(const PetscFactor&) = delete;
     PetscFactor& operator=(const PetscFactor&) = delete;
 
-    bool known() const { return done_ && own_ && start_[n_] <= most_entries; }
+    bool known() const { return done_ && own_ && rows_.values() <= most_entries; }
     bool by_panels() const { return own_ == solve; }
     const double* values() const { return values_; }
 
     // Its rows in panels, with the numbers of the unknowns that they are of: without entries beside the diagonal, and
     // there the rows' own numbers, a substitution gives each unknown the number of its row.
     Shared panels() const {
+        const PetscInt n = unknowns();
         Shared found;
         try {
-            found = std::make_shared<Panels>(Panels{{n_, start_, column_}, std::vector<PetscInt>(n_)});
+            found = std::make_shared<Panels>(Panels{Factor(rows_), std::vector<PetscInt>(n)});
         } catch (const std::invalid_argument&) {
             return nullptr;
         }
-        const std::vector<double> kept(values_, values_ + start_[n_]), ones(n_, 1.0);
-        std::fill(values_, values_ + start_[n_], 0.0);
-        for (PetscInt i = 0; i < n_; ++i) values_[start_[i + 1] - 1] = static_cast<double>(i + 1);
+        const std::vector<double> kept(values_, values_ + rows_.values()), ones(n, 1.0);
+        std::fill(values_, values_ + rows_.values(), 0.0);
+        for (PetscInt k = 0; k < rows_.count; ++k)
+            for (int r = 0; r < rows_.size; ++r)
+                values_[rows_.pivot(k, r, r)] = static_cast<double>(k * rows_.size + r);
         std::vector<double> row;
         try {
             row = substituted(ones);
@@ -92,10 +101,10 @@ class PetscFactor {
             throw;
         }
         std::copy(kept.begin(), kept.end(), values_);
-        std::vector<char> seen(n_, 0);
-        for (PetscInt k = 0; k < n_; ++k) {
-            const double i = row[k] - 1.0;
-            if (!(i >= 0.0 && i < n_ && i == std::floor(i)) || seen[static_cast<PetscInt>(i)]++) return nullptr;
+        std::vector<char> seen(n, 0);
+        for (PetscInt k = 0; k < n; ++k) {
+            const double i = row[k];
+            if (!(i >= 0.0 && i < n && i == std::floor(i)) || seen[static_cast<PetscInt>(i)]++) return nullptr;
             found->order[static_cast<PetscInt>(i)] = k;
         }
         return found;
@@ -103,12 +112,13 @@ class PetscFactor {
 
     // Whether it solves a system as the panels do, up to rounding.
     bool agrees(Panels& panels) const {
-        std::vector<double> b(n_), x(n_);
-        for (PetscInt i = 0; i < n_; ++i) b[i] = static_cast<double>(i % 7) - 2.5;
+        const PetscInt n = unknowns();
+        std::vector<double> b(n), x(n);
+        for (PetscInt i = 0; i < n; ++i) b[i] = static_cast<double>(i % 7) - 2.5;
         const std::vector<double> expected = substituted(b);
         panels.factor.solve(b.data(), panels.order.data(), x.data());
         double size = 0.0, distance = 0.0;
-        for (PetscInt i = 0; i < n_; ++i) {
+        for (PetscInt i = 0; i < n; ++i) {
             size += std::abs(expected[i]);
             distance += std::abs(expected[i] - x[i]);
         }
@@ -118,10 +128,11 @@ class PetscFactor {
  private:
     // By PETSc itself, past its log: it is no solve of anybody's.
     std::vector<double> substituted(const std::vector<double>& right) const {
-        std::vector<double> found(n_);
+        const PetscInt n = unknowns();
+        std::vector<double> found(n);
         Vec b = nullptr, x = nullptr;
-        check(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, n_, right.data(), &b), "VecCreateSeqWithArray");
-        check(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, n_, found.data(), &x), "VecCreateSeqWithArray");
+        check(VecCreateSeqWithArray(PETSC_COMM_SELF, rows_.size, n, right.data(), &b), "VecCreateSeqWithArray");
+        check(VecCreateSeqWithArray(PETSC_COMM_SELF, rows_.size, n, found.data(), &x), "VecCreateSeqWithArray");
         const PetscErrorCode code = own_(mat_, b, x);
         check(VecDestroy(&b), "VecDestroy");
         check(VecDestroy(&x), "VecDestroy");
@@ -129,10 +140,11 @@ class PetscFactor {
         return found;
     }
 
+    PetscInt unknowns() const { return rows_.count * rows_.size; }
+
     Mat mat_;
-    PetscInt n_ = 0;
-    const PetscInt *start_ = nullptr, *column_ = nullptr;
-    PetscBool done_ = PETSC_FALSE;
+    Factor::Rows rows_{};
+    PetscBool blocks_ = PETSC_FALSE, done_ = PETSC_FALSE;
     double* values_ = nullptr;
     Solve own_ = nullptr;
 };
@@ -159,23 +171,20 @@ Panels* panels_of(Mat mat) {
 
 bool solve_by_panels(intptr_t handle) {
     Mat mat = reinterpret_cast<Mat>(handle);
+    if (Mat inner = restshape::factor_in_blocks(mat)) mat = inner;
     PetscBool plain = PETSC_FALSE;
-    PetscInt block = 0;
     check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(mat), MATSEQSBAIJ, &plain), "PetscObjectTypeCompare");
     if (!plain) return false;
-    check(MatGetBlockSize(mat, &block), "MatGetBlockSize");
-    if (block != 1) return false;
     MatSolverType maker = nullptr;
     check(MatFactorGetSolverType(mat, &maker), "MatFactorGetSolverType");
     if (!maker || std::strcmp(maker, MATSOLVERPETSC) != 0) return false;
     const PetscFactor factor(mat);
     if (!factor.known()) return false;
-    if (factor.by_panels()) return true;
     // A factor keeps its rows for as long as it lives.
-    Panels* panels = panels_of(mat);
-    if (panels) {
+    if (Panels* panels = panels_of(mat)) {
         panels->factor.set(factor.values());
     } else {
+        if (factor.by_panels()) return false;
         const Shared made = factor.panels();
         if (!made) return false;
         made->factor.set(factor.values());

@@ -215,6 +215,8 @@ PetscErrorCode get_factor(Mat A, MatFactorType type, Mat* F) {
 
 }  // namespace
 
+Mat factor_in_blocks(Mat factor) { return factor->ops->destroy == destroy ? of(factor)->factor : nullptr; }
+
 PetscErrorCode register_node_cholesky() {
     static bool known = false;
     PetscFunctionBegin;
