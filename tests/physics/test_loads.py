@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from small_scenes import CLAMPED, HEAD, HOLE, STEEL, block, make_replay, meshed, rows_of, write_scene
 
+from restshape.fem.assembled import Assembled
+from restshape.fem.problem import INTERNAL
+from restshape.replay.first_frame import first_frame
 from restshape.replay.replayed_files import replay_files
 
 WIDTH, HEIGHT, THICKNESS, RHO = 1.0, 1.0, 0.01, 8000.0
@@ -129,3 +132,20 @@ def test_supports_that_only_carry_the_body_elsewhere_leave_it_unstrained(policy)
     assert max(abs(value - 1.0) for value in run["quantities"]["stretch"]) < 1e-9
     # Rounding of a displacement of 1 m, and nothing else, strains the steel.
     assert max(run["quantities"]["peak_stress"]) < 210e9 * 1e-9
+
+
+def test_integrals_are_made_once_and_again_where_their_values_follow_the_nodes(tmp_path):
+    """A load inside of x: on a body of twice the width and the same density of it there is four times as much."""
+    scenes = {
+        name: f'[loads.f]\non = "all"\nbody = [{value}, 0]\n' for name, value in (("same", 5e4), ("x", '"1e4*x"'))
+    }
+    for name, load in scenes.items():
+        problem = first_frame(write_scene(tmp_path, BODY + load, f"{name}.toml")).analysis.problem
+        made, X = problem.integrals(INTERNAL), problem.space.X
+        assert problem.integrals(INTERNAL) is made
+        X[:, 0] *= 2.0
+        problem.update()
+        assert (problem.integrals(INTERNAL) is made) == (name == "same")
+        total = Assembled(problem.integrals(INTERNAL)).residual(np.zeros_like(X))[:, 0].sum()
+        expected = 2.0 * 5e4 if name == "same" else 4.0 * 1e4 / 2
+        assert -total / THICKNESS == pytest.approx(expected, rel=1e-9)

@@ -59,6 +59,8 @@ class QuantityErrorColumns:
         if self.estimates is None:
             first = self.note and not whole(row, "index")
             return {"note": "; ".join(filter(None, (text(row, "note"), self.note)))} if first else {}
+        if not self.names:
+            return {}
         found: dict[str, float] = dict.fromkeys(self.singular, np.inf)
         found |= self.estimates([name for name in self.names if name not in self.singular])
         return {error_column(name): found.get(name, np.nan) for name in self.names}

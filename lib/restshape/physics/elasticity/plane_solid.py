@@ -85,6 +85,7 @@ class PlaneSolid(TransientProblem):
         stress = model == "plane_stress"
         self.materials = table_by_region(scene, space, lambda m: (*lame(m, stress), m.thickness, m.rho))
         self.gravity = np.array(plan.settings("gravity").g) if plan.on("gravity") else None
+        self._made: dict[str, list[Integral]] = {}
         self.loads = PlaneLoads(scene, space, self.materials[:, 2], not self.linear)
         self.params, self.stiffness_params = self._cell_params()
         self.stresses = PlaneStresses(space, self.element, self.stiffness_params, not self.linear, stress)
@@ -127,6 +128,7 @@ class PlaneSolid(TransientProblem):
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
         if self.varies:
             self.params, self.stiffness_params = self._cell_params()
+            self._made.clear()
             self.boundary.evaluate(self.space.X)
             self.loads.update()
 
@@ -140,14 +142,22 @@ class PlaneSolid(TransientProblem):
         Raises:
             UserError: inertia of a material without density.
         """
+        if kind == FOLLOWERS:
+            return self.loads.follower(part)
+        # Made once: they have places, cells and parameters by reference.
+        known = self._made.get(kind)
+        if known is None or any(one.X is not self.space.X for one in known):
+            known = self._made[kind] = self._integrals(kind)
+        return known
+
+    def _integrals(self, kind: str) -> list[Integral]:
+        """Those integrals that do not grow with a part of the load."""
         X, cells = self.space.X, self.space.cells
         if kind == INTERNAL:
             rate = self._body_rate if self.loads.body.of_cells else None
             return [Integral(self.element, X, cells, self.params, rate=rate)]
         if kind == LOADS:
             return self.loads.on_edges()
-        if kind == FOLLOWERS:
-            return self.loads.follower(part)
         if kind == STIFFNESS:
             return [Integral(self.element, X, cells, self.stiffness_params)]
         if kind == REFERENCE:
