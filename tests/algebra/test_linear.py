@@ -145,9 +145,9 @@ def test_the_budget_is_the_price_of_a_refresh(systems):
 
 
 def test_a_jump_is_noticed_in_mid_solve(systems, table):
-    reports, made = run([systems[0], systems[-1], systems[-1], systems[-2]])
+    reports, made = run([systems[0], systems[1], systems[-1], systems[-1], systems[-2]])
     assert made.refresh.break_even < table[0, -1]
-    jump, same, near = reports[1:]
+    jump, same, near = reports[2:]
     assert jump.refreshed and jump.age == 0
     assert made.refresh.break_even <= jump.iterations <= made.refresh.break_even + 3
     # The factor is that of the jump's own matrix now, and it is kept.

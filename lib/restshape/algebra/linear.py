@@ -163,7 +163,7 @@ class LinearSolver:
             x: guess on entry (but for `direct`), solution on return.
             new_system: the mesh is another one, so that no old preconditioner fits.
             same_matrix: mat is what it was in the last solve.
-            patched: flips have changed the pattern: level 2.
+            patched: flips have changed the pattern.
             places: (n, d) nodes of this rank [m], whose rigid motions algebraic multigrid interpolates.
             scale: what the residual is measured against, in place of the norm of b.
             auxiliary: the solution is not one of the sequence that guesses come from.
@@ -193,6 +193,8 @@ class LinearSolver:
         iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0)
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
+            if stale:
+                self.refresh.give_up(uses)
             stale = False
             self._factor(mat, places, f"no convergence in {last} iterations with the old one", rebuild=True)
             self._use()
@@ -285,12 +287,10 @@ class LinearSolver:
         if grown or new_system:
             grown = kept.measure(mat) or patched
         if new_system or (kept.chooses and not kept.candidate):
-            self.refresh.patched = False
             if self.projection:
                 self.projection.restart()
             kept.begin_system()
             return
-        self.refresh.patched = patched or grown or (same_matrix and self.refresh.patched)
         if grown and kept.ready and not kept.pattern_changed:
             kept.pattern_changed = True
             if self.keeps:

@@ -4,12 +4,18 @@ import math
 
 from restshape.algebra.choice import Prices
 
+MOST_AHEAD = 15
+"""Refreshes ahead in a row, before an old preconditioner is tried again."""
+
 
 class RefreshCriterion:
     """Rent or buy: a refresh is worth it once what an old preconditioner costs beyond a fresh one comes to as much.
 
     Where a matrix has several uses that are known to come, their cost is counted ahead. Of one use, half of what the
     last solve took beyond a fresh preconditioner is expected, with which growing costs are cut at their least mean.
+
+    Where matrices change so much that already the next one costs as much as a refresh, some are made ahead: 1 after
+    such a trial, then 3, 7 and `MOST_AHEAD` after as many in a row.
 
     Args:
         most: iterations of a solve.
@@ -20,8 +26,7 @@ class RefreshCriterion:
         last_extra: such iterations of the last solve.
         fresh_iterations: of a solve with a fresh one.
         uses: solves since it was made, -1 before the first.
-        patched: flips have changed the matrix. More of them often follow, and then a new mesh, for which a refresh
-            serves no longer: it must be worth twice as much.
+        ahead: refreshes that are still to be made ahead; trials: in vain, in a row.
 
     Source: docs/theory/levels-of-reuse.md.
     """
@@ -31,11 +36,12 @@ class RefreshCriterion:
         self.uses = -1
         self.extra_iterations = self.last_extra = self.break_even = 0
         self.fresh_iterations = 1
-        self.patched = False
+        self.ahead = self.trials = 0
 
     def restart(self) -> None:
         """Take in that the preconditioner has just been made."""
         self.uses, self.extra_iterations, self.last_extra = -1, 0, 0
+        self.ahead = max(0, self.ahead - 1)
 
     def set_refresh_price(self, price: Prices, pattern_changed: bool) -> None:
         """Take in what the preconditioner costs; a new pattern asks for an analysis of it."""
@@ -50,7 +56,7 @@ class RefreshCriterion:
                 them one iteration at least, for a fresh factor is applied without any.
         """
         expected = known * max(1, self.last_extra) if known > 1 else self.last_extra / 2
-        return self.extra_iterations + expected >= self._budget(known)
+        return self.ahead > 0 or self.extra_iterations + expected >= self.break_even
 
     def limit(self, complete: bool, known: int = 1) -> int:
         """Iterations after which a solve with an old preconditioner is better given up for a new one.
@@ -61,11 +67,19 @@ class RefreshCriterion:
         """
         # An iteration that is cut short has to restart: where a fresh one is long too, that must be paid twice.
         fresh = self.fresh_iterations if complete else 2 * self.fresh_iterations
-        return min(self.most, fresh + math.ceil(self._budget(known) / known))
+        return min(self.most, fresh + math.ceil(self.break_even / known))
 
-    def _budget(self, known: int) -> int:
-        """Iterations that may be spent in place of a refresh."""
-        return 2 * self.break_even if self.patched and known == 1 else self.break_even
+    def give_up(self, known: int = 1) -> None:
+        """Take in that a solve with an old preconditioner, for as many known uses, has been cut short."""
+        if known == 1 and self.uses == 1:
+            self._try(in_vain=True)
+            # The one that is made now is none of them.
+            self.ahead += 1
+
+    def _try(self, in_vain: bool) -> None:
+        """Take in whether the first solve with an old preconditioner has cost as much as another one."""
+        self.trials = self.trials + 1 if in_vain else 0
+        self.ahead = min(2**self.trials - 1, MOST_AHEAD)
 
     def count(self, iterations: int, refreshed: bool, complete: bool) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now.
@@ -82,4 +96,6 @@ class RefreshCriterion:
             # The guess on a new mesh is worse than those that follow it.
             self.fresh_iterations = max(1, min(self.fresh_iterations, iterations))
         self.last_extra = max(0, iterations - self.fresh_iterations)
+        if self.uses == 1:
+            self._try(in_vain=self.last_extra >= self.break_even)
         self.extra_iterations += self.last_extra
