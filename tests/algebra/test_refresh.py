@@ -112,3 +112,11 @@ def test_steps_of_the_building_are_one_application_of_a_factor_each(counted_log)
         made = row["events"]["MatCholFctrNum"]
         assert row["iterations"] == 40 or (row["level"] == 2 and row["iterations"] <= 44)
         assert made == row["pc_rebuilt"] == int(row["level"] > 0 or row["index"] == 1)
+
+
+def test_a_new_factor_is_applied_once(counted_log):
+    """Its residual shows that the solution is there, whatever the guess was."""
+    _, rows = counted_work("solid/slender", "auto", 20)
+    new = [row for row in rows if row["pc_rebuilt"] and row["iterations"] == 1]
+    assert len(new) >= 3
+    assert all(row["events"]["PCApply"] == 1 and row["residual"] < 1e-9 for row in new)

@@ -60,6 +60,12 @@ class KeptPreconditioner:
         """Whether it is a complete factor of the whole matrix."""
         return self.complete and (self.ranks == 1 or self.traits.pivots)
 
+    @property
+    def inverts(self) -> bool:
+        """Whether it is a Cholesky factor, all pivots positive, which solves with its own matrix by one application."""
+        known = self.exact and self.kind == "cholesky" and not self.traits.pivots
+        return known and not (self.negative_pivots() or self.zero_pivots())
+
     def measure(self, mat: PETSc.Mat) -> bool:
         """Take in the size of a matrix that is another one; returns whether it has changed."""
         before = self.size

@@ -190,7 +190,12 @@ class LinearSolver:
         else:
             self._factor(mat, places, self._why(again))
         self._use()
-        iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0)
+        applied = not stale and self.keeps and self.kept.inverts
+        if applied:
+            # What is left of the residual then is looked at by the iteration, which hardly ever has to take a step.
+            with self.stages("krylov"):
+                self.ksp.getPC().apply(b, x)
+        iterations = last = max(self._iterate(b, x, uses if stale and self.keeps else 0), int(applied))
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
             if stale:
