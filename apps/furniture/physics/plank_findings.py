@@ -32,10 +32,12 @@ FREE = "free"
 """Kind of findings on ends that nothing holds, near a face that they may have missed."""
 FLAT = "flat"
 """Detail of parts that are apart although two of their planks lie face to face: joints hold ends."""
+RESTS = "rests"
+"""Detail of parts that are apart although a plank lies flat on another one: only joints and the floor hold planks."""
 BEFORE, BEYOND, BESIDE, TILTED, NEAR = "before", "beyond", "beside", "tilted", "near"
 """Details of a free end: before a face, in or behind it, beside it, with its edge across it, or near what cannot hold
 it."""
-GAPS = (NEAREST, BEYOND, BESIDE, FLAT)
+GAPS = (NEAREST, BEYOND, BESIDE, FLAT, RESTS)
 """Details of what keeps two parts from being joined."""
 PULL, SHEAR, LINE, TWIST = "pull", "shear", "line", "twist"
 """Details of a weak joint, by what overloads it; the moments along its line and about its normal count where a scene
@@ -44,6 +46,8 @@ LOADS = (PULL, SHEAR, LINE, TWIST)
 """The same by their numbers."""
 MOST_UTILISATION = 1e12
 """Of a joint: a single fastener does not bear a twist at all."""
+LEVEL = 0.999
+"""Least cosine with the vertical of the normal of a plank that lies level on another one."""
 WEIGHTS = "weights"
 """The case of the weights alone."""
 
@@ -110,8 +114,11 @@ def _nearest(piece: Piece) -> Finding | None:
     ends, faces = gap_between_parts(piece), flat_between_parts(piece, ASIDE)
     if faces is None or (ends is not None and ends.size <= faces[2]):
         return beyond_reach(piece, ends)
-    names = tuple(piece.planks[k].name for k in faces[:2])
-    return Finding(APART, FLAT, names, faces[2], piece.reach, "m")
+    i, j, gap = faces
+    upper, lower = sorted((i, j), key=lambda k: -float(piece.planks[k].centre[2]))
+    rests = gap == 0.0 and abs(float(piece.planks[i].axes[2, 2])) > LEVEL
+    names = tuple(piece.planks[k].name for k in ((upper, lower) if rests else (i, j)))
+    return Finding(APART, RESTS if rests else FLAT, names, gap, piece.reach, "m")
 
 
 def beyond_reach(piece: Piece, gap: Gap | None) -> Finding | None:

@@ -36,6 +36,12 @@ FREE_ENDS = {
 }
 """What is said of free ends, by their details."""
 
+RESTS = (
+    "{0} lies on {1}, but planks are held by joints alone, an end at a face: "
+    "stand {0} on upright planks, or put its weights on {1} and leave it out"
+)
+"""What is said of a plank that lies flat on another one, and what to do."""
+
 STRENGTHS = {kinds.SHEAR: "shear strength", kinds.LINE: "strength along its line", kinds.TWIST: "strength in twist"}
 """What is overloaded, by details of a weak joint."""
 
@@ -114,6 +120,8 @@ def _gap(nearest: Finding, worst: bool) -> str:
     if nearest.detail == kinds.NEAREST:
         return amount_beyond_reach(nearest, worst)
     far = ("up to " if worst else "") + amount(nearest)
+    if nearest.detail == kinds.RESTS:
+        return RESTS.format(*nearest.subjects)
     if nearest.detail == kinds.FLAT:
         one, other = nearest.subjects
         off = f", {far} mm from it" if far != "0" else ""

@@ -58,7 +58,8 @@ def flat_between_parts(piece: Piece, near: float) -> tuple[int, int, float] | No
             close[list(part)] = False
             for j in np.flatnonzero(close).tolist():
                 if one := _on_plank(piece.planks, i, j, near):
-                    found.append((i, j, max(one.gap, 0.0)))
+                    # What is less than a flush joint leaves open is rounding.
+                    found.append((i, j, one.gap if one.gap > FLUSH else 0.0))
     return min(found, key=lambda one: one[2], default=None)
 
 

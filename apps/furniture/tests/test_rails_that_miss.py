@@ -111,6 +111,18 @@ def test_a_rail_flat_before_its_legs_says_that_joints_hold_ends(tmp_path, apart:
     assert words[0] == f"in two parts: top with 2 more, rail ({said}: a joint needs an end at a face)"
 
 
+@pytest.mark.parametrize("off", [0.0, 2e-17, 9e-7])
+def test_a_tray_on_a_top_says_that_joints_alone_hold_and_what_to_do(tmp_path, off: float) -> None:
+    # The top is 20 mm thick with its middle at 0.51 m, so that a tray of 20 mm lies on it at 0.53 m.
+    height = 0.53 + off
+    tray = f"\n[planks.tray]\nfrom = [-0.1, 0, {height!r}]\nto = [0.1, 0, {height!r}]\nwidth = [0, 0.1, 0]\n"
+    words = drawn(tmp_path, tray).furniture.test().words[0]
+    assert words.startswith(
+        "in two parts: top with 2 more, tray (tray lies on top, but planks are held by joints alone"
+    )
+    assert "put its weights on top and leave it out" in words and not any(word in words for word in ("mm", "0.0"))
+
+
 def test_frames_of_a_drag_that_differ_in_how_far_a_rail_is_off_are_one_row(tmp_path) -> None:
     path = write_bench(tmp_path, BENCH + rail(-0.49, 0.49, 0.158, EDGE))
     events = {"do": "press", "on": "rail", "at": [0, 0.158, 0.2]}, {"do": "drag", "to": [0, 0.168, 0.2], "frames": 2}
