@@ -18,6 +18,7 @@ from restshape_apps.furniture.session.boards import MovingBoards
 from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
 from restshape_apps.furniture.session.plank_frame import Grab, PlankFrame, State
 from restshape_apps.furniture.session.without_effect import without_effect
+from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.plank_adoption import adopted
 from restshape_apps.furniture.shape.plank_scene import piece_of, restated
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
@@ -161,10 +162,9 @@ class PlankSession(ScriptSession):
         plank = self.design.piece.planks[grab.plank]
         own = plank.axes.T @ shift
         blocked = ~grab.free[:3] & (np.abs(own) > 1e-9)
+        note = _left_out(plank, np.where(blocked, own, 0.0)) if blocked.any() else ""
         own = np.where(grab.free[:3], own, 0.0)
         far = float(np.linalg.norm(own))
-        left = [FREEDOMS[k] for k in np.flatnonzero(blocked)]
-        note = f"{plank.name} cannot {' or '.join(left)}: left out" if left else ""
         if far == 0.0:
             return self._along(self.design_direction, 0.0, note)
         # A hand that goes straight on goes along one direction, whose range is known from its first frame on.
@@ -371,6 +371,15 @@ class PlankSession(ScriptSession):
 
     def _rest(self) -> np.ndarray:
         return np.zeros((len(self.design.piece.planks), 8))
+
+
+def _left_out(plank: Plank, own: np.ndarray) -> str:
+    """What a note says of the parts (3,) of a drag, in a plank's own axes, that would open joints or feet."""
+    parts = (
+        (f"{'-' if own[k] < 0.0 else '+'}{'xyz'[k]}", np.sign(own[k]) * plank.axes[:, k]) for k in range(3) if own[k]
+    )
+    ways = [f"its {name} ({room_words(axis)} of the room)" for name, axis in parts]
+    return f"{plank.name} cannot move along {' or '.join(ways)}: that part of the drag is left out"
 
 
 def _replaced(scene: Scene, key: str) -> str:

@@ -70,7 +70,7 @@ def test_directions_that_would_open_joints_are_left_out_and_named(play):
     # Along its x the leg is held between floor and board: its length follows, so that it cannot move.
     drag = {"do": "drag", "to": [-0.4, 0.0, 0.35]}
     frames, session = play(press("left", at=[-0.5, 0.0, 0.25]), drag)
-    assert frames[2].note == "left cannot move x: left out"
+    assert frames[2].note == "left cannot move along its +x (+z of the room): that part of the drag is left out"
     assert planks(session)["left"].centre == pytest.approx([-0.4, 0.0, 0.25])
 
 
