@@ -92,6 +92,26 @@ def test_inertia_is_that_of_the_eigenvalues(size, share):
 
 
 @pytest.mark.parametrize("size", [2, 3])
+@pytest.mark.parametrize("grade", [1e4, 1e8, 1e12])
+def test_inertia_of_blocks_with_one_soft_direction(size, grade):
+    """Each node by itself: eigenvalues 1, one soft and one stiff, of both signs."""
+    random = np.random.default_rng(7)
+    dense, below = np.zeros((size * N, size * N)), 0
+    for k in range(N):
+        turned, _ = np.linalg.qr(random.normal(size=(size, size)))
+        values = np.array([1.0, grade, grade])[:size] * random.choice([-1.0, 1.0], size=size)
+        rows = slice(size * k, size * (k + 1))
+        dense[rows, rows] = turned @ np.diag(values) @ turned.T
+        below += int((values < 0.0).sum())
+    assert factored(petsc(dense, size)).getFactorMatrix().getInertia() == (below, 0, size * N - below)
+
+
+def test_a_rank_without_rows_has_a_factor():
+    mat = PETSc.Mat().createAIJ((0, 0), csr=([0], [], []), comm=PETSc.COMM_SELF)
+    assert factored(mat).getFactorMatrix().getInertia() == (0, 0, 0)
+
+
+@pytest.mark.parametrize("size", [2, 3])
 def test_a_singular_matrix_is_reported(ksp, size):
     """A chain's Laplacian in whole numbers, whose rows sum to 0: rigid motions have no stiffness."""
     ends = np.eye(N)[[0, -1]]

@@ -5,6 +5,7 @@ import pytest
 from petsc4py import PETSc
 
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.pivots import negative_pivots, zero_pivots
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
@@ -82,3 +83,16 @@ def test_a_factor_without_pivots_is_not_asked():
         assert made.negative_pivots() == 0
     finally:
         options.delValue("pc_factor_mat_solver_type")
+
+
+@pytest.mark.parametrize("library", ["cholmod", "mumps"])
+def test_factors_of_other_libraries_show_no_pivots_and_solve(library):
+    """They have no inertia to ask for, or none without options of theirs."""
+    mat = PETSc.Mat().createAIJ((2, 2), csr=([0, 1, 2], [0, 1], [2.0, 3.0]), comm=PETSc.COMM_SELF)
+    mat.setOption(PETSc.Mat.Option.SPD, True)
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setType("cholesky")
+    pc.setFactorSolverType(library)
+    pc.setOperators(mat)
+    pc.setUp()
+    assert negative_pivots(pc.getFactorMatrix(), "cholesky") == zero_pivots(pc.getFactorMatrix(), "cholesky") == 0

@@ -98,6 +98,9 @@ def test_options_that_change_nothing_are_named():
     found = without_effect(["-solid_ksp_rtol", "1e-3", "-solid_ksp_atol", "1e3"])
     assert len(found) == 2 and all("solve.tolerance" in one for one in found)
     assert without_effect(["-drape_step_ksp_rtol", "1e-3"]) == []
+    ordering = ["-solid_pc_factor_mat_ordering_type", "natural"]
+    assert len(without_effect(ordering)) == 1
+    assert without_effect([*ordering, "-solid_pc_factor_mat_solver_type", "petsc"]) == []
 
 
 @pytest.mark.slow

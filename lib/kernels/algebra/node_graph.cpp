@@ -46,6 +46,8 @@ PetscErrorCode elimination_order(std::vector<PetscInt>& starts, std::vector<Pets
     IS rows, columns_too;
     const PetscInt* sequence;
     PetscFunctionBegin;
+    order->clear();
+    if (n == 0) PetscFunctionReturn(0);
     PetscCall(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, starts.data(), columns.data(), none.data(), &graph));
     PetscCall(MatGetOrdering(graph, MATORDERINGAMD, &rows, &columns_too));
     PetscCall(ISGetIndices(rows, &sequence));
@@ -83,6 +85,7 @@ void lay_out(const std::vector<PetscInt>& starts, const std::vector<PetscInt>& c
 }  // namespace
 
 PetscInt block_size(const Pattern& a) {
+    if (a.rows == 0) return 1;
     for (PetscInt b : {3, 2})
         if (in_blocks(a, b)) return b;
     return 1;

@@ -3,7 +3,8 @@
 import logging
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NamedTuple
 
 from restshape.algebra.traits import Traits
@@ -15,6 +16,9 @@ MEMORY = 4e9
 """Bytes that a complete factor may take, over all ranks, unless the scene says otherwise (`solve.factor_memory`)."""
 FACTOR_BYTES = 12.0
 """Of a nonzero of a factor: its value and its column."""
+SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE = 4.0, 2.2, 1.9
+"""Seconds a nonzero of a factor of single numbers over those of one in blocks of a node, which the calibration has:
+`python scripts/factors.py`. Complete Cholesky factors have blocks where a node has several unknowns."""
 PRIOR_SOLVES = 4
 """Solves that the prior iterations weigh as much as, beside those that this replay has counted."""
 PRIOR_LIFE = 100.0
@@ -160,6 +164,8 @@ class Prices(NamedTuple):
 
 def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
     """What a preconditioner of PETSc's type `kind` costs with `filled` nonzeros in all; ranks share the work evenly."""
+    if kind != "cholesky" or size.fields == 1:
+        known = _of_single_numbers(known)
     filled = filled / size.ranks
     work = (math.ceil(size.unknowns / size.ranks), size.nonzeros / size.ranks)
     once = known.pass_seconds(*work)
@@ -174,6 +180,17 @@ def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
         known.iteration_seconds(*work, filled),
         known.refresh_seconds(*work, filled),
         known.factor_seconds(*work, filled),
+    )
+
+
+@lru_cache(maxsize=4)
+def _of_single_numbers(known: Calibration) -> Calibration:
+    return replace(
+        known,
+        symbolic_nonzero=SINGLE_SYMBOLIC * known.symbolic_nonzero,
+        numeric_nonzero=SINGLE_NUMERIC * known.numeric_nonzero,
+        numeric_work=SINGLE_NUMERIC * known.numeric_work,
+        solve_nonzero=SINGLE_SOLVE * known.solve_nonzero,
     )
 
 

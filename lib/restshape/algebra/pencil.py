@@ -19,7 +19,8 @@ SAME = 1e-12
 class Pencil:
     """K and M as they stand, and the last complete factor of K - s M, which may be of matrices of some frames ago.
 
-    PETSc's own factor is L D L^T without pivoting: it serves indefinite matrices too, and its D reports the inertia.
+    The factor is L D L^T without pivoting, D in blocks of a node: it serves indefinite matrices too, and D has their
+    inertia.
 
     Args:
         stages: takes the time of factorisations.

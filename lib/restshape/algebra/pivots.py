@@ -3,6 +3,8 @@
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
+
 
 def factors_of(ksp: PETSc.KSP) -> list[PETSc.PC]:
     """What has this rank's factors."""
@@ -13,7 +15,7 @@ def factors_of(ksp: PETSc.KSP) -> list[PETSc.PC]:
 def negative_pivots(factor: PETSc.Mat, kind: str) -> int:
     """The negative pivots of a complete factor, `cholesky` or `lu`."""
     if kind == "cholesky":
-        return factor.getInertia()[0]
+        return factor.getInertia()[0] if _counts(factor) else 0
     if factor.getType() != "seqaij":
         # Other solvers' LU factors exchange rows, and show no pivots.
         return 0
@@ -24,6 +26,11 @@ def negative_pivots(factor: PETSc.Mat, kind: str) -> int:
     return found
 
 
+def _counts(factor: PETSc.Mat) -> bool:
+    """Whether a Cholesky factor reports its pivots: other libraries' do not, or only with options of theirs."""
+    return factor.getType() in ("seqsbaij", _kernels.node_blocks)
+
+
 def zero_pivots(factor: PETSc.Mat, kind: str) -> int:
     """Those pivots of a complete Cholesky factor that it has none of, as it ended at one that is zero; 0 of others."""
-    return factor.getInertia()[1] if kind == "cholesky" else 0
+    return factor.getInertia()[1] if kind == "cholesky" and _counts(factor) else 0

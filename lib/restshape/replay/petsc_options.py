@@ -22,6 +22,10 @@ WITHOUT_EFFECT = {
     "ksp_max_it": "each solve sets its own limit, after which the preconditioner is rebuilt",
 }
 """Endings of options that PETSc knows and restshape's solvers make up for, and what serves instead."""
+OF_BLOCKS = ("pc_factor_mat_ordering_type", "pc_factor_shift_type")
+"""Endings of options that factors in blocks of a node have no use for, unless another factor is asked for, too."""
+OTHER_FACTORS = ("pc_type", "pc_factor_mat_solver_type")
+"""Endings of options that ask for another preconditioner."""
 _SOLVERS = re.compile("[-_](ksp|pc|snes|mat)_")
 _SHOWN = re.compile("_(monitor|view|reason)$")
 """Options of PETSc's solvers, and those among them that only print."""
@@ -72,13 +76,17 @@ def unused(words: Sequence[str]) -> list[str]:
 def without_effect(words: Sequence[str]) -> list[str]:
     """Those options among the words that PETSc takes and that change nothing here, each with what serves instead."""
     names = [option.lstrip("-") for option, _ in options_of(words)[0]]
-    found = (
-        (name, ending)
+    found = [
+        f"-{name} ({WITHOUT_EFFECT[ending].format(prefix=name.removesuffix(ending))})"
         for name in names
         for ending in WITHOUT_EFFECT
         if name.endswith(ending) and not name.endswith(f"{WITH_EFFECT}{ending}")
-    )
-    return [f"-{name} ({WITHOUT_EFFECT[ending].format(prefix=name.removesuffix(ending))})" for name, ending in found]
+    ]
+    for name, ending in ((name, ending) for name in names for ending in OF_BLOCKS if name.endswith(ending)):
+        prefix = name.removesuffix(ending)
+        if not {prefix + other for other in OTHER_FACTORS} & set(names):
+            found.append(f"-{name} (for factors of single numbers: -{prefix}pc_factor_mat_solver_type petsc)")
+    return found
 
 
 def of_solvers(words: Sequence[str]) -> list[str]:

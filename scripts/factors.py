@@ -1,0 +1,90 @@
+"""Complete factors of a plate's stiffness: restshape's beside those that PETSc offers, in turns.
+
+OMP_NUM_THREADS=1 python scripts/factors.py [SIDE ...]
+
+Each SIDE is one of a square plate of SIDE x SIDE nodes, two unknowns a node; without any, 32 and 100. Times are the
+least of several, in ms: of a factor on a new pattern with its ordering, of one on the same pattern, of a solve.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from petsc4py import PETSc
+
+from restshape import _kernels
+from restshape.algebra.preconditioner import order_factor
+from restshape.measurement import plate, stiffness
+
+ROUNDS = 7
+
+
+class Way(NamedTuple):
+    """A way to factor and solve."""
+
+    name: str
+    set_up: Callable[[PETSc.PC], None]
+    panels: bool = False
+
+
+def library(name: str, ordering: str | None = None) -> Callable[[PETSc.PC], None]:
+    """What has a factor made by a library that PETSc calls, or by PETSc."""
+
+    def set_up(pc: PETSc.PC) -> None:
+        pc.setFactorSolverType(name)
+        if ordering:
+            pc.setFactorOrdering(ordering)
+
+    return set_up
+
+
+WAYS = (
+    Way("PETSc, single numbers", library("petsc", "amd")),
+    Way("CHOLMOD", library("cholmod")),
+    Way("MUMPS", library("mumps")),
+    Way("node blocks", order_factor),
+    Way("node blocks, panels", order_factor, panels=True),
+)
+
+
+def seconds(run: Callable[[], object]) -> float:
+    """Of one call."""
+    start = time.perf_counter()
+    run()
+    return time.perf_counter() - start
+
+
+def times(way: Way, mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> list[float]:
+    """Seconds of a new pattern, of new values, of a solve."""
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setType("cholesky")
+    way.set_up(pc)
+    pc.setOperators(mat)
+    found = [seconds(pc.setUp)]
+    mat.setValue(0, 0, mat.getValue(0, 0))
+    mat.assemble()
+    found.append(seconds(pc.setUp))
+    if way.panels:
+        _kernels.solve_by_panels(pc.getFactorMatrix().handle)
+    pc.apply(b, x)
+    found.append(min(seconds(lambda: pc.apply(b, x)) for _ in range(5)))
+    pc.destroy()
+    return found
+
+
+def main(sides: list[int]) -> None:
+    """Print a table a size."""
+    for side in sides:
+        mat, x, b = stiffness(*plate(side))
+        least = {way: [float("inf")] * 3 for way in WAYS}
+        for _ in range(ROUNDS):
+            for way in WAYS:
+                least[way] = [min(pair) for pair in zip(least[way], times(way, mat, x, b))]
+        print(f"\n{mat.getSize()[0]} unknowns: new pattern, new values, solve [ms]")
+        for way, found in least.items():
+            print(f"{way.name:24}" + "".join(f"{1e3 * value:10.3g}" for value in found))
+
+
+if __name__ == "__main__":
+    main([int(word) for word in sys.argv[1:]] or [32, 100])
