@@ -17,10 +17,11 @@ from restshape_apps.furniture.scene.plank_events import far_turn
 from restshape_apps.furniture.session.boards import MovingBoards
 from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
 from restshape_apps.furniture.session.plank_frame import Grab, PlankFrame, State
+from restshape_apps.furniture.session.set_keys import after_set, taken_back
 from restshape_apps.furniture.session.without_effect import without_effect
 from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.plank_adoption import adopted
-from restshape_apps.furniture.shape.plank_scene import piece_of, restated
+from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
 
 from restshape.application import Application
@@ -330,8 +331,8 @@ class PlankSession(ScriptSession):
         for i in range(1, event.frames + 1):
             step = self._revised(key, event.value, part_of, i / event.frames)
             if i == event.frames and not step.refused:
-                now = self.design.piece, self.scene
-                step = replace(step, note=without_effect(key, (before[0].piece, named), now))
+                was, now = (before[0].piece, named), (self.design.piece, self.scene)
+                step = replace(step, note=without_effect(key, was, now) or taken_back(*was, self.scene, key))
             yield step
         if self.design is before[0]:
             self.scene = before[1]
@@ -344,7 +345,7 @@ class PlankSession(ScriptSession):
             self.scene = revise(before, key, value) if part_of is None else part_of(before, part)
             refuse_switched(before, self.scene, self._application)
             self._refuse_fixed_changes(before)
-            self.design = Design.closed(restated(design.piece, before, self.scene), self._guidance())
+            self.design = Design.closed(after_set(design.piece, before, self.scene, key), self._guidance())
         except UserError as error:
             self.scene, self.design = before, design
             return self._refusal(error)

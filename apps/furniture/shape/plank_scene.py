@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from restshape_apps.furniture.scene.furniture import JointSpec, PlankSpec
 from restshape_apps.furniture.shape.face_contacts import kept_contacts
+from restshape_apps.furniture.shape.kept_edits import kept_edits
 from restshape_apps.furniture.shape.planks import (
     LEAST_SLANT,
     SIDES,
@@ -96,18 +97,35 @@ def weighing(scene: Scene, name: str, plank: int, mass: float, at: tuple[float, 
     return Load(name, plank, at, tuple(mass * a for a in _gravity(scene)))
 
 
-def restated(piece: Piece, before: Scene, after: Scene) -> Piece:
+def redrawn(piece: Piece, scene: Scene) -> Piece:
+    """A piece that edits have changed, with its planks where its scene draws them, their ends not closed."""
+    drawn = {plank.name: plank for plank in drawn_planks(scene)}
+    return replace(piece, planks=tuple(drawn.get(plank.name, plank) for plank in piece.planks))
+
+
+def restated(piece: Piece, before: Scene, after: Scene, drawn: Piece | None = None, itself: str = "") -> Piece:
     """A piece that edits have changed, with what its scene says otherwise after a key was set.
 
-    A plank that the scene draws elsewhere or in another size goes there; all others stay where edits have put them.
+    A plank that the scene draws elsewhere or in another size goes there, and differs from its drawing by what edits
+    have changed of it: see `kept_edits`. All others stay where edits have put them.
     Those that edits drew, as thick and of the wood that all are, follow these.
     Where they become thicker, faces that lie on the floor or on each other still do: see `kept_contacts`.
+
+    Args:
+        piece: with closed joints.
+        before, after: its scene.
+        drawn: what `redrawn` gives of the scene before, with closed joints; None: none needs to be closed.
+        itself: the plank of which a key was set; empty: of none.
+
+    Raises:
+        UserError: a plank has no extent.
     """
     old, new = piece_of(before), piece_of(after)
     numbers = {plank.name: k for k, plank in enumerate(piece.planks)}
     was, wanted = ({plank.name: plank for plank in one.planks} for one in (old, new))
+    began = {plank.name: plank for plank in (drawn or redrawn(piece, before)).planks}
     planks = tuple(
-        _replanked(plank, was[plank.name], wanted[plank.name])
+        _replanked(plank, (was[plank.name], wanted[plank.name]), began[plank.name], plank.name == itself)
         if plank.name in was and plank.name in wanted
         else _as_usual(plank, before, after)
         for plank in piece.planks
@@ -210,12 +228,13 @@ def _as_usual(plank: Plank, before: Scene, after: Scene) -> Plank:
     return replace(plank, size=np.array([*plank.size[:2], thickness]), wood=wood)
 
 
-def _replanked(plank: Plank, before: Plank, after: Plank) -> Plank:
+def _replanked(plank: Plank, drawings: tuple[Plank, Plank], drawn: Plank, set_itself: bool) -> Plank:
     """A plank with what its scene says otherwise."""
+    before, after = drawings
     if before.wood != after.wood:
         plank = replace(plank, wood=after.wood)
     if not same_place(before, after) or not np.array_equal(before.size[:2], after.size[:2]):
-        return replace(plank, centre=after.centre, axes=after.axes, size=after.size)
+        return kept_edits(plank, drawings, drawn, set_itself)
     if before.size[2] != after.size[2]:
         return replace(plank, size=np.array([*plank.size[:2], after.size[2]]))
     return plank

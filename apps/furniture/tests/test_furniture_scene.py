@@ -231,7 +231,7 @@ def test_what_a_set_says_otherwise_goes_into_an_edited_piece(tmp_path):
         assert found(after), key
         assert [plank.centre[1] for plank in after.planks] == [0.1] * 3
     moved = restated(edited, scene, revise(scene, "planks.left.width", [0, 0.2, 0]))
-    assert [plank.centre[1] for plank in moved.planks] == [0.1, 0.0, 0.1] and moved.planks[1].size[1] == 0.2
+    assert [plank.centre[1] for plank in moved.planks] == [0.1] * 3 and moved.planks[1].size[1] == 0.2
 
 
 def test_what_a_session_has_put_weighs_what_gravity_makes_it(tmp_path):
