@@ -1,5 +1,7 @@
 """Substitutions by panels: solutions of systems that numpy solves too, from factors that PETSc has made."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -97,7 +99,12 @@ def test_factors_of_other_kinds_stay_as_they_are():
 
 def test_a_factor_goes_by_panels_from_its_second_solve_on(monkeypatch):
     handles = []
-    monkeypatch.setattr(kept_preconditioner, "_kernels", type("", (), {"solve_by_panels": handles.append}))
+
+    def by_panels(handle):
+        handles.append(handle)
+        assert _kernels.solve_by_panels(handle)
+
+    monkeypatch.setattr(kept_preconditioner, "_kernels", SimpleNamespace(solve_by_panels=by_panels))
     mat = petsc(matrix(6, 2, np.random.default_rng(8)))
     traits, stages = Traits(True), Stages()
     solver = LinearSolver(PETSc.COMM_SELF, "panels_", "stale", 1e-8, Calibration.load(), stages, traits=traits)

@@ -18,7 +18,7 @@ struct NodeCholesky {
     std::vector<double> right, solution;
     Mat upper = nullptr, factor = nullptr;
     Vec b = nullptr, x = nullptr;
-    PetscInt zero = 0;  // blocks without an inverse
+    PetscInt zero = 0;  // blocks without an inverse, each counted once
 };
 
 NodeCholesky* of(Mat F) { return static_cast<NodeCholesky*>(F->data); }
