@@ -8,6 +8,7 @@ import pytest
 from counted_replays import begin_log, watched
 
 from restshape.algebra.choice import Prices
+from restshape.algebra.kept_preconditioner import KeptPreconditioner
 from restshape.algebra.refresh import MOST_AHEAD, RefreshCriterion
 from restshape.algebra.schedule import best_schedule
 
@@ -120,3 +121,10 @@ def test_a_new_factor_is_applied_once(counted_log):
     new = [row for row in rows if row["pc_rebuilt"] and row["iterations"] == 1]
     assert len(new) >= 3
     assert all(row["events"]["PCApply"] == 1 and row["residual"] < 1e-9 for row in new)
+
+
+def test_a_factor_of_many_known_uses_substitutes_by_panels(monkeypatch, counted_log):
+    made = []
+    monkeypatch.setattr(KeptPreconditioner, "substitute_by_panels", lambda kept: made.append(kept))
+    _, rows = counted_work("vibration/building", "auto", 30)
+    assert len(made) == sum(row["pc_rebuilt"] for row in rows) > 5

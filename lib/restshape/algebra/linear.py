@@ -188,7 +188,7 @@ class LinearSolver:
                 self.kept.substitute_by_panels()
             self.ksp.setOperators(mat)
         else:
-            self._factor(mat, places, self._why(again))
+            self._factor(mat, places, self._why(again), uses)
         self._use()
         applied = not stale and self.keeps and self.kept.inverts
         if applied:
@@ -201,7 +201,7 @@ class LinearSolver:
             if stale:
                 self.refresh.give_up(uses)
             stale = False
-            self._factor(mat, places, f"no convergence in {last} iterations with the old one", rebuild=True)
+            self._factor(mat, places, f"no convergence in {last} iterations with the old one", uses, rebuild=True)
             self._use()
             last = self._iterate(b, x)
             iterations += last
@@ -236,7 +236,7 @@ class LinearSolver:
         if self.kind == "cholesky" and (
             self.method == "direct" or not self.kept.ready or self.refresh.worth_refreshing(uses)
         ):
-            self._factor(mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even} iterations")
+            self._factor(mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even} iterations", uses)
 
     @property
     def factored(self) -> bool:
@@ -301,11 +301,13 @@ class LinearSolver:
             if self.keeps:
                 self._set_refresh_price()
 
-    def _factor(self, mat: PETSc.Mat, places: Reals | None, why: str, rebuild: bool = False) -> None:
-        """Make the preconditioner from `mat`, then keep it; `why` is for the log, the rest as in its `make`."""
+    def _factor(self, mat: PETSc.Mat, places: Reals | None, why: str, uses: int = 1, *, rebuild: bool = False) -> None:
+        """Make the preconditioner of `mat` for known uses, and keep it; `why` is for the log, the rest for `make`."""
         with self.stages("factor"):
             self.kept.make(mat, places, rebuild)
-        self.kept.note_kind()
+            self.kept.note_kind()
+            if uses > 1:
+                self.kept.substitute_by_panels()
         self.age, self._current = -1, True
         log.info("KSP %s PC %s rebuilt: %s", self.ksp.getOptionsPrefix(), self.name, why)
         self.refresh.restart()
