@@ -24,6 +24,7 @@ from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.ranked import ranked
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
 from restshape_apps.furniture.guidance.remedies import remedies
+from restshape_apps.furniture.guidance.sliding_advice import why_slides
 from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionList
 from restshape_apps.furniture.guidance.suggestions import Combinations, suggest
 from restshape_apps.furniture.guidance.support_planks import support_planks
@@ -399,9 +400,10 @@ class Design:
             return "its stability margin is not known: its contacts lie on several planes"
         what = f"{tried} combinations of at most {few} freedoms tried"
         if not search.led:
-            more = f"; effects.guidance.freedoms may be up to {MOST_FREEDOMS}" if few < MOST_FREEDOMS else ""
-            return f"{what}, none leads to where it holds{more}"
-        return f"{what}, {search.led} lead to where it should hold, but none of {search.tested} tested in full does"
+            more = f"effects.guidance.freedoms may be up to {MOST_FREEDOMS}" if few < MOST_FREEDOMS else ""
+            return "; ".join(filter(None, [f"{what}, none leads to where it holds", why_slides(self.piece) or more]))
+        what = f"{what}, {search.led} lead to where it should hold, but none of {search.tested} tested in full does"
+        return "; ".join(filter(None, [what, why_slides(self.piece)]))
 
 
 def findings_at(furniture: Furniture, result: TestResult, gamma: np.ndarray) -> tuple[Finding, ...]:

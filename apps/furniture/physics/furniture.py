@@ -8,7 +8,8 @@ from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.fasteners import strengths, wood
 from restshape_apps.furniture.physics.plank_findings import FlawNumbers
 from restshape_apps.furniture.physics.plank_phrases import phrases
-from restshape_apps.furniture.shape.planks import Joint, Piece
+from restshape_apps.furniture.physics.sliding import ROUGH, friction_needed, mass_needed
+from restshape_apps.furniture.shape.planks import Joint, Piece, parts_of
 
 from restshape.errors import UserError
 from restshape.findings import Finding
@@ -20,10 +21,6 @@ ALL = LOST | OVERLAPPING | UNSTABLE | WEAK | UNBALANCED | APART
 no equilibrium, it is in parts."""
 DOUBTFUL = 64
 """No flaw: moments that do not count overload a joint. Wanted beside `ALL`, there must be none."""
-
-
-ROUGH = 1e6
-"""Coefficient of friction of a floor on which nothing slides."""
 
 
 @dataclass(frozen=True)
@@ -99,10 +96,11 @@ class TestResult:
         )
 
     def _falls(self, piece: Piece, found: FlawNumbers) -> list[Finding]:
-        """What falls, and what only slides: a rough floor would hold it."""
-        rough = replace(piece, planes=tuple(replace(plane, mu=ROUGH) for plane in piece.planes))
-        _, _, _, _, _, _, tips, *_ = Furniture(rough).kernel.test(None, UNSTABLE)
-        return plank_findings.falls(piece, found, {case for case, _ in tips})
+        """What falls, and what only slides, with the friction that would hold it."""
+        sliding = sliding_cases(piece, found)
+        loads = Furniture(piece).loads() if sliding else np.empty((0, 3))
+        needed = {case: friction_needed(piece, loads[case], case, falling_cases) for case in sliding}
+        return plank_findings.falls(piece, found, needed)
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -288,3 +286,31 @@ class Furniture:
     def nails(self) -> np.ndarray:
         """Fasteners (j,) in each joint, as the last test has them."""
         return self.kernel.nails()
+
+    def loads(self) -> np.ndarray:
+        """All that acts on the piece in each case, with its own weight (c, 3) [N]."""
+        return self.cases.sum(axis=1) + float(self.geometry().mass.sum()) * np.array(self.piece.gravity)
+
+
+def falling_cases(piece: Piece) -> set[int]:
+    """The cases that a piece falls or slides in."""
+    return {case for case, _ in Furniture(piece).test(wanted=UNSTABLE).found.falls}
+
+
+def sliding_cases(piece: Piece, found: FlawNumbers) -> list[int]:
+    """Of the cases that a piece in one part falls in those in which it slides: on a rough floor it would hold."""
+    if len(parts_of(piece)) > 1 or not found.falls:
+        return []
+    rough = replace(piece, planes=tuple(replace(plane, mu=ROUGH) for plane in piece.planes))
+    tips = falling_cases(rough)
+    return [case for case in dict.fromkeys(case for case, _ in found.falls) if case not in tips]
+
+
+def enough_mass(piece: Piece) -> float:
+    """How much more mass [kg], spread like what is there, holds a piece that slides and nothing else; else inf."""
+    furniture = Furniture(piece)
+    found = furniture.test(wanted=UNSTABLE).found
+    sliding = sliding_cases(piece, found)
+    if not sliding or len(sliding) < len({case for case, _ in found.falls}):
+        return np.inf
+    return mass_needed(piece, furniture.loads()[sliding], falling_cases)

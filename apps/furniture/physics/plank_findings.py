@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 from restshape_apps.furniture.shape.face_contacts import flat_between_parts
 from restshape_apps.furniture.shape.free_ends import ASIDE, FreeEnd, free_ends
@@ -129,21 +130,29 @@ def beyond_reach(piece: Piece, gap: Gap | None) -> Finding | None:
     return Finding(APART, NEAREST, subjects, gap.size, piece.reach, "m")
 
 
-def falls(piece: Piece, found: FlawNumbers, tips: Collection[int]) -> list[Finding]:
+def falls(piece: Piece, found: FlawNumbers, needed: Mapping[int, float]) -> list[Finding]:
     """Loads that it falls or slides under, and what falls in each of them where it is in parts.
 
     Args:
         piece: that falls.
         found: in which cases.
-        tips: cases in which it falls on a floor of any friction too.
+        needed: the friction of the floor that would hold it, of cases in which it slides; inf where that is not known.
     """
     parts = parts_of(piece)
     if len(parts) == 1:
         cases = dict.fromkeys(case for case, _ in found.falls)
-        details = {case: "" if case in tips else SLIDES for case in cases}
-        return [Finding(FALLS, details[case], case=load_case(piece, case)) for case in cases] or [Finding(FALLS)]
+        return [_fall(piece, case, needed.get(case)) for case in cases] or [Finding(FALLS)]
     down = [(case, next(part for part in parts if first in part)) for case, first in found.falls]
     return [_part(piece, part, FALLS, load_case(piece, case)) for case, part in dict.fromkeys(down)] or [Finding(FALLS)]
+
+
+def _fall(piece: Piece, case: int, needed: float | None) -> Finding:
+    """A case that a piece in one part falls in, or slides in by friction that is too low."""
+    if needed is None:
+        return Finding(FALLS, case=load_case(piece, case))
+    if needed == inf:
+        return Finding(FALLS, SLIDES, case=load_case(piece, case))
+    return Finding(FALLS, SLIDES, value=needed, bound=piece.planes[0].mu, case=load_case(piece, case))
 
 
 def weak(piece: Piece, found: FlawNumbers) -> list[Finding]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from math import ceil
+from math import ceil, floor, log10
 
 import numpy as np
 from restshape_apps.furniture.physics import plank_findings as kinds
@@ -64,7 +64,7 @@ def phrases(findings: Sequence[Finding], worst: Worst = ()) -> tuple[str, ...]:
         if kind == LIMIT:
             found += [formatted_constraint(one, one in worst) for one in group if one.detail != OMITTED]
         elif kind == kinds.FALLS:
-            found.append(_falls(group, [one.subjects for one in groups.get(kinds.APART, ())]))
+            found.append(_falls(group, [one.subjects for one in groups.get(kinds.APART, ())], worst))
         else:
             found.append(PHRASES[kind](group, worst))
     return tuple(found)
@@ -74,6 +74,8 @@ def amount(finding: Finding) -> str:
     """The amount that a finding has, as its phrase shows it; empty without one."""
     if finding.value is None or finding.bound is None:
         return ""
+    if finding.detail == kinds.SLIDES:
+        return rounded_up(finding.value)
     if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
         return "" if _bears_no_twist(finding) else _share(finding.value)
     if finding.kind == kinds.FREE or finding.detail in (kinds.BESIDE, kinds.FLAT):
@@ -147,17 +149,32 @@ def _overlapping(findings: list[Finding], worst: Worst) -> str:
     return f"overlapping: {_listed(pairs, _omitted(findings))}" if pairs else "planks overlap"
 
 
-def _falls(findings: list[Finding], parts: Sequence[tuple[str, ...]]) -> str:
+def _falls(findings: list[Finding], parts: Sequence[tuple[str, ...]], worst: Worst) -> str:
     """Loads that it falls under, and which of the parts, in their order."""
-    slides = list(dict.fromkeys(_load(one.case) for one in findings if one.detail == kinds.SLIDES))
+    sliding = [one for one in findings if one.detail == kinds.SLIDES]
+    slides = list(dict.fromkeys(_load(one.case) for one in sliding))
     cases = list(dict.fromkeys(_load(one.case) for one in findings if one.case and one.detail != kinds.SLIDES))
     if slides:
-        return "; ".join([*([f"falls under {_listed(cases)}"] if cases else []), f"slides under {_listed(slides)}"])
+        return "; ".join(
+            [
+                *([f"falls under {_listed(cases)}"] if cases else []),
+                f"slides under {_listed(slides)}{_friction(sliding, worst)}",
+            ]
+        )
     if not cases:
         return "falls"
     falling = {one.subjects: one for one in findings if one.subjects}
     order = sorted(falling.values(), key=lambda one: parts.index(one.subjects) if one.subjects in parts else len(parts))
     return f"falls under {_listed(cases)}" + (f": {_listed([_part(one) for one in order])}" if order else "")
+
+
+def _friction(sliding: list[Finding], worst: Worst) -> str:
+    """The friction that would hold what slides, and that of the floor; empty where it is not known."""
+    most = max((one for one in sliding if one.value is not None), key=lambda one: one.value or 0.0, default=None)
+    if most is None:
+        return ""
+    more = "up to " if most in worst else ""
+    return f" (needs friction of {more}{rounded_up(most.value or 0.0)}, the floor has {most.bound:.4g})"
 
 
 def _weak(findings: list[Finding], worst: Worst) -> str:
@@ -245,6 +262,12 @@ def _part(one: Finding) -> str:
 
 def _count(number: int) -> str:
     return {2: "two", 3: "three"}.get(number, str(number))
+
+
+def rounded_up(value: float) -> str:
+    """A positive number with three digits that is not below it, but for rounding."""
+    unit = 10.0 ** (floor(log10(value)) - 2)
+    return f"{ceil(value / unit - 1e-2) * unit:.3g}"
 
 
 def _share(utilisation: float) -> str:

@@ -75,7 +75,9 @@ def test_a_push_that_makes_a_weak_joint_worse_is_named(share: float) -> None:
 
 def test_what_slides_by_itself_slides_under_its_weights():
     # At half a radian it needs a friction of 0.92: cot(0.5) / 2.
-    assert words(ladder(0.5, 0.1))[0] == words(ladder(0.5, 0.91))[0] == "slides under its weights"
+    assert all(
+        words(ladder(0.5, mu))[0].startswith("slides under its weights (needs friction of 0.916") for mu in (0.1, 0.91)
+    )
 
 
 def test_a_part_that_falls_is_named():
