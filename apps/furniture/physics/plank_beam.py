@@ -1,6 +1,7 @@
-"""A plank as a beam along its longer side: what acts on it, its moments and deflection, and a floor under it."""
+"""A plank as a beam along one of its sides: what acts on it, its moments and deflection, and a floor under it."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from math import sqrt
 
 import numpy as np
@@ -26,6 +27,26 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Action:
+    """What acts on a plank at a joint, a foot or a load.
+
+    Args:
+        at: (3,) its middle [m].
+        span: length along the beam over which it is spread [m].
+        force, couple: (3,) [N], [N m].
+        holds: whether it supports the plank.
+        straight: length along the beam over which it holds the plank straight, if it supports it [m].
+    """
+
+    at: np.ndarray
+    span: float
+    force: np.ndarray
+    couple: np.ndarray
+    holds: bool = False
+    straight: float = 0.0
+
+
+@dataclass(frozen=True)
 class Actions:
     """What acts on a beam.
 
@@ -37,6 +58,7 @@ class Actions:
         holds: (k,) whether it supports the beam, as a joint with a leg does, or loads it.
         own: a force spread evenly over the length [N/m].
         length: of the beam [m].
+        straight: (m, 2) from where to where supports that run along the beam hold it straight [m].
     """
 
     place: np.ndarray
@@ -46,23 +68,27 @@ class Actions:
     holds: np.ndarray
     own: float
     length: float
+    straight: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
 
     @classmethod
-    def on(
-        cls, line: Line, rows: list[tuple[np.ndarray, float, np.ndarray, np.ndarray, bool]], own: float
-    ) -> "Actions":
-        """Actions on a line: of each its middle (3,), its span [m], its force (3,), its couple (3,), if it holds."""
+    def on(cls, line: Line, rows: Sequence[Action], own: float) -> "Actions":
+        """Actions on a line, with a force of its own that is spread evenly [N/m]."""
         if not rows:
             return cls(*(np.zeros(0) for _ in range(4)), np.zeros(0, dtype=bool), own, line.length)
-        at, span, force, couple, holds = (np.array(column) for column in zip(*rows))
+        at, force, couple = (np.array([getattr(row, name) for row in rows]) for name in ("at", "force", "couple"))
+        holds = np.array([row.holds for row in rows])
         half, arms = line.length / 2, at - line.centre
         place = np.clip(arms @ line.along, -half, half)
         # What is spread stays on the beam.
-        span = np.minimum(span, 2 * (half - np.abs(place)))
+        most = 2 * (half - np.abs(place))
+        span = np.minimum([row.span for row in rows], most)
         axis = np.cross(line.along, line.normal)
         # With moments of forces along the beam whose line misses its middle.
         m = couple @ axis + np.cross(arms - place[:, None] * line.along, force) @ axis
-        return cls(place, span, force @ line.normal, m, holds, own, line.length)
+        straight = np.minimum([row.straight for row in rows], most)
+        runs = (straight > 0.0) & (holds if holds.any() else True)
+        ends = np.stack([place - straight / 2, place + straight / 2], axis=1)[runs]
+        return cls(place, span, force @ line.normal, m, holds, own, line.length, ends)
 
     def stations(self, count: int) -> np.ndarray:
         """Places (s,) along the beam between which moments run smoothly [m]."""
@@ -70,7 +96,8 @@ class Actions:
         # The moment may jump at a place: there are stations on both sides of it.
         beside = 1e-9 * self.length
         ends = (self.place + sign * (self.span / 2 + beside) for sign in (-1.0, 1.0))
-        s = np.concatenate([np.linspace(-half, half, count), *ends])
+        straight = (self.straight + sign * beside for sign in (-1.0, 1.0))
+        s = np.concatenate([np.linspace(-half, half, count), *ends, *(one.ravel() for one in straight)])
         return np.unique(np.clip(s, -half - beside, half + beside))
 
     def moments(self, s: np.ndarray) -> np.ndarray:
@@ -85,6 +112,11 @@ class Actions:
         spread = self.force / span * (x * (t + span / 2) - square) + slope * (x * square - cube)
         own = 0.5 * self.own * np.clip(s + self.length / 2, 0.0, self.length) ** 2
         return np.where(point, found, spread).sum(axis=1) + own
+
+    def straightened(self, s: np.ndarray) -> np.ndarray:
+        """Whether supports that run along the beam hold it straight at places (s,) [m]."""
+        first, last = self.straight.T
+        return ((s[:, None] > first) & (s[:, None] < last)).any(axis=1)
 
     def constrained(self) -> np.ndarray:
         """Places (h,) that support the beam [m]; where nothing does, as without feet, all that acts on it."""
@@ -131,6 +163,7 @@ class Actions:
             force=np.concatenate([self.force, up * scale * push[on]]),
             couple=np.concatenate([self.couple, none]),
             holds=np.concatenate([np.zeros(len(self.holds), dtype=bool), np.ones(len(none), dtype=bool)]),
+            straight=np.zeros((0, 2)),
         )
 
 

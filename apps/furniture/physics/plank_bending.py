@@ -5,28 +5,39 @@ from dataclasses import dataclass
 import numpy as np
 from restshape_apps.furniture.physics.fasteners import wood
 from restshape_apps.furniture.physics.furniture import Furniture
-from restshape_apps.furniture.physics.plank_beam import Actions, Line, deflection
+from restshape_apps.furniture.physics.plank_beam import Action, Actions, Line, deflection
 from restshape_apps.furniture.shape.planks import on_floor_without
 
 STATIONS = 201
 
 
 @dataclass(frozen=True)
-class PlankBending:
-    """What bends a plank, out of its plane along its longer side.
+class AxisBending:
+    """Bending of a plank along one of its two sides.
 
     Args:
-        s: (k,) stations along the plank from its middle [m].
+        s: (k,) stations along the side from the plank's middle [m].
         moment: (k,) bending moment [N m].
         deflection: (k,) along the plank's normal, 0 at the outermost places that support it [m].
-        max_deflection: the largest deflection [m].
-        stress: the largest bending stress [Pa].
-        utilisation: of its bending strength, in parts of it.
     """
 
     s: np.ndarray
     moment: np.ndarray
     deflection: np.ndarray
+
+
+@dataclass(frozen=True)
+class PlankBending:
+    """What bends a plank out of its plane.
+
+    Args:
+        along: bending along its first and its second axis; deflections of the two add up.
+        max_deflection: the largest deflection [m].
+        stress: the largest bending stress [Pa].
+        utilisation: of its bending strength, in parts of it.
+    """
+
+    along: tuple[AxisBending, AxisBending]
     max_deflection: float
     stress: float
     utilisation: float
@@ -35,9 +46,11 @@ class PlankBending:
 def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBending:
     """Bending of one plank of the piece as it is, under the forces of a case that was just tested.
 
-    The plank is an Euler-Bernoulli beam of its whole width: planks much longer than wide are met best. Its weight is
-    spread evenly, a joint's force over the part of the beam along which the joint runs. A plank that lies on the floor
-    is pushed where it would go through it; one that stands on a long edge is held along it, and does not bend. Joints
+    The plank is an Euler-Bernoulli beam along each of its two sides, of its whole extent across that side; both bear
+    all loads, and their deflections add up. A support holds the plank straight along the line in which it runs, so
+    that a plank bends between its supports, or away from a single one. Where supports run along both sides, the side
+    counts as held whose hold leaves less deflection. Its weight is spread evenly, a joint's force over the part of the
+    beam along which the joint runs. A plank that lies on the floor is pushed where it would go through it. Joints
     support it to whose other plank a way of joints leads from the floor past this one; what hangs on it loads it.
 
     Args:
@@ -46,37 +59,57 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
         case: of the loads.
     """
     board = furniture.piece.planks[plank]
-    a = int(np.argmax(board.size[:2]))
-    length, width, thickness = float(board.size[a]), float(board.size[1 - a]), float(board.size[2])
-    bed = _bed(furniture, plank, a)
+    thickness, material = float(board.size[2]), wood(board.wood)
+    beams = [_actions(furniture, plank, case, a) for a in (0, 1)]
+    second = [float(board.size[1 - a]) * thickness**3 / 12.0 for a in (0, 1)]
+    found = [[_bent(beams[a], material.E * second[a], straight) for straight in (False, True)] for a in (0, 1)]
+    ways = [(found[0][False], found[1][True]), (found[0][True], found[1][False])]
+    largest = [_largest(way) for way in ways]
+    stresses = [
+        max(float(np.abs(one.moment).max()) * 0.5 * thickness / second[a] for a, one in enumerate(way)) for way in ways
+    ]
+    least, stress = int(np.argmin(largest)), min(stresses)
+    return PlankBending(ways[least], largest[least], stress, stress / material.bending)
+
+
+def _bent(beam: Actions, stiffness: float, straight: bool) -> AxisBending:
+    """Bending of a beam of a stiffness [N m^2], held straight or not by what runs along it."""
+    s = beam.stations(STATIONS)
+    moment = beam.moments(s)
+    if straight:
+        moment[beam.straightened(s)] = 0.0
+    return AxisBending(s, moment, deflection(s, moment / stiffness, beam.constrained()))
+
+
+def _largest(way: tuple[AxisBending, AxisBending]) -> float:
+    """The largest sum of two deflections [m]."""
+    return float(max(abs(sum(sign(one.deflection) for one in way)) for sign in (np.max, np.min)))
+
+
+def _actions(furniture: Furniture, plank: int, case: int, a: int) -> Actions:
+    """What acts on a plank as a beam along its axis a, with the floor on which it lies."""
+    board, piece = furniture.piece.planks[plank], furniture.piece
+    bed = next((foot.side for foot in piece.feet if foot.plank == plank and foot.side >= 4), None)
     # Friction of a floor acts on the face that lies on it, below what it holds.
     centre = board.centre if bed is None else board.end(bed)
-    acts = _actions(furniture, plank, case, Line(centre, board.axes[:, a], board.axes[:, 2], length), a)
-    if bed is not None:
-        acts = acts.on_floor(-1.0 if bed == 5 else 1.0) if bed >= 4 else None
-    material, inertia = wood(board.wood), width * thickness**3 / 12.0
-    if acts is None:
-        s = np.linspace(-length / 2, length / 2, STATIONS)
-        return PlankBending(s, np.zeros(STATIONS), np.zeros(STATIONS), 0.0, 0.0, 0.0)
-    s = acts.stations(STATIONS)
-    moment = acts.moments(s)
-    bent = deflection(s, moment / (material.E * inertia), acts.constrained())
-    stress = float(np.abs(moment).max() * 0.5 * thickness / inertia)
-    return PlankBending(s, moment, bent, float(np.abs(bent).max()), stress, stress / material.bending)
+    line = Line(centre, board.axes[:, a], board.axes[:, 2], float(board.size[a]))
+    rows = [*_joints(furniture, plank, case, line), *_feet(furniture, plank, case, line, a)]
+    for k, load in enumerate((*piece.weights, *piece.pushes)):
+        if load.plank == plank:
+            at = board.centre + board.axes @ (np.array(load.place) * board.size)
+            rows.append(Action(at, 0.0, furniture.cases[case, k], np.zeros(3)))
+    weight = furniture.geometry().mass[plank] * np.array(piece.gravity)
+    beam = Actions.on(line, rows, float(weight @ line.normal) / line.length)
+    if bed is None:
+        return beam
+    # A floor that cannot hold what acts leaves no beam to bend.
+    return beam.on_floor(-1.0 if bed == 5 else 1.0) or Actions.on(line, [], 0.0)
 
 
-def _bed(furniture: Furniture, plank: int, a: int) -> int | None:
-    """The side with which a plank stands on a floor along its longer side a, an edge before a face; None if none."""
-    sides = [foot.side for foot in furniture.piece.feet if foot.plank == plank and foot.side // 2 != a]
-    return min(sides, default=None)
-
-
-def _actions(furniture: Furniture, plank: int, case: int, line: Line, a: int) -> Actions:
-    """What acts on a plank, but a floor that runs along its longer side a."""
+def _joints(furniture: Furniture, plank: int, case: int, line: Line) -> list[Action]:
+    """What joints do to a plank."""
     geometry, forces, piece = furniture.geometry(), furniture.forces(case), furniture.piece
-    board = piece.planks[plank]
-    rows: list[tuple[np.ndarray, float, np.ndarray, np.ndarray, bool]] = []
-    borne = on_floor_without(piece, plank)
+    rows, borne = [], on_floor_without(piece, plank)
     for k, joint in enumerate(piece.joints):
         if plank not in (joint.i, joint.j):
             continue
@@ -86,16 +119,22 @@ def _actions(furniture: Furniture, plank: int, case: int, line: Line, a: int) ->
         h = np.array([forces.tension[k], *forces.shear[k]]) @ frame
         # The rotation of j seen from i opens a joint, so that its couple has the other sign.
         c = np.array([forces.twist[k, 1], forces.twist[k, 0], forces.bending[k]]) @ frame
-        span = float(geometry.length[k] * abs(geometry.y[k] @ line.along))
+        length, cosine = float(geometry.length[k]), float(abs(geometry.y[k] @ line.along))
         holds = (joint.j if joint.i == plank else joint.i) in borne
-        rows.append((geometry.p[k], span, sign * h, -sign * c, holds))
-    for k, foot in enumerate(piece.feet):
-        if foot.plank == plank and foot.side // 2 == a:
-            for c in range(4 * k, 4 * k + 4):
-                rows.append((geometry.contacts[c], 0.0, forces.contacts[c], np.zeros(3), True))
-    for k, load in enumerate((*piece.weights, *piece.pushes)):
-        if load.plank == plank:
-            at = board.centre + board.axes @ (np.array(load.place) * board.size)
-            rows.append((at, 0.0, furniture.cases[case, k], np.zeros(3), False))
-    own = float(geometry.mass[plank] * np.array(piece.gravity) @ line.normal) / line.length
-    return Actions.on(line, rows, own)
+        # A line across holds no part of the beam straight, nor does one at 45 degrees either of the two beams.
+        straight = length * max(0.0, 2.0 * cosine**2 - 1.0)
+        rows.append(Action(geometry.p[k], length * cosine, sign * h, -sign * c, holds, straight))
+    return rows
+
+
+def _feet(furniture: Furniture, plank: int, case: int, line: Line, a: int) -> list[Action]:
+    """What the floor does to the edges with which a plank stands on it."""
+    geometry, forces, rows = furniture.geometry(), furniture.forces(case), []
+    for k, foot in enumerate(furniture.piece.feet):
+        if foot.plank != plank or foot.side >= 4:
+            continue
+        points, pushes = geometry.contacts[4 * k : 4 * k + 4], forces.contacts[4 * k : 4 * k + 4]
+        middle, span = points.mean(axis=0), float(np.ptp(points @ line.along))
+        couple = np.cross(points - middle, pushes).sum(axis=0)
+        rows.append(Action(middle, span, pushes.sum(axis=0), couple, True, span if foot.side // 2 != a else 0.0))
+    return rows
