@@ -23,7 +23,7 @@ from restshape_apps.furniture.guidance.preferences import farthest_move, kept_mo
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.ranked import ranked
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
-from restshape_apps.furniture.guidance.remedies import remedies
+from restshape_apps.furniture.guidance.remedies import Thickened, as_thick, remedies
 from restshape_apps.furniture.guidance.sliding_advice import why_slides
 from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionList
 from restshape_apps.furniture.guidance.suggestions import Combinations, suggest
@@ -84,6 +84,7 @@ class Guidance:
         quantities: of the scene, whose limits suggestions are to obey.
         farthest: how far a suggestion moves any corner of a plank at most, in parts of the piece's longest side; None:
             `NEAR` where something as near holds, else `FARTHEST`.
+        thickened: what gives all planks another thickness, as formulas of the scene have it.
     """
 
     ranges: bool = True
@@ -92,6 +93,7 @@ class Guidance:
     keep: tuple[str, ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     farthest: float | None = None
+    thickened: Thickened = as_thick
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,7 +261,8 @@ class Design:
     def _searched(self, flaws: int, most: int) -> tuple[list[Suggestion], int, int, str]:
         """What a search for a piece with these flaws finds, what it tried and tested, and why it may find nothing."""
         if not flaws:
-            mends = DoubtMends(self.furniture, self.guidance.quantities, self.guidance.keep, self._farthest)
+            asked = self.guidance
+            mends = DoubtMends(self.furniture, asked.quantities, asked.keep, self._farthest, asked.thickened)
             found = mends.found()
             return found, mends.tried, mends.tests, mends.why() if mends.doubts else ""
         if flaws & LOST:
@@ -289,7 +292,7 @@ class Design:
             elif flaws & WEAK:
                 why += "; closer or other fasteners and thicker planks do not help either; a lighter load may"
                 supports = [Suggestion.supported(self.piece, one) for one in support_planks(self.furniture)]
-                others = [Suggestion.by(one) for one in remedies(self.piece, self._obeys)]
+                others = map(Suggestion.by, remedies(self.piece, self._obeys, False, self.guidance.thickened))
                 added += [*supports, *others]
             found += [one for one in added if self._unlocked(one)]
         return found, tried, tested, why

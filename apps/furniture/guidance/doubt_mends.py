@@ -10,7 +10,7 @@ from restshape_apps.furniture.guidance.doubts import depends, doubts, free
 from restshape_apps.furniture.guidance.lengthening import rejoined
 from restshape_apps.furniture.guidance.preferences import kept_modes
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
-from restshape_apps.furniture.guidance.remedies import remedies
+from restshape_apps.furniture.guidance.remedies import Thickened, as_thick, remedies
 from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.plank_findings import DEPENDS, DOUBTFUL, FREE
@@ -47,12 +47,19 @@ class DoubtMends:
         quantities: of its scene, by name.
         keep: locks, as in `[effects.guidance]`.
         far: how far a freedom is looked at, in parts of the piece.
+        thickened: what gives all planks another thickness.
     """
 
     def __init__(
-        self, furniture: Furniture, quantities: Mapping[str, Quantity], keep: Sequence[str], far: float
+        self,
+        furniture: Furniture,
+        quantities: Mapping[str, Quantity],
+        keep: Sequence[str],
+        far: float,
+        thickened: Thickened = as_thick,
     ) -> None:
         self.furniture, self.quantities, self.keep, self.far = furniture, quantities, keep, far
+        self.thickened = thickened
         self.doubts = doubts(furniture.moved(), quantities)
         self.matters = list(dict.fromkeys(map(_matter, self.doubts)))
         # Ends that are free already are joined.
@@ -76,7 +83,7 @@ class DoubtMends:
     def _mends(self) -> list[Suggestion]:
         """Other fasteners, other thicknesses and single freedoms that reach the goal."""
         self.most = self.tests + TESTS // len(self.furniture.piece.planks)
-        others = remedies(self.furniture.moved(), self._clear, strict=True)
+        others = remedies(self.furniture.moved(), self._clear, True, self.thickened)
         return [*map(Suggestion.by, others), *self._freedoms()]
 
     def why(self) -> str:

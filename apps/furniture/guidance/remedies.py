@@ -46,9 +46,19 @@ class Remedy:
 
 Kind = Callable[[Piece], Iterable[Remedy]]
 Obeys = Callable[[Piece], bool]
+Thickened = Callable[[Piece, float], Piece]
+"""A piece with all planks of a thickness [m]; it raises `UserError` where there is none."""
 
 
-def remedies(piece: Piece, obeys: Obeys = lambda piece: True, strict: bool = False) -> tuple[Remedy, ...]:
+def as_thick(piece: Piece, t: float) -> Piece:
+    """The piece with all planks of a thickness [m], with faces where they lie on each other."""
+    planks = tuple(replace(plank, size=np.array([*plank.size[:2], t])) for plank in piece.planks)
+    return replace(piece, planks=kept_contacts(piece.planks, planks, piece.planes))
+
+
+def remedies(
+    piece: Piece, obeys: Obeys = lambda piece: True, strict: bool = False, thickened: Thickened = as_thick
+) -> tuple[Remedy, ...]:
     """Of each kind the smallest change with which the full test holds; none where none does.
 
     Where no kind alone is enough, two are tried together: the smallest change of one with which any of the other is
@@ -58,11 +68,16 @@ def remedies(piece: Piece, obeys: Obeys = lambda piece: True, strict: bool = Fal
         piece: that does not hold, or is doubtful.
         obeys: whether a piece keeps the limits of quantities; what does goes before smaller changes that do not.
         strict: changes that do not obey are none; thinner planks are tried too.
+        thickened: what gives all planks another thickness.
     """
-    kinds: dict[str, Kind] = {"closer": _closer, "other": _stronger, "thicker": _thicker}
+
+    def thicker(piece: Piece) -> Iterator[Remedy]:
+        return _thicker(piece, thickened)
+
+    kinds: dict[str, Kind] = {"closer": _closer, "other": _stronger, "thicker": thicker}
     found = {name: _first(kind(piece), obeys, strict) for name, kind in kinds.items()}
     if strict:
-        found["thinner"] = _first(_thinner(piece), obeys, strict)
+        found["thinner"] = _first(_thinner(piece, thickened), obeys, strict)
     if not any(found.values()):
         enough = obeys if strict else lambda piece: True
         found |= {f"{one} {other}": _pair(piece, kinds[one], kinds[other], enough) for one, other in PAIRS}
@@ -144,16 +159,17 @@ def _stronger(piece: Piece) -> Iterable[Remedy]:
         )
 
 
-def _thicker(piece: Piece) -> Iterator[Remedy]:
+def _thicker(piece: Piece, thickened: Thickened) -> Iterator[Remedy]:
     """All planks thicker, where all are as thick, up to twice; the thinnest first."""
     thick = _thickness(piece)
-    return (_as_thick(piece, t, "thicker planks") for t in THICKNESSES if thick + 1e-9 < t <= 2.0 * thick)
+    return _of_thickness(piece, [t for t in THICKNESSES if thick + 1e-9 < t <= 2.0 * thick], "thicker", thickened)
 
 
-def _thinner(piece: Piece) -> Iterator[Remedy]:
+def _thinner(piece: Piece, thickened: Thickened) -> Iterator[Remedy]:
     """All planks thinner, where all are as thick, down to half; the thickest first."""
     thick = _thickness(piece)
-    return (_as_thick(piece, t, "thinner planks") for t in THICKNESSES[::-1] if 0.5 * thick <= t < thick - 1e-9)
+    thinner = [t for t in THICKNESSES[::-1] if 0.5 * thick <= t < thick - 1e-9]
+    return _of_thickness(piece, thinner, "thinner", thickened)
 
 
 def _thickness(piece: Piece) -> float:
@@ -162,9 +178,13 @@ def _thickness(piece: Piece) -> float:
     return thick if all(abs(float(plank.size[2]) - thick) <= 1e-9 for plank in piece.planks) else np.nan
 
 
-def _as_thick(piece: Piece, t: float, name: str) -> Remedy:
-    """All planks of a thickness [m], with faces where they lie on each other."""
-    planks = tuple(replace(plank, size=np.array([*plank.size[:2], t])) for plank in piece.planks)
-    planks = kept_contacts(piece.planks, planks, piece.planes)
-    words = f"planks {1e3 * t:g} mm thick, not {1e3 * _thickness(piece):g} mm"
-    return Remedy(name, words, (("wood.thickness", t),), replace(piece, planks=planks))
+def _of_thickness(piece: Piece, thicknesses: Sequence[float], name: str, thickened: Thickened) -> Iterator[Remedy]:
+    """All planks of each of these thicknesses [m] that can be had."""
+    for t in thicknesses:
+        try:
+            other = thickened(piece, t)
+        except UserError:
+            # Formulas of the scene give no planks then.
+            continue
+        words = f"planks {1e3 * t:g} mm thick, not {1e3 * _thickness(piece):g} mm"
+        yield Remedy(f"{name} planks", words, (("wood.thickness", t),), other)

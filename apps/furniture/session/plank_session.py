@@ -15,6 +15,7 @@ from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.physics.plank_findings import LENGTH
 from restshape_apps.furniture.scene.plank_events import far_turn
 from restshape_apps.furniture.session.boards import MovingBoards
+from restshape_apps.furniture.session.chosen_settings import setting_key, setting_note, thickened_by
 from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
 from restshape_apps.furniture.session.plank_frame import Grab, PlankFrame, State
 from restshape_apps.furniture.session.set_keys import after_set, taken_back
@@ -27,11 +28,10 @@ from restshape_apps.furniture.shape.planks import FREEDOMS, Piece, Plank
 from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.edit_script import Script
-from restshape.scene.given_numbers import edited_number, given_number
+from restshape.scene.given_numbers import edited_number
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
-from restshape.scene.source import split_key
 from restshape.shape.gradual import sweep
 from restshape.shape.handpath import resampled
 from restshape.shape.script_session import ScriptSession, Step
@@ -270,12 +270,12 @@ class PlankSession(ScriptSession):
         before, suggestion = (self.design, self.scene), suggestion_list[event.number - 1]
         base, gone = self.design, ""
         if suggestion.settings:
-            gone = "".join(_replaced(self.scene, key) for key, _ in suggestion.settings)
+            gone = "".join(setting_note(self.scene, *one) for one in suggestion.settings)
             try:
                 scene = self.scene
                 for key, value in suggestion.settings:
-                    scene = revise(scene, key, value)
-                self.design = Design.closed(suggestion.piece, base.guidance)
+                    scene = revise(scene, setting_key(scene, key, value), value)
+                self.design = Design.closed(suggestion.piece, self._guidance(scene))
             except UserError as error:
                 yield self._refusal(error)
                 return
@@ -363,12 +363,22 @@ class PlankSession(ScriptSession):
             self.design = self.design.moved(self.gamma)
         self.gamma, self._chosen = self._rest(), None
 
-    def _guidance(self) -> Guidance:
-        asked = plan(self.scene, self._application).settings("guidance")
+    def _guidance(self, scene: Scene | None = None) -> Guidance:
+        """The guidance that a scene asks for; None: the one that is edited."""
+        scene = scene or self.scene
+        asked = plan(scene, self._application).settings("guidance")
+        quantities, thickened = scene.quantities, thickened_by(scene)
         if not asked:
-            return Guidance(quantities=self.scene.quantities)
-        keep, quantities = tuple(asked.keep), self.scene.quantities
-        return Guidance(asked.ranges, asked.suggestions, asked.freedoms, keep, quantities, asked.farthest)
+            return Guidance(quantities=quantities, thickened=thickened)
+        return Guidance(
+            asked.ranges,
+            asked.suggestions,
+            asked.freedoms,
+            tuple(asked.keep),
+            quantities,
+            asked.farthest,
+            thickened,
+        )
 
     def _rest(self) -> np.ndarray:
         return np.zeros((len(self.design.piece.planks), 8))
@@ -381,12 +391,6 @@ def _left_out(plank: Plank, own: np.ndarray) -> str:
     )
     ways = [f"its {name} ({room_words(axis)} of the room)" for name, axis in parts]
     return f"{plank.name} cannot move along {' or '.join(ways)}: that part of the drag is left out"
-
-
-def _replaced(scene: Scene, key: str) -> str:
-    """What a note says where a number takes the place of a formula; empty where there was none."""
-    given = given_number(scene, split_key(key))
-    return f"; it takes the place of the formula {given.formula.text.strip()!r}" if given else ""
 
 
 def _with_own_names(piece: Piece) -> Piece:

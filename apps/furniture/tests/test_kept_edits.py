@@ -113,3 +113,22 @@ def test_planks_that_edits_leave_no_size_are_refused(play):
     frame, planks = play(*drag("mid", "length y", "-200 mm"), set_("parameters.d", "150 mm"))
     assert "mid would have no length along its y left: edits have made it shorter" in frame.refused
     assert planks["mid"].size[1] == pytest.approx(0.04)
+
+
+def test_a_chosen_thickness_sets_the_parameter_that_gives_it(play):
+    push = '[pushes.side]\non = "top"\nforce = ["160 N", 0, 0]\n[effects.push]\n[effects.guidance]\n'
+    heavy = SHELF.replace("20 kg", "60 kg").replace("dowel", "screw").replace("50 mm", "80 mm") + push
+    frame, _ = play(text=heavy)
+    found = frame.design.suggestion_list.found
+    number = next(k for k, one in enumerate(found, 1) if one.settings and one.settings[0][0] == "wood.thickness")
+    t = found[number - 1].settings[0][1]
+    frame, planks = play({"do": "choose", "number": number}, text=heavy)
+    assert frame.scene.parameters["t"] == t and frame.note.endswith("; set by parameters.t")
+    # As the formulas have it: the outer width stays, and the shelf is between the sides.
+    _, drawn = play(set_("wood.thickness", t), text=heavy)
+    for name, plank in planks.items():
+        assert plank.corners() == pytest.approx(drawn[name].corners(), abs=1e-12)
+    assert np.ptp([planks[name].corners()[:, 0] for name in ("left", "right")]) == pytest.approx(0.7)
+    assert frame.design.furniture.test().valid
+    _, thicker = play({"do": "choose", "number": number}, set_("parameters.t", "30 mm"), text=heavy)
+    assert {float(plank.size[2]) for plank in thicker.values()} == {0.03}
