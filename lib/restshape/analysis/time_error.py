@@ -30,8 +30,8 @@ class StepMatrix:
         """About the solution (n,) with a right side (n,)."""
         if self.exact:
             return self.precondition(rest)
-        # With a factor that is nearly the matrix's own no single gain is small before the last one.
-        return conjugate_steps(self.product, self.precondition, rest, delay=1 if self.complete else DELAY)
+        # With a factor that is nearly the matrix's own gains fall fast: after two small ones hardly any is large.
+        return conjugate_steps(self.product, self.precondition, rest, delay=2 if self.complete else DELAY)
 
 
 def local_error(
