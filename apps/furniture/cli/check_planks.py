@@ -1,10 +1,13 @@
 """What `restshape check` says of a piece of furniture."""
 
+# More than 15 modules: each row is of another part of a piece.
+
 from typing import Any
 
 import numpy as np
 from restshape_apps.furniture.guidance.design import Design
 from restshape_apps.furniture.guidance.doubts import judged
+from restshape_apps.furniture.guidance.overlap_advice import overlap_advice
 from restshape_apps.furniture.physics.joint_compliance import recorded_utilisations, utilisation_range
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.physics.plank_quantities import require_places
@@ -73,6 +76,7 @@ def piece_data(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
         "flaws": [] if result.valid else list(result.words),
         "doubts": list(phrases(judged(piece, scene.quantities))) if result.valid else [],
         "redundant_joints": recorded_utilisations(piece, known, len(piece.joints)) if known else [],
+        "overlaps": list(overlap_advice(piece, geometry.overlaps)),
         "free_ends": [end.words(piece) for end in free_ends(piece)],
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "weights": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.weights},
@@ -113,7 +117,8 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows += [("redundant joint", f"and {more} more")] if more > 0 else []
     words = "; ".join(phrases(judged(piece, scene.quantities)))
     rows.append(("constraint status", f"holds, but {words}" if words and result.valid else words or "valid"))
-    rows += [("warning", end.words(piece)) for end in free_ends(piece)]
+    rows += [("warning", words) for words in overlap_advice(piece, geometry.overlaps)]
+    rows += [("warning", end.words(piece)) for end in free_ends(piece) if not end.sunk(piece)]
     return rows + [("warning", warning) for warning in effects.warnings]
 
 

@@ -18,7 +18,8 @@ from restshape_apps.furniture.guidance.doubt_mends import DoubtMends
 from restshape_apps.furniture.guidance.doubts import depends, doubts, free
 from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
 from restshape_apps.furniture.guidance.force_space import durability_space
-from restshape_apps.furniture.guidance.lengthening import lengthenings, why_overlapping
+from restshape_apps.furniture.guidance.lengthening import lengthenings
+from restshape_apps.furniture.guidance.overlap_advice import overlap_advice
 from restshape_apps.furniture.guidance.preferences import farthest_move, kept_modes, locked
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.ranked import ranked
@@ -61,6 +62,12 @@ TRIED = 1e-3
 
 REST = 160
 """Letters at most of what a suggestion leaves wrong."""
+
+FAR_WORDS = 100
+"""Letters at most of what would mend a piece but goes too far."""
+
+ADVICE = 3
+"""Planks that overlap of which it is said what to do."""
 
 DOUBTS, NARROW = 48, 1e-4
 """Places of a valid range where doubts are looked for, and the least part of it that is shown as doubtful."""
@@ -273,11 +280,11 @@ class Design:
             ends, moves = lengthenings(self.piece), connections(self.piece, most)
             moves = tuple(one for one in moves if not any(same_place(one.piece, other.piece) for other in ends))
             found = [Suggestion.of(one) for one in (*ends, *moves)]
-            tried, tested, why = 0, len(found), "no move of a part joins it to the rest: draw a plank between them"
+            why = self.advice or "no move of a part joins it to the rest: draw a plank between them"
+            tried, tested = 0, len(found)
         elif flaws & OVERLAPPING or not flaws & (UNSTABLE | WEAK):
             found, tried, tested = [Suggestion.of(one) for one in lengthenings(self.piece)], 0, 0
-            overlaps = self.furniture.geometry().overlaps
-            why = why_overlapping(self.piece, overlaps) if overlaps else "no equilibrium was found"
+            why = self.advice or "no equilibrium was found"
         elif flaws & UNSTABLE and not self.piece.feet:
             found, tried, tested = [Suggestion.of(one) for one in lengthenings(self.piece)], 0, 0
             why = "nothing stands on the floor: draw a plank that does, or connect one that is near it"
@@ -296,6 +303,12 @@ class Design:
                 added += [*supports, *others]
             found += [one for one in added if self._unlocked(one)]
         return found, tried, tested, why
+
+    @property
+    def advice(self) -> str:
+        """What to do about planks that overlap; empty where none do."""
+        said = overlap_advice(self.piece, self.furniture.geometry().overlaps)
+        return "; ".join(said[:ADVICE]) + (f"; and {len(said) - ADVICE} more" if len(said) > ADVICE else "")
 
     def after(self, one: Suggestion) -> Piece:
         """The piece where a suggestion is shown."""
@@ -325,9 +338,11 @@ class Design:
 
     def _why_far(self, nearest: Suggestion) -> str:
         """Why nothing is shown where all would move things too far."""
-        share, far = self._move(nearest) / self.piece.size, amounts.amount(self._move(nearest), "m")
-        what = f"what would mend it moves a corner by {far} or more, {share:.2g} of the piece"
-        return f"{what}, and effects.guidance.farthest is {self._farthest:g}: draw a plank between, or raise it"
+        if self.advice:
+            return self.advice
+        share, what = self._move(nearest) / self.piece.size, shorten(nearest.words, FAR_WORDS, placeholder=" ...")
+        far = f"{share:.2g} of the piece, and effects.guidance.farthest is {self._farthest:g}"
+        return f"the nearest that would mend it goes too far ({what}: {far}): draw a plank between, or raise it"
 
     def _combined(self, most: int) -> list[Combinations]:
         """Searches for combinations, first of those that keep the piece level and symmetric, until some are found."""
@@ -411,7 +426,7 @@ class Design:
 
 def findings_at(furniture: Furniture, result: TestResult, gamma: np.ndarray) -> tuple[Finding, ...]:
     """What is wrong at design parameters (n, 8), with distances as they are there."""
-    moved = gamma.any() and result.flaws & (LOST | APART | UNSTABLE)
+    moved = gamma.any() and result.flaws & (LOST | APART | OVERLAPPING | UNSTABLE)
     return (replace(result, piece=furniture.moved(gamma)) if moved else result).findings
 
 

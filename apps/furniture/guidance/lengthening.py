@@ -17,7 +17,7 @@ from restshape_apps.furniture.physics.furniture import (
     TestResult,
 )
 from restshape_apps.furniture.shape.directions import room_words
-from restshape_apps.furniture.shape.free_ends import FreeEnd, free_ends, goes_through
+from restshape_apps.furniture.shape.free_ends import FreeEnd, free_ends
 from restshape_apps.furniture.shape.plank_edits import connected
 from restshape_apps.furniture.shape.planks import FLUSH, SIDES, Piece, Plank, parts_of
 
@@ -46,16 +46,6 @@ def lengthenings(piece: Piece, shown: int = 8) -> tuple[Connection, ...]:
         if len(parts_of(one.piece)) < apart or _wrong(Furniture(one.piece).test()) < before:
             found.append(one)
     return tuple(sorted(found, key=lambda one: one.flaws != 0)[:shown])
-
-
-def why_overlapping(piece: Piece, pairs: Sequence[tuple[int, int]]) -> str:
-    """What to do about planks that overlap, as pairs of them; a fixed plane has a number below nought."""
-    for i, j in pairs:
-        for one, other in ((i, j), (j, i)) if j >= 0 else ():
-            if goes_through(piece.planks[one], piece.planks[other]):
-                names = piece.planks[one].name, piece.planks[other].name
-                return "{0} goes through {1}: draw it as two planks, one on each side of {1}".format(*names)
-    return "planks overlap: move them apart"
 
 
 def _wrong(result: TestResult) -> tuple[int, bool, bool, int, float, float]:

@@ -43,7 +43,7 @@ class Compliance:
     least_slant: float = 0.25
     gap: float = 1e-6
     least_overlap: float = 0.01
-    interference: float = 1e-4
+    interference: float = plank_findings.INTERFERENCE
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
+from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.face_contacts import flat_between_parts
 from restshape_apps.furniture.shape.free_ends import ASIDE, FreeEnd, free_ends
+from restshape_apps.furniture.shape.overlap_sizes import Overlap, overlap_sizes
 from restshape_apps.furniture.shape.plank_gaps import Gap, gap_between_parts, gap_of
 from restshape_apps.furniture.shape.planks import SIDES, Piece, parts_of
 
@@ -47,6 +49,8 @@ LOADS = (PULL, SHEAR, LINE, TWIST)
 """The same by their numbers."""
 MOST_UTILISATION = 1e12
 """Of a joint: a single fastener does not bear a twist at all."""
+INTERFERENCE = 1e-4
+"""How far planks may be in each other to count as touching [m]."""
 LEVEL = 0.999
 """Least cosine with the vertical of the normal of a plank that lies level on another one."""
 WEIGHTS = "weights"
@@ -88,10 +92,19 @@ def lost(piece: Piece, found: FlawNumbers) -> list[Finding]:
 
 
 def overlapping(piece: Piece, found: FlawNumbers) -> list[Finding]:
-    """Planks that are in each other, and in the floor."""
-    names = [plank.name for plank in piece.planks]
-    pairs = [(names[i], names[j] if j >= 0 else _plane(-1 - j)) for i, j in found.overlaps]
-    return [Finding(OVERLAPPING, subjects=pair) for pair in pairs] or [Finding(OVERLAPPING)]
+    """Planks that are in each other, and in the floor; how far, along which axes of the room, and where."""
+    return [_overlap(piece, one) for one in overlap_sizes(piece, found.overlaps)] or [Finding(OVERLAPPING)]
+
+
+def _overlap(piece: Piece, one: Overlap) -> Finding:
+    name = piece.planks[one.plank].name
+    if one.other < 0:
+        return Finding(OVERLAPPING, "", (name, _plane(-1 - one.other)), one.depth, INTERFERENCE, "m")
+    place = ", ".join(f"{round(1e3 * x) + 0}" for x in one.place.tolist())
+    way = room_words(one.way).replace("+", "").replace("-", "")
+    return Finding(
+        OVERLAPPING, "", (name, piece.planks[one.other].name, way, f"({place}) mm"), one.depth, INTERFERENCE, "m"
+    )
 
 
 def apart(piece: Piece) -> list[Finding]:

@@ -78,7 +78,7 @@ def amount(finding: Finding) -> str:
         return rounded_up(finding.value)
     if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
         return "" if _bears_no_twist(finding) else _share(finding.value)
-    if finding.kind == kinds.FREE or finding.detail in (kinds.BESIDE, kinds.FLAT):
+    if finding.kind in (kinds.FREE, kinds.OVERLAPPING) or finding.detail in (kinds.BESIDE, kinds.FLAT):
         return _digits(1e3 * finding.value, 4)
     return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
 
@@ -145,8 +145,18 @@ def _fault(one: Finding, worst: bool) -> str:
 
 
 def _overlapping(findings: list[Finding], worst: Worst) -> str:
-    pairs = [" and ".join(one.subjects) for one in findings if one.subjects]
+    pairs = [_overlap(one, one in worst) for one in findings if one.subjects]
     return f"overlapping: {_listed(pairs, _omitted(findings))}" if pairs else "planks overlap"
+
+
+def _overlap(one: Finding, worst: bool) -> str:
+    """Which two overlap, by how much, along which axis and where."""
+    names = " and ".join(one.subjects[:2])
+    # Recordings of old versions have the names alone, and some planks have no size of their own to be named.
+    if one.value is None or one.bound is None or one.value <= one.bound:
+        return names
+    by = f"{names} by {'up to ' if worst else ''}{amount(one)} mm"
+    return f"{by} along {one.subjects[2]} at {one.subjects[3]}" if len(one.subjects) > 2 else by
 
 
 def _falls(findings: list[Finding], parts: Sequence[tuple[str, ...]], worst: Worst) -> str:

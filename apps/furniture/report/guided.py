@@ -16,6 +16,7 @@ from restshape_apps.furniture.physics.plank_findings import (
     GAPS,
     LOST,
     NEAREST,
+    OVERLAPPING,
     WEAK,
 )
 from restshape_apps.furniture.physics.plank_phrases import amount, phrases
@@ -133,6 +134,8 @@ def _without_amounts(row: Row) -> Any:
 
 def _same(one: Finding) -> Finding:
     """What a finding is in frames that differ in amounts alone."""
+    # Where two planks overlap changes from frame to frame.
+    one = replace(one, subjects=one.subjects[:2]) if one.kind == OVERLAPPING else one
     return Finding(APART, NEAREST) if _is_gap(one) else one.identity
 
 

@@ -14,7 +14,8 @@ FAR = 0.25
 ASIDE = 0.03
 """How far beside a face an end may pass that may have missed it [m]."""
 BEYOND = 0.06
-"""How far in or behind a face an end may be that was drawn into it or past it [m]; through its plank, `FAR`."""
+"""How far in or behind a face an end may be that was drawn into it or past it [m]; through its plank or the floor,
+`FAR`."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +56,16 @@ class FreeEnd:
         if self.gap > piece.reach:
             parts.append(f"{1e3 * self.gap:.4g} mm from {other} (joints reach {1e3 * piece.reach:.4g} mm)")
         elif self.gap < -piece.reach:
-            parts.append(f"{-1e3 * self.gap:.4g} mm beyond the face of {other}")
+            behind = "below" if self.other < 0 else "beyond the face of"
+            parts.append(f"{-1e3 * self.gap:.4g} mm {behind} {other}")
         if self.tilted:
             parts.append(f"its edge does not lie along {other}")
         parts = parts or [f"near {other}, which cannot hold it"]
         return f"{piece.planks[self.plank].name} {SIDES[self.side]} is free: {', '.join(parts)}"
+
+    def sunk(self, piece: Piece) -> bool:
+        """Whether it is below the floor, so that its plank overlaps it."""
+        return self.other < 0 and self.gap < -piece.reach
 
     def words(self, piece: Piece) -> str:
         """What `missed` says, and what to do."""
@@ -171,7 +177,7 @@ def _above(piece: Piece, i: int, side: int) -> FreeEnd | None:
     if slope <= LEAST_SLANT:
         return None
     gap = float((plank.end(side) - np.array(floor.point)) @ normal) / slope
-    if not -BEYOND <= gap <= min(FAR, 0.5 * float(plank.size[side // 2])):
+    if abs(gap) > min(FAR, 0.5 * float(plank.size[side // 2])):
         return None
     tilt = 0.5 * float(plank.size[1 - side // 2]) * abs(float(plank.axes[:, 1 - side // 2] @ normal))
     return FreeEnd(i, side, -1, gap, 0.0, tilt > piece.reach)

@@ -105,7 +105,9 @@ def test_planks_in_each_other_are_named_and_many_are_counted():
     feet = [replace(piece.feet[0], plank=5 + k) for k in range(3)]
     crowd = replace(piece, planks=(*piece.planks, *twins), joints=(*piece.joints, *joints), feet=(*piece.feet, *feet))
     printed = next(one for one in words(crowd) if one.startswith("overlapping"))
-    assert printed == "overlapping: leg-1 and twin-0, leg-1 and twin-1, leg-1 and twin-2 and 3 more"
+    # Legs of 12 mm that are in one place.
+    pairs = ", ".join(f"leg-1 and twin-{k} by 12 mm along x at (-450, -200, 350) mm" for k in range(3))
+    assert printed == f"overlapping: {pairs} and 3 more"
 
 
 @pytest.mark.parametrize(("utilisation", "shown"), [(1.281, "1.29"), (np.inf, "inf"), (1234.0, "1.23e+03")])

@@ -127,7 +127,7 @@ def test_planks_do_not_go_through_the_floor() -> None:
         low = replace(piece, planks=(*piece.planks, bar))
         result = Furniture(low).test()
         assert bool(result.flaws & OVERLAPPING) is bool(bar.corners()[:, 2].min() < -1e-4)
-    assert "overlapping: bar and the floor" in result.words
+    assert "overlapping: bar and the floor by 150 mm" in result.words
     # Slanted legs are cut along the floor, and do not go through it.
     assert not furniture.test().flaws & OVERLAPPING
 
