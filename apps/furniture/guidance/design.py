@@ -197,7 +197,9 @@ class Design:
 
     def followed(self, suggestion: Suggestion) -> DesignDirection:
         """The design direction along a suggestion, whose range has the ends that it was reported with."""
-        return replace(self.design_direction(suggestion.direction, suggestion.name), expected=suggestion.span)
+        along = self.design_direction(suggestion.direction, suggestion.name)
+        low, high = suggestion.span
+        return replace(along, expected=suggestion.span, low=min(along.low, low), high=max(along.high, high))
 
     def parameter(self, plank: int, number: int) -> DesignDirection:
         """The design direction along one design parameter, in m or rad."""
@@ -371,19 +373,21 @@ class Design:
         return replace(one, rest=shorten("; ".join(words), REST, placeholder=" ..."))
 
     def _with_doubt(self, one: Suggestion) -> Suggestion:
-        """The suggestion where it is beyond doubt if it is so anywhere in its range; else with what is doubtful."""
+        """The suggestion in the part of its range that is beyond doubt if there is one; else with what is doubtful."""
         if not one.valid:
             return one
         found = doubts(self.after(one), self.guidance.quantities)
-        if not found:
-            return one
-        low, high = one.span
-        clear = self._clear(one) if one.direction is not None and high > low else []
-        clear = [(left, right) for left, right in clear if right - left >= CLEAR * (high - low)]
         doubtful = replace(one, doubt=shorten("; ".join(phrases(found)), REST, placeholder=" ..."))
-        if not clear:
+        low, high = one.span
+        if one.direction is None or high <= low:
             return doubtful
-        left, right = min(clear, key=lambda ends: min(abs(end - one.t) for end in ends))
+        clear = self._clear(one, bool(found))
+        large = [(left, right) for left, right in clear if right - left >= CLEAR * (high - low)]
+        if not found and not large:
+            large = [(left, right) for left, right in clear if left <= one.t <= right]
+        if not large or large == [one.span]:
+            return doubtful
+        left, right = min(large, key=lambda ends: max(ends[0] - one.t, one.t - ends[1], 0.0))
         t = left + REPRESENTED * (right - left)
         room = max(self._move(one), (self.guidance.farthest or NEAR) * self.piece.size)
         if farthest_move(self.piece, self.furniture.moved(t * one.direction)) > room:
@@ -391,8 +395,11 @@ class Design:
         words = amounts.in_words(self.piece, t * one.direction)
         return replace(one, t=t, span=(left, right), words=words, beyond=(False, one.beyond[1] and right >= high))
 
-    def _clear(self, one: Suggestion) -> list[tuple[float, float]]:
-        """The parts of the range of a suggestion that nothing makes doubtful."""
+    def _clear(self, one: Suggestion, thorough: bool) -> list[tuple[float, float]]:
+        """The parts of the range of a suggestion that nothing makes doubtful.
+
+        `thorough`: limits, free ends and compliances are looked at inside the range too where its ends are clear.
+        """
         low, high = one.span
         sure = self._sure(one.direction, low, high).intervals.tolist()
         quantities = self.guidance.quantities
@@ -401,6 +408,8 @@ class Design:
             piece = self.furniture.moved(t * one.direction)
             return not (violated_limits(piece, quantities) or free(piece) or depends(piece))
 
+        if not thorough and all(clear(end) for part in sure for end in part):
+            return [(left, right) for left, right in sure]
         return clear_ranges(clear, sure, NARROW * (high - low))
 
     def _obeys(self, piece: Piece) -> bool:
