@@ -50,7 +50,7 @@ class _Body:
         self.axes, self.corners = plank.axes, plank.corners()
         self.normals = np.array([plank.axes[:, side // 2] * (1.0 if side % 2 else -1.0) for side in range(6)])
         places = np.array([plank.end(side) for side in range(6)])
-        for side, (point, normal) in _held(piece, k).items():
+        for side, (point, normal) in _cut_planes(piece, k).items():
             axis, slope = plank.axes[:, side // 2], float(self.normals[side] @ normal)
             if -slope < LEAST_SLANT:
                 continue
@@ -60,18 +60,18 @@ class _Body:
         self.offsets = np.sum(self.normals * places, axis=1)
 
 
-def _held(piece: Piece, k: int) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-    """Ends of a plank that are held: a point of the plane that holds each, and its normal (3,)."""
-    held = {
+def _cut_planes(piece: Piece, k: int) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """Ends of a plank that meet a plane: a point of the plane of each, and its normal (3,)."""
+    planes = {
         foot.side: (np.array(piece.planes[foot.plane].point), np.array(piece.planes[foot.plane].normal))
         for foot in piece.feet
         if foot.plank == k and foot.side < 4
     }
     for joint in piece.joints:
-        if joint.i == k and joint.side not in held:
+        if joint.i == k and joint.side not in planes:
             other = piece.planks[joint.j]
-            held[joint.side] = other.end(joint.face), other.axes[:, 2] * (1.0 if joint.face == 5 else -1.0)
-    return held
+            planes[joint.side] = other.end(joint.face), other.axes[:, 2] * (1.0 if joint.face == 5 else -1.0)
+    return planes
 
 
 def _below(piece: Piece, i: int, j: int, corners: np.ndarray) -> Overlap:
