@@ -133,7 +133,10 @@ def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:
     # The line of the end, not its middle alone, may meet the face.
     beside = np.abs(place) - 0.5 * other.size[:2] - half[:2]
     aside = float(np.linalg.norm(np.where(beside > EDGE, beside, 0.0)))
-    through = beside.max() < -FLUSH
+    # What only touches it with a strip, or would take its end from planks that it carries, was not drawn to end there.
+    through = beside.max() < -FLUSH and bool(np.all(np.abs(place) <= 0.5 * other.size[:2] + EDGE))
+    if gap < -piece.reach and _carries(piece, i, side, gap):
+        return None
     # A line that reaches the side of a face does not lie on it.
     passes = bool(aside or np.any((beside > -EDGE) & (half[:2] > EDGE)))
     joined = any({joint.i, joint.j} == {i, j} for joint in piece.joints)
@@ -141,6 +144,14 @@ def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:
         return None
     sideways = onto(place, half[:2] + half_thick(one, other), other.size[:2]) if passes else np.zeros(2)
     return FreeEnd(i, side, j, gap, aside, bool(half[2] > piece.reach), tuple((other.axes[:, :2] @ sideways).tolist()))
+
+
+def _carries(piece: Piece, i: int, side: int, gap: float) -> bool:
+    """Whether ends of planks are joined to the part of a plank that it loses with an end `gap` from where it is."""
+    one = piece.planks[i]
+    axis = one.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
+    ends = (piece.planks[joint.i].end(joint.side) for joint in piece.joints if joint.j == i)
+    return any(float((end - one.end(side)) @ axis) > gap for end in ends)
 
 
 def goes_through(one: Plank, other: Plank) -> bool:

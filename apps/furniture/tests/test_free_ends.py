@@ -113,3 +113,24 @@ def test_an_end_above_a_board_moves_down_onto_it(tmp_path) -> None:
     assert [one.aside for one in ends] == pytest.approx([0.025, 0.025])
     for one in ends:
         assert one.way == pytest.approx((0.0, 0.0, -0.035)) and one.beside == "+z"
+
+
+def test_a_board_across_legs_that_it_touches_with_a_strip_was_not_drawn_to_end_there(tmp_path) -> None:
+    # The legs' faces are at x = -0.49 and 0.49 m, 0.3 m wide: a board of 0.1 m that overlaps them by 10 mm of it goes
+    # aside; by 60 mm it is to end there.
+    for inside, ends in ((0.01, 0), (0.06, 2)):
+        y = 0.2 - inside
+        found = piece(tmp_path, more=rail([-0.56, y, 0.2], [0.56, y, 0.2], [0, 0.1, 0]))
+        assert len(free_ends(found)) == ends
+
+
+def test_an_end_is_not_shortened_off_the_planks_that_carry_it(tmp_path) -> None:
+    posts = "".join(
+        f"\n[planks.post-{k}]\nfrom = [{x}, 0, 0]\nto = [{x}, 0, 0.19]\nwidth = [0, 0.1, 0]\n"
+        for k, x in enumerate((-0.53, 0.53))
+    )
+    across = rail([-0.56, 0.0, 0.2], [0.56, 0.0, 0.2], [0, 0.1, 0])
+    assert len(free_ends(piece(tmp_path, more=across))) == 2
+    found = piece(tmp_path, more=across + posts)
+    assert sum(joint.j == found.index("rail") for joint in found.joints) == 2
+    assert not [one for one in free_ends(found) if one.plank == found.index("rail")]
