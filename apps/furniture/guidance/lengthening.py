@@ -148,8 +148,16 @@ def _words(piece: Piece, ends: Sequence[FreeEnd]) -> Iterator[str]:
     for plank in dict.fromkeys(one.plank for one in ends):
         own = [one for one in ends if one.plank == plank]
         ways = [_moved(shifts[plank])] if plank in shifts else []
-        ways += [f"{_amount(one.gap)} at its end {SIDES[one.side]}" for one in own if abs(one.gap) > FLUSH or not ways]
+        ways += [f"{_amount(one.gap)} at its end {SIDES[one.side]}" for one in own if abs(one.gap) > FLUSH]
         met = dict.fromkeys("the floor" if one.other < 0 else piece.planks[one.other].name for one in own)
+        if not ways:
+            touching = (
+                f"ends {SIDES[own[0].side]} and {SIDES[own[1].side]} touch"
+                if own[1:]
+                else f"end {SIDES[own[0].side]} touches"
+            )
+            yield f"{piece.planks[plank].name} connected to {' and '.join(met)}, which its {touching}"
+            continue
         done = " and ".join(filter(None, [", ".join(ways[:-1]), ways[-1]]))
         yield f"{piece.planks[plank].name} {done}, to meet {' and '.join(met)}"
 

@@ -11,7 +11,7 @@ from restshape_apps.furniture.shape.face_contacts import flat_between_parts
 from restshape_apps.furniture.shape.free_ends import ASIDE, FreeEnd, free_ends
 from restshape_apps.furniture.shape.overlap_sizes import Overlap, overlap_sizes
 from restshape_apps.furniture.shape.plank_gaps import Gap, gap_between_parts, gap_of
-from restshape_apps.furniture.shape.planks import SIDES, Piece, parts_of
+from restshape_apps.furniture.shape.planks import FLUSH, SIDES, Piece, parts_of
 
 from restshape.findings import Finding
 
@@ -40,6 +40,8 @@ RESTS = "rests"
 BEFORE, BEYOND, BESIDE, TILTED, NEAR = "before", "beyond", "beside", "tilted", "near"
 """Details of a free end: before a face, in or behind it, beside it, with its edge across it, or near what cannot hold
 it."""
+TOUCHES = "touches"
+"""Detail of a free end as near a face as joints reach, which only has to be connected."""
 GAPS = (NEAREST, BEYOND, BESIDE, FLAT, RESTS)
 """Details of what keeps two parts from being joined."""
 PULL, SHEAR, LINE, TWIST = "pull", "shear", "line", "twist"
@@ -207,7 +209,10 @@ def _free_end(piece: Piece, one: FreeEnd) -> Finding:
         return Finding(FREE, BESIDE, (*subjects, one.beside), one.aside, piece.reach, "m")
     if abs(one.gap) > piece.reach:
         return Finding(FREE, BEFORE if one.gap > 0.0 else BEYOND, subjects, abs(one.gap), piece.reach, "m")
-    return Finding(FREE, TILTED if one.tilted else NEAR, subjects, 0.0, piece.reach, "m")
+    if one.tilted or not one.joins(piece):
+        return Finding(FREE, TILTED if one.tilted else NEAR, subjects, 0.0, piece.reach, "m")
+    # What is less than a flush joint leaves open is rounding.
+    return Finding(FREE, TOUCHES, subjects, abs(one.gap) if abs(one.gap) > FLUSH else 0.0, piece.reach, "m")
 
 
 def _overloaded(piece: Piece, kind: str, joints: Sequence[tuple[int, int, float, int]]) -> list[Finding]:

@@ -31,6 +31,7 @@ FREE_ENDS = {
     kinds.BEFORE: "{0} {1} is {far} mm from {2}",
     kinds.BEYOND: "{0} {1} is {far} mm beyond the face of {2}",
     kinds.BESIDE: "the centre line of {0} {1} passes {far} mm beside {2}, on its {3} side",
+    kinds.TOUCHES: "{0} {1} is {far} mm from {2}, not joined: connect {0}",
     kinds.TILTED: "the edge of {0} {1} does not lie along {2}",
     kinds.NEAR: "{0} {1} is near {2}, which cannot hold it",
 }
@@ -217,12 +218,14 @@ def _doubtful(findings: list[Finding], worst: Worst) -> str:
 
 
 def _free(findings: list[Finding], worst: Worst) -> str:
-    ends = [
-        FREE_ENDS[one.detail].format(*one.subjects, far=("up to " if one in worst else "") + amount(one))
-        for one in findings
-        if one.subjects
-    ]
+    ends = [_free_end(one, one in worst) for one in findings if one.subjects]
     return f"free end: {_listed(ends, _omitted(findings))}"
+
+
+def _free_end(one: Finding, worst: bool) -> str:
+    """What keeps an end from the face that it is near, or that it touches it."""
+    words = FREE_ENDS[one.detail].format(*one.subjects, far=("up to " if worst else "") + amount(one))
+    return words.replace("is 0 mm from", "touches", 1) if one.detail == kinds.TOUCHES and not one.value else words
 
 
 def _unbalanced(findings: list[Finding], worst: Worst) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from restshape_apps.furniture.shape.directions import room_words
+from restshape_apps.furniture.shape.plank_edits import connected
 from restshape_apps.furniture.shape.planks import EDGE, FLUSH, LEAST_SLANT, SIDES, Piece, Plank
 
 FAR = 0.25
@@ -60,8 +61,21 @@ class FreeEnd:
             parts.append(f"{-1e3 * self.gap:.4g} mm {behind} {other}")
         if self.tilted:
             parts.append(f"its edge does not lie along {other}")
-        parts = parts or [f"near {other}, which cannot hold it"]
+        if not parts:
+            parts = [
+                f"{self.near_words} {other}, not joined" if self.joins(piece) else f"near {other}, which cannot hold it"
+            ]
         return f"{piece.planks[self.plank].name} {SIDES[self.side]} is free: {', '.join(parts)}"
+
+    @property
+    def near_words(self) -> str:
+        """How near an end is that joints reach."""
+        return "touches" if abs(self.gap) <= FLUSH else f"{1e3 * abs(self.gap):.4g} mm from"
+
+    def joins(self, piece: Piece) -> bool:
+        """Whether it is joined where it is once its plank is connected."""
+        made = connected(piece, self.plank, piece.reach)
+        return (self.plank, self.side) in _taken(made)
 
     def sunk(self, piece: Piece) -> bool:
         """Whether it is below the floor, so that its plank overlaps it."""
@@ -78,6 +92,8 @@ class FreeEnd:
             do.append(f"make {name} {1e3 * abs(self.gap):.4g} mm {longer} at {SIDES[self.side]}")
         if self.tilted:
             do.append(f"turn {name}")
+        if not do and self.joins(piece):
+            do.append(f"connect {name}")
         return self.missed(piece) + (f"; {' and '.join(do)}" if do else "")
 
 
@@ -88,7 +104,7 @@ def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEn
         piece: whose joints and feet are known.
         planks: that are looked at; None: all.
     """
-    taken = {(joint.i, joint.side) for joint in piece.joints} | {(foot.plank, foot.side) for foot in piece.feet}
+    taken = _taken(piece)
     found, centres = [], np.array([plank.centre for plank in piece.planks])
     normals = np.array([plank.axes[:, 2] for plank in piece.planks])
     for i in range(len(piece.planks)) if planks is None else planks:
@@ -100,6 +116,11 @@ def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEn
             if missed:
                 found.append(min(missed, key=lambda one: abs(one.gap) + one.aside))
     return tuple(found)
+
+
+def _taken(piece: Piece) -> set[tuple[int, int]]:
+    """Planks and sides that are joined to a face, or stand on the floor."""
+    return {(joint.i, joint.side) for joint in piece.joints} | {(foot.plank, foot.side) for foot in piece.feet}
 
 
 def _missed(piece: Piece, i: int, side: int, others: Iterable[int]) -> list[FreeEnd | None]:

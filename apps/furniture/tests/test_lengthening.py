@@ -1,5 +1,7 @@
 """Ends that miss what they were meant to meet: the first suggestion is the length with which they meet it."""
 
+import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,7 +9,10 @@ import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.lengthening import NAME, lengthenings
+from restshape_apps.furniture.physics import plank_findings
+from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.pieces import drawn
+from restshape_apps.furniture.shape.free_ends import free_ends
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import Piece, parts_of
 from restshape_apps.furniture.tests.furniture_scenes import rail_stool, write_edits
@@ -144,3 +149,29 @@ def test_a_lengthening_is_chosen_like_others(tmp_path):
 @pytest.mark.parametrize("name", ["table", "shelf-1", "chair-1", "scales"])
 def test_pieces_without_free_ends_have_none(name: str):
     assert lengthenings(drawn(name)) == ()
+
+
+def test_a_rail_lengthened_to_its_leg_touches_it_and_is_to_be_connected(tmp_path) -> None:
+    # The stool's legs have faces at x = -0.141 and 0.141 m; the rail ends 24 mm before the right one.
+    scene = written(tmp_path, -0.141, 0.117)
+    scene.write_text(re.sub(r"\nforce = .*", "\nforce = [1, 0, 0]", scene.read_text()))
+    events = (
+        {"do": "press", "on": "rail", "parameter": "length x"},
+        {"do": "drag", "by": "24 mm", "frames": 1},
+        {"do": "release"},
+        {"do": "connect", "on": "rail"},
+    )
+    *_, touching, joined = make_replay(scene, write_edits(tmp_path, *events)).frames()
+    assert touching["violated_constraints"] == "free end: rail +x touches right, not joined: connect rail"
+    suggestion, *_ = json.loads(touching["suggestions"])
+    assert suggestion["words"] == "rail connected to right, which its end +x touches"
+    assert joined["constraint_status"] == "holds" and "rail on right" in joined["note"]
+
+
+def test_what_joints_reach_is_to_be_connected(tmp_path) -> None:
+    piece = piece_of(load_scene(written(tmp_path, -0.141, 0.135)))
+    (joint,) = (one for one in piece.joints if piece.planks[one.i].name == "rail" and one.side == 1)
+    apart = replace(piece, joints=tuple(one for one in piece.joints if one is not joint))
+    (one,) = free_ends(apart)
+    assert one.words(apart) == "rail +x is free: 6 mm from right, not joined; connect rail"
+    assert "rail +x is 6 mm from right, not joined: connect rail" in phrases(plank_findings.free(apart, [one]))[0]
