@@ -375,7 +375,7 @@ def _listed(suggestion_list: Sequence[Suggestion]) -> str:
 def _suggestion_entry(number: int, suggestion: Suggestion) -> dict[str, Any]:
     """A suggestion for programs."""
     t, low, high = (float(f"{value:.6g}") for value in (suggestion.t, *suggestion.span))
-    entries = {"number": number, "words": suggestion.words, "t": t, "range": [low, high], "valid": suggestion.valid}
+    entries = {"number": number, "words": suggestion.whole, "t": t, "range": [low, high], "valid": suggestion.valid}
     return (
         entries
         | {"unit": suggestion.unit, "beyond": suggestion.beyond[1]}

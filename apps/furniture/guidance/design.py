@@ -29,6 +29,7 @@ from restshape_apps.furniture.guidance.sliding_advice import why_slides
 from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionList
 from restshape_apps.furniture.guidance.suggestions import Combinations, suggest
 from restshape_apps.furniture.guidance.support_planks import support_planks
+from restshape_apps.furniture.guidance.weights_along import weights_along
 from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.furniture import (
     ALL,
@@ -263,7 +264,9 @@ class Design:
         near = self._nearest([one for one in unlocked if self._near(self.after(one))])
         why = self._why_far(min(unlocked, key=self._move)) if unlocked else why
         judged = [self._with_doubt(self._with_rest(one)) for one in near]
-        shown = ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
+        shown = [
+            self._with_weights(one) for one in ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
+        ]
         self.furniture.test()
         return SuggestionList(tuple(shown), tried, tested, perf_counter() - start, "" if shown else why)
 
@@ -371,6 +374,11 @@ class Design:
             words = phrases(findings_at(self.furniture, self.furniture.test(gamma), gamma))
             self.furniture.test()
         return replace(one, rest=shorten("; ".join(words), REST, placeholder=" ..."))
+
+    def _with_weights(self, one: Suggestion) -> Suggestion:
+        """The suggestion with the weights that it takes along, where planks that carry them change their length."""
+        taken = weights_along(self.piece, self.after(one)) if one.direction is not None else ""
+        return replace(one, weights=taken) if taken else one
 
     def _with_doubt(self, one: Suggestion) -> Suggestion:
         """The suggestion in the part of its range that is beyond doubt if there is one; else with what is doubtful."""

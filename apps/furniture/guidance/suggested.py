@@ -30,6 +30,7 @@ class Suggestion:
         doubt: what is doubtful where it is valid; empty where nothing is.
         settings: keys of the scene and their values, of what is no other drawing; empty elsewhere.
         free: ends of what it joins that nothing holds there, near a face.
+        weights: weights that it takes along, where planks that carry them change their length.
     """
 
     words: str
@@ -45,6 +46,7 @@ class Suggestion:
     doubt: str = ""
     settings: tuple[Setting, ...] = ()
     free: int = 0
+    weights: str = ""
 
     @classmethod
     def along(
@@ -96,6 +98,11 @@ class Suggestion:
         return self.name.partition(": ")[2].partition(" ")[0] if self.direction is not None else self.name
 
     @property
+    def whole(self) -> str:
+        """What it does, and which weights it takes along."""
+        return "; ".join(filter(None, (self.words, self.weights)))
+
+    @property
     def range_words(self) -> str:
         """Its range, for people: how far its leading parameter may be changed; empty for a piece."""
         if not self.unit:
@@ -109,7 +116,7 @@ class Suggestion:
     def summary(self) -> str:
         """What it does, and its range."""
         doubt = f"holds, but {self.doubt}" if self.doubt else ""
-        parts = (self.words, self.range_words, f"still wrong: {self.rest}" if self.rest else "", doubt)
+        parts = (self.whole, self.range_words, f"still wrong: {self.rest}" if self.rest else "", doubt)
         return "; ".join(filter(None, parts))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from restshape_apps.furniture.guidance.amounts import amount
 from restshape_apps.furniture.guidance.design import Design, DesignDirection, Guidance
 from restshape_apps.furniture.guidance.suggested import Suggestion
+from restshape_apps.furniture.guidance.weights_along import weights_along
 from restshape_apps.furniture.physics.plank_findings import LENGTH
 from restshape_apps.furniture.scene.plank_events import far_turn
 from restshape_apps.furniture.session.boards import MovingBoards
@@ -207,7 +208,7 @@ class PlankSession(ScriptSession):
         self._settle()
         self.design_direction, self.part = None, 0.0
         self._remember(grab.before)
-        yield Step("none")
+        yield Step("none", note=weights_along(grab.before[0].piece, self.design.piece))
 
     def _do_rotate(self, event: Any) -> Iterator[Step]:
         yield from self._parameter(event, f"turn {event.about}", lambda plank: event.by)

@@ -63,3 +63,21 @@ def test_a_range_ends_where_a_joint_loses_the_fastener_that_bears_its_twist(tmp_
     assert shorter["range"][1] == pytest.approx(0.08, abs=1e-6)
     # It would hold, in doubt, to 120 mm.
     assert not shorter["beyond"]
+
+
+def test_a_suggestion_says_which_weights_it_takes_along(tmp_path) -> None:
+    first, chosen, *_ = slid(tmp_path, 1, 1)
+    one, other, *_ = json.loads(first["suggestions"])
+    # The person stands at -0.4 of the width, which both ends lose alike.
+    assert one["words"].endswith(f"; person taken {400 * one['t']:.3g} mm towards +y")
+    assert f"person taken {400 * one['t']:.3g} mm towards +y" in chosen["note"]
+    # Whoever stands on a plank that is moved goes with it: no more is said.
+    assert other["words"].startswith("tread moved") and "person" not in other["words"]
+
+
+def test_a_drag_of_a_length_says_which_weights_it_has_taken_along(tmp_path) -> None:
+    (tmp_path / "step.toml").write_text(HEAD + STEP)
+    drag = {"do": "press", "on": "tread", "parameter": "length y"}, {"do": "drag", "by": 0.05}, {"do": "release"}
+    script = write_edits(tmp_path, *drag, scene="step.toml")
+    rows = list(make_replay(tmp_path / "step.toml", script=script).frames())
+    assert [row["note"] for row in rows[-3:]] == ["", "", "person taken 20 mm towards -y"]
