@@ -8,7 +8,7 @@ from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.physics.furniture import LOST, OVERLAPPING, Furniture
 from restshape_apps.furniture.shape.free_ends import free_ends, half_thick, onto
 from restshape_apps.furniture.shape.plank_edits import connected
-from restshape_apps.furniture.shape.planks import FLUSH, LEAST_SLANT, Piece, Plank, parts_of
+from restshape_apps.furniture.shape.planks import FLUSH, LEAST_SLANT, SIDES, Piece, Plank, parts_of
 
 from restshape.errors import UserError
 
@@ -25,7 +25,7 @@ class Connection:
         piece: with the part where it is joined.
         way: (3,) how far that is [m].
         flaws: what the full test still finds.
-        free: ends of the part that nothing holds there, near a face.
+        free: ends of the part that nothing holds there, near a face, and one more where it sticks out by one end alone.
         name: its kind.
     """
 
@@ -71,7 +71,19 @@ def _joined(piece: Piece, part: Sequence[int], way: np.ndarray) -> Connection | 
         return None
     if flaws & (LOST | OVERLAPPING):
         return None
-    return Connection(_words(piece, joined, part, way), joined, way, flaws, len(free_ends(joined, part)))
+    alone = _alone(joined, part)
+    words = _words(piece, joined, part, way) + (f" by its end {alone} alone: it sticks out there" if alone else "")
+    return Connection(words, joined, way, flaws, len(free_ends(joined, part)) + bool(alone))
+
+
+def _alone(piece: Piece, part: Sequence[int]) -> str:
+    """The end of a plank, its only joint, by which it sticks out of the piece; empty where it is no such plank."""
+    joints = [joint for joint in piece.joints if joint.i in part or joint.j in part]
+    standing = any(foot.plank in part for foot in piece.feet)
+    if len(part) > 1 or standing or len({(joint.i, joint.side) for joint in joints}) > 1 or joints[0].i not in part:
+        return ""
+    along = int(np.argmax(piece.planks[part[0]].size[:2]))
+    return SIDES[joints[0].side] if joints[0].side // 2 == along else ""
 
 
 def _ways(piece: Piece, part: Sequence[int]) -> Iterator[np.ndarray]:

@@ -74,7 +74,7 @@ def rejoined(piece: Piece) -> tuple[Connection, ...]:
 
 def _joinable(piece: Piece) -> Iterator[Connection]:
     """The piece with free ends at what they missed: those of each plank, and of each that can be joined all at once."""
-    missed = [one for one in free_ends(piece) if not one.tilted]
+    missed = [one for one in free_ends(piece) if not (one.tilted or one.edge)]
     first: list[tuple[FreeEnd, ...]] = []
     for plank in dict.fromkeys(one.plank for one in missed):
         ends = tuple(one for one in missed if one.plank == plank)

@@ -42,7 +42,9 @@ BEFORE, BEYOND, BESIDE, TILTED, NEAR = "before", "beyond", "beside", "tilted", "
 it."""
 TOUCHES = "touches"
 """Detail of a free end as near a face as joints reach, which only has to be connected."""
-GAPS = (NEAREST, BEYOND, BESIDE, FLAT, RESTS)
+EDGE = "edge"
+"""Detail of an end that is at the edge of a plank, which takes no joint."""
+GAPS = (NEAREST, BEYOND, BESIDE, FLAT, RESTS, EDGE)
 """Details of what keeps two parts from being joined."""
 PULL, SHEAR, LINE, TWIST = "pull", "shear", "line", "twist"
 """Details of a weak joint, by what overloads it; the moments along its line and about its normal count where a scene
@@ -120,7 +122,7 @@ def _missed(piece: Piece) -> Finding | None:
     part = {k: number for number, planks in enumerate(parts_of(piece)) for k in planks}
     ends = [one for one in free_ends(piece) if one.other >= 0 and part[one.plank] != part[one.other]]
     nearest = min(ends, key=lambda one: abs(one.gap) + one.aside, default=None)
-    if nearest is None or not (nearest.passes or nearest.gap < -piece.reach):
+    if nearest is None or not (nearest.passes or nearest.edge or nearest.gap < -piece.reach):
         return None
     return replace(_free_end(piece, nearest), kind=APART)
 
@@ -205,6 +207,8 @@ def _free_end(piece: Piece, one: FreeEnd) -> Finding:
     """What keeps an end from the face that it is near; beside it, the side too."""
     other = _plane(0) if one.other < 0 else piece.planks[one.other].name
     subjects = (piece.planks[one.plank].name, SIDES[one.side], other)
+    if one.edge:
+        return Finding(FREE, EDGE, subjects, one.gap if one.gap > FLUSH else 0.0, piece.reach, "m")
     if one.passes:
         return Finding(FREE, BESIDE, (*subjects, one.beside), one.aside, piece.reach, "m")
     if abs(one.gap) > piece.reach:

@@ -8,6 +8,7 @@ from math import ceil, floor, log10
 import numpy as np
 from restshape_apps.furniture.physics import plank_findings as kinds
 from restshape_apps.furniture.physics.plank_findings import joint_planks, load_case
+from restshape_apps.furniture.shape.free_ends import to_a_face
 from restshape_apps.furniture.shape.planks import Piece
 
 from restshape.findings import OMITTED, Finding
@@ -32,6 +33,7 @@ FREE_ENDS = {
     kinds.BEYOND: "{0} {1} is {far} mm beyond the face of {2}",
     kinds.BESIDE: "the centre line of {0} {1} passes {far} mm beside {2}, on its {3} side",
     kinds.TOUCHES: "{0} {1} is {far} mm from {2}, not joined: connect {0}",
+    kinds.EDGE: "{0} {1} is {far} mm from the edge of {2}, which takes no joint: " + to_a_face("{0}", "{2}"),
     kinds.TILTED: "the edge of {0} {1} does not lie along {2}",
     kinds.NEAR: "{0} {1} is near {2}, which cannot hold it",
 }
@@ -79,7 +81,7 @@ def amount(finding: Finding) -> str:
         return rounded_up(finding.value)
     if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
         return "" if _bears_no_twist(finding) else _share(finding.value)
-    if finding.kind in (kinds.FREE, kinds.OVERLAPPING) or finding.detail in (kinds.BESIDE, kinds.FLAT):
+    if finding.kind in (kinds.FREE, kinds.OVERLAPPING) or finding.detail in (kinds.BESIDE, kinds.FLAT, kinds.EDGE):
         return _digits(1e3 * finding.value, 4)
     return value_and_bound(finding)[0] if finding.kind == LIMIT else _two_lengths(finding)[0]
 
@@ -129,7 +131,7 @@ def _gap(nearest: Finding, worst: bool) -> str:
         one, other = nearest.subjects
         off = f", {far} mm from it" if far != "0" else ""
         return f"{one} lies face to face with {other}{off}: a joint needs an end at a face"
-    return FREE_ENDS[nearest.detail].format(*nearest.subjects, far=far)
+    return _free_end(nearest, worst)
 
 
 def _lost(findings: list[Finding], worst: Worst) -> str:
@@ -224,8 +226,9 @@ def _free(findings: list[Finding], worst: Worst) -> str:
 
 def _free_end(one: Finding, worst: bool) -> str:
     """What keeps an end from the face that it is near, or that it touches it."""
+    touches = one.detail in (kinds.TOUCHES, kinds.EDGE) and not one.value
     words = FREE_ENDS[one.detail].format(*one.subjects, far=("up to " if worst else "") + amount(one))
-    return words.replace("is 0 mm from", "touches", 1) if one.detail == kinds.TOUCHES and not one.value else words
+    return words.replace("is 0 mm from", "touches", 1) if touches else words
 
 
 def _unbalanced(findings: list[Finding], worst: Worst) -> str:

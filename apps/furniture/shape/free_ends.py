@@ -28,6 +28,7 @@ class FreeEnd:
         aside: how far the centre line of the end passes beside the face [m].
         tilted: the end's edge does not lie along the face.
         way: (3,) how the plank goes sideways for all of the end to lie on the face [m]; nought where it is not beside.
+        edge: it meets an edge of the other plank, as thick as that is, which takes no joint.
     """
 
     plank: int
@@ -37,6 +38,7 @@ class FreeEnd:
     aside: float
     tilted: bool
     way: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    edge: bool = False
 
     @property
     def passes(self) -> bool:
@@ -52,6 +54,9 @@ class FreeEnd:
         """Which end, what it missed, by how much and on which side."""
         other = "the floor" if self.other < 0 else piece.planks[self.other].name
         parts = []
+        if self.edge:
+            place = f"{self.near_words} the edge of {other}"
+            return f"{piece.planks[self.plank].name} {SIDES[self.side]} is free: {place}, which takes no joint"
         if self.passes:
             parts.append(f"its centre line passes {1e3 * self.aside:.4g} mm beside {other}, on its {self.beside} side")
         if self.gap > piece.reach:
@@ -84,6 +89,8 @@ class FreeEnd:
     def words(self, piece: Piece) -> str:
         """What `missed` says, and what to do."""
         name, do = piece.planks[self.plank].name, []
+        if self.edge:
+            return f"{self.missed(piece)}; {to_a_face(name, piece.planks[self.other].name)}"
         if self.passes:
             size = float(np.linalg.norm(self.way))
             do.append(f"move {name} {1e3 * size:.4g} mm along {room_words(np.array(self.way) / size)}")
@@ -95,6 +102,11 @@ class FreeEnd:
         if not do and self.joins(piece):
             do.append(f"connect {name}")
         return self.missed(piece) + (f"; {' and '.join(do)}" if do else "")
+
+
+def to_a_face(name: str, other: str) -> str:
+    """What to do about a plank whose end is at the edge of another one."""
+    return f"let {name} meet a broad face, or turn {other}"
 
 
 def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEnd, ...]:
@@ -113,6 +125,7 @@ def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEn
             if (i, side) in taken:
                 continue
             missed = [one for one in _missed(piece, i, side, _ahead(piece, i, side, centres, normals)) if one]
+            missed += _at_edges(piece, i, side, centres)
             if missed:
                 found.append(min(missed, key=lambda one: abs(one.gap) + one.aside))
     return tuple(found)
@@ -135,6 +148,27 @@ def _ahead(piece: Piece, i: int, side: int, centres: np.ndarray, normals: np.nda
     away = np.abs(((centres - piece.planks[i].end(side)) * normals).sum(axis=1))
     reach = np.array([FAR + BEYOND + float(plank.size[2]) for plank in piece.planks])
     return np.flatnonzero((np.abs(slopes) > LEAST_SLANT) & (away <= reach)).tolist()
+
+
+def _at_edges(piece: Piece, i: int, side: int, centres: np.ndarray) -> list[FreeEnd]:
+    """The end before edges of planks, no farther than joints reach; by their middles (n, 3)."""
+    one, found = piece.planks[i], []
+    axis = one.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
+    end, half = one.end(side), 0.5 * one.size[1 - side // 2] * one.axes[:, 1 - side // 2]
+    sizes = np.array([plank.size for plank in piece.planks])
+    near = np.linalg.norm(centres - end, axis=1) <= 0.5 * np.linalg.norm(sizes, axis=1) + np.linalg.norm(half) + FAR
+    joined = {k for joint in piece.joints for k in (joint.i, joint.j) if i in (joint.i, joint.j)}
+    for j in np.flatnonzero(near).tolist():
+        other = piece.planks[j]
+        way, place, along = (other.axes.T @ v for v in (axis, end - other.centre, half))
+        k = int(np.argmax(np.abs(way)))
+        if j == i or j in joined or k == 2:
+            continue
+        gap = float((-np.sign(way[k]) * 0.5 * other.size[k] - place[k]) / way[k])
+        beside = np.abs(place + gap * way) - np.abs(along) - 0.5 * other.size
+        if -FLUSH <= gap <= piece.reach and max(beside[1 - k], beside[2]) < -FLUSH:
+            found.append(FreeEnd(i, side, j, gap, 0.0, False, edge=True))
+    return found
 
 
 def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:

@@ -142,7 +142,7 @@ def test_why_there_is_no_suggestion() -> None:
     raised[stretcher, 2] = float(
         piece.planks[stretcher].axes[:, 2] @ (piece.planks[seat].centre - piece.planks[stretcher].centre)
     )
-    assert "overlap" in Design(Furniture(piece).moved(raised)).suggestion_list.why
+    assert "mm along -z, off seat" in Design(Furniture(piece).moved(raised)).suggestion_list.why
     assert Design(table(kilograms=1.0)).suggestion_list.why == ""
 
 
