@@ -23,6 +23,7 @@ application = Application(
         check="restshape.scene.checks:check_parameters",
         contents="restshape_apps.furniture.cli.check_planks:checked",
         restated="restshape_apps.furniture.session.restated_scene:restated_tables",
+        drawn="restshape_apps.furniture.report.drawn_scene:draw_scene",
     ),
     lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.plank_language:PlankInterpreter"),
     report=Reporting(

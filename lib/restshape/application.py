@@ -75,6 +75,7 @@ class Editing:
         contents: of a scene and its plan, what is in it: for programs, as rows for people, and its outline if any.
         mesh: what frames reuse of the mesh; None: what is edited has none.
         restated: of a frame without an outline, the plain tables of a scene that has its shape; empty: there are none.
+        drawn: draws a scene without an outline into a file, for `restshape check --picture`; empty: nothing does.
     """
 
     session: str
@@ -84,6 +85,7 @@ class Editing:
     contents: str
     mesh: MeshReuse | None = None
     restated: str = ""
+    drawn: str = ""
 
     @property
     def has_mesh(self) -> bool:
@@ -93,6 +95,15 @@ class Editing:
     def restate(self, frame: object) -> Mapping[str, object]:
         """The plain tables of a scene that has the shape of a frame, whose maker is imported now."""
         return cast("Mapping[str, object]", _function(self.restated)(frame))
+
+    def draw(self, scene: Scene, path: Path) -> None:
+        """Draws a scene without an outline, by what is imported now.
+
+        Raises:
+            UserError: it makes no sense.
+            OSError: the file cannot be written.
+        """
+        _function(self.drawn)(scene, path)
 
     def make_session(self, scene: Scene, *script_application: object) -> Session:
         """The session, whose maker is imported now."""

@@ -2,6 +2,7 @@
 
 import json
 
+import pytest
 from furniture_scenes import BENCH, write_bench
 
 from restshape.cli.main import main
@@ -35,3 +36,17 @@ def test_check_refuses_quantities_of_joints_that_are_not_there(tmp_path, capsys)
     assert check(write_bench(tmp_path, BENCH + text)) == 2
     reported = capsys.readouterr().err
     assert "quantities.free.at (line" in reported and "no joint at 'top +x'" in reported
+
+
+@pytest.mark.slow
+def test_check_draws_a_piece_with_its_names_forces_and_status(tmp_path, capsys):
+    path = tmp_path / "piece.svg"
+    assert check(write_bench(tmp_path), "--picture", path) == 0
+    assert f"wrote {path}" in capsys.readouterr().out
+    drawn = path.read_text()
+    # Words of an SVG picture are comments above their paths.
+    for words in ("top", "left", "right", "holds", "z [m]"):
+        assert f"<!-- {words} -->" in drawn
+    heavy = BENCH.replace('mass = "20 kg"', 'mass = "90 kg"\nat = [-0.49, 0, 0.5]')
+    assert check(write_bench(tmp_path, heavy), "--picture", path) == 0
+    assert "<!-- falls" in path.read_text() and "<!-- 90 kg -->" in path.read_text()

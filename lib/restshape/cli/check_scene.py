@@ -72,9 +72,10 @@ def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:
     """Draws the scene before any solve.
 
     Raises:
-        UserError: it has no outline, or the picture cannot be written.
+        UserError: nothing draws it, or the picture cannot be written.
     """
-    if outline is None:
+    editing = application(scene.app).editing
+    if outline is None and not editing.drawn:
         what = f"a scene of {scene.app!r} has no outline to draw"
         raise UserError(what, "--picture", "leave --picture out; restshape report draws its recordings")
     if path.suffix not in PICTURES:
@@ -82,7 +83,10 @@ def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:
     from restshape.report.scene_picture import draw_scene
 
     try:
-        draw_scene(scene, outline, {name for _, name in used_names(scene)}, path)
+        if outline is None:
+            editing.draw(scene, path)
+        else:
+            draw_scene(scene, outline, {name for _, name in used_names(scene)}, path)
     except OSError as error:
         raise UserError(f"the picture cannot be written: {error.strerror}", str(path), "choose another name") from error
     print(f"wrote {one_line(path)}")
