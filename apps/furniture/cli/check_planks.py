@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from restshape_apps.furniture.guidance.design import Design
 from restshape_apps.furniture.guidance.doubts import judged
+from restshape_apps.furniture.guidance.lengthening import free_end_warnings
 from restshape_apps.furniture.guidance.overlap_advice import overlap_advice
 from restshape_apps.furniture.physics.joint_compliance import recorded_utilisations, utilisation_range
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.physics.plank_quantities import require_places
 from restshape_apps.furniture.session.plank_session import PlankSession
-from restshape_apps.furniture.shape.free_ends import free_ends
 from restshape_apps.furniture.shape.planks import SIDES, Joint, Load, Piece, Plank
 
 from restshape.cli.quantity_descriptions import quantity_rows
@@ -77,7 +77,7 @@ def piece_data(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
         "doubts": list(phrases(judged(piece, scene.quantities))) if result.valid else [],
         "redundant_joints": recorded_utilisations(piece, known, len(piece.joints)) if known else [],
         "overlaps": list(overlap_advice(piece, geometry.overlaps)),
-        "free_ends": [end.words(piece) for end in free_ends(piece)],
+        "free_ends": list(free_end_warnings(piece, result.valid)),
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "weights": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.weights},
         "pushes": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.pushes},
@@ -118,7 +118,7 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     words = "; ".join(phrases(judged(piece, scene.quantities)))
     rows.append(("constraint status", f"holds, but {words}" if words and result.valid else words or "valid"))
     rows += [("warning", words) for words in overlap_advice(piece, geometry.overlaps)]
-    rows += [("warning", end.words(piece)) for end in free_ends(piece) if not end.sunk(piece)]
+    rows += [("warning", words) for words in free_end_warnings(piece, result.valid)]
     return rows + [("warning", warning) for warning in effects.warnings]
 
 

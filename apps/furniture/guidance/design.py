@@ -64,7 +64,7 @@ TRIED = 1e-3
 REST = 160
 """Letters at most of what a suggestion leaves wrong."""
 
-FAR_WORDS = 100
+FAR_WORDS = 90
 """Letters at most of what would mend a piece but goes too far."""
 
 ADVICE = 3

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from textwrap import shorten
 
 import numpy as np
 from restshape_apps.furniture.guidance.clear_range import range_end
 from restshape_apps.furniture.guidance.doubts import depends, doubts, free
-from restshape_apps.furniture.guidance.lengthening import rejoined
+from restshape_apps.furniture.guidance.lengthening import rejoined, worse_if_joined
 from restshape_apps.furniture.guidance.preferences import kept_modes
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.remedies import Thickened, as_thick, remedies
@@ -32,6 +33,8 @@ END = 1e-4
 """How well the end of a range is known, in parts of how far a suggestion may go."""
 SMALL = 1e-6
 """Change of what is wrong, in parts of it, of a freedom that is not looked at the other way."""
+WHY = 220
+"""Letters at most of why free ends are not joined."""
 LARGEST = 1e3
 """Of what one finding counts: a single fastener bears no twist at all."""
 
@@ -90,6 +93,9 @@ class DoubtMends:
         """Why nothing is found."""
         kinds = {one.kind for one in self.doubts}
         if kinds <= {FREE}:
+            if worse := worse_if_joined(self.furniture.moved()):
+                said = "; ".join(f"{done}, does not hold: {then}" for done, then in worse.values())
+                return shorten(said, WHY, placeholder=" ...")
             return "no free end meets its face by its length or a move beside it: draw its plank elsewhere, or leave it"
         limits = [one.subjects[0] for one in self.doubts if one.kind == LIMIT]
         doubt = ["ends a doubt"] if len(limits) < len(self.doubts) else []

@@ -72,6 +72,35 @@ def rejoined(piece: Piece) -> tuple[Connection, ...]:
     return tuple(one for one in _joinable(piece) if one.flaws == 0 and len(free_ends(one.piece)) < free)
 
 
+def free_end_warnings(piece: Piece, holds: bool) -> tuple[str, ...]:
+    """What each free end missed, what to do, and if the piece holds whether it would not then.
+
+    Ends below the floor are left out, whose planks overlap it.
+    """
+    worse = worse_if_joined(piece) if holds else {}
+    return tuple(
+        one.words(piece) + (f", but then {worse[one.plank][1]}" if one.plank in worse else "")
+        for one in free_ends(piece)
+        if not one.sunk(piece)
+    )
+
+
+def worse_if_joined(piece: Piece) -> dict[int, tuple[str, str]]:
+    """What is done to each plank of a piece that holds whose free ends can be joined, and what is wrong with it then;
+    only planks that are in no such piece that holds.
+
+    Args:
+        piece: with closed joints, that holds.
+    """
+    worse: dict[int, tuple[str, str]] = {}
+    for plank in dict.fromkeys(one.plank for one in free_ends(piece) if not (one.tilted or one.edge)):
+        ends = tuple(one for one in free_ends(piece, [plank]) if not (one.tilted or one.edge))
+        made = [one for _, one in _that_join(piece, [ends, *((one,) for one in ends if len(ends) > 1)])]
+        if made and all(one.flaws for one in made):
+            worse[plank] = made[0].words, "; ".join(Furniture(made[0].piece).test().words)
+    return worse
+
+
 def _joinable(piece: Piece) -> Iterator[Connection]:
     """The piece with free ends at what they missed: those of each plank, and of each that can be joined all at once."""
     missed = [one for one in free_ends(piece) if not (one.tilted or one.edge)]

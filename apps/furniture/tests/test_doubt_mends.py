@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.doubts import doubts
-from restshape_apps.furniture.guidance.lengthening import NAME
+from restshape_apps.furniture.guidance.lengthening import NAME, free_end_warnings
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import Piece
@@ -107,3 +107,22 @@ def test_of_two_limits_that_nothing_keeps_at_once_each_is_mended_alone(tmp_path)
 def test_a_piece_beyond_doubt_has_no_suggestions(tmp_path) -> None:
     design = design_of(write_bench(tmp_path, BENCH))
     assert design.suggestion_list.found == () and design.suggestion_list.why == ""
+
+
+def test_a_rail_that_would_break_once_it_is_joined_is_said_to(tmp_path) -> None:
+    # 30 mm short of the right leg; once it meets both, the push goes through its single screws.
+    push = "[pushes.shove]\non = 'top'\nforce = [{0}, 0, 0]\nat = [0, 0, 0.5]\n[effects.push]\n"
+    for force, holds in ((20, True), (80, False)):
+        text = BENCH.replace('"screw"', '"screw"\nspacing = 0.05') + rail(-0.49, 0.46, width=0.04) + push.format(force)
+        design = design_of(write_bench(tmp_path, text))
+        assert design.furniture.test().valid
+        (said,) = free_end_warnings(design.piece, True)
+        found = design.suggestion_list
+        done = "rail 30 mm longer at its end +x, to meet right"
+        if holds:
+            assert found.found[0].words == done and "but then" not in said
+            continue
+        joined = Furniture(design_of(write_bench(tmp_path, text.replace("0.46", "0.49"))).piece).test()
+        assert joined.flaws and not found.found
+        assert said.endswith(f", but then {'; '.join(joined.words)}")
+        assert found.why.startswith(f"{done}, does not hold: {joined.words[0]}"[:200])
