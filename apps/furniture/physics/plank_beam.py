@@ -124,6 +124,21 @@ class Actions:
         place, span = self.place[holds], self.span[holds]
         return np.concatenate([place - span / 2, place + span / 2])
 
+    def presses(self, up: float) -> bool:
+        """Whether the beam presses all along on a floor under it, so that nothing bends it; `up` as of `on_floor`."""
+        size = np.abs(self.force) + np.abs(self.couple) / self.length
+        acts = size > 1e-9 * (size.sum() + abs(self.own) * self.length)
+        place, span, force, couple = (one[acts] for one in (self.place, self.span, self.force, self.couple))
+        if (span <= 1e-6 * self.length).any():
+            return False
+        half = self.length / 2
+        ends = np.unique(np.concatenate([[-half, half], place - span / 2, place + span / 2]))
+        # Densities run straight between ends.
+        t = np.concatenate([0.999 * ends[:-1] + 0.001 * ends[1:], 0.001 * ends[:-1] + 0.999 * ends[1:]])
+        t = t[:, None] - place
+        density = np.where(np.abs(t) < span / 2, force / span + 12.0 * couple / span**3 * t, 0.0)
+        return bool((up * (density.sum(axis=1) + self.own) <= 0.0).all())
+
     def on_floor(self, up: float) -> "Actions | None":
         """The actions with those of a rigid floor on which the beam lies, which holds it alone; None if none does.
 

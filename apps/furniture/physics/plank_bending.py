@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from restshape_apps.furniture.physics.fasteners import wood
-from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.physics.furniture import Forces, Furniture, Geometry
 from restshape_apps.furniture.physics.plank_beam import Action, Actions, Line, deflection
-from restshape_apps.furniture.shape.planks import on_floor_without
+from restshape_apps.furniture.shape.planks import Piece, on_floor_without
 
 STATIONS = 201
 
@@ -60,10 +60,11 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
     """
     board = furniture.piece.planks[plank]
     thickness, material = float(board.size[2]), wood(board.wood)
-    beams = [_actions(furniture, plank, case, a) for a in (0, 1)]
+    found = furniture.geometry(), furniture.forces(case)
+    beams = [_actions(furniture, plank, case, a, *found) for a in (0, 1)]
     second = [float(board.size[1 - a]) * thickness**3 / 12.0 for a in (0, 1)]
-    found = [[_bent(beams[a], material.E * second[a], straight) for straight in (False, True)] for a in (0, 1)]
-    ways = [(found[0][False], found[1][True]), (found[0][True], found[1][False])]
+    bent = [_bent(beams[a], material.E * second[a]) for a in (0, 1)]
+    ways = [(bent[0][False], bent[1][True]), (bent[0][True], bent[1][False])]
     largest = [_largest(way) for way in ways]
     stresses = [
         max(float(np.abs(one.moment).max()) * 0.5 * thickness / second[a] for a, one in enumerate(way)) for way in ways
@@ -72,13 +73,15 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
     return PlankBending(ways[least], largest[least], stress, stress / material.bending)
 
 
-def _bent(beam: Actions, stiffness: float, straight: bool) -> AxisBending:
-    """Bending of a beam of a stiffness [N m^2], held straight or not by what runs along it."""
-    s = beam.stations(STATIONS)
+def _bent(beam: Actions, stiffness: float) -> tuple[AxisBending, AxisBending]:
+    """Bending of a beam of a stiffness [N m^2], free and held straight by what runs along it."""
+    s, constrained = beam.stations(STATIONS), beam.constrained()
     moment = beam.moments(s)
-    if straight:
-        moment[beam.straightened(s)] = 0.0
-    return AxisBending(s, moment, deflection(s, moment / stiffness, beam.constrained()))
+    free = AxisBending(s, moment, deflection(s, moment / stiffness, constrained))
+    if not len(beam.straight):
+        return free, free
+    moment = np.where(beam.straightened(s), 0.0, moment)
+    return free, AxisBending(s, moment, deflection(s, moment / stiffness, constrained))
 
 
 def _largest(way: tuple[AxisBending, AxisBending]) -> float:
@@ -86,29 +89,30 @@ def _largest(way: tuple[AxisBending, AxisBending]) -> float:
     return float(max(abs(sum(sign(one.deflection) for one in way)) for sign in (np.max, np.min)))
 
 
-def _actions(furniture: Furniture, plank: int, case: int, a: int) -> Actions:
+def _actions(furniture: Furniture, plank: int, case: int, a: int, geometry: Geometry, forces: Forces) -> Actions:
     """What acts on a plank as a beam along its axis a, with the floor on which it lies."""
     board, piece = furniture.piece.planks[plank], furniture.piece
     bed = next((foot.side for foot in piece.feet if foot.plank == plank and foot.side >= 4), None)
     # Friction of a floor acts on the face that lies on it, below what it holds.
     centre = board.centre if bed is None else board.end(bed)
     line = Line(centre, board.axes[:, a], board.axes[:, 2], float(board.size[a]))
-    rows = [*_joints(furniture, plank, case, line), *_feet(furniture, plank, case, line, a)]
+    rows = [*_joints(piece, plank, line, geometry, forces), *_feet(piece, plank, line, a, geometry, forces)]
     for k, load in enumerate((*piece.weights, *piece.pushes)):
         if load.plank == plank:
             at = board.centre + board.axes @ (np.array(load.place) * board.size)
             rows.append(Action(at, 0.0, furniture.cases[case, k], np.zeros(3)))
-    weight = furniture.geometry().mass[plank] * np.array(piece.gravity)
+    weight = geometry.mass[plank] * np.array(piece.gravity)
     beam = Actions.on(line, rows, float(weight @ line.normal) / line.length)
     if bed is None:
         return beam
+    up = -1.0 if bed == 5 else 1.0
     # A floor that cannot hold what acts leaves no beam to bend.
-    return beam.on_floor(-1.0 if bed == 5 else 1.0) or Actions.on(line, [], 0.0)
+    lying = None if beam.presses(up) else beam.on_floor(up)
+    return lying or Actions.on(line, [], 0.0)
 
 
-def _joints(furniture: Furniture, plank: int, case: int, line: Line) -> list[Action]:
+def _joints(piece: Piece, plank: int, line: Line, geometry: Geometry, forces: Forces) -> list[Action]:
     """What joints do to a plank."""
-    geometry, forces, piece = furniture.geometry(), furniture.forces(case), furniture.piece
     rows, borne = [], on_floor_without(piece, plank)
     for k, joint in enumerate(piece.joints):
         if plank not in (joint.i, joint.j):
@@ -127,10 +131,10 @@ def _joints(furniture: Furniture, plank: int, case: int, line: Line) -> list[Act
     return rows
 
 
-def _feet(furniture: Furniture, plank: int, case: int, line: Line, a: int) -> list[Action]:
+def _feet(piece: Piece, plank: int, line: Line, a: int, geometry: Geometry, forces: Forces) -> list[Action]:
     """What the floor does to the edges with which a plank stands on it."""
-    geometry, forces, rows = furniture.geometry(), furniture.forces(case), []
-    for k, foot in enumerate(furniture.piece.feet):
+    rows = []
+    for k, foot in enumerate(piece.feet):
         if foot.plank != plank or foot.side >= 4:
             continue
         points, pushes = geometry.contacts[4 * k : 4 * k + 4], forces.contacts[4 * k : 4 * k + 4]

@@ -190,3 +190,16 @@ def test_a_floor_pushes_only_and_is_not_passed(seed: int) -> None:
 def test_a_floor_cannot_hold_what_falls() -> None:
     beyond = Actions(np.array([0.7]), np.zeros(1), np.array([5.0]), np.zeros(1), np.zeros(1, dtype=bool), -1.0, 1.2)
     assert beyond.on_floor(1.0) is None
+
+
+def test_a_beam_that_presses_all_along_on_a_floor_has_nothing_that_bends_it() -> None:
+    # A couple of P l / 6 takes the density at one end to nothing; more of it lifts that end, and so does a point load.
+    def beam(couple: float, span: float = 1.2) -> Actions:
+        none = np.zeros(1)
+        return Actions(none, np.array([span]), np.array([-60.0]), np.array([couple]), none > 0.0, 0.0, 1.2)
+
+    assert beam(0.99 * 60.0 * 1.2 / 6).presses(1.0) and beam(-0.99 * 60.0 * 1.2 / 6).presses(1.0)
+    assert not beam(1.01 * 60.0 * 1.2 / 6).presses(1.0) and not beam(0.0).presses(-1.0)
+    assert not beam(0.0, 0.0).presses(1.0)
+    on = beam(6.0).on_floor(1.0)
+    assert on is not None and np.abs(on.moments(on.stations(201))).max() < 2e-3 * 60.0 * 1.2
