@@ -19,6 +19,7 @@ from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult
 from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, recorded_utilisations, utilisation_range
 from restshape_apps.furniture.physics.plank_bending import plank_bending
+from restshape_apps.furniture.physics.plank_findings import overbent
 from restshape_apps.furniture.physics.plank_phrases import balanced_by_springs, phrases
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
 from restshape_apps.furniture.scene.furniture import REDUNDANT_BYTES, SUGGESTIONS_BYTES
@@ -73,6 +74,7 @@ class FurnitureAnalysis(Timeless):
         self.utilisation = np.zeros(0)
         self.utilisation_range: UtilisationRange | None = None
         self.free: tuple[Finding, ...] = ()
+        self.overbent: tuple[Finding, ...] = ()
         self.deflection = np.zeros(0)
         self.bent = np.nan
         self.stability_margin = np.nan
@@ -149,6 +151,7 @@ class FurnitureAnalysis(Timeless):
         planks = len(furniture.piece.planks)
         self.utilisation, self.deflection = np.zeros(planks), np.full(planks, np.nan)
         self.bent, self.stability_margin, self.utilisation_range, self.free = np.nan, np.nan, None, ()
+        self.overbent = ()
         if not self.forces:
             self.utilisation[:] = np.nan
             return
@@ -175,7 +178,9 @@ class FurnitureAnalysis(Timeless):
         cases = range(len(self.forces))
         found = [[plank_bending(furniture, k, case) for case in cases] for k in range(len(self.utilisation))]
         self.deflection = np.array([max(one.max_deflection for one in each) for each in found])
-        self.bent = max(one.utilisation for each in found for one in each)
+        used = np.array([[one.utilisation for one in each] for each in found])
+        self.bent = float(used.max())
+        self.overbent = tuple(overbent(furniture.piece, used)) if self.result.valid else ()
 
     def _look(self, shown: Any) -> None:
         """Guidance: the range of what the hand holds, and suggestions once it has let an invalid piece go."""
@@ -191,7 +196,7 @@ class FurnitureAnalysis(Timeless):
     def _sure(self) -> bool:
         """Whether the piece holds beyond doubt, and within the limits of quantities."""
         depends = self.utilisation_range and self.utilisation_range.changes
-        if not self.result.valid or self.result.doubts or self.free or depends:
+        if not self.result.valid or self.result.doubts or self.free or self.overbent or depends:
             return False
         limits = limits_of(self.scene.quantities)
         return not limits or not violated_constraints(limits, self.observe())
@@ -209,8 +214,9 @@ class FurnitureAnalysis(Timeless):
         """The columns that only furniture has, and its status."""
         found, low, high = self._ranges()
         depends = self.utilisation_range.findings(self.design.piece) if self.utilisation_range else ()
-        findings = findings_at(self.design.furniture, self.result, self.gamma) or self.result.doubts + self.free
-        findings += depends
+        findings = findings_at(self.design.furniture, self.result, self.gamma)
+        findings = findings or self.result.doubts + self.free
+        findings += (*depends, *self.overbent)
         status = UNCERTAIN if self.result.valid and findings else self.result.status
         why = self.suggestion_list.why
         return {

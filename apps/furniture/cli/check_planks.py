@@ -74,7 +74,7 @@ def piece_data(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
         "mass": float(geometry.mass.sum()),
         "valid": result.valid,
         "flaws": [] if result.valid else list(result.words),
-        "doubts": list(phrases(judged(piece, scene.quantities))) if result.valid else [],
+        "doubts": list(phrases(judged(piece, scene.quantities, effects.on("bending")))) if result.valid else [],
         "redundant_joints": recorded_utilisations(piece, known, len(piece.joints)) if known else [],
         "overlaps": list(overlap_advice(piece, geometry.overlaps)),
         "free_ends": list(free_end_warnings(piece, result.valid)),
@@ -115,7 +115,7 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     ]
     more = len(known.redundant) - SHOWN if known else 0
     rows += [("redundant joint", f"and {more} more")] if more > 0 else []
-    words = "; ".join(phrases(judged(piece, scene.quantities)))
+    words = "; ".join(phrases(judged(piece, scene.quantities, effects.on("bending"))))
     rows.append(("constraint status", f"holds, but {words}" if words and result.valid else words or "valid"))
     rows += [("warning", words) for words in overlap_advice(piece, geometry.overlaps)]
     rows += [("warning", words) for words in free_end_warnings(piece, result.valid)]

@@ -93,6 +93,7 @@ class Guidance:
         farthest: how far a suggestion moves any corner of a plank at most, in parts of the piece's longest side; None:
             `NEAR` where something as near holds, else `FARTHEST`.
         thickened: what gives all planks another thickness, as formulas of the scene have it.
+        bending: whether planks bend, and may so be overloaded.
     """
 
     ranges: bool = True
@@ -102,6 +103,7 @@ class Guidance:
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     farthest: float | None = None
     thickened: Thickened = as_thick
+    bending: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,13 +222,13 @@ class Design:
         )
 
     def doubtful_along(self, design_direction: DesignDirection) -> tuple[tuple[float, float], ...]:
-        """The parts of a direction's valid ranges where moments that do not count overload a joint, an end is free, or
-        compliances that nobody knows decide."""
+        """The parts of a direction's valid ranges where what does not count overloads a joint or a plank, an end is
+        free, or compliances that nobody knows decide."""
         least, found = NARROW * (design_direction.high - design_direction.low), []
 
         def clear(t: float) -> bool:
             piece = self.furniture.moved(t * design_direction.direction)
-            return not (free(piece) or depends(piece))
+            return not (free(piece) or depends(piece) or violated_limits(piece, {}, self.guidance.bending))
 
         for low, high in design_direction.ranges.intervals.tolist():
             sure = self._sure(design_direction.direction, low, high).intervals.tolist()
@@ -274,7 +276,9 @@ class Design:
         """What a search for a piece with these flaws finds, what it tried and tested, and why it may find nothing."""
         if not flaws:
             asked = self.guidance
-            mends = DoubtMends(self.furniture, asked.quantities, asked.keep, self._farthest, asked.thickened)
+            mends = DoubtMends(
+                self.furniture, asked.quantities, asked.keep, self._farthest, asked.thickened, asked.bending
+            )
             found = mends.found()
             return found, mends.tried, mends.tests, mends.why() if mends.doubts else ""
         if flaws & LOST:
@@ -384,7 +388,7 @@ class Design:
         """The suggestion in the part of its range that is beyond doubt if there is one; else with what is doubtful."""
         if not one.valid:
             return one
-        found = doubts(self.after(one), self.guidance.quantities)
+        found = doubts(self.after(one), self.guidance.quantities, self.guidance.bending)
         doubtful = replace(one, doubt=shorten("; ".join(phrases(found)), REST, placeholder=" ..."))
         low, high = one.span
         if one.direction is None or high <= low:
@@ -410,18 +414,17 @@ class Design:
         """
         low, high = one.span
         sure = self._sure(one.direction, low, high).intervals.tolist()
-        quantities = self.guidance.quantities
 
         def clear(t: float) -> bool:
             piece = self.furniture.moved(t * one.direction)
-            return not (violated_limits(piece, quantities) or free(piece) or depends(piece))
+            return self._obeys(piece) and not (free(piece) or depends(piece))
 
         if not thorough and all(clear(end) for part in sure for end in part):
             return [(left, right) for left, right in sure]
         return clear_ranges(clear, sure, NARROW * (high - low))
 
     def _obeys(self, piece: Piece) -> bool:
-        return not violated_limits(piece, self.guidance.quantities)
+        return not violated_limits(piece, self.guidance.quantities, self.guidance.bending)
 
     def _along(self, one: Combination | Reconnection, open_: bool, valid: bool) -> Suggestion:
         return Suggestion.along(self.piece, one.direction, one.t, one.span, open_, valid)

@@ -51,6 +51,7 @@ class DoubtMends:
         keep: locks, as in `[effects.guidance]`.
         far: how far a freedom is looked at, in parts of the piece.
         thickened: what gives all planks another thickness.
+        bending: whether planks bend.
     """
 
     def __init__(
@@ -60,10 +61,11 @@ class DoubtMends:
         keep: Sequence[str],
         far: float,
         thickened: Thickened = as_thick,
+        bending: bool = False,
     ) -> None:
         self.furniture, self.quantities, self.keep, self.far = furniture, quantities, keep, far
-        self.thickened = thickened
-        self.doubts = doubts(furniture.moved(), quantities)
+        self.thickened, self.bending = thickened, bending
+        self.doubts = doubts(furniture.moved(), quantities, bending)
         self.matters = list(dict.fromkeys(map(_matter, self.doubts)))
         # Ends that are free already are joined.
         self.goal = {one for one in self.matters if one[0] != FREE}
@@ -104,7 +106,7 @@ class DoubtMends:
         return f"{looked}: none {goal}" + ("; the search was cut short" if self.tests >= self.most else "")
 
     def _clear(self, piece: Piece) -> bool:
-        return not self._left(doubts(piece, self.quantities))
+        return not self._left(doubts(piece, self.quantities, self.bending))
 
     def _counting(self) -> dict[str, Quantity]:
         """The quantities with a limit that is of the goal, or was kept before."""
@@ -171,12 +173,12 @@ class DoubtMends:
     def _excess(self, gamma: np.ndarray) -> float:
         """How much is doubtful at design parameters (n, 8); infinite where the piece does not hold."""
         counting = self._counting()
-        self.tests += 1 + (BENDING if any(one.deflection for one in counting.values()) else 0)
+        self.tests += 1 + (BENDING if self.bending or any(one.deflection for one in counting.values()) else 0)
         piece = self.furniture.moved(gamma)
         result = Furniture(piece).test()
         if not result.valid:
             return np.inf
-        left = self._left((*result.doubts, *violated_limits(piece, counting)))
+        left = self._left((*result.doubts, *violated_limits(piece, counting, self.bending)))
         if not left or (DEPENDS, ()) in self.goal:
             self.tests += COMPLIANCES
             left += self._left((*free(piece), *depends(piece)))

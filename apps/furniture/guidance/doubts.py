@@ -15,21 +15,24 @@ from restshape.findings import Finding
 from restshape.scene.model import Quantity
 
 
-def doubts(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[Finding, ...]:
-    """Joints that moments overload which do not count, free ends, what compliances decide, and limits of quantities.
+def doubts(piece: Piece, quantities: Mapping[str, Quantity], bending: bool = False) -> tuple[Finding, ...]:
+    """Joints and planks that are overloaded by what does not count, free ends, what compliances decide, and limits of
+    quantities.
 
     Args:
         piece: that is valid, with closed joints.
         quantities: of its scene, by name.
+        bending: whether planks bend.
     """
-    return (*Furniture(piece).test().doubts, *free(piece), *depends(piece), *violated_limits(piece, quantities))
+    result = Furniture(piece).test()
+    return (*result.doubts, *free(piece), *depends(piece), *violated_limits(piece, quantities, bending))
 
 
-def judged(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[Finding, ...]:
+def judged(piece: Piece, quantities: Mapping[str, Quantity], bending: bool = False) -> tuple[Finding, ...]:
     """What is wrong with a piece with closed joints, or doubtful where nothing is; arguments as of `doubts`."""
     result = Furniture(piece).test()
     if result.valid:
-        return doubts(piece, quantities)
+        return doubts(piece, quantities, bending)
     return (*result.findings, *depends(piece), *violated_limits(piece, quantities))
 
 

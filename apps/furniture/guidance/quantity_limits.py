@@ -1,10 +1,11 @@
-"""Limits of quantities that a suggested piece violates."""
+"""Limits of quantities that a suggested piece violates, and of the strength of its planks."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 import numpy as np
+from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.physics.plank_bending import plank_bending
@@ -17,15 +18,18 @@ from restshape.replay.constraints import limits_of, violated_constraints
 from restshape.scene.model import Quantity
 
 
-def violated_limits(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[Finding, ...]:
-    """The limits that a piece violates; none where no quantity has one, or the piece has no forces.
+def violated_limits(piece: Piece, quantities: Mapping[str, Quantity], bending: bool = False) -> tuple[Finding, ...]:
+    """The limits that a piece violates, after the planks that bend beyond their strength.
+
+    None are found where no quantity has a limit and planks do not bend, or where the piece has no forces.
 
     Args:
         piece: with closed joints.
         quantities: of its scene, by name.
+        bending: whether planks bend.
     """
     limits = limits_of(quantities)
-    if not limits:
+    if not limits and not bending:
         return ()
     furniture = Furniture(piece)
     if furniture.test().flaws & LOST:
@@ -35,11 +39,13 @@ def violated_limits(piece: Piece, quantities: Mapping[str, Quantity]) -> tuple[F
     still = np.zeros((1, 8 * len(piece.planks)))
     rows = [stability_derivative(furniture, still, case)[0] for case in cases]
     stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
-    deflection = np.full(len(piece.planks), np.nan)
-    if any(one.deflection for one in limited.values()):
-        places = {place_of(one)[0] for one in limited.values() if one.deflection}
-        for k in (k for k, plank in enumerate(piece.planks) if "" in places or plank.name in places):
-            deflection[k] = max(plank_bending(furniture, k, case).max_deflection for case in cases)
+    deflection, used = np.full(len(piece.planks), np.nan), np.zeros((len(piece.planks), len(cases)))
+    places = {place_of(one)[0] for one in limited.values() if one.deflection}
+    for k, plank in enumerate(piece.planks):
+        if bending or "" in places or plank.name in places:
+            found = [plank_bending(furniture, k, case) for case in cases]
+            deflection[k], used[k] = max(one.max_deflection for one in found), [one.utilisation for one in found]
+    bent = plank_findings.overbent(piece, used) if bending else ()
     forces = [furniture.forces(case) for case in cases]
     known = Observed(piece, furniture.geometry(), forces, deflection, stability_margin)
-    return violated_constraints(limits, plank_quantities(limited, known))
+    return (*bent, *violated_constraints(limits, plank_quantities(limited, known)))

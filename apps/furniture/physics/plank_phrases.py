@@ -79,7 +79,7 @@ def amount(finding: Finding) -> str:
         return ""
     if finding.detail == kinds.SLIDES:
         return rounded_up(finding.value)
-    if finding.kind in (kinds.WEAK, kinds.DOUBTFUL):
+    if finding.kind in (kinds.WEAK, kinds.DOUBTFUL, kinds.OVERBENT):
         return "" if _bears_no_twist(finding) else _share(finding.value)
     if finding.kind in (kinds.FREE, kinds.OVERLAPPING) or finding.detail in (kinds.BESIDE, kinds.FLAT, kinds.EDGE):
         return _digits(1e3 * finding.value, 4)
@@ -219,6 +219,16 @@ def _doubtful(findings: list[Finding], worst: Worst) -> str:
     return _weak(findings, worst).replace("weak: joint", "not counted: joint", 1)
 
 
+def _overbent(findings: list[Finding], worst: Worst) -> str:
+    planks = [
+        f"{one.subjects[0]} at {'up to ' if one in worst else ''}{amount(one)} of its bending strength"
+        + (f" under {_load(one.case)}" if one.case != kinds.WEIGHTS else "")
+        for one in findings
+        if one.subjects
+    ]
+    return f"not counted: plank {_listed(planks, _omitted(findings))}"
+
+
 def _free(findings: list[Finding], worst: Worst) -> str:
     ends = [_free_end(one, one in worst) for one in findings if one.subjects]
     return f"free end: {_listed(ends, _omitted(findings))}"
@@ -242,6 +252,7 @@ PHRASES: dict[str, Callable[[list[Finding], Worst], str]] = {
     kinds.OVERLAPPING: _overlapping,
     kinds.WEAK: _weak,
     kinds.DOUBTFUL: _doubtful,
+    kinds.OVERBENT: _overbent,
     kinds.DEPENDS: _depends,
     kinds.FREE: _free,
     kinds.UNBALANCED: _unbalanced,

@@ -16,6 +16,7 @@ from restshape_apps.furniture.physics.plank_findings import (
     GAPS,
     LOST,
     NEAREST,
+    OVERBENT,
     OVERLAPPING,
     WEAK,
 )
@@ -28,6 +29,7 @@ Row = Mapping[str, Any]
 
 CAUSES = {
     DOUBTFUL: "moments that do not count overload a joint",
+    OVERBENT: "a plank bends beyond its strength",
     FREE: "an end is free near a face that it may have missed",
     DEPENDS: "compliances of joints that nobody knows decide it",
 }
@@ -165,7 +167,9 @@ def _worst_words(span: Sequence[Row]) -> str:
     worst = [_worst(same) for same in equal.values()]
     varying = {one for one, same in zip(worst, equal.values()) if len(set(map(amount, same))) > 1}
     kinds = list(dict.fromkeys(one.kind for one in worst))
-    worst.sort(key=lambda one: (kinds.index(one.kind), -(one.value or 0.0) if one.kind in (WEAK, DOUBTFUL) else 0.0))
+    worst.sort(
+        key=lambda one: (kinds.index(one.kind), -(one.value or 0.0) if one.kind in (WEAK, DOUBTFUL, OVERBENT) else 0.0)
+    )
     return "; ".join(phrases(worst, varying))
 
 

@@ -367,10 +367,11 @@ class PlankSession(ScriptSession):
     def _guidance(self, scene: Scene | None = None) -> Guidance:
         """The guidance that a scene asks for; None: the one that is edited."""
         scene = scene or self.scene
-        asked = plan(scene, self._application).settings("guidance")
+        planned = plan(scene, self._application)
+        asked, bending = planned.settings("guidance"), planned.on("bending")
         quantities, thickened = scene.quantities, thickened_by(scene)
         if not asked:
-            return Guidance(quantities=quantities, thickened=thickened)
+            return Guidance(quantities=quantities, thickened=thickened, bending=bending)
         return Guidance(
             asked.ranges,
             asked.suggestions,
@@ -379,6 +380,7 @@ class PlankSession(ScriptSession):
             quantities,
             asked.farthest,
             thickened,
+            bending,
         )
 
     def _rest(self) -> np.ndarray:
