@@ -2,9 +2,12 @@
 
 # More than 15 modules: each row is of another part of a piece.
 
+# More than 15 modules: a check looks at a piece in every way that a replay does.
+
 from typing import Any
 
 import numpy as np
+from restshape_apps.furniture.cli.plank_doubts import odd_values
 from restshape_apps.furniture.guidance.design import Design
 from restshape_apps.furniture.guidance.doubts import judged
 from restshape_apps.furniture.guidance.lengthening import free_end_warnings
@@ -81,7 +84,7 @@ def piece_data(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
         "effects": [{"effect": e.name, "on": e.on, "why": e.why} for e in effects.effects],
         "weights": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.weights},
         "pushes": {load.name: {"on": names[load.plank], "force": list(load.force)} for load in piece.pushes},
-        "warnings": list(effects.warnings),
+        "warnings": [*odd_values(scene, piece), *effects.warnings],
         "quantities": list(scene.quantities),
         "solve": scene.solve.model_dump(),
     }
@@ -119,7 +122,7 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows.append(("constraint status", f"holds, but {words}" if words and result.valid else words or "valid"))
     rows += [("warning", words) for words in overlap_advice(piece, geometry.overlaps)]
     rows += [("warning", words) for words in free_end_warnings(piece, result.valid)]
-    return rows + [("warning", warning) for warning in effects.warnings]
+    return rows + [("warning", warning) for warning in (*odd_values(scene, piece), *effects.warnings)]
 
 
 def _board(plank: Plank) -> str:

@@ -1,0 +1,96 @@
+"""Values of furniture that are hardly meant: fasteners in each other, and thicknesses that lack their unit."""
+
+import pytest
+from restshape_apps.furniture.cli.check_planks import checked
+from restshape_apps.furniture.cli.plank_doubts import odd_values
+from restshape_apps.furniture.pieces import SCENES
+from restshape_apps.furniture.shape.plank_scene import piece_of
+
+from restshape.application import application
+from restshape.cli.main import main
+from restshape.scene.load import load_scene
+from restshape.scene.plan import plan
+
+BENCH = """
+format = "restshape-scene"
+version = 1
+app = "furniture"
+[parameters]
+t = {t}
+[wood]
+name = "oak"
+thickness = {thickness}
+[fastener]
+name = "{fastener}"
+spacing = {spacing}
+[planks.seat]
+from = [-0.6, 0, 0.515]
+to = [0.6, 0, 0.515]
+width = [0, 0.3, 0]
+thickness = "30 mm"
+[planks.left]
+from = [-0.5, 0, 0]
+to = [-0.5, 0, 0.5]
+width = [0, 0.3, 0]
+[planks.right]
+from = [0.5, 0, 0]
+to = [0.5, 0, 0.5]
+width = [0, 0.3, 0]
+"""
+
+
+def warned(folder, **keys):
+    """The warnings of a check of a bench with some values."""
+    given = {"t": '"30 mm"', "thickness": '"30 mm"', "fastener": "dowel", "spacing": '"40 mm"'} | keys
+    path = folder / "bench.toml"
+    path.write_text(BENCH.format(**given))
+    scene = load_scene(path)
+    data, rows, _ = checked(scene, plan(scene, application("furniture")))
+    assert {("warning", words) for words in data["warnings"]} <= set(rows)
+    return data["warnings"]
+
+
+@pytest.mark.parametrize(
+    ("fastener", "near", "enough", "words"),
+    [
+        ("dowel", '"0.1 mm"', '"24 mm"', "0.1 mm from one 'dowel' of 8 mm to the next is less than 3 diameters"),
+        ("dowel", "0.02", '"32 mm"', "20 mm from one 'dowel' of 8 mm"),
+        ("screw", '"11.9 mm"', '"12 mm"', "11.9 mm from one 'screw' of 4 mm"),
+    ],
+)
+def test_fasteners_that_are_too_near_each_other_are_warned_of(tmp_path, fastener, near, enough, words):
+    (warning,) = warned(tmp_path, fastener=fastener, spacing=near)
+    assert warning.startswith("fastener.spacing: ") and words in warning and "mm or more" in warning
+    assert warned(tmp_path, fastener=fastener, spacing=enough) == []
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        (
+            {"thickness": "20"},
+            'wood.thickness: a length without a unit is in metres, and 20 m is long for a thickness: "20 mm"',
+        ),
+        ({"thickness": '"t"', "t": "18"}, "wood.thickness: "),
+        ({"spacing": "40"}, "fastener.spacing: "),
+    ],
+)
+def test_a_thickness_in_metres_is_asked_about(tmp_path, keys, words):
+    (warning,) = warned(tmp_path, **keys)
+    assert warning.startswith(words)
+
+
+def test_a_thickness_with_its_unit_or_of_less_than_a_metre_is_not(tmp_path):
+    assert warned(tmp_path, thickness='"1.2 m"') == [] == warned(tmp_path, thickness="0.02")
+
+
+def test_a_replay_has_the_warning_too(tmp_path, capsys):
+    warned(tmp_path, spacing='"0.1 mm"')
+    assert main(["replay", str(tmp_path / "bench.toml")]) == 0
+    assert "less than 3 diameters" in "".join(capsys.readouterr())
+
+
+@pytest.mark.parametrize("path", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
+def test_our_scenes_have_no_odd_values(path):
+    scene = load_scene(path)
+    assert odd_values(scene, piece_of(scene)) == []
