@@ -1,6 +1,6 @@
 """Numbers of tables on the console: unit and prefix, what is said beside them, plural forms."""
 
-from restshape.cli.quantity_cells import cells
+from restshape.cli.quantity_cells import cells, shared_size
 from restshape.cli.quantity_tables import print_quantities
 from restshape.outputs.si_numbers import counted, unit_of
 
@@ -10,6 +10,13 @@ def test_values_have_the_prefix_of_the_largest():
     assert cells([32.346e6, float("nan")], "Pa") == ["32.346 MPa", "–"]
     assert cells([0.25], "") == ["0.25"]
     assert unit_of("m^2") == "m²"
+
+
+def test_lengths_of_a_table_are_all_in_millimetres_where_one_is():
+    assert shared_size(1.064, [1.064, 0.24]) == 0.1 and shared_size(0.24, [1.064, 0.24]) == 0.24
+    # All in metres, far larger ones, and micrometres stay.
+    assert shared_size(1.064, [1.064, 2.0]) == 1.064 and shared_size(12.0, [12.0, 0.24]) == 12.0
+    assert shared_size(3e-4, [3e-4, 0.24]) == 3e-4 and shared_size(1.2, [1.2, 3e-4]) == 1.2
 
 
 def test_the_table_of_a_replay_has_units_notes_and_errors(capsys):

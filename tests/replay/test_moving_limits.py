@@ -103,6 +103,29 @@ def test_limits_that_move_there_and_back_are_named_by_their_ends():
     assert len(axes.get_lines()) == 2 and axes.get_title(loc="right") == "max 1 to 3 mm"
 
 
+def test_limits_of_lines_have_their_colours_and_short_numbers():
+    axes = Figure().subplots()
+    rows = np.array([[0.5 / 300] * 3, [1.1 / 300] * 3])
+    draw_limits(axes, 1e3, 1e-3, 4e-3, {"max": rows}, "mm", np.arange(3), ["#112233", "#445566"])
+    assert [line.get_color() for line in axes.get_lines()] == ["#112233", "#445566"]
+    assert axes.get_title(loc="right") == "max 1.667 to 3.667 mm"
+
+
+@pytest.mark.slow
+def test_a_sweep_ties_limits_to_their_lines(command, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("restshape.variation.sweep_picture.save_picture", lambda figure, path: drawn.append(figure))
+    keys = ("--set", "parameters.wide=180mm,310mm", "--set", "parameters.pull=50MPa,100MPa")
+    done = command("sweep", write_scene(tmp_path, BAR), *keys, "--out", "a.png")
+    assert done.returncode == 0, done.stderr
+    lines = [line for axes in drawn[0].axes if axes.get_title(loc="left") == "stretch" for line in axes.get_lines()]
+    limits = [line for line in lines if line.get_drawstyle() == "steps-mid"]
+    curves = [line for line in lines if line.get_marker() == "o"]
+    assert [line.get_ydata()[0] for line in limits] == pytest.approx([0.9, 1.55])
+    assert [line.get_color() for line in limits] == [line.get_color() for line in curves]
+    assert "limit, in the colour of its line" in [text.get_text() for text in drawn[0].legends[0].get_texts()]
+
+
 @pytest.mark.parametrize("key", ["quantities.wall.max", "quantities.stretch.at"])
 def test_quantities_themselves_cannot_be_set(command, tmp_path, key):
     script = write_script(tmp_path, [{"do": "set", "key": key, "value": "2 mm" if key.endswith("max") else "left"}])

@@ -8,7 +8,7 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from math import prod
+from math import isfinite, prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,13 +16,13 @@ from restshape.cli.limits import add_limits, lift_limits, limited
 from restshape.cli.options import add_scene, print_table, refuse_files_of_scene, write_json
 from restshape.cli.parser import add_edits
 from restshape.cli.petsc_notes import note_petsc
-from restshape.cli.quantity_cells import cells
+from restshape.cli.quantity_cells import MISSING, shared_size
 from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, one_line, printable
 from restshape.outputs.kinds import PICTURES, PictureFile, SweepFile
-from restshape.outputs.si_numbers import counted, unit_of
+from restshape.outputs.si_numbers import counted, si, unit_of
 from restshape.policy import GUESSES, POLICIES
 from restshape.surroundings import start_petsc
 
@@ -235,8 +235,9 @@ def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], r
         heads[len(keys) + 1 + len(levels) : len(keys) + 1 + len(levels)] = ["frames", "refused"]
     rows, sizes = [], run_scales(sweep.scene, runs)
     table = [one.table_row(bool(args.edits)) for one in runs]
+    likes = _sizes(columns, parts, sweep, table)
     for one, row in zip(runs, table):
-        shown = [_cells(row, name, parts, sweep, sizes[name], table) for name in columns]
+        shown = [_cells(row, name, parts, sweep, sizes[name], likes[name]) for name in columns]
         counts = [one.frames, one.refused] if args.edits else []
         level = [f"{one.level} {MOVES[one.level]}" if one.level in MOVES else ""] * len(levels)
         values = [cell for many in shown for cell in many]
@@ -244,24 +245,34 @@ def _print_runs(args: argparse.Namespace, sweep: Sweep, swept: list[SweptKey], r
     print_table("quantities", heads, rows, right=heads[len(keys) + 1 :])
 
 
-def _cells(
-    row: dict[str, Any],
-    name: str,
-    parts: Sequence[str],
-    sweep: Sweep,
-    size: float,
-    rows: Sequence[dict[str, Any]],
-) -> list[str]:
+def _sizes(
+    columns: Sequence[str], parts: Sequence[str], sweep: Sweep, rows: Sequence[dict[str, Any]]
+) -> dict[str, float]:
+    """The size whose prefix all values of a quantity have: that of the largest; lengths of a table have one unit."""
+    found = {}
+    for name in columns:
+        names = [f"{name}{part.replace(' ', '_')}" for part in parts]
+        known = [abs(value) for row in rows for one in names if (value := row.get(one)) is not None]
+        found[name] = max((value for value in known if isfinite(value)), default=0.0)
+    lengths = [name for name in columns if _unit(sweep, name) == "m"]
+    return found | {name: shared_size(found[name], [found[one] for one in lengths]) for name in lengths}
+
+
+def _unit(sweep: Sweep, column: str) -> str:
+    """The SI unit of a quantity; empty where it has none."""
+    quantity = sweep.scene.quantities.get(column.removeprefix("q_")) if sweep.scene else None
+    return unit_of(quantity.unit) if quantity else ""
+
+
+def _cells(row: dict[str, Any], name: str, parts: Sequence[str], sweep: Sweep, size: float, like: float) -> list[str]:
     """The values of a quantity in the row of a run: at the end, and where there are several frames its extremes.
 
     Args:
         size: of the quantity in all runs; what is rounding beside it is shown as 0.
-        rows: of all runs, which have one prefix.
+        like: the size whose prefix all runs have.
     """
     from restshape.replay.rounding import cleared
 
-    quantity = sweep.scene.quantities.get(name.removeprefix("q_")) if sweep.scene else None
     names = [f"{name}{part.replace(' ', '_')}" for part in parts]
     known = [None if (value := row.get(one)) is None or value != value else cleared(value, size) for one in names]
-    others = [other.get(one) for other in rows for one in names]
-    return cells(known, unit_of(quantity.unit) if quantity else "", 6, others)
+    return [MISSING if value is None else si(value, _unit(sweep, name), 6, like) for value in known]

@@ -2,7 +2,7 @@
 
 # More than 15 modules: a panel shows a quantity with all that is known of it.
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
 
@@ -42,6 +42,9 @@ MOST = 12
 """Quantities in a picture."""
 FRAMES_LETTERS = 32
 """Of the frames above a panel in which its quantity is taken at a singular place."""
+SHORT, ROUND = 5, 4
+"""Digits of a limit at most that is shown as it was written, and of all others."""
+Colour = str | tuple[float, ...]
 SHOWN_BEYOND = 1.5
 """A limit is in the picture where it is within so many spans of the values; else it is named at its edge."""
 
@@ -169,6 +172,7 @@ def draw_limits(
     limit: Mapping[str, Reals | float],
     unit: str,
     x: Reals | None = None,
+    colours: Sequence[Colour] = (),
 ) -> bool:
     """Lines at limits near the values; those that are far are written above the panel.
 
@@ -180,6 +184,7 @@ def draw_limits(
             where a line has none.
         unit: that is shown; a limit beyond the axis has the prefix that suits it.
         x: (n,) where frames are on the axis; None where no limit moves.
+        colours: of the k lines, which their limits have too; empty: limits have one colour.
 
     Returns whether there is a line.
     """
@@ -195,7 +200,9 @@ def draw_limits(
         if shown and (x is None or least == most):
             axes.axhline(factor * least, color=REFUSED, lw=1.0, ls="--", zorder=1)
         elif shown:
-            axes.plot(x, factor * rows.T, color=REFUSED, lw=1.0, ls="--", zorder=1, drawstyle="steps-mid")
+            own = colours if len(colours) == len(rows) else [REFUSED] * len(rows)
+            for row, colour in zip(rows, own):
+                axes.plot(x, factor * row, color=colour, lw=1.0, ls="--", zorder=1, drawstyle="steps-mid")
         ends = (least, most) if bounds[0] <= bounds[-1] else (most, least)
         number = _limit_number(ends, factor, unit) if shown else _far_limit(ends, factor, unit)
         drawn = drawn or shown
@@ -206,7 +213,9 @@ def draw_limits(
 
 def _limit_number(ends: tuple[float, float], factor: float, unit: str) -> str:
     """A limit, or the first and the last one of those that move, with the unit that this factor leads to."""
-    numbers = [f"{factor * end:.{limit_digits(end)}g}" for end in ends]
+    # What has no short number, such as a third, comes from a formula.
+    digits = [found if (found := limit_digits(end)) <= SHORT else ROUND for end in ends]
+    numbers = [f"{factor * end:.{count}g}" for end, count in zip(ends, digits)]
     return f"{' to '.join(dict.fromkeys(numbers))} {unit}".rstrip()
 
 

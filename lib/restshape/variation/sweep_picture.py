@@ -78,7 +78,9 @@ def draw_sweep(
     figure.suptitle(shorten(title, 95, placeholder=" …"), x=0.01, ha="left", color=INK)
     keys = shorten(", ".join(one.key for one in swept[:-1]), 90, placeholder="…")
     beyond = any(np.isfinite(_beyond(one, column)) for one in runs for column in shown)
-    _legend(panels[0], keys, bool(limits), beyond, not all(one.frames for one in runs), several)
+    tied = any(len(_lines(one, len(swept[-1].values))) > 1 for known in limits.values() for one in known.values())
+    limited = "limit, in the colour of its line" if tied else "limit" if limits else ""
+    _legend(panels[0], keys, limited, beyond, not all(one.frames for one in runs), several)
     figure.align_ylabels()
     save_picture(figure, path)
 
@@ -148,10 +150,10 @@ def _panel(
     count, lines = len(swept[-1].values), -(-len(runs) // len(swept[-1].values))
     places, x = list(combinations(swept)), np.array(swept[-1].numbers or range(count))
     _grid(axes, text)
-    for line in range(lines):
+    colours = [INK if lines == 1 else colormaps[COLOURS](0.9 * line / (lines - 1)) for line in range(lines)]
+    for line, colour in enumerate(colours):
         part = slice(line * count, (line + 1) * count)
         own = values[part] * factor
-        colour = INK if lines == 1 else colormaps[COLOURS](0.9 * line / (lines - 1))
         at, name = x[: len(own)], _line_name(swept, places[line * count]) if lines <= LINES else None
         axes.plot(at, own[:, 0], color=colour, lw=1.1, marker="o", ms=3, zorder=3, label=name or None)
         if several:
@@ -164,7 +166,7 @@ def _panel(
         low, high = float(known.min()), float(known.max())
         least_span(axes, factor * low, factor * high)
         order, rows = np.argsort(x), {key: _lines(one, count)[:, np.argsort(x)] for key, one in limit.items()}
-        draw_limits(axes, factor, low, high, rows, text, x[order])
+        draw_limits(axes, factor, low, high, rows, text, x[order], colours if lines > 1 else ())
 
 
 def _grid(axes: Axes, unit: str) -> None:
@@ -179,7 +181,8 @@ def _grid(axes: Axes, unit: str) -> None:
 def _lines(values: Reals, count: int) -> Reals:
     """Values (n,) of runs as (lines, count), one row where all are the same; not numbers where runs are missing."""
     rows = np.append(values, np.full(-len(values) % count, np.nan)).reshape(-1, count)
-    return np.unique(rows, axis=0, equal_nan=True)
+    same = all(np.array_equal(row, rows[0], equal_nan=True) for row in rows)
+    return rows[:1] if same else rows
 
 
 def _extent(run: SweptRun, column: str) -> tuple[float, float, float]:
@@ -199,10 +202,10 @@ def _line_name(swept: Sequence[SweptKey], places: Sequence[int]) -> str:
     return shorten(", ".join(words), 2 * LABEL, placeholder="…")
 
 
-def _legend(axes: Axes, keys: str, limited: bool, beyond: bool, failed: bool, several: bool) -> None:
+def _legend(axes: Axes, keys: str, limited: str, beyond: bool, failed: bool, several: bool) -> None:
     """The legend below all panels: of the lines, whose keys are its title, and of what occurs."""
     if limited:
-        axes.plot([], [], color=REFUSED, lw=1.0, ls="--", label="limit")
+        axes.plot([], [], color=REFUSED if limited == "limit" else INK, lw=1.0, ls="--", label=limited)
     if beyond:
         axes.plot([], [], ls="", marker="x", color=REFUSED, ms=6, label="beyond its limit")
     if several:
