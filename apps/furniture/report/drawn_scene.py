@@ -1,5 +1,7 @@
 """The picture of a scene of furniture before any edit: the piece with its joints, forces and names."""
 
+# More than 15 modules: the heading says all that is known of a piece.
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -14,10 +16,12 @@ from restshape_apps.furniture.report.piece_sheet import BAR, finish_sheet
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 from restshape_apps.furniture.shape.plank_scene import piece_of
 
+from restshape.application import application
 from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import LIMIT
 from restshape.report.style import INK, REFUSED, new_figure
 from restshape.scene.model import Scene
+from restshape.scene.plan import plan
 
 WIDE = 7.0
 """Width of the picture [inch]."""
@@ -38,7 +42,8 @@ def draw_scene(scene: Scene, path: Path) -> None:
         OSError: it cannot be written.
     """
     furniture = Furniture(Furniture(piece_of(scene)).moved())
-    result, found = furniture.test(), judged(furniture.piece, scene.quantities)
+    bending = plan(scene, application(scene.app)).on("bending")
+    result, found = furniture.test(), judged(furniture.piece, scene.quantities, bending)
     case = 0 if result.flaws & LOST else worst_case(furniture)
     words = "; ".join(phrases(found)) or "holds"
     kinds = {one.kind for one in found}

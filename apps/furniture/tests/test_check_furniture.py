@@ -50,3 +50,6 @@ def test_check_draws_a_piece_with_its_names_forces_and_status(tmp_path, capsys):
     heavy = BENCH.replace('mass = "20 kg"', 'mass = "90 kg"\nat = [-0.49, 0, 0.5]')
     assert check(write_bench(tmp_path, heavy), "--picture", path) == 0
     assert "<!-- falls" in path.read_text() and "<!-- 90 kg -->" in path.read_text()
+    thin = BENCH.replace("[effects.gravity]", "[effects.bending]\n[effects.gravity]").replace('"20 kg"', '"60 kg"')
+    assert check(write_bench(tmp_path, thin.replace("thickness = 0.02", "thickness = 0.004")), "--picture", path) == 0
+    assert "of its bending strength" in path.read_text()
