@@ -58,7 +58,7 @@ class Actions:
         holds: (k,) whether it supports the beam, as a joint with a leg does, or loads it.
         own: a force spread evenly over the length [N/m].
         length: of the beam [m].
-        straight: (m, 2) from where to where supports that run along the beam hold it straight [m].
+        straight: (k,) lengths over which supports that run along the beam hold it straight [m]; none where empty.
     """
 
     place: np.ndarray
@@ -68,7 +68,7 @@ class Actions:
     holds: np.ndarray
     own: float
     length: float
-    straight: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    straight: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def on(cls, line: Line, rows: Sequence[Action], own: float) -> "Actions":
@@ -86,9 +86,8 @@ class Actions:
         # With moments of forces along the beam whose line misses its middle.
         m = couple @ axis + np.cross(arms - place[:, None] * line.along, force) @ axis
         straight = np.minimum([row.straight for row in rows], most)
-        runs = (straight > 0.0) & (holds if holds.any() else True)
-        ends = np.stack([place - straight / 2, place + straight / 2], axis=1)[runs]
-        return cls(place, span, force @ line.normal, m, holds, own, line.length, ends)
+        straight = np.where(holds if holds.any() else True, straight, 0.0)
+        return cls(place, span, force @ line.normal, m, holds, own, line.length, straight)
 
     def stations(self, count: int) -> np.ndarray:
         """Places (s,) along the beam between which moments run smoothly [m]."""
@@ -96,8 +95,8 @@ class Actions:
         # The moment may jump at a place: there are stations on both sides of it.
         beside = 1e-9 * self.length
         ends = (self.place + sign * (self.span / 2 + beside) for sign in (-1.0, 1.0))
-        straight = (self.straight + sign * beside for sign in (-1.0, 1.0))
-        s = np.concatenate([np.linspace(-half, half, count), *ends, *(one.ravel() for one in straight)])
+        straight = (one + sign * beside for one in self._straight_ends() for sign in (-1.0, 1.0))
+        s = np.concatenate([np.linspace(-half, half, count), *ends, *straight])
         return np.unique(np.clip(s, -half - beside, half + beside))
 
     def moments(self, s: np.ndarray) -> np.ndarray:
@@ -115,12 +114,44 @@ class Actions:
 
     def straightened(self, s: np.ndarray) -> np.ndarray:
         """Whether supports that run along the beam hold it straight at places (s,) [m]."""
-        first, last = self.straight.T
+        first, last = self._straight_ends()
         return ((s[:, None] > first) & (s[:, None] < last)).any(axis=1)
 
-    def constrained(self) -> np.ndarray:
-        """Places (h,) that support the beam [m]; where nothing does, as without feet, all that acts on it."""
+    def _straight_ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """From where (m,) to where (m,) supports that run along the beam hold it straight [m]."""
+        runs = self.straight > 0.0
+        place, half = self.place[: len(runs)][runs], self.straight[runs] / 2
+        return place - half, place + half
+
+    def borne_across(self) -> "Actions | None":
+        """The actions where supports that run along the beam bear nothing, and the others what these did; None without.
+
+        A support along a part of the beam leaves that part of what it bears. Forces of supports balance the beam, and
+        couples where all supports are at one place.
+        """
+        if not len(self.straight) or not self.straight.any():
+            return self
         holds = self.holds if self.holds.any() else np.ones(len(self.holds), dtype=bool)
+        part = self.straight / self.length
+        bears = np.where(holds, 1.0 - part, 0.0)
+        if bears.max() < 1e-9:
+            return None
+        force, couple = (1.0 - part) * self.force, (1.0 - part) * self.couple
+        left = np.array([part @ self.force, part @ (self.force * self.place + self.couple)])
+        # The least sum of squares, in which a couple counts a thousand times as much.
+        turn = (1e-3 * self.length) ** 2
+        square = bears @ (self.place**2 + turn)
+        even, slope = np.linalg.solve([[bears.sum(), bears @ self.place], [bears @ self.place, square]], left)
+        return replace(self, force=force + bears * (even + slope * self.place), couple=couple + bears * turn * slope)
+
+    def constrained(self, across: bool = False) -> np.ndarray:
+        """Places (h,) that support the beam [m]; where nothing does, as without feet, all that acts on it.
+
+        `across`: without those that run along the beam, if there are others.
+        """
+        holds = self.holds if self.holds.any() else np.ones(len(self.holds), dtype=bool)
+        if across and (holds & (self.straight == 0.0)).any():
+            holds = holds & (self.straight == 0.0)
         place, span = self.place[holds], self.span[holds]
         return np.concatenate([place - span / 2, place + span / 2])
 
@@ -178,7 +209,7 @@ class Actions:
             force=np.concatenate([self.force, up * scale * push[on]]),
             couple=np.concatenate([self.couple, none]),
             holds=np.concatenate([np.zeros(len(self.holds), dtype=bool), np.ones(len(none), dtype=bool)]),
-            straight=np.zeros((0, 2)),
+            straight=np.zeros(0),
         )
 
 

@@ -1,6 +1,6 @@
 """Bending and deflection of planks by beam theory, from the forces that an equilibrium of rigid planks gives."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from restshape_apps.furniture.physics.fasteners import wood
@@ -48,8 +48,8 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
 
     The plank is an Euler-Bernoulli beam along each of its two sides, of its whole extent across that side; both bear
     all loads, and their deflections add up. A support holds the plank straight along the line in which it runs, so
-    that a plank bends between its supports, or away from a single one. Where supports run along both sides, the side
-    counts as held whose hold leaves less deflection. Its weight is spread evenly, a joint's force over the part of the
+    that a plank bends between its supports, or away from a single one. Where supports run along both sides, those along
+    one bear all: the way with less deflection counts. Its weight is spread evenly, a joint's force over the part of the
     beam along which the joint runs. A plank that lies on the floor is pushed where it would go through it. Joints
     support it to whose other plank a way of joints leads from the floor past this one; what hangs on it loads it.
 
@@ -64,7 +64,7 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
     beams = [_actions(furniture, plank, case, a, *found) for a in (0, 1)]
     second = [float(board.size[1 - a]) * thickness**3 / 12.0 for a in (0, 1)]
     bent = [_bent(beams[a], material.E * second[a]) for a in (0, 1)]
-    ways = [(bent[0][False], bent[1][True]), (bent[0][True], bent[1][False])]
+    ways = [way for way in ((bent[0][0], bent[1][1]), (bent[0][1], bent[1][0])) if None not in way]
     largest = [_largest(way) for way in ways]
     stresses = [
         max(float(np.abs(one.moment).max()) * 0.5 * thickness / second[a] for a, one in enumerate(way)) for way in ways
@@ -73,15 +73,24 @@ def plank_bending(furniture: Furniture, plank: int, case: int = 0) -> PlankBendi
     return PlankBending(ways[least], largest[least], stress, stress / material.bending)
 
 
-def _bent(beam: Actions, stiffness: float) -> tuple[AxisBending, AxisBending]:
-    """Bending of a beam of a stiffness [N m^2], free and held straight by what runs along it."""
-    s, constrained = beam.stations(STATIONS), beam.constrained()
+def _bent(beam: Actions, stiffness: float) -> tuple[AxisBending | None, AxisBending]:
+    """Bending of a beam of a stiffness [N m^2], by supports across it alone if there are any, and held straight too."""
+    across, s = beam.borne_across(), beam.stations(STATIONS)
+
+    def bent(moment: np.ndarray, constrained: np.ndarray) -> AxisBending:
+        return AxisBending(s, moment, deflection(s, moment / stiffness, constrained))
+
     moment = beam.moments(s)
-    free = AxisBending(s, moment, deflection(s, moment / stiffness, constrained))
-    if not len(beam.straight):
+    if across is beam:
+        free = bent(moment, beam.constrained())
         return free, free
-    moment = np.where(beam.straightened(s), 0.0, moment)
-    return free, AxisBending(s, moment, deflection(s, moment / stiffness, constrained))
+    straight = bent(np.where(beam.straightened(s), 0.0, moment), beam.constrained())
+    if across is None:
+        return None, straight
+    # The more of the beam supports along it take, the less its deflection is measured from them.
+    part, moment = float(beam.straight.max()) / beam.length, across.moments(s)
+    one, other = bent(moment, beam.constrained()), bent(moment, beam.constrained(across=True))
+    return replace(one, deflection=(1.0 - part) * one.deflection + part * other.deflection), straight
 
 
 def _largest(way: tuple[AxisBending, AxisBending]) -> float:
