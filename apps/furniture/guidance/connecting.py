@@ -25,7 +25,7 @@ class Connection:
         piece: with the part where it is joined.
         way: (3,) how far that is [m].
         flaws: what the full test still finds.
-        free: ends of the part that nothing holds there, near a face, and one more where it sticks out by one end alone.
+        free: ends of the part that nothing holds there, near a face; 1 at least where it sticks out by one end alone.
         name: its kind.
     """
 
@@ -73,7 +73,7 @@ def _joined(piece: Piece, part: Sequence[int], way: np.ndarray) -> Connection | 
         return None
     alone = _alone(joined, part)
     words = _words(piece, joined, part, way) + (f" by its end {alone} alone: it sticks out there" if alone else "")
-    return Connection(words, joined, way, flaws, len(free_ends(joined, part)) + bool(alone))
+    return Connection(words, joined, way, flaws, max(len(free_ends(joined, part)), int(bool(alone))))
 
 
 def _alone(piece: Piece, part: Sequence[int]) -> str:

@@ -20,7 +20,7 @@ from restshape_apps.furniture.guidance.farthest import FARTHEST, NEAR
 from restshape_apps.furniture.guidance.force_space import durability_space
 from restshape_apps.furniture.guidance.lengthening import lengthenings
 from restshape_apps.furniture.guidance.overlap_advice import overlap_advice
-from restshape_apps.furniture.guidance.preferences import farthest_move, kept_modes, locked
+from restshape_apps.furniture.guidance.preferences import farthest_move, kept_modes, locked, shape_costs
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.guidance.ranked import ranked
 from restshape_apps.furniture.guidance.reconnect import Reconnection, reconnect
@@ -267,7 +267,8 @@ class Design:
         why = self._why_far(min(unlocked, key=self._move)) if unlocked else why
         judged = [self._with_doubt(self._with_rest(one)) for one in near]
         shown = [
-            self._with_weights(one) for one in ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
+            self._with_costs(self._with_weights(one))
+            for one in ranked(self.piece, [(one, self.after(one)) for one in judged])[:most]
         ]
         self.furniture.test()
         return SuggestionList(tuple(shown), tried, tested, perf_counter() - start, "" if shown else why)
@@ -383,6 +384,10 @@ class Design:
         """The suggestion with the weights that it takes along, where planks that carry them change their length."""
         taken = weights_along(self.piece, self.after(one)) if one.direction is not None else ""
         return replace(one, weights=taken) if taken else one
+
+    def _with_costs(self, one: Suggestion) -> Suggestion:
+        """The suggestion with what it costs the shape."""
+        return replace(one, costs="" if one.settings else shape_costs(self.piece, self.after(one)))
 
     def _with_doubt(self, one: Suggestion) -> Suggestion:
         """The suggestion in the part of its range that is beyond doubt if there is one; else with what is doubtful."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from restshape_apps.furniture.guidance import amounts
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
@@ -16,6 +17,8 @@ SYMMETRY, LEVEL, HEIGHT = "symmetry", "level", "height"
 PLACE = "place"
 STRAIGHT = 1e-9
 """How far from 1 or 0 the cosine with the vertical is of a plank that is level or upright."""
+GROWN, LARGER = 0.1, 0.25
+"""Parts by which an outer size of a piece may grow before that is said, and before its shape does not count as kept."""
 STEP = 1e-3
 """Change of a freedom [m or rad] by which it is found what else it moves."""
 STILL = 1e-9
@@ -50,6 +53,29 @@ def preserved(before: Piece, after: Piece) -> tuple[bool, bool]:
     """Whether a change keeps what is level or upright so, and whether it keeps the symmetry of a piece."""
     level = all(not _straight(old.axes) or _straight(new.axes) for old, new in zip(before.planks, after.planks))
     return level, keeps(before, after)
+
+
+def shape_costs(before: Piece, after: Piece) -> str:
+    """What a change costs the shape of a piece: symmetry that is lost, and outer sizes that grow by more than `GROWN`;
+    empty where it costs nothing."""
+    lost = {one.axis for one in mirrors(before)} - {one.axis for one in mirrors(after)}
+    sides = [f"lop-sided across {' and '.join('xy'[axis] for axis in sorted(lost))}"] if lost else []
+    grown = (
+        f"{amounts.amount(new, 'm')} along {axis} in all, not {amounts.amount(old, 'm')}"
+        for axis, old, new in zip("xyz", outer_size(before).tolist(), outer_size(after).tolist())
+        if new > (1.0 + GROWN) * old
+    )
+    return "; ".join([*sides, *grown])
+
+
+def grows(before: Piece, after: Piece) -> bool:
+    """Whether an outer size of a piece grows by more than `LARGER`."""
+    return bool(np.any(outer_size(after) > (1.0 + LARGER) * outer_size(before)))
+
+
+def outer_size(piece: Piece) -> np.ndarray:
+    """Sizes (3,) of a piece along the axes of the room [m]."""
+    return np.ptp(np.concatenate([plank.corners() for plank in piece.planks]), axis=0)
 
 
 def locked(before: Piece, after: Piece, keep: Sequence[str]) -> bool:

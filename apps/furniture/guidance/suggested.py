@@ -29,6 +29,7 @@ class Suggestion:
         rest: what is still wrong where it is shown; empty where it is valid.
         doubt: what is doubtful where it is valid; empty where nothing is.
         settings: keys of the scene and their values, of what is no other drawing; empty elsewhere.
+        costs: what it costs the shape of the piece, such as its symmetry; empty where nothing.
         free: ends of what it joins that nothing holds there, near a face.
         weights: weights that it takes along, where planks that carry them change their length.
     """
@@ -46,6 +47,7 @@ class Suggestion:
     doubt: str = ""
     settings: tuple[Setting, ...] = ()
     free: int = 0
+    costs: str = ""
     weights: str = ""
 
     @classmethod
@@ -99,8 +101,8 @@ class Suggestion:
 
     @property
     def whole(self) -> str:
-        """What it does, and which weights it takes along."""
-        return "; ".join(filter(None, (self.words, self.weights)))
+        """What it does, which weights it takes along, and what it costs the shape."""
+        return "; ".join(filter(None, (self.words, self.weights, self.costs)))
 
     @property
     def range_words(self) -> str:

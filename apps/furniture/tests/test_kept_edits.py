@@ -88,10 +88,10 @@ def test_a_turned_plank_stays_turned(play):
 
 
 def test_a_chosen_suggestion_stays(play):
-    heavy, chosen = SHELF.replace("20 kg", "400 kg").replace("dowel", "screw"), {"do": "choose", "number": 1}
+    heavy, chosen = SHELF.replace("20 kg", "400 kg").replace("dowel", "screw"), {"do": "choose", "number": 3}
     _, drawn = play(text=heavy)
     frame, before = play(chosen, text=heavy)
-    assert frame.note.startswith("suggestion 1: left ")
+    assert frame.note.startswith("suggestion 3: left ")
     _, after = play(chosen, set_("parameters.t", "22 mm"), text=heavy)
     for name in ("left", "right", "mid"):
         assert before[name].size[1] > drawn[name].size[1] + 1e-3

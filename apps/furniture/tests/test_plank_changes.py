@@ -178,7 +178,7 @@ def test_keys_of_a_weight_that_was_put_are_set_too(play):
 def test_keys_of_a_suggested_plank_are_set_too(tmp_path):
     scene = load_scene(SCENES / "table.toml")
     suggestion_list = PlankSession(scene, load_script(write_edits(tmp_path), scene)).design.suggestion_list.found
-    number = next(k for k, suggestion in enumerate(suggestion_list, 1) if suggestion.piece is not None)
+    number = next(k for k, suggestion in enumerate(suggestion_list, 1) if suggestion.kind == "a support plank")
     events = {"do": "choose", "number": number}, set_("planks.support.thickness", "20 mm")
     frames = list(PlankSession(scene, load_script(write_edits(tmp_path, *events), scene)).frames())
     assert frames[-1].refused is None and plank(frames[-1], "support").size[2] == pytest.approx(0.02)

@@ -257,7 +257,7 @@ def load_script_event(event):
 def test_a_suggested_plank_is_built_and_holds(tmp_path):
     scene = load_scene(SCENES / "table.toml")
     suggestion_list = PlankSession(scene, load_script(write_edits(tmp_path), scene)).design.suggestion_list.found
-    number = next(k for k, suggestion in enumerate(suggestion_list, 1) if suggestion.piece is not None)
+    number = next(k for k, suggestion in enumerate(suggestion_list, 1) if suggestion.kind == "a support plank")
     script = load_script(write_edits(tmp_path, {"do": "choose", "number": number}, {"do": "slide", "to": 1}), scene)
     frames = list(PlankSession(scene, script).frames())
     assert len(frames[1].design.piece.planks) == 6 and frames[1].design.furniture.test().valid

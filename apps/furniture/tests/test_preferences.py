@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
-from restshape_apps.furniture.guidance.preferences import kept_modes, locked, preserved, way_of_material
+from restshape_apps.furniture.guidance.preferences import (
+    grows,
+    kept_modes,
+    locked,
+    preserved,
+    shape_costs,
+    way_of_material,
+)
 from restshape_apps.furniture.guidance.ranked import ranked
 from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.guidance.support_planks import Reliefs, searched, support_planks
@@ -238,3 +245,45 @@ def test_a_lock_of_nothing_is_refused(tmp_path, lock: str, what: str) -> None:
     path = write_bench(tmp_path, BENCH + f'\n[effects.guidance]\nkeep = ["{lock}"]\n')
     with pytest.raises(UserError, match=what):
         plan(load_scene(path))
+
+
+def test_what_a_suggestion_costs_the_shape_is_said(tmp_path) -> None:
+    piece = bench(tmp_path)
+    furniture, gamma = Furniture(piece), np.zeros((len(piece.planks), len(FREEDOMS)))
+    assert shape_costs(piece, piece) == ""
+    # The top, 1.2 m long, goes aside along x: still symmetric across y, and longer in all by less than a tenth.
+    gamma[piece.index("top"), 0] = 0.05
+    assert shape_costs(piece, furniture.moved(gamma)) == "lop-sided across x"
+    # Both legs, 0.3 m deep as the top is, are 0.1 m deeper.
+    gamma[:] = 0.0
+    gamma[[piece.index(name) for name in ("left", "right")], 7] = 0.1
+    deeper = furniture.moved(gamma)
+    assert shape_costs(piece, deeper) == "400 mm along y in all, not 300 mm" and grows(piece, deeper)
+    gamma *= 0.25
+    assert shape_costs(piece, furniture.moved(gamma)) == "" and not grows(piece, furniture.moved(gamma))
+
+
+def test_suggestions_show_what_they_cost() -> None:
+    design = Design(scales(), Guidance())
+    found = design.suggestion_list.found
+    assert found
+    for one in found:
+        costs = "" if one.settings else shape_costs(design.piece, after(design, one))
+        assert one.costs == costs and one.whole.endswith(costs) and costs in one.summary
+
+
+@pytest.mark.parametrize(("part", "first"), [(0.004, "shape"), (0.05, "fasteners"), (0.3, "fasteners")])
+def test_fasteners_come_before_shapes_that_move_more_and_thickness_after(tmp_path, part: float, first: str) -> None:
+    piece = bench(tmp_path)
+    move = np.zeros((len(piece.planks), len(FREEDOMS)))
+    move[:, 0] = part * piece.size
+    moved = piece.placed(
+        np.array([plank.centre + np.array([part * piece.size, 0, 0]) for plank in piece.planks]),
+        np.array([plank.axes for plank in piece.planks]),
+        np.array([plank.size for plank in piece.planks]),
+    )
+    shape = Suggestion("shape", move, 1.0, (0.0, 1.0), True, name="top: move x")
+    closer = Suggestion("fasteners", None, 1.0, (0.0, 1.0), True, piece, settings=(("fastener.spacing", 0.02),))
+    thicker = Suggestion("thickness", None, 1.0, (0.0, 1.0), True, piece, settings=(("wood.thickness", 0.025),))
+    order = ranked(piece, [(thicker, piece), (closer, piece), (shape, moved)])
+    assert order[0].words == first and order[-1] is thicker
