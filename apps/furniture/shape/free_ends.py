@@ -109,6 +109,10 @@ def to_a_face(name: str, other: str) -> str:
     return f"let {name} meet a broad face, or turn {other}"
 
 
+Boxes = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Middles (n, 3), axes (n, 3, 3) and sizes (n, 3) of planks."""
+
+
 def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEnd, ...]:
     """The free ends along the longer sides of planks that come short of a face, pass it, or pass beside it.
 
@@ -118,14 +122,15 @@ def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEn
     """
     taken = _taken(piece)
     found, centres = [], np.array([plank.centre for plank in piece.planks])
-    normals = np.array([plank.axes[:, 2] for plank in piece.planks])
+    axes, sizes = np.array([plank.axes for plank in piece.planks]), np.array([plank.size for plank in piece.planks])
+    normals, boxes = axes[:, :, 2], (centres, axes, sizes)
     for i in range(len(piece.planks)) if planks is None else planks:
         along = int(np.argmax(piece.planks[i].size[:2]))
         for side in (2 * along, 2 * along + 1):
             if (i, side) in taken:
                 continue
             missed = [one for one in _missed(piece, i, side, _ahead(piece, i, side, centres, normals)) if one]
-            missed += _at_edges(piece, i, side, centres)
+            missed += _at_edges(piece, i, side, boxes)
             if missed:
                 found.append(min(missed, key=lambda one: abs(one.gap) + one.aside))
     return tuple(found)
@@ -150,25 +155,21 @@ def _ahead(piece: Piece, i: int, side: int, centres: np.ndarray, normals: np.nda
     return np.flatnonzero((np.abs(slopes) > LEAST_SLANT) & (away <= reach)).tolist()
 
 
-def _at_edges(piece: Piece, i: int, side: int, centres: np.ndarray) -> list[FreeEnd]:
-    """The end before edges of planks, no farther than joints reach; by their middles (n, 3)."""
-    one, found = piece.planks[i], []
+def _at_edges(piece: Piece, i: int, side: int, boxes: Boxes) -> list[FreeEnd]:
+    """The end before edges of planks, no farther than joints reach."""
+    one, (centres, axes, sizes) = piece.planks[i], boxes
     axis = one.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
-    end, half = one.end(side), 0.5 * one.size[1 - side // 2] * one.axes[:, 1 - side // 2]
-    sizes = np.array([plank.size for plank in piece.planks])
-    near = np.linalg.norm(centres - end, axis=1) <= 0.5 * np.linalg.norm(sizes, axis=1) + np.linalg.norm(half) + FAR
-    joined = {k for joint in piece.joints for k in (joint.i, joint.j) if i in (joint.i, joint.j)}
-    for j in np.flatnonzero(near).tolist():
-        other = piece.planks[j]
-        way, place, along = (other.axes.T @ v for v in (axis, end - other.centre, half))
-        k = int(np.argmax(np.abs(way)))
-        if j == i or j in joined or k == 2:
-            continue
-        gap = float((-np.sign(way[k]) * 0.5 * other.size[k] - place[k]) / way[k])
-        beside = np.abs(place + gap * way) - np.abs(along) - 0.5 * other.size
-        if -FLUSH <= gap <= piece.reach and max(beside[1 - k], beside[2]) < -FLUSH:
-            found.append(FreeEnd(i, side, j, gap, 0.0, False, edge=True))
-    return found
+    half = 0.5 * one.size[1 - side // 2] * one.axes[:, 1 - side // 2]
+    # Along the axes of each plank (n, 3); k: the one that the end looks along.
+    way, along = axis @ axes, half @ axes
+    place = ((one.end(side) - centres)[:, None, :] @ axes)[:, 0]
+    every, k = np.arange(len(centres)), np.argmax(np.abs(way), axis=1)
+    gap = (-np.sign(way[every, k]) * 0.5 * sizes[every, k] - place[every, k]) / way[every, k]
+    beside = np.abs(place + gap[:, None] * way) - np.abs(along) - 0.5 * sizes
+    most = np.maximum(beside[every, 1 - k], beside[:, 2])
+    at = np.flatnonzero((k < 2) & (gap >= -FLUSH) & (gap <= piece.reach) & (most < -FLUSH)).tolist()
+    joined = {i} | {k for joint in piece.joints for k in (joint.i, joint.j) if i in (joint.i, joint.j)} if at else {i}
+    return [FreeEnd(i, side, j, float(gap[j]), 0.0, False, edge=True) for j in at if j not in joined]
 
 
 def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:
