@@ -51,7 +51,7 @@ def decided(scene_file, *overrides: str):
 @pytest.fixture
 def rubber(scene_file, monkeypatch):
     """A scene file whose application has second-order elements, too, and those of first order by default."""
-    monkeypatch.setattr("restshape.scene.load.application", lambda name, where: SECOND_ORDER)
+    monkeypatch.setattr("restshape.scene.load.application", lambda name, where=None: SECOND_ORDER)
     return scene_file
 
 
@@ -78,7 +78,7 @@ def test_displacement_elements_can_be_asked_for(rubber):
 
 def test_an_application_of_first_order_only_says_that_it_locks(rubber, monkeypatch):
     only_first = replace(SECOND_ORDER, physics=(replace(PLANE_SOLIDS, orders=(1,)),))
-    monkeypatch.setattr("restshape.scene.load.application", lambda name, where: only_first)
+    monkeypatch.setattr("restshape.scene.load.application", lambda name, where=None: only_first)
     scene = load_scene(rubber, RUBBER)
     assert scene.mesh.order == 1
     assert "first-order triangles lock" in plan(scene, only_first).effects[0].why

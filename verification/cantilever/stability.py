@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, refused_for, valid
-from restshape_studies.stability.known_bounds import CONVERGED, SOLVED, TOLERANCE
+from restshape_studies.stability.known_bounds import SOLVED, TOLERANCE
 from restshape_studies.stability.scenery import across, drag, set_value
 
 from restshape.application import application
@@ -18,7 +18,7 @@ def gravity_raised(trial: Trial) -> Iterator[Statement]:
     events = set_value("effects.gravity.g", *([0, -9.81 * factor] for factor in (2, 10, 100, 1000, 1)))
     rows = trial.rows(SCENE, events, overrides=COARSE)
     yield refused_for(rows, "no equilibrium found beyond")
-    yield near("distance from the goal as at first", rows[-1]["q_miss"], rows[0]["q_miss"], trial.solved(CONVERGED))
+    yield near("distance from the goal as at first", rows[-1]["q_miss"], rows[0]["q_miss"], trial.solved(SOLVED))
     yield below("frames refused", sum(bool(row["refused"]) for row in rows), 3)
     yield from valid(rows, None, 1e-6)
 

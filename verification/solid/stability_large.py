@@ -179,7 +179,8 @@ def predicted_at_the_buckling_load(trial: Trial) -> Iterator[Statement]:
         yield above("least residual of predictions, which says that they are not solved", residual, 0.1)
         doubted = [(p["q_tip"], s["q_tip"]) for p, s in pairs if "its prediction would be off" in p["note"]]
         yield true("all others are solved, and say so", len(doubted) == len(pairs) - len(shown))
-        yield near("tip of those as solved", *_columns(doubted), 1e-5)
+        # Near the load the tip moves many times as far as the tolerance of the solve says.
+        yield near("tip of those as solved", *_columns(doubted), 1e-4)
         wrong = min((p["prediction_error"] for p, _ in pairs if not p["predicted"]), default=np.nan)
         yield above("least error that predictions of those would have had", wrong, TRUSTED)
         yield near("tip on release as solved", predicted[-1]["q_tip"], solved[-1]["q_tip"], SOLVED)

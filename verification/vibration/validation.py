@@ -82,7 +82,7 @@ def energy(comm: PETSc.Comm) -> list[Check]:
     drift = max(abs(now.energy() / start - 1) for now in idle(replay, 100))
     # Rounding of 10,000 steps.
     source = "average acceleration keeps it exactly"
-    return [Check("largest change of energy, relative", drift, 0.0, 1e-10, source, IDENTITY)]
+    return [Check("largest change of energy, relative", drift, 0.0, 1e-11, source, IDENTITY)]
 
 
 def order(comm: PETSc.Comm) -> list[Check]:

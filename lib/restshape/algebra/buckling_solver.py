@@ -18,9 +18,9 @@ from restshape.errors import ReplayProblem
 
 WIDEST = 1.5
 """A count goes so far beyond the last load factor at most, for what lies farther is hardly known."""
-BESIDE = 1.0 + 1e-6
+BESIDE = 1.01
 """The largest load factor over the one up to which is counted: at a mean strain of 1 itself the stiffness of a bar
-cancels exactly, and its matrix has no factor."""
+cancels, and its matrix has no factor."""
 
 LEAST, USUAL = 4, 12
 """Iterations that are always granted, and with a new factor."""

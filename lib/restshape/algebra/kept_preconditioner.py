@@ -31,6 +31,7 @@ class KeptPreconditioner:
         filled: nonzeros in it.
         size: of the present system; handle: of its matrix.
         pattern_changed: since it was made.
+        blocks: a complete Cholesky factor of this system is made in blocks of a node.
     """
 
     def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
@@ -43,6 +44,7 @@ class KeptPreconditioner:
         self.filled = 0.0
         self.handle, self.size = 0, Size(0, 0.0, traits.dimension, fields=traits.fields)
         self._given: list[str] = []
+        self.blocks = True
         self._set(ILU.levels)
 
     @property
@@ -78,6 +80,9 @@ class KeptPreconditioner:
         """Forget what was made: the system is another one, which has its choice."""
         self.ksp.reset()
         self.ready = self.pattern_changed = False
+        if not self.blocks:
+            self.blocks = True
+            self._set(0)
         if self.chooses:
             chosen = self.choice(self.size)
             if chosen is not self.candidate:
@@ -148,6 +153,12 @@ class KeptPreconditioner:
 
     def replace_failed(self) -> bool:
         """After a failure of a fresh one, take one of another kind; returns whether any is left."""
+        if self.kind == "cholesky" and self.blocks and not (self._named or self.traits.pivots):
+            log.info("KSP %s: a factor of single numbers, in place of one in blocks", self.ksp.getOptionsPrefix())
+            self.blocks = False
+            self.ksp.reset()
+            self._set(0)
+            return True
         if not self.chooses or self.candidate is None or self.candidate.kind == "cholesky":
             return False
         self.choice.exclude(self.candidate)
@@ -182,7 +193,7 @@ class KeptPreconditioner:
 
     def _set(self, levels: int) -> None:
         self._forget_options()
-        self._given = set_preconditioner(self.ksp, self.kind, levels, self.traits.pivots)
+        self._given = set_preconditioner(self.ksp, self.kind, levels, self.traits.pivots, self.blocks)
 
     def _forget_options(self) -> None:
         """Take out of PETSc's database what was put there for a set-up: it is not what the user said."""

@@ -200,6 +200,9 @@ class LinearSolver:
             self._clean(x)
             if stale:
                 self.refresh.give_up(uses)
+            else:
+                # What a fresh one has failed with is no guess.
+                x.set(0.0)
             stale = False
             self._factor(mat, places, f"no convergence in {last} iterations with the old one", uses, rebuild=True)
             self._use()

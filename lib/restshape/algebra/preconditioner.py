@@ -10,7 +10,7 @@ COMPLETE = ("cholesky", "lu")
 FACTORS = (*COMPLETE, "icc", "ilu")
 
 
-def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = False) -> list[str]:
+def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = False, blocks: bool = True) -> list[str]:
     """Give a solver a preconditioner; what PETSc's options say of it goes first.
 
     On several ranks a factor is that of the ranks' own rows (block Jacobi), so that the bits repeat; one with exchanges
@@ -21,6 +21,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
         kind: PETSc's type.
         levels: of fill, where incomplete.
         pivots: a complete factor exchanges rows: MUMPS makes it, for PETSc's own do not.
+        blocks: a complete Cholesky factor is made in blocks of a node.
 
     Returns: names of options that were put into PETSc's database, to be taken out after the set-up.
     """
@@ -31,7 +32,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
         # Block Jacobi as additive Schwarz without overlap: petsc4py 3.18 gives the blocks' solvers for that only.
         pc.setType("asm")
         pc.setASMOverlap(0)
-        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels)}
+        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels, blocks)}
         _kernels.register_node_cholesky()
     else:
         pc.setType(kind)
@@ -40,7 +41,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
         elif whole:
             pc.setFactorSolverType("mumps")
         elif kind in COMPLETE:
-            order_factor(pc)
+            order_factor(pc, blocks)
         elif kind in FACTORS:
             pc.setFactorLevels(levels)
             # Slender parts make incomplete factors indefinite, for which CG has no use.
@@ -53,23 +54,25 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
     return given
 
 
-def order_factor(pc: PETSc.PC) -> None:
+def order_factor(pc: PETSc.PC, blocks: bool = True) -> None:
     """Have a complete factor on one rank made in an order of little fill, Cholesky's in blocks of a node.
 
     Args:
         pc: of type `cholesky` or `lu`.
+        blocks: else of single numbers, which bear better what is nearly singular.
 
     Source: P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996), 886.
     """
-    if pc.getType() == "cholesky":
+    if pc.getType() == "cholesky" and blocks:
         _kernels.register_node_cholesky()
         pc.setFactorSolverType(_kernels.node_blocks)
     else:
+        pc.setFactorSolverType("petsc")
         pc.setFactorOrdering("amd")
 
 
-def _factor_options(kind: str, levels: int) -> dict[str, object]:
-    if kind == "cholesky":
+def _factor_options(kind: str, levels: int, blocks: bool) -> dict[str, object]:
+    if kind == "cholesky" and blocks:
         return {"sub_pc_factor_mat_solver_type": _kernels.node_blocks}
     if kind in COMPLETE:
         return {"sub_pc_factor_mat_ordering_type": "amd"}
