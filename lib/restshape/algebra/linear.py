@@ -195,7 +195,7 @@ class LinearSolver:
             # What is left of the residual then is looked at by the iteration, which hardly ever has to take a step.
             with self.stages("krylov"):
                 self.ksp.getPC().apply(b, x)
-        iterations = last = max(self._iterate(b, x, uses if stale and self.keeps else 0), int(applied))
+        iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0, int(applied))
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
             if stale:
@@ -341,15 +341,18 @@ class LinearSolver:
             self.projection.pays = spent < saved
         self.refresh.set_refresh_price(price, self.kept.pattern_changed)
 
-    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, uses: int = 0) -> int:
-        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper for the uses."""
+    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, uses: int = 0, applied: int = 0) -> int:
+        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper for the uses.
+
+        An application of the factor before it (`applied`) counts as one where none has to follow.
+        """
         if self.keeps:
             most = self.refresh.limit(self.kept.complete, uses) if uses else MOST_ITERATIONS
             self.ksp.setTolerances(max_it=most)
         self._aim()
         with self.stages("krylov"):
             self.ksp.solve(b, x)
-        iterations = self.ksp.getIterationNumber()
+        iterations = max(self.ksp.getIterationNumber(), applied)
         if log.isEnabledFor(logging.DEBUG):
             reason = self.ksp.getConvergedReason()
             log.debug(
