@@ -35,7 +35,7 @@ class KeptPreconditioner:
     """
 
     def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
-        self.ksp, self.choice, self.traits, self.ranks = ksp, choice, traits, ksp.getComm().size
+        self.ksp, self.choice, self.traits = ksp, choice, traits
         self._named, self._method = named is not None, method
         self.kind = named or ("ilu" if method == "ilu" else traits.factor)
         self.chooses = method == "auto" and named is None and bool(choice.candidates(traits))
@@ -46,6 +46,11 @@ class KeptPreconditioner:
         self._given: list[str] = []
         self.blocks = True
         self._set(ILU.levels)
+
+    @property
+    def ranks(self) -> int:
+        """That share the matrix."""
+        return self.ksp.getComm().size
 
     @property
     def name(self) -> str:
