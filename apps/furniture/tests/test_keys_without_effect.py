@@ -66,7 +66,9 @@ def test_a_limit_is_none_of_the_piece(tmp_path) -> None:
 @pytest.mark.slow
 def test_a_formula_whose_place_a_suggestion_took_is_followed_no_more(tmp_path) -> None:
     # The bench weighs more than it may: thinner planks take the place of the formula of their thickness.
-    scene = write_bench(tmp_path, BENCH.replace("thickness = 0.02", 'thickness = "0.5*t + 0.5*t"') + RAIL.replace("8 kg", "5 kg"))
+    scene = write_bench(
+        tmp_path, BENCH.replace("thickness = 0.02", 'thickness = "0.5*t + 0.5*t"') + RAIL.replace("8 kg", "5 kg")
+    )
     replay = make_replay(scene)
     first = next(iter(replay.frames()))
     number = next(k for k, one in enumerate(replay.session.design.suggestion_list.found, 1) if one.settings)
