@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from restshape_apps.furniture.shape.planks import Load, Piece
+from restshape_apps.furniture.shape.planks import Load, Piece, Plank
 
 from restshape.errors import UserError
 from restshape.scene.load import remade
 from restshape.scene.model import Scene
 from restshape.scene.source import split_key
+from restshape.scene.space_values import number
 
 OWN = {"planks": "plank", "weights": "weight", "pushes": "push"}
 """Tables that name what a piece has."""
@@ -40,10 +41,19 @@ def adopted(scene: Scene, piece: Piece, key: str) -> Scene:
     if not missing and not weights:
         return scene
     raw = dict(scene.raw)
-    raw["planks"] = {**raw["planks"], **{k: drawn_table(plank) for k, plank in missing.items()}}
+    raw["planks"] = {**raw["planks"], **{k: _following(scene, plank, key) for k, plank in missing.items()}}
     if weights:
         raw["weights"] = {**raw.get("weights", {}), **{k: put_table(piece, load) for k, load in weights.items()}}
     return remade(scene, raw)
+
+
+def _following(scene: Scene, plank: Plank, key: str) -> dict[str, Any]:
+    """The table of a plank, without the thickness and the wood that it has as all have, so that it follows these."""
+    table, usual = drawn_table(plank), scene.wood
+    same = {"thickness": table["thickness"] == number(usual.thickness, scene.parameters)}
+    same["wood"] = plank.wood == usual.name
+    # One that is to be set needs its value before.
+    return {k: value for k, value in table.items() if not same.get(k) or split_key(key) == ("planks", plank.name, k)}
 
 
 def drawn_table(plank: Any) -> dict[str, Any]:

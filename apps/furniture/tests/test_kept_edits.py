@@ -132,3 +132,12 @@ def test_a_chosen_thickness_sets_the_parameter_that_gives_it(play):
     assert frame.design.furniture.test().valid
     _, thicker = play({"do": "choose", "number": number}, set_("parameters.t", "30 mm"), text=heavy)
     assert {float(plank.size[2]) for plank in thicker.values()} == {0.03}
+
+
+def test_a_drawn_plank_follows_the_thickness_of_all_after_another_key_of_it_was_set(play):
+    tie = {"do": "plank", "name": "tie", "from": [-0.332, 0.1, 0.7], "to": [0.332, 0.1, 0.7], "width": [0, 0, 0.08]}
+    _, planks = play(tie, set_("planks.tie.width", [0, 0, 0.1]), set_("parameters.t", "25 mm"))
+    assert planks["tie"].size == pytest.approx([0.65, 0.1, 0.025])
+    # One of its own stays.
+    _, planks = play(tie, set_("planks.tie.thickness", "20 mm"), set_("parameters.t", "25 mm"))
+    assert planks["tie"].size[2] == pytest.approx(0.02)
