@@ -66,22 +66,14 @@ def test_a_limit_is_none_of_the_piece(tmp_path) -> None:
 @pytest.mark.slow
 def test_a_formula_whose_place_a_suggestion_took_is_followed_no_more(tmp_path) -> None:
     # The bench weighs more than it may: thinner planks take the place of the formula of their thickness.
-<<<<<<< Updated upstream
     scene = write_bench(
         tmp_path, BENCH.replace("thickness = 0.02", 'thickness = "0.5*t + 0.5*t"') + RAIL.replace("8 kg", "5 kg")
     )
-=======
-    scene = write_bench(tmp_path, BENCH.replace("thickness = 0.02", 'thickness = "2*t/2"') + RAIL.replace("8 kg", "5 kg"))
->>>>>>> Stashed changes
     replay = make_replay(scene)
     first = next(iter(replay.frames()))
     number = next(k for k, one in enumerate(replay.session.design.suggestion_list.found, 1) if one.settings)
     assert first["suggested"] >= number
     events = [{"do": "choose", "number": number}, put("parameters.t", "22 mm")]
     chosen, said = [row["note"] for row in make_replay(scene, write_edits(tmp_path, *events)).frames()][1:]
-<<<<<<< Updated upstream
     assert "it takes the place of the formula '0.5*t + 0.5*t'" in chosen
-=======
-    assert "it takes the place of the formula '2*t/2'" in chosen
->>>>>>> Stashed changes
     assert said == "parameters.t changes nothing: no formula uses it now"
