@@ -9,7 +9,7 @@ import numpy as np
 from restshape_apps.furniture.physics import plank_findings as kinds
 from restshape_apps.furniture.physics.plank_findings import joint_planks, load_case
 from restshape_apps.furniture.shape.free_ends import to_a_face
-from restshape_apps.furniture.shape.planks import Piece
+from restshape_apps.furniture.shape.planks import Piece, parts_of
 
 from restshape.findings import OMITTED, Finding
 from restshape.replay.constraints import LIMIT, formatted_constraint, value_and_bound
@@ -137,6 +137,12 @@ def _gap(nearest: Finding, worst: bool) -> str:
 def _lost(findings: list[Finding], worst: Worst) -> str:
     lost = [_fault(one, one in worst) for one in findings if one.subjects]
     return f"lost: {_listed(lost, _omitted(findings))}" if lost else "a joint is lost"
+
+
+def lying(piece: Piece, plank: int) -> list[str]:
+    """What is said of a plank that lies on another one, or face to face with it, where that keeps it from the rest."""
+    name, found = piece.planks[plank].name, kinds.apart(piece) if len(parts_of(piece)) > 1 else []
+    return [_gap(one, False) for one in found if one.detail in (kinds.RESTS, kinds.FLAT) and one.subjects[0] == name]
 
 
 def _fault(one: Finding, worst: bool) -> str:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from restshape_apps.furniture.physics.plank_phrases import lying
 from restshape_apps.furniture.scene.furniture import BESIDE
 from restshape_apps.furniture.shape import plank_edits
 from restshape_apps.furniture.shape.free_ends import free_ends
@@ -50,7 +51,7 @@ def joined(piece: Piece, scene: Scene, event: Any) -> Change:
     plank = plank_number(piece, event.on)
     found = plank_edits.connected(piece, plank, scene.joints.reach, event.fastener or scene.fastener.name)
     if len(found.joints) == len(piece.joints) and len(found.feet) == len(piece.feet):
-        missed = [end.words(piece) for end in free_ends(piece, [plank])]
+        missed = [end.words(piece) for end in free_ends(piece, [plank])] or lying(piece, plank)
         raise UserError(f"{event.on} is near nothing that it is not joined to already", do=", ".join(missed))
     return found, _met(piece, found)
 

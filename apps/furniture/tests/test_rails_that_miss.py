@@ -157,3 +157,12 @@ def test_planks_that_share_an_edge_go_through_nothing(tmp_path) -> None:
     design = drawn(tmp_path, rail(-0.49, 0.49, 0.135, EDGE), MIDDLE.replace("0.3, 0]", "0.28, 0]"))
     # The rail, 20 mm thick, reaches from y = 0.125 m, the middle leg to 0.14 m.
     assert design.suggestion_list.why == "move middle 15 mm along -y, off rail"
+
+
+def test_a_tray_that_cannot_be_connected_says_that_it_lies_on_the_top(tmp_path) -> None:
+    tray = "\n[planks.tray]\nfrom = [-0.1, 0, 0.53]\nto = [0.1, 0, 0.53]\nwidth = [0, 0.1, 0]\n"
+    path = write_bench(tmp_path, BENCH + tray)
+    *_, row = make_replay(path, write_edits(tmp_path, {"do": "connect", "on": "tray"})).frames()
+    assert (
+        "near nothing" in row["refused"] and "tray lies on top, but planks are held by joints alone" in row["refused"]
+    )
