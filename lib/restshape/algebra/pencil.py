@@ -19,7 +19,7 @@ SAME = 1e-12
 class Pencil:
     """K and M as they stand, and the last complete factor of K - s M, which may be of matrices of some frames ago.
 
-    The factor is L D L^T without pivoting, D in blocks of a node: it serves indefinite matrices too, and D has their
+    PETSc's own factor is L D L^T without pivoting: it serves indefinite matrices too, and D has their
     inertia.
 
     Args:
@@ -151,7 +151,8 @@ class _Factor:
             self._matrix = stiffness.duplicate(copy=True)
             self._pc = PETSc.PC().create(PETSc.COMM_SELF)
             self._pc.setType("cholesky")
-            order_factor(self._pc)
+            # Counts of eigenvalues of thin bodies hang on pivots that blocks round more.
+            order_factor(self._pc, blocks=False)
             self.stale_pattern = False
         else:
             stiffness.copy(self._matrix, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
