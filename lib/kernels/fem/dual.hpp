@@ -83,6 +83,13 @@ struct Dual {
     }
 };
 
+// The value alone, by which branches are chosen.
+inline double value_of(double a) { return a; }
+template <int N>
+double value_of(const Dual<N>& a) {
+    return a.v;
+}
+
 // The scalar that a product of the two has: double with double, otherwise the dual one.
 template <class A, class B>
 using Common = std::decay_t<decltype(std::declval<A>() * std::declval<B>())>;

@@ -12,6 +12,7 @@
     file(bending_elements) \
     file(point_elements) \
     file(stokes_elements) \
+    file(stabilised_flow_elements) \
     file(heat_elements)
 // clang-format on
 
