@@ -26,6 +26,7 @@ class Way(NamedTuple):
     name: str
     set_up: Callable[[PETSc.PC], None]
     panels: bool = False
+    single: bool = False
 
 
 def library(name: str, ordering: str | None = None) -> Callable[[PETSc.PC], None]:
@@ -45,6 +46,7 @@ WAYS = (
     Way("MUMPS", library("mumps")),
     Way("node blocks", order_factor),
     Way("node blocks, panels", order_factor, panels=True),
+    Way("the same, single", order_factor, panels=True, single=True),
 )
 
 
@@ -66,7 +68,7 @@ def times(way: Way, mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> list[float]:
     mat.assemble()
     found.append(seconds(pc.setUp))
     if way.panels:
-        _kernels.solve_by_panels(pc.getFactorMatrix().handle)
+        _kernels.solve_by_panels(pc.getFactorMatrix().handle, way.single)
     pc.apply(b, x)
     found.append(min(seconds(lambda: pc.apply(b, x)) for _ in range(5)))
     pc.destroy()

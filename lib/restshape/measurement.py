@@ -117,7 +117,7 @@ def measure_factor(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, kind: str) -> tup
     filled = pc.getFactorMatrix().getInfo()["nz_used"]
     if kind == "cholesky":
         # As factors that are kept do.
-        _kernels.solve_by_panels(pc.getFactorMatrix().handle)
+        _kernels.solve_by_panels(pc.getFactorMatrix().handle, single=True)
     solve = median_seconds(lambda: pc.apply(b, x))
     return filled, {"symbolic": max(0.0, whole - numeric), "numeric": numeric, "solve": solve}
 

@@ -76,6 +76,33 @@ def test_it_takes_the_values_of_a_factor_that_is_made_again(fields, ordering):
     np.testing.assert_allclose(solved(pc, b), expected, rtol=1e-10)
 
 
+@pytest.mark.parametrize(("fields", "ordering"), [(1, "nodes"), (2, "nodes"), (3, "nodes"), (2, "amd")])
+def test_single_precision_serves_until_double_is_asked_for(fields, ordering):
+    rng = np.random.default_rng(6)
+    found = matrix(9, fields, rng)
+    pc, b = factored(petsc(found), ordering=ordering), rng.normal(size=found.shape[0])
+    handle, expected = pc.getFactorMatrix().handle, np.linalg.solve(found.toarray(), b)
+
+    def error(single):
+        assert _kernels.solve_by_panels(handle, single)
+        return np.linalg.norm(solved(pc, b) - expected) / np.linalg.norm(expected)
+
+    assert 1e-10 < error(single=True) < 1e-5
+    assert error(single=False) < 1e-12
+    assert error(single=True) < 1e-12
+
+
+def test_what_single_precision_cannot_solve_has_double():
+    n = 400
+    chain = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], (n, n)).tolil()
+    chain[-1, -1] = 1.0
+    beam = sp.csr_matrix(chain @ chain)
+    pc, b = factored(petsc(beam), ordering="natural"), np.ones(n)
+    assert _kernels.solve_by_panels(pc.getFactorMatrix().handle, single=True)
+    expected = sp.linalg.spsolve(sp.csc_matrix(beam), b)
+    assert np.linalg.norm(solved(pc, b) - expected) < 1e-4 * np.linalg.norm(expected)
+
+
 def test_what_is_not_a_number_leaves_nothing_behind():
     rng = np.random.default_rng(6)
     found, b = matrix(9, 2, rng), rng.normal(size=162)
@@ -97,22 +124,25 @@ def test_factors_of_other_kinds_stay_as_they_are():
     np.testing.assert_allclose(solved(rough, b), before, rtol=1e-12)
 
 
-def test_a_factor_goes_by_panels_from_its_second_solve_on(monkeypatch):
-    handles = []
+@pytest.mark.parametrize(("method", "expected"), [("stale", [0, 1, 1]), ("direct", [0, 1, 1])])
+def test_a_factor_goes_by_panels_from_its_second_solve_on(monkeypatch, method, expected):
+    singles = []
 
-    def by_panels(handle):
-        handles.append(handle)
-        assert _kernels.solve_by_panels(handle)
+    def by_panels(handle, single):
+        singles.append(single)
+        assert _kernels.solve_by_panels(handle, single)
 
     monkeypatch.setattr(kept_preconditioner, "_kernels", SimpleNamespace(solve_by_panels=by_panels))
     mat = petsc(matrix(6, 2, np.random.default_rng(8)))
     traits, stages = Traits(True), Stages()
-    solver = LinearSolver(PETSc.COMM_SELF, "panels_", "stale", 1e-8, Calibration.load(), stages, traits=traits)
+    solver = LinearSolver(PETSc.COMM_SELF, "panels_", method, 1e-8, Calibration.load(), stages, traits=traits)
     b, x = mat.createVecs()
     counts = []
-    for scale in (1.0, 1.01, 1.0):
+    for scale in (1.0, 1.01, 1.0) if method == "stale" else (1.0, 1.0, 1.0):
         mat.scale(scale)
         b.set(1.0)
-        solver.solve(mat, b, x, new_system=not counts)
-        counts.append(len(handles))
-    assert counts == [0, 1, 1]
+        solver.solve(mat, b, x, new_system=not counts, same_matrix=method == "direct" and bool(counts))
+        counts.append(len(singles))
+    assert counts == expected
+    # Where no iteration follows, single precision would be that of the solution.
+    assert singles == [method == "stale"]

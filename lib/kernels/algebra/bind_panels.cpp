@@ -22,17 +22,46 @@ constexpr const char* key = "restshape_panels";
 // Panels double the memory of a factor: 200 MB beside one with so many entries.
 constexpr size_t most_entries = 1 << 24;
 
-using Factor = restshape::PanelFactor<PetscInt>;
-struct Panels {
-    Factor factor;
-    std::vector<PetscInt> order;
-};
-using Shared = std::shared_ptr<Panels>;
+using Rows = restshape::FactorRows<PetscInt>;
 using Solve = PetscErrorCode (*)(Mat, Vec, Vec);
+
+// Panels of numbers in double or single precision.
+struct Panels {
+    virtual ~Panels() = default;
+    virtual void set(const double* values) = 0;
+    virtual void solve(const double* b, double* x) = 0;
+    virtual double flops() const = 0;
+
+    bool single = false;
+    Solve own = nullptr;          // PETSc's
+    std::vector<PetscInt> order;  // the row of the factor of each unknown
+};
+
+template <class Value>
+struct PanelsOf final : Panels {
+    explicit PanelsOf(const Rows& rows) : factor(rows) { single = sizeof(Value) < sizeof(double); }
+    void set(const double* values) override { factor.set(values); }
+    void solve(const double* b, double* x) override { factor.solve(b, order.data(), x); }
+    double flops() const override { return 4.0 * static_cast<double>(factor.entries()) - 3.0 * factor.size(); }
+
+    restshape::PanelFactor<PetscInt, Value> factor;
+};
+
+using Shared = std::shared_ptr<Panels>;
 
 PetscErrorCode release(void* context) {
     delete static_cast<Shared*>(context);
     return 0;
+}
+
+// The panels that a factor goes by; none yet, or none that PETSc's own substitutions agree with.
+Panels* panels_of(Mat mat) {
+    PetscObject container = nullptr;
+    void* context = nullptr;
+    check(PetscObjectQuery(reinterpret_cast<PetscObject>(mat), key, &container), "PetscObjectQuery");
+    if (!container) return nullptr;
+    check(PetscContainerGetPointer(reinterpret_cast<PetscContainer>(container), &context), "PetscContainerGetPointer");
+    return static_cast<Shared*>(context)->get();
 }
 
 // What MatSolve calls.
@@ -46,10 +75,10 @@ PetscErrorCode solve(Mat mat, Vec b, Vec x) {
     double* left = nullptr;
     PetscCall(VecGetArrayRead(b, &right));
     PetscCall(VecGetArrayWrite(x, &left));
-    panels.factor.solve(right, panels.order.data(), left);
+    panels.solve(right, left);
     PetscCall(VecRestoreArrayWrite(x, &left));
     PetscCall(VecRestoreArrayRead(b, &right));
-    return PetscLogFlops(4.0 * static_cast<double>(panels.factor.entries()) - 3.0 * panels.factor.size());
+    return PetscLogFlops(panels.flops());
 }
 
 // A factor of PETSc's in symmetric blocks, seen through what it lets everybody see.
@@ -66,6 +95,7 @@ class PetscFactor {
         void (*own)(void) = nullptr;
         check(MatGetOperation(mat_, MATOP_SOLVE, &own), "MatGetOperation");
         own_ = reinterpret_cast<Solve>(own);
+        if (own_ == solve) own_ = panels_of(mat_)->own;
     }
     ~PetscFactor() {
         (void)MatSeqSBAIJRestoreArray(mat_, &values_);
@@ -75,24 +105,55 @@ class PetscFactor {
     PetscFactor& operator=(const PetscFactor&) = delete;
 
     bool known() const { return done_ && own_ && rows_.values() <= most_entries; }
-    bool by_panels() const { return own_ == solve; }
     const double* values() const { return values_; }
 
-    // Its rows in panels, with the numbers of the unknowns that they are of: without entries beside the diagonal, and
-    // there the rows' own numbers, a substitution gives each unknown the number of its row.
-    Shared panels() const {
-        const PetscInt n = unknowns();
+    // Its rows in panels; null where these are no rows of a complete factor in an order of its unknowns.
+    template <class Value>
+    Shared panels(bool natural) const {
         Shared found;
         try {
-            found = std::make_shared<Panels>(Panels{Factor(rows_), std::vector<PetscInt>(n)});
+            found = std::make_shared<PanelsOf<Value>>(rows_);
         } catch (const std::invalid_argument&) {
             return nullptr;
         }
+        found->order = natural ? own_order() : order();
+        if (found->order.empty() && unknowns()) return nullptr;
+        found->own = own_;
+        found->set(values_);
+        return found;
+    }
+
+    // Whether it solves a system as the panels do, up to rounding; of single precision, as well as a preconditioner
+    // must.
+    bool agrees(Panels& panels) const {
+        const PetscInt n = unknowns();
+        std::vector<double> b(n), x(n);
+        for (PetscInt i = 0; i < n; ++i) b[i] = static_cast<double>(i % 7) - 2.5;
+        const std::vector<double> expected = substituted(b);
+        panels.solve(b.data(), x.data());
+        double size = 0.0, distance = 0.0;
+        for (PetscInt i = 0; i < n; ++i) {
+            size += std::abs(expected[i]);
+            distance += std::abs(expected[i] - x[i]);
+        }
+        return distance <= (panels.single ? 1e-3 : 1e-6) * size;
+    }
+
+ private:
+    std::vector<PetscInt> own_order() const {
+        std::vector<PetscInt> found(unknowns());
+        std::iota(found.begin(), found.end(), 0);
+        return found;
+    }
+
+    // The row of each unknown; empty where that is no order. Without entries beside the diagonal, and there the rows'
+    // own numbers, a substitution gives each unknown the number of its row.
+    std::vector<PetscInt> order() const {
+        const PetscInt n = unknowns();
         const std::vector<double> kept(values_, values_ + rows_.values()), ones(n, 1.0);
         std::fill(values_, values_ + rows_.values(), 0.0);
         for (PetscInt k = 0; k < rows_.count; ++k)
-            for (int r = 0; r < rows_.size; ++r)
-                values_[rows_.pivot(k, r, r)] = static_cast<double>(k * rows_.size + r);
+            for (int r = 0; r < rows_.size; ++r) values_[rows_.pivot(k, r)] = static_cast<double>(k * rows_.size + r);
         std::vector<double> row;
         try {
             row = substituted(ones);
@@ -102,30 +163,15 @@ class PetscFactor {
         }
         std::copy(kept.begin(), kept.end(), values_);
         std::vector<char> seen(n, 0);
+        std::vector<PetscInt> found(n);
         for (PetscInt k = 0; k < n; ++k) {
             const double i = row[k];
-            if (!(i >= 0.0 && i < n && i == std::floor(i)) || seen[static_cast<PetscInt>(i)]++) return nullptr;
-            found->order[static_cast<PetscInt>(i)] = k;
+            if (!(i >= 0.0 && i < n && i == std::floor(i)) || seen[static_cast<PetscInt>(i)]++) return {};
+            found[static_cast<PetscInt>(i)] = k;
         }
         return found;
     }
 
-    // Whether it solves a system as the panels do, up to rounding.
-    bool agrees(Panels& panels) const {
-        const PetscInt n = unknowns();
-        std::vector<double> b(n), x(n);
-        for (PetscInt i = 0; i < n; ++i) b[i] = static_cast<double>(i % 7) - 2.5;
-        const std::vector<double> expected = substituted(b);
-        panels.factor.solve(b.data(), panels.order.data(), x.data());
-        double size = 0.0, distance = 0.0;
-        for (PetscInt i = 0; i < n; ++i) {
-            size += std::abs(expected[i]);
-            distance += std::abs(expected[i] - x[i]);
-        }
-        return distance <= 1e-6 * size;
-    }
-
- private:
     // By PETSc itself, past its log: it is no solve of anybody's.
     std::vector<double> substituted(const std::vector<double>& right) const {
         const PetscInt n = unknowns();
@@ -143,7 +189,7 @@ class PetscFactor {
     PetscInt unknowns() const { return rows_.count * rows_.size; }
 
     Mat mat_;
-    Factor::Rows rows_{};
+    Rows rows_{};
     PetscBool blocks_ = PETSC_FALSE, done_ = PETSC_FALSE;
     double* values_ = nullptr;
     Solve own_ = nullptr;
@@ -159,19 +205,20 @@ void compose(Mat mat, const Shared& panels) {
     check(PetscContainerDestroy(&container), "PetscContainerDestroy");
 }
 
-// The panels that a factor goes by; none yet, or none that PETSc's own substitutions agree with.
-Panels* panels_of(Mat mat) {
-    PetscObject container = nullptr;
-    void* context = nullptr;
-    check(PetscObjectQuery(reinterpret_cast<PetscObject>(mat), key, &container), "PetscObjectQuery");
-    if (!container) return nullptr;
-    check(PetscContainerGetPointer(reinterpret_cast<PetscContainer>(container), &context), "PetscContainerGetPointer");
-    return static_cast<Shared*>(context)->get();
+// Panels of a factor that agree with it, in single precision where that may be and serves; null where there are none.
+Shared made_of(const PetscFactor& factor, bool natural, bool single) {
+    if (single) {
+        const Shared found = factor.panels<float>(natural);
+        if (!found || factor.agrees(*found)) return found;
+    }
+    const Shared found = factor.panels<double>(natural);
+    return found && factor.agrees(*found) ? found : nullptr;
 }
 
-bool solve_by_panels(intptr_t handle) {
+bool solve_by_panels(intptr_t handle, bool single) {
     Mat mat = reinterpret_cast<Mat>(handle);
-    if (Mat inner = restshape::factor_in_blocks(mat)) mat = inner;
+    Mat inner = restshape::factor_in_blocks(mat);
+    if (inner) mat = inner;
     PetscBool plain = PETSC_FALSE;
     check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(mat), MATSEQSBAIJ, &plain), "PetscObjectTypeCompare");
     if (!plain) return false;
@@ -181,14 +228,12 @@ bool solve_by_panels(intptr_t handle) {
     const PetscFactor factor(mat);
     if (!factor.known()) return false;
     // A factor keeps its rows for as long as it lives.
-    if (Panels* panels = panels_of(mat)) {
-        panels->factor.set(factor.values());
+    Panels* panels = panels_of(mat);
+    if (panels && (single || !panels->single)) {
+        panels->set(factor.values());
     } else {
-        if (factor.by_panels()) return false;
-        const Shared made = factor.panels();
+        const Shared made = made_of(factor, inner != nullptr, single);
         if (!made) return false;
-        made->factor.set(factor.values());
-        if (!factor.agrees(*made)) return false;
         compose(mat, made);
     }
     check(MatSetOperation(mat, MATOP_SOLVE, reinterpret_cast<void (*)(void)>(solve)), "MatSetOperation");
@@ -198,7 +243,7 @@ bool solve_by_panels(intptr_t handle) {
 }  // namespace
 
 void bind_panels(py::module_& m) {
-    m.def("solve_by_panels", &solve_by_panels, py::arg("handle"),
+    m.def("solve_by_panels", &solve_by_panels, py::arg("handle"), py::arg("single") = false,
           "Lets MatSolve of a Cholesky factor of PETSc's with this handle go by panels of rows with nearly the same "
           "columns, with its values as they are, until PETSc makes it again. Returns whether it does: a factor of "
           "another kind, one whose own substitutions do not agree, or one of more than 2^24 entries stays as it is.");

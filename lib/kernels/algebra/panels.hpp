@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <type_traits>
@@ -30,47 +31,106 @@ struct FactorRows {
     const Index* operator[](Index k) const { return column + start[k]; }
     Index beyond(Index k) const { return start[k + 1] - start[k] - (size == 1); }  // blocks right of the diagonal
     size_t values() const { return static_cast<size_t>(start[count]) * size * size; }
-    // Where row r, column s of a block is: of the block at that place of the rows, or of a node's pivot.
-    size_t entry(Index place, int r, int s) const { return (static_cast<size_t>(place) * size + s) * size + r; }
-    size_t pivot(Index k, int r, int s) const { return entry(size == 1 ? start[k + 1] - 1 : k, r, s); }
+    // Where row r of the diagonal of a node's pivot is.
+    size_t pivot(Index k, int r) const {
+        return size == 1 ? start[k + 1] - 1 : (static_cast<size_t>(k) * size + r) * size + r;
+    }
 };
 
-template <class Index>
+// What an instruction reads.
+using Doubles [[gnu::vector_size(32), gnu::may_alias]] = double;
+using Floats [[gnu::vector_size(32), gnu::may_alias]] = float;
+using TwoDoubles [[gnu::vector_size(16), gnu::may_alias]] = double;
+using FourPairs [[gnu::vector_size(32), gnu::may_alias]] = int64_t;
+
+inline Doubles join(const TwoDoubles (&pair)[2]) { return Doubles{pair[0][0], pair[0][1], pair[1][0], pair[1][1]}; }
+inline Floats join(const int64_t (&pair)[4]) {
+    return reinterpret_cast<Floats>(FourPairs{pair[0], pair[1], pair[2], pair[3]});
+}
+inline void split(const Doubles& all, TwoDoubles (&pair)[2]) {
+    pair[0] = TwoDoubles{all[0], all[1]};
+    pair[1] = TwoDoubles{all[2], all[3]};
+}
+inline void split(const Floats& all, int64_t (&pair)[4]) {
+    const FourPairs pairs = reinterpret_cast<FourPairs>(all);
+    for (int l = 0; l < 4; ++l) pair[l] = pairs[l];
+}
+
+// Values of a row that meet the unknowns of some columns; of two unknowns a node a column is that of both.
+template <class Value, int S>
+struct Lanes {
+    static constexpr int count = 32 / sizeof(Value), step = S == 2 ? 2 : 1, columns = count / step;
+    using Values = std::conditional_t<sizeof(Value) == 4, Floats, Doubles>;
+    using Pair = std::conditional_t<sizeof(Value) == 4, int64_t, TwoDoubles>;
+
+    static Values read(const Value* from) { return *reinterpret_cast<const Values*>(from); }
+
+    template <class Index>
+    static Values gather(const Value* x, const Index* column) {
+        if constexpr (step == 2) {
+            Pair pair[columns];
+            for (int l = 0; l < columns; ++l) std::memcpy(&pair[l], x + column[l], sizeof(Pair));
+            return join(pair);
+        }
+        Values found;
+        for (int l = 0; l < count; ++l) found[l] = x[column[l]];
+        return found;
+    }
+
+    template <class Index>
+    static void scatter(const Values& values, Value* x, const Index* column) {
+        if constexpr (step == 2) {
+            Pair pair[columns];
+            split(values, pair);
+            for (int l = 0; l < columns; ++l) std::memcpy(x + column[l], &pair[l], sizeof(Pair));
+        } else {
+            for (int l = 0; l < count; ++l) x[column[l]] = values[l];
+        }
+    }
+
+    static Value sum(const Values& values) {
+        Value found = 0;
+        for (int l = 0; l < count; ++l) found += values[l];
+        return found;
+    }
+};
+
+template <class Index, class Value>
 class PanelFactor {
  public:
     using Rows = FactorRows<Index>;
 
     // Throws std::invalid_argument where these are no rows of a complete factor.
-    explicit PanelFactor(const Rows& rows) : n_(rows.count * rows.size), size_(rows.size), target_(rows.values(), 0) {
+    explicit PanelFactor(const Rows& rows)
+        : n_(rows.count * rows.size), size_(rows.size), begin_(rows.start[0]), entries_(rows.values()) {
         if (size_ < 1 || size_ > 3) throw std::invalid_argument("blocks of a factor have up to three rows");
         for (Index k = 0; k < rows.count; ++k) check(rows, k);
+        target_.reserve(rows.start[rows.count]);
         for (Index first = 0; first < rows.count; first += panels_.back().width / size_) add_panel(rows, first);
-        values_.resize(count_, 0.0);
-        x_.resize(n_ + lanes, 0.0);
+        values_.resize(count_, 0);
+        x_.resize(n_ + lanes, 0);
     }
 
     Index size() const { return n_; }
-    size_t entries() const { return target_.size(); }
+    size_t entries() const { return entries_; }
 
     // The values of all entries of the rows.
     void set(const double* value) {
-        double* to = values_.data();
-        for (size_t k = 0; k < target_.size(); ++k) to[target_[k]] = value[k];
+        with_size([&](auto size) { copy<size()>(value); });
     }
 
     // x = (U^T D U)^-1 b, where row i of the factor is number order[i] of b and x.
     void solve(const double* b, const Index* order, double* x) {
-        for (Index i = 0; i < n_; ++i) x_[i] = b[order[i]];
+        for (Index i = 0; i < n_; ++i) x_[i] = static_cast<Value>(b[order[i]]);
         // What was not a number in the last substitution has left none here.
-        std::fill(x_.begin() + n_, x_.end(), 0.0);
+        std::fill(x_.begin() + n_, x_.end(), Value(0));
         with_size([&](auto size) { substitute<size()>(); });
         for (Index i = 0; i < n_; ++i) x[order[i]] = x_[i];
     }
 
  private:
-    static constexpr int lanes = 4, widest = 8;
+    static constexpr int lanes = Lanes<Value, 1>::count, widest = 8;
     static constexpr double slack = 1.25;  // entries with the zeros of a panel over those without
-    using Lanes = Eigen::Array<double, lanes, 1>;
     template <class T>
     using Aligned = std::vector<T, Eigen::aligned_allocator<T>>;
 
@@ -79,6 +139,12 @@ class PanelFactor {
         Index first;  // unknown
         int width, length;
         size_t columns, values;
+        size_t triangle() const { return values + static_cast<size_t>(width) * length; }
+    };
+
+    // Blocks of a row inside of its panel's triangle, and right of it.
+    struct Side {
+        Index inside, right;
     };
 
     template <class Visit>
@@ -131,10 +197,10 @@ class PanelFactor {
         const int width = static_cast<int>(last + 1 - first) * size_, count = static_cast<int>(rows.beyond(last));
         const int length = (count * size_ + lanes - 1) / lanes * lanes;
         const Panel panel{first * size_, width, length, columns_.size(), count_};
-        for (int j = 0; j < count; ++j)
-            for (int s = 0; s < size_; ++s) columns_.push_back(rows[last][j] * size_ + s);
-        // Columns beyond the last are zeros, at a place of their own each.
-        for (int j = count * size_; j < length; ++j) columns_.push_back(n_ + j - count * size_);
+        // Of pairs the first; columns beyond the last are zeros, at a place of their own each.
+        const int step = size_ == 2 ? 2 : 1;
+        for (int j = 0; j < length; j += step)
+            columns_.push_back(j < count * size_ ? rows[last][j / size_] * size_ + j % size_ : n_ + j - count * size_);
         count_ += (static_cast<size_t>(width) * (length + width) + lanes - 1) / lanes * lanes;
         if (count_ > std::numeric_limits<uint32_t>::max())
             throw std::invalid_argument("the factor has too many entries");
@@ -142,37 +208,52 @@ class PanelFactor {
         panels_.push_back(panel);
     }
 
-    // Of node k of a panel whose last row has the columns `all`.
+    // Of node k of a panel whose last row has the columns `all`: where the first value of each block goes.
     void place_rows(const Rows& rows, const Panel& p, Index k, const Index* all, int count) {
-        const Index first = p.first / size_, end = first + p.width / size_;
-        const size_t triangle = p.values + static_cast<size_t>(p.width) * p.length;
-        const auto place = [&](size_t entry, int r, size_t base, int length, size_t column) {
-            target_[entry] = static_cast<uint32_t>(base + ((k - first) * size_ + r) * length + column);
-        };
-        int at = 0;
-        for (Index j = 0; j < rows.beyond(k); ++j) {
-            const Index column = rows[k][j];
-            while (column >= end && at < count && all[at] != column) ++at;
-            if (column >= end && at == count) throw std::invalid_argument("these are no rows of a complete factor");
-            for (int r = 0; r < size_; ++r)
-                for (int s = 0; s < size_; ++s) {
-                    const size_t entry = rows.entry(rows.start[k] + j, r, s);
-                    if (column < end)
-                        place(entry, r, triangle, p.width, (column - first) * size_ + s);
-                    else
-                        place(entry, r, p.values, p.length, static_cast<size_t>(at) * size_ + s);
-                }
+        const Index first = p.first / size_, end = first + p.width / size_, held = rows.beyond(k);
+        const size_t row = static_cast<size_t>(k - first) * size_, triangle = p.triangle() + row * p.width;
+        Index j = 0;
+        for (; j < held && rows[k][j] < end; ++j)
+            target_.push_back(static_cast<uint32_t>(triangle + static_cast<size_t>(rows[k][j] - first) * size_));
+        sides_.push_back({j, held - j});
+        for (int at = 0; j < held; ++j, ++at) {
+            while (at < count && all[at] != rows[k][j]) ++at;
+            if (at == count) throw std::invalid_argument("these are no rows of a complete factor");
+            target_.push_back(static_cast<uint32_t>(p.values + row * p.length + static_cast<size_t>(at) * size_));
         }
-        for (int r = 0; r < size_; ++r)
-            for (int s = 0; s < size_; ++s) place(rows.pivot(k, r, s), r, triangle, p.width, (k - first) * size_ + s);
+    }
+
+    // A block, by columns, to where its first value goes; its rows lie so far from each other.
+    template <int S>
+    static void put(const double* block, Value* to, int stride) {
+        for (int r = 0; r < S; ++r)
+            for (int s = 0; s < S; ++s) to[r * stride + s] = static_cast<Value>(block[s * S + r]);
+    }
+
+    template <int S>
+    void copy(const double* value) {
+        const uint32_t* target = target_.data();
+        const Side* side = sides_.data();
+        const double *pivot = value, *block = value + begin_ * S * S;
+        for (const Panel& p : panels_) {
+            Value *to = values_.data(), *diagonal = to + p.triangle();
+            for (int row = 0; row < p.width; row += S, ++side, diagonal += S * (p.width + 1)) {
+                for (Index j = 0; j < side->inside; ++j, block += S * S) put<S>(block, to + *target++, p.width);
+                for (Index j = 0; j < side->right; ++j, block += S * S) put<S>(block, to + *target++, p.length);
+                // Of single numbers a row ends with its pivot.
+                put<S>(S == 1 ? block++ : pivot, diagonal, p.width);
+                pivot += S * S;
+            }
+        }
     }
 
     // W rows of a panel, S a node.
     template <int W, int S>
     void forward(const Panel& p) {
-        const double *v = values_.data() + p.values, *t = v + static_cast<size_t>(W) * p.length;
-        double* x = x_.data() + p.first;
-        double own[W];
+        using L = Lanes<Value, S>;
+        const Value *v = values_.data() + p.values, *t = v + static_cast<size_t>(W) * p.length;
+        Value* x = x_.data() + p.first;
+        Value own[W];
         for (int k = 0; k < W; ++k) {
             own[k] = x[k];
             for (int l = 0; l < k / S * S; ++l) own[k] += t[l * W + k] * own[l];
@@ -183,26 +264,26 @@ class PanelFactor {
             for (int s = 1; s < S; ++s) x[k] += t[k * W + node + s] * own[node + s];
         }
         const Index* column = columns_.data() + p.columns;
-        for (int j = 0; j < p.length; j += lanes) {
-            Lanes sum = own[0] * Eigen::Map<const Lanes, Eigen::Aligned32>(v + j);
-            for (int k = 1; k < W; ++k) sum += own[k] * Eigen::Map<const Lanes, Eigen::Aligned32>(v + k * p.length + j);
-            for (int l = 0; l < lanes; ++l) x_[column[j + l]] += sum[l];
+        for (int j = 0; j < p.length; j += lanes, column += L::columns) {
+            typename L::Values sum = own[0] * L::read(v + j);
+            for (int k = 1; k < W; ++k) sum += own[k] * L::read(v + k * p.length + j);
+            L::scatter(L::gather(x_.data(), column) + sum, x_.data(), column);
         }
     }
 
     template <int W, int S>
     void backward(const Panel& p) {
-        const double *v = values_.data() + p.values, *t = v + static_cast<size_t>(W) * p.length;
+        using L = Lanes<Value, S>;
+        const Value *v = values_.data() + p.values, *t = v + static_cast<size_t>(W) * p.length;
         const Index* column = columns_.data() + p.columns;
-        Lanes sum[W];
-        for (int k = 0; k < W; ++k) sum[k].setZero();
-        for (int j = 0; j < p.length; j += lanes) {
-            const Lanes at(x_[column[j]], x_[column[j + 1]], x_[column[j + 2]], x_[column[j + 3]]);
-            for (int k = 0; k < W; ++k) sum[k] += at * Eigen::Map<const Lanes, Eigen::Aligned32>(v + k * p.length + j);
+        typename L::Values sum[W] = {};
+        for (int j = 0; j < p.length; j += lanes, column += L::columns) {
+            const typename L::Values at = L::gather(x_.data(), column);
+            for (int k = 0; k < W; ++k) sum[k] += at * L::read(v + k * p.length + j);
         }
-        double* x = x_.data() + p.first;
+        Value* x = x_.data() + p.first;
         for (int k = W - 1; k >= 0; --k) {
-            double own = x[k] + sum[k].sum();
+            Value own = x[k] + L::sum(sum[k]);
             for (int l = k / S * S + S; l < W; ++l) own += t[k * W + l] * x[l];
             x[k] = own;
         }
@@ -210,11 +291,13 @@ class PanelFactor {
 
     Index n_;
     int size_;                      // of a node
-    std::vector<uint32_t> target_;  // where each of its entries is in values_
+    size_t begin_, entries_;        // blocks before all rows; entries in all
+    std::vector<uint32_t> target_;  // where each block of the rows begins in values_
+    std::vector<Side> sides_;
     std::vector<Panel> panels_;
     std::vector<Index> columns_;  // of all panels
-    size_t count_ = lanes;        // the first ones take values of the rows that say nothing
-    Aligned<double> values_, x_;
+    size_t count_ = 0;
+    Aligned<Value> values_, x_;
 };
 
 }  // namespace restshape

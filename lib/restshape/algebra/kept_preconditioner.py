@@ -14,6 +14,7 @@ from restshape.arrays import Reals
 log = logging.getLogger("restshape.algebra")
 
 
+# More than 15 attributes: half of them say what the preconditioner is, half what it is made of and when.
 class KeptPreconditioner:
     """Sets up the preconditioner of a KSP, by name or as a `Choice` prefers, and keeps it.
 
@@ -32,6 +33,7 @@ class KeptPreconditioner:
         size: of the present system; handle: of its matrix.
         pattern_changed: since it was made.
         blocks: a complete Cholesky factor of this system is made in blocks of a node.
+        single: panels of an old factor of this system may have single precision.
     """
 
     def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
@@ -44,7 +46,7 @@ class KeptPreconditioner:
         self.filled = 0.0
         self.handle, self.size = 0, Size(0, 0.0, traits.dimension, fields=traits.fields)
         self._given: list[str] = []
-        self.blocks = True
+        self.blocks = self.single = True
         self._set(ILU.levels)
 
     @property
@@ -85,6 +87,7 @@ class KeptPreconditioner:
         """Forget what was made: the system is another one, which has its choice."""
         self.ksp.reset()
         self.ready = self.pattern_changed = False
+        self.single = True
         if not self.blocks:
             self.blocks = True
             self._set(0)
@@ -130,11 +133,15 @@ class KeptPreconditioner:
         pc.setReusePreconditioner(True)
         self.ready, self.pattern_changed = True, False
 
-    def substitute_by_panels(self) -> None:
-        """Let a complete factor substitute by panels, which are worth making where it serves several solves."""
+    def substitute_by_panels(self, iterates: bool) -> None:
+        """Let a complete factor substitute by panels, which are worth making where it serves several solves.
+
+        Args:
+            iterates: each of them is an iteration, for which single precision does.
+        """
         if self.kind == "cholesky":
             for part in factors_of(self.ksp):
-                _kernels.solve_by_panels(part.getFactorMatrix().handle)
+                _kernels.solve_by_panels(part.getFactorMatrix().handle, iterates and self.single)
 
     def note_kind(self) -> None:
         """Take in what PETSc has made of it, once the options for its set-up are not needed any more."""

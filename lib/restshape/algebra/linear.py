@@ -185,7 +185,7 @@ class LinearSolver:
         stale = self.kept.ready and not again
         if stale:
             if self.refresh.uses == 0:
-                self.kept.substitute_by_panels()
+                self.kept.substitute_by_panels(iterates=self.takes_guess)
             self.ksp.setOperators(mat)
         else:
             self._factor(mat, places, self._why(again), uses)
@@ -200,6 +200,8 @@ class LinearSolver:
             self._clean(x)
             if stale:
                 self.refresh.give_up(uses)
+                # Whether the matrix has changed or single precision was not enough for it, is not known.
+                self.kept.single = False
             else:
                 # What a fresh one has failed with is no guess.
                 x.set(0.0)
@@ -310,7 +312,7 @@ class LinearSolver:
             self.kept.make(mat, places, rebuild)
             self.kept.note_kind()
             if uses > 1:
-                self.kept.substitute_by_panels()
+                self.kept.substitute_by_panels(iterates=False)
         self.age, self._current = -1, True
         log.info("KSP %s PC %s rebuilt: %s", self.ksp.getOptionsPrefix(), self.name, why)
         self.refresh.restart()
