@@ -33,6 +33,7 @@ class Job:
         petsc: words for PETSc's options database.
         frames: number of frames to compute, the first included; None for all of them.
         count: count PETSc's events a frame, which costs time.
+        estimate: estimate errors in each frame.
         enough: stop after so many frames of a level, by level.
         hindsight_cost: measure the cost of the schedule of refreshes over the best in hindsight, in place of the
             frames' times.
@@ -49,6 +50,7 @@ class Job:
     petsc: tuple[str, ...] = ()
     frames: int | None = None
     count: bool = False
+    estimate: bool = False
     enough: dict[str, int] = field(default_factory=dict)
     hindsight_cost: bool = False
     predict: str = "none"

@@ -54,7 +54,7 @@ def play(job: Job, report: Any) -> None:
         PETSc.Log.begin()
     replay = Replay(asked, PETSc.COMM_WORLD)
     # Estimates are made beside the frames, but leave little of the next one's data in the caches.
-    replay.errors.estimating = False
+    replay.errors.estimating = job.estimate
     counts = EventCounts() if job.count else None
     left = {int(level): number for level, number in job.enough.items()}
     for row in islice(replay.frames(), job.frames):

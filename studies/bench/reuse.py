@@ -5,15 +5,18 @@ from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any
 
+import numpy as np
 from restshape_studies.bench.job import Job, Row, run
 from restshape_studies.bench.turns import Announce, Case, Play, in_turns, median_ratio, rows_of
 
 from restshape.errors import UserError
 from restshape.replay.columns import STAGES
-from restshape.replay.summary import summarise
+from restshape.replay.summary import percentiles, summarise
 
 BASES = ("rebuild", "refactor")
 """Policies that the others are compared with."""
+LEVELS = ("1", "2", "3", "still")
+"""Kinds of frames that solve: by what happens to the mesh, and those in which it rests, as in time."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,8 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
     """Policy -> its record, as `bench reuse --json` writes it.
 
     Each policy is replayed once with PETSc's events counted, which also warms the machine's caches, then `repeat` times
-    with the clock, the policies taking turns so that a slow spell of the machine meets all of them.
+    with the clock, the policies taking turns so that a slow spell of the machine meets all of them. Those with their
+    own guess are replayed as often with errors estimated in each frame.
 
     Raises:
         UserError: the scene or the script cannot be replayed.
@@ -55,10 +59,13 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
         announce(f"{case.name}: {name}, counted")
         counted[name] = rows_of(play(replace(job, count=True)), job)
     runs = {
-        name: [{"load": run.load, **timed(summarise(run.rows, name, 1))} for run in turns]
+        name: [{"load": run.load, **timed(run.rows)} for run in turns]
         for name, turns in in_turns(case.name, jobs, plan.repeat, announce, play).items()
     }
     found = {name: record(counted[name], name, runs[name]) for name in jobs}
+    own = {name: replace(job, estimate=True) for name, job in jobs.items() if ":" not in name}
+    for name, turns in in_turns(f"{case.name}, errors estimated", own, plan.repeat, announce, play).items():
+        found[name]["estimated"] = medians([whole(run.rows) for run in turns])
     for name, entry in found.items():
         entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in bases_of(name) if base in runs}
     if plan.hindsight_cost and "auto" in jobs:
@@ -85,24 +92,55 @@ def hindsight(job: Job, play: Play) -> Row:
     return outcome.hindsight_cost or {"problem": outcome.problem}
 
 
+def kind_of(row: Row) -> str:
+    """Which of `LEVELS` a frame is; empty where nothing had to be solved."""
+    return str(row["level"]) if row["level"] else "still" if row["iterations"] else ""
+
+
+def solved(rows: Sequence[Row], kind: str = "") -> list[Row]:
+    """The frames that were solved, or those of a kind, without the first one."""
+    return [row for row in rows[1:] if (kind_of(row) == kind if kind else kind_of(row))]
+
+
 def frames_a_second(rows: Sequence[Row]) -> float:
-    """Moved frames over the seconds that they took; 0 when nothing moved. The first frame is left out."""
-    times = [row["ms"] for row in rows[1:] if row["level"] > 0]
+    """Solved frames over the seconds until their answers; 0 without any. The first frame is left out."""
+    times = [row["ms"] for row in solved(rows)]
     return 1e3 * len(times) / sum(times) if times else 0.0
 
 
-def timed(summary: Row) -> Row:
+def timed(rows: Sequence[Row]) -> Row:
     """What the clock reported of one run."""
-    keys = ("ms", "python_ms", "stages")
-    by_level = {str(level): stage_medians(summary["rows"], level) for level in (1, 2, 3)}
-    fps = frames_a_second(summary["rows"])
-    return {"fps": fps, **{key: summary[key] for key in keys}, "stages_by_level": by_level}
+    kinds = {"all": solved(rows), **{kind: solved(rows, kind) for kind in LEVELS}}
+    ms = {kind: percentiles(np.array([row["ms"] for row in some])) for kind, some in kinds.items()}
+    return {
+        "fps": frames_a_second(rows),
+        "ms": ms,
+        "whole": whole(rows),
+        "python_ms": {"p50": middle(kinds["all"], "ms_python"), "1": middle(kinds["1"], "ms_python")},
+        "stages": {name: sum(row[f"ms_{name}"] for row in rows) for name in STAGES},
+        "stages_by_level": {kind: stage_medians(kinds[kind]) for kind in LEVELS},
+    }
 
 
-def stage_medians(rows: Sequence[Row], level: int) -> dict[str, float]:
-    """The median time [ms] of each stage over the frames of a level, the first frame left out; zeros without frames."""
-    chosen = [row for row in rows[1:] if row["level"] == level]
-    return {name: median(row[f"ms_{name}"] for row in chosen) if chosen else 0.0 for name in (*STAGES, "python")}
+def whole(rows: Sequence[Row]) -> dict[str, float]:
+    """All that frames cost, with what is done after their answers: residual, and estimates where they are made.
+
+    Returns: p50 [ms] of solved frames and how many of them a second; session_s, seconds of all frames but the first.
+    """
+    times = [row["ms"] + row["ms_record"] for row in solved(rows)]
+    session = sum(row["ms"] + row["ms_record"] for row in rows[1:])
+    fps = 1e3 * len(times) / sum(times) if times else 0.0
+    return {"p50": median(times) if times else 0.0, "fps": fps, "session_s": 1e-3 * session}
+
+
+def middle(rows: Sequence[Row], column: str) -> float:
+    """The median of a column; 0 without frames."""
+    return median(row[column] for row in rows) if rows else 0.0
+
+
+def stage_medians(rows: Sequence[Row]) -> dict[str, float]:
+    """The median time [ms] of each stage over frames; zeros without frames."""
+    return {name: middle(rows, f"ms_{name}") for name in (*STAGES, "python")}
 
 
 def record(counted: list[Row], policy: str, runs: Sequence[Row]) -> Row:
@@ -111,20 +149,19 @@ def record(counted: list[Row], policy: str, runs: Sequence[Row]) -> Row:
     middle = {
         "fps": median(run["fps"] for run in runs),
         "ms": medians([run["ms"]["all"] for run in runs]),
-        "ms_by_level": {level: medians([run["ms"][level] for run in runs]) for level in ("1", "2", "3")},
+        "ms_by_level": {level: medians([run["ms"][level] for run in runs]) for level in LEVELS},
+        "whole": medians([run["whole"] for run in runs]),
         "python_ms": medians([run["python_ms"] for run in runs]),
         "stages": medians([run["stages"] for run in runs]),
-        "stages_by_level": {
-            level: medians([run["stages_by_level"][level] for run in runs]) for level in ("1", "2", "3")
-        },
+        "stages_by_level": {level: medians([run["stages_by_level"][level] for run in runs]) for level in LEVELS},
+        "levels": {kind: len(solved(counted, kind)) for kind in LEVELS},
+        "idle": len(counted) - 1 - len(solved(counted)),
     }
     counts = {
         key: summary[key]
         for key in (
             "frames",
             "refused",
-            "levels",
-            "idle",
             "iterations",
             "refreshes",
             "unknowns",

@@ -1,7 +1,6 @@
 """`restshape bench`: what reuse gains, and how time grows with size; one runner of all kinds."""
 
 import argparse
-import json
 import sys
 import time
 from pathlib import Path
@@ -19,17 +18,17 @@ from restshape_studies.commands import (
     bench_reuse,
     bench_size,
 )
-from restshape_studies.commands.bench_kind import Kind
+from restshape_studies.commands.bench_kind import Kind, read_results
 
 from restshape.application import applications
 from restshape.cli.options import add_json, add_set, require_mesh, write_json
-from restshape.cli.shipped import refuse_shared_script, script_of
+from restshape.cli.shipped import named_scenes, refuse_shared_script, script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import writable
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import PictureFile
-from restshape.outputs.picture_files import STAMP, drawn_from, fingerprint
+from restshape.outputs.picture_files import drawn_from, fingerprint
 
 PLACE = 5
 MANY = ("several", "unscripted")
@@ -46,10 +45,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     for kind in KINDS.values():
         study = studies.add_parser(kind.name, help=kind.summary)
         if kind.scenes in ("several", "unscripted"):
-            what = "scene files (default: all installed)"
+            what = f"scene files, or names of installed ones (default: {' '.join(kind.default) or 'all installed'})"
             study.add_argument("scenes", metavar="SCENE", nargs="*", type=Path, help=what)
         elif kind.scenes in ("one", "still"):
-            study.add_argument("scenes", metavar="SCENE", nargs=1, type=Path, help="scene file")
+            study.add_argument(
+                "scenes", metavar="SCENE", nargs=1, type=Path, help="scene file, or name of an installed one"
+            )
         if kind.scenes in ("several", "one", "still"):
             what = "edit script (default: the one that names the scene)"
             study.add_argument("--edits", type=Path, metavar="FILE", help=what)
@@ -62,7 +63,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             study.add_argument("--out", type=Path, default=PICTURES, metavar="DIR", help=what)
         if kind.draw:
             what = "measure nothing, and draw the picture of an earlier run from what its --json wrote"
-            study.add_argument("--redraw", type=Path, metavar="FILE", help=what)
+            study.add_argument("--redraw", type=Path, metavar="FILE", action="append", help=what)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -97,14 +98,10 @@ def redraw(kind: Kind, args: argparse.Namespace) -> int:
     Raises:
         UserError: the file cannot be read, or is of another kind.
     """
-    try:
-        data = json.loads(args.redraw.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UserError(
-            f"this is no JSON that can be read: {error}", f"--redraw {args.redraw}", "name another"
-        ) from error
-    if isinstance(data, dict):
-        data.pop(STAMP, None)
+    several = [read_results(path, "--redraw")[0] for path in args.redraw]
+    if len(several) > 1 and (kind.scenes not in MANY or not all(isinstance(one, dict) for one in several)):
+        raise UserError("this study has one file", f"--redraw {args.redraw[1]}", "name one file")
+    data = several[0] if len(several) == 1 else {name: found for one in several for name, found in one.items()}
     named = [path.stem for path in getattr(args, "scenes", ())]
     found = data if kind.scenes in MANY else {named[0] if named else kind.scenes: data}
     picture = _picture(args.out, kind.picture) if kind.picture else args.picture
@@ -114,7 +111,7 @@ def redraw(kind: Kind, args: argparse.Namespace) -> int:
         _draw(picture, lambda: kind.draw and kind.draw(found, args, picture), data)
     except (KeyError, TypeError, AttributeError, IndexError) as error:
         what = f"this holds no results of restshape bench {kind.name}"
-        raise UserError(what, f"--redraw {args.redraw}", f"name what bench {kind.name} --json wrote") from error
+        raise UserError(what, f"--redraw {args.redraw[0]}", f"name what bench {kind.name} --json wrote") from error
     return 0
 
 
@@ -130,12 +127,12 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
     if kind.scenes not in ("several", "unscripted", "one", "still"):
         return [Case(kind.scenes, installed_scene(kind.scenes), None)]
     scripted = kind.scenes != "unscripted"
+    meshed = [path for app in applications().values() if app.editing.has_mesh for path in app.scenes()]
+    args.scenes = named_scenes(args.scenes or [Path(name) for name in kind.default], meshed)
     refuse_shared_script(args.scenes, args.edits if scripted else None)
     if scripted and args.edits and not args.scenes:
         raise UserError("a script belongs to one scene", "--edits", "name its scene")
-    meshed = [app for app in applications().values() if app.editing.has_mesh]
-    installed = [path for app in meshed for path in app.scenes() if script_of(path) or not scripted]
-    paths = args.scenes or installed
+    paths = args.scenes or [path for path in meshed if script_of(path) or not scripted]
     stems = [path.stem for path in paths]
     cases = []
     for path in paths:

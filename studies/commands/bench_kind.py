@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from restshape_studies.bench.job import Job
 from restshape_studies.bench.turns import Announce, Case
 
 from restshape.errors import UserError
+from restshape.outputs.picture_files import STAMP
 from restshape.policy import POLICIES
 
 
@@ -27,6 +29,7 @@ class Kind:
         show: prints the tables of a scene; given the arguments, the scene's name and what was found.
         scenes: "one", "several" (all installed ones by default), "still" (one, which needs no script), "unscripted"
             (several, whose first shapes are looked at), or the name of an installed scene.
+        default: names of installed scenes that are taken where none is named; none: all installed ones.
         about: why the scene must have a mesh.
         picture: file name in the folder after --out; empty: no such picture.
         draw: draws the picture; given the scenes' names with what was found, the arguments and the path.
@@ -39,6 +42,7 @@ class Kind:
     measure: Callable[[argparse.Namespace, Case, Announce], dict[str, Any]]
     show: Callable[[argparse.Namespace, str, dict[str, Any]], None]
     scenes: str = "one"
+    default: tuple[str, ...] = ()
     about: str = "policies of reuse are about one"
     picture: str = ""
     draw: Callable[[dict[str, Any], argparse.Namespace, Path], None] | None = None
@@ -65,6 +69,20 @@ def check_runs(args: argparse.Namespace) -> None:
     if args.repeat < 1 or args.frames < 0 or args.frames == 1:
         what = f"{args.repeat} runs of {args.frames} frames measure nothing"
         raise UserError(what, "--repeat, --frames", "at least 1 run, at least 2 frames")
+
+
+def read_results(path: Path, option: str) -> tuple[Any, str]:
+    """What a study wrote after --json, without the stamp of committed results, and the commit that this names.
+
+    Raises:
+        UserError: the file, named after `option`, cannot be read.
+    """
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UserError(f"this is no JSON that can be read: {error}", f"{option} {path}", "name another") from error
+    stamp = data.pop(STAMP, "") if isinstance(data, dict) else ""
+    return data, stamp.partition(",")[0] or path.name
 
 
 def unchecked(args: argparse.Namespace) -> None:

@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from restshape_studies.bench.turns import Announce, Case
-from restshape_studies.commands.bench_kind import Kind, add_frames, add_repeat, check_runs
+from restshape_studies.commands.bench_kind import Kind, add_frames, add_repeat, check_runs, read_results
 
 from restshape.cli.options import print_table
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
+from restshape.outputs.picture_files import drawn_from, fingerprint
 from restshape.outputs.si_numbers import counted
 from restshape.policy import GUESSES, POLICIES
 from restshape.replay.level_names import LEVEL_NAMES, MOVES
@@ -20,6 +21,10 @@ EVENTS = (
     "PCApply",
     *(f"Restshape{n}" for n in ("Pattern", "Patch", "Values")),
 )
+STAGES_PICTURE = "bench-stages.png"
+"""Beside the picture of the study, where earlier figures are given."""
+OVER = ("x rebuild", "x refactor", "x refactor, same guess")
+"""Heads of frames a second over those of other policies."""
 GUESSED = ("rebuild:zero", "refactor:zero", "refactor:last", "auto:zero", "auto:last", "auto:extrapolated")
 """Policies with other initial guesses than their own: what these alone are worth."""
 
@@ -34,6 +39,12 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     add_frames(parser, 200)
     add_repeat(parser, "timed runs a policy")
+    parser.add_argument(
+        "--before",
+        type=Path,
+        metavar="FILE",
+        help=f"JSON of an earlier run, beside whose stages those of this one are drawn: {STAGES_PICTURE}",
+    )
     parser.add_argument(
         "--hindsight",
         dest="hindsight_cost",
@@ -50,6 +61,8 @@ def policies(args: argparse.Namespace) -> tuple[str, ...]:
 def check(args: argparse.Namespace) -> None:
     """Refuse what measures nothing, and policies that do not exist."""
     check_runs(args)
+    if args.before:
+        read_results(args.before, "--before")
     for asked in policies(args):
         name, _, guess = asked.partition(":")
         if name not in POLICIES:
@@ -62,15 +75,41 @@ def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[st
     """A record for each policy."""
     from restshape_studies.bench.reuse import Plan, compare
 
+    from restshape.scene.load import load_scene
+
     given = tuple(args.set), tuple(args.petsc)
-    return compare(case, Plan(policies(args), args.repeat, args.frames or None, *given, args.hindsight_cost), announce)
+    plan = Plan(policies(args), args.repeat, args.frames or None, *given, args.hindsight_cost)
+    tolerance = load_scene(case.scene, args.set).solve.tolerance
+    return {name: {"tolerance": tolerance, **entry} for name, entry in compare(case, plan, announce).items()}
 
 
 def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
-    """Draw the frames a second of all policies."""
+    """Draw the frames a second of all policies, and their stages beside those of an earlier run."""
     from restshape_studies.pictures.policies import draw_policies
 
     draw_policies(found, path)
+    if args.before:
+        before, title = read_results(args.before, "--before")
+        stamps = [read_results(path, "--redraw")[1] for path in args.redraw or ()]
+        after = ", ".join(dict.fromkeys(stamps)) or "this code"
+        with drawn_from(fingerprint({"before": before, "after": found})):
+            draw_before_and_after(before, found, (title, after), path.with_name(STAGES_PICTURE))
+
+
+def draw_before_and_after(before: Any, found: Any, titles: tuple[str, str], path: Path) -> None:
+    """Draw stages beside those of an earlier run.
+
+    Raises:
+        UserError: the earlier file holds no such results.
+    """
+    from restshape_studies.pictures.stages import draw_stages
+
+    try:
+        draw_stages(before, found, titles, path)
+    except (KeyError, TypeError, AttributeError) as error:
+        what = "this holds no results of restshape bench reuse"
+        raise UserError(what, "--before", "name what bench reuse --json wrote") from error
+    print(f"wrote {one_line(path)}")
 
 
 def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
@@ -81,11 +120,15 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
         f"{name}: {one['frames']} frames, about {one['unknowns']} unknowns, {one['elements']} elements, one core; "
         f"median of {counted(len(one['runs']), 'run')}; load of the machine {min(loads):.1f} to {max(loads):.1f}"
     )
-    heads = ("policy", "frames/s", "p50, ms", "p95, ms", "p99, ms", "x rebuild", "x refactor", "x refactor, same guess")
-    heads += ("Python, ms",)
+    heads = ("policy", "frames/s", "p50, ms", "p95, ms", "p99, ms", *OVER, "Python, ms")
     heads += ("iterations", "refreshes", "refused", "preconditioners")
     print_table(title, heads, [_policy_row(key, entry) for key, entry in found.items()], heads[1:-1])
-    heads = ("frames: p50, ms", *(LEVEL_NAMES[str(level)] for level in MOVES), "idle")
+    print(f"p50, p95, p99, frames/s: until the answer is known, to a tolerance of {one['tolerance']:g}")
+    heads = ("all that a frame costs", "p50, ms", "frames/s", "whole session, s")
+    heads += tuple(f"{head}, errors estimated" for head in heads[1:])
+    print_table("", heads, [_whole_row(key, entry) for key, entry in found.items()], heads[1:])
+    print("with residual, without a recorder; errors are estimated in each frame, or in none")
+    heads = ("frames: p50, ms", *(LEVEL_NAMES[str(level)] for level in MOVES), "solved at rest", "idle")
     print_table("", heads, [_levels_row(key, entry) for key, entry in found.items()], heads[1:])
     stages = [stage for stage in one["stages"] if any(entry["stages"][stage] >= 0.05 for entry in found.values())]
     rows = [[key, *(f"{entry['stages'][stage]:.1f}" for stage in stages)] for key, entry in found.items()]
@@ -123,6 +166,12 @@ def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:
     return [name, f"{entry['fps']:.4g}", *middle, *times, python, *counts, used]
 
 
+def _whole_row(name: str, entry: dict[str, Any]) -> list[str]:
+    runs = [entry["whole"], entry.get("estimated")]
+    cells = [(f"{run['p50']:.3f}", f"{run['fps']:.4g}", f"{run['session_s']:.3f}") if run else [""] * 3 for run in runs]
+    return [name, *cells[0], *cells[1]]
+
+
 def _ratio(value: float | None) -> str:
     return "" if value is None else f"{value:.2f}"
 
@@ -130,7 +179,7 @@ def _ratio(value: float | None) -> str:
 def _levels_row(name: str, entry: dict[str, Any]) -> list[str]:
     levels = [
         f"{entry['levels'][k]}: {entry['ms_by_level'][k]['p50']:.3f}" if entry["levels"][k] else "0"
-        for k in ("1", "2", "3")
+        for k in ("1", "2", "3", "still")
     ]
     return [name, *levels, str(entry["idle"])]
 

@@ -1,10 +1,34 @@
-"""Edit scripts that come with a scene."""
+"""Scenes that are installed, by their names, and edit scripts that come with a scene."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from restshape.cli.list import scene_of
 from restshape.errors import UserError
+
+
+def named_scenes(words: Sequence[Path], installed: Sequence[Path]) -> list[Path]:
+    """Scene files: those named by their path, and installed ones named `plate`, or `solid/plate`.
+
+    Args:
+        words: as on the command line; what names neither stays as it is.
+        installed: scene files `.../APP/scenes/NAME.toml`.
+
+    Raises:
+        UserError: several installed scenes have such a name.
+    """
+    return [_named_scene(word, installed) for word in words]
+
+
+def _named_scene(word: Path, installed: Sequence[Path]) -> Path:
+    if word.is_file():
+        return word
+    known = {path: f"{path.parents[1].name}/{path.stem}" for path in installed}
+    found = [path for path, name in known.items() if str(word) in (name, path.stem)]
+    if len(found) > 1:
+        names = ", ".join(known[path] for path in found)
+        raise UserError(f"{len(found)} installed scenes have this name", str(word), f"name one of {names}")
+    return found[0] if found else word
 
 
 def script_of(scene: Path) -> Path | None:

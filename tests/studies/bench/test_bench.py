@@ -13,7 +13,7 @@ from restshape_studies.bench import reuse
 from restshape_studies.bench.events import EventCounts
 from restshape_studies.bench.job import Job, Outcome, run, unused_by_all
 from restshape_studies.bench.process import hindsight_cost, pin, play
-from restshape_studies.bench.reuse import Plan, compare, event_totals, frames_a_second, medians, ratios
+from restshape_studies.bench.reuse import Plan, compare, event_totals, frames_a_second, medians, ratios, timed, whole
 from restshape_studies.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
 from restshape_studies.bench.size import drag as plate_drag
 from restshape_studies.bench.turns import Case
@@ -119,9 +119,22 @@ def test_totals_are_sums_of_frames(counted):
 
 
 def test_frames_a_second_counts_moved_frames_only():
-    rows = [row(3, 100.0), row(1, 2.0), row(0, 50.0), row(2, 6.0)]
+    rows = [row(3, 100.0), row(1, 2.0), row(0, 50.0, iterations=0), row(2, 6.0)]
     assert frames_a_second(rows) == pytest.approx(2 / 8e-3)
-    assert frames_a_second([row(3, 100.0), row(0, 1.0)]) == 0.0
+    assert frames_a_second([row(3, 100.0), row(0, 1.0, iterations=0)]) == 0.0
+
+
+def test_frames_that_are_solved_while_the_mesh_rests_count_as_those_that_move_it():
+    rows = [row(3, 100.0), row(1, 2.0), row(0, 8.0, iterations=40), row(0, 0.1, iterations=0)]
+    found = timed(rows)
+    assert found["fps"] == pytest.approx(2 / 10e-3)
+    assert (found["ms"]["1"]["p50"], found["ms"]["still"]["p50"], found["ms"]["all"]["p50"]) == (2.0, 8.0, 5.0)
+
+
+def test_all_that_a_frame_costs_holds_what_is_done_beside_it():
+    rows = [row(3, 100.0), row(1, 2.0, ms_record=3.0), row(1, 4.0, ms_record=1.0), row(0, 0.5, iterations=0)]
+    found = whole(rows)
+    assert found == {"p50": 5.0, "fps": pytest.approx(200.0), "session_s": pytest.approx(10.6e-3)}
 
 
 def test_medians_of_runs():
@@ -140,20 +153,26 @@ def test_ratios_compare_runs_of_one_turn():
 
 def test_policies_take_turns_and_the_median_is_reported(tmp_path):
     played, speed = [], {"rebuild": iter((8.0, 30.0, 10.0)), "auto": iter((1.0, 2.0, 4.0))}
+    speed = {name: iter([*times, 1.0, 1.0, 1.0]) for name, times in speed.items()}
 
     def play(job):
-        played.append((job.policy, job.count))
+        played.append((job.policy, job.estimate if not job.count else "counted"))
         ms = 99.0 if job.count else next(speed[job.policy])
-        return Outcome([row(3, 500.0), row(1, ms), row(1, ms), row(0, 0.1)])
+        ms += 7.0 * job.estimate
+        return Outcome([row(3, 500.0), row(1, ms), row(1, ms), row(0, 0.1, iterations=0)])
 
     found = compare(Case("plate", tmp_path, tmp_path), Plan(("rebuild", "auto")), lambda words: None, play)
-    assert played[:2] == [("rebuild", True), ("auto", True)]
-    assert played[2:] == [("rebuild", False), ("auto", False)] * 3
+    assert played[:2] == [("rebuild", "counted"), ("auto", "counted")]
+    assert played[2:8] == [("rebuild", False), ("auto", False)] * 3
+    assert played[8:] == [("rebuild", True), ("auto", True)] * 3
     assert found["rebuild"]["ms"] == {"p50": 10.0, "p95": 10.0, "p99": 10.0}
     assert found["auto"]["fps"] == pytest.approx(500.0)
     # Turn by turn 8, 15 and 2.5 times as fast.
     assert found["auto"]["ratios"] == {"rebuild": {"fps": pytest.approx(8.0), "p50": pytest.approx(8.0)}}
-    assert found["auto"]["levels"] == {"1": 2, "2": 0, "3": 0} and found["auto"]["idle"] == 1
+    assert found["auto"]["levels"] == {"1": 2, "2": 0, "3": 0, "still": 0} and found["auto"]["idle"] == 1
+    # Until the answer, with what is done beside it, and with estimates.
+    parts = found["auto"]["ms"]["p50"], found["auto"]["whole"]["p50"], found["auto"]["estimated"]["p50"]
+    assert parts == (2.0, pytest.approx(2.1), pytest.approx(8.1))
     assert found["auto"]["events"] == {"KSPSolve": 4} and len(found["auto"]["runs"]) == 3
 
 

@@ -29,11 +29,22 @@ def test_reuse_for_programs_and_people(tmp_path, command, scene):
         assert entry["fps"] > 0 and 0 < entry["ms"]["p50"] <= entry["ms"]["p95"] <= entry["ms"]["p99"]
         assert (entry["frames"], entry["idle"], entry["refused"]) == (6, 2, 0)
         assert entry["events"]["RestshapeValues"] == 4 and len(entry["runs"]) == 1
+        assert entry["tolerance"] == 1e-6 and 0 < entry["ms"]["p50"] < entry["whole"]["p50"]
+        assert entry["estimated"]["p50"] > 0
         assert {"ms_by_level", "python_ms", "stages", "iterations", "refreshes", "ratios"} <= set(entry)
-    assert found["small"]["rebuild"]["levels"] == {"1": 0, "2": 0, "3": 3}
-    assert found["small"]["auto"]["levels"] == {"1": 3, "2": 0, "3": 0}
+    assert found["small"]["rebuild"]["levels"] == {"1": 0, "2": 0, "3": 3, "still": 0}
+    assert found["small"]["auto"]["levels"] == {"1": 3, "2": 0, "3": 0, "still": 0}
     assert set(found["small"]["auto"]["ratios"]) == {"rebuild"}
-    for words in ("small: 6 frames", "frames/s", "p99, ms", "x rebuild", "MatCholFctrNum", "stages in all", "results"):
+    for words in (
+        "small: 6 frames",
+        "frames/s",
+        "p99, ms",
+        "x rebuild",
+        "MatCholFctrNum",
+        "stages in all",
+        "all that a frame costs",
+        "results",
+    ):
         assert words in done.stdout
     assert (tmp_path / "results/bench-reuse.png").read_bytes().startswith(PNG)
 
@@ -74,6 +85,9 @@ def test_size_for_programs_and_people(tmp_path, command):
         (("reuse", "small.toml", "--edits", "nowhere.jsonl"), ("nowhere.jsonl",)),
         (("reuse", "small.toml", "--set", "mesh.sice=1"), ("mesh.sice",)),
         (("reuse", "small.toml", "--repeat", 0), ("--repeat",)),
+        (("reuse", "strip"), ("3 installed scenes have this name", "/strip, ")),
+        (("reuse", "plait"), ("no such scene", "plait")),
+        (("reuse", "small.toml", "--before", "nowhere.json"), ("--before", "nowhere.json")),
         (("reuse", "small.toml", "--frames", 1), ("--frames",)),
         (("reuse", "--edits", "small.jsonl"), ("--edits", "one scene")),
         (("size", "--from", 1e6, "--to", 1e3), ("--from",)),
