@@ -64,11 +64,11 @@ class Watched(Counted):
 
     events: EventCounts
 
-    def _record(self, edit: Any, row: dict[str, Any], end: float) -> None:
+    def _measure(self, edit: Any, row: dict[str, Any]) -> None:
         row["events"] = self.events.since_last()
         row["stages"] = sorted(name for name, seconds in self.stages.seconds.items() if seconds > 0.0)
         row["counted_seconds"] = counted_seconds(row["events"], getattr(self.analysis, "solver", None))
-        super()._record(edit, row, end)
+        super()._measure(edit, row)
         self.events.since_last()
 
 

@@ -33,7 +33,7 @@ class Job:
         petsc: words for PETSc's options database.
         frames: number of frames to compute, the first included; None for all of them.
         count: count PETSc's events a frame, which costs time.
-        estimate: estimate errors in each frame.
+        estimate: estimate errors, and jumps of the mesh, in the frames that the scene says; else in none.
         enough: stop after so many frames of a level, by level.
         hindsight_cost: measure the cost of the schedule of refreshes over the best in hindsight, in place of the
             frames' times.

@@ -34,8 +34,8 @@ def request(job: Job) -> Any:
     from restshape.scene.edit_script import Script, load_script
     from restshape.scene.load import load_scene
 
-    # Jumps by the mesh are solved beside frames, where some policies have new meshes and others do not.
-    scene = load_scene(job.scene, ("solve.jumps=false", *job.overrides))
+    # Jumps of the mesh cost solves, where some policies have new meshes and others do not.
+    scene = load_scene(job.scene, job.overrides if job.estimate else ("solve.jumps=false", *job.overrides))
     script = load_script(job.edits, scene) if job.edits else Script.empty(scene)
     name, _, guess = job.policy.partition(":")
     chosen = policy(name, guess or None)
@@ -53,7 +53,7 @@ def play(job: Job, report: Any) -> None:
     if job.count:
         PETSc.Log.begin()
     replay = Replay(asked, PETSc.COMM_WORLD)
-    # Estimates are made beside the frames, but leave little of the next one's data in the caches.
+    # Estimates leave little of the next frame's data in the caches.
     replay.errors.estimating = job.estimate
     counts = EventCounts() if job.count else None
     left = {int(level): number for level, number in job.enough.items()}

@@ -12,6 +12,7 @@ from restshape_studies.bench.turns import Announce, Case, Play, in_turns, median
 from restshape.errors import UserError
 from restshape.replay.columns import STAGES
 from restshape.replay.summary import percentiles, summarise
+from restshape.replay.tally import beside
 
 BASES = ("rebuild", "refactor")
 """Policies that the others are compared with."""
@@ -45,7 +46,7 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
 
     Each policy is replayed once with PETSc's events counted, which also warms the machine's caches, then `repeat` times
     with the clock, the policies taking turns so that a slow spell of the machine meets all of them. Those with their
-    own guess are replayed as often with errors estimated in each frame.
+    own guess are replayed as often with errors and jumps estimated as a replay does by itself (`solve.estimate`).
 
     Raises:
         UserError: the scene or the script cannot be replayed.
@@ -102,16 +103,21 @@ def solved(rows: Sequence[Row], kind: str = "") -> list[Row]:
     return [row for row in rows[1:] if (kind_of(row) == kind if kind else kind_of(row))]
 
 
+def answered(row: Row) -> float:
+    """Milliseconds until the answer of a frame is known."""
+    return row["ms"] - beside(row)
+
+
 def frames_a_second(rows: Sequence[Row]) -> float:
     """Solved frames over the seconds until their answers; 0 without any. The first frame is left out."""
-    times = [row["ms"] for row in solved(rows)]
+    times = [answered(row) for row in solved(rows)]
     return 1e3 * len(times) / sum(times) if times else 0.0
 
 
 def timed(rows: Sequence[Row]) -> Row:
     """What the clock reported of one run."""
     kinds = {"all": solved(rows), **{kind: solved(rows, kind) for kind in LEVELS}}
-    ms = {kind: percentiles(np.array([row["ms"] for row in some])) for kind, some in kinds.items()}
+    ms = {kind: percentiles(np.array([answered(row) for row in some])) for kind, some in kinds.items()}
     return {
         "fps": frames_a_second(rows),
         "ms": ms,
@@ -127,8 +133,8 @@ def whole(rows: Sequence[Row]) -> dict[str, float]:
 
     Returns: p50 [ms] of solved frames and how many of them a second; session_s, seconds of all frames but the first.
     """
-    times = [row["ms"] + row["ms_record"] for row in solved(rows)]
-    session = sum(row["ms"] + row["ms_record"] for row in rows[1:])
+    times = [row["ms"] for row in solved(rows)]
+    session = sum(row["ms"] for row in rows[1:])
     fps = 1e3 * len(times) / sum(times) if times else 0.0
     return {"p50": median(times) if times else 0.0, "fps": fps, "session_s": 1e-3 * session}
 

@@ -127,7 +127,7 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     heads = ("all that a frame costs", "p50, ms", "frames/s", "whole session, s")
     heads += tuple(f"{head}, errors estimated" for head in heads[1:])
     print_table("", heads, [_whole_row(key, entry) for key, entry in found.items()], heads[1:])
-    print("with residual, without a recorder; errors are estimated in each frame, or in none")
+    print("with residual, without a recorder; errors are estimated as solve.estimate says, or not at all")
     heads = ("frames: p50, ms", *(LEVEL_NAMES[str(level)] for level in MOVES), "solved at rest", "idle")
     print_table("", heads, [_levels_row(key, entry) for key, entry in found.items()], heads[1:])
     stages = [stage for stage in one["stages"] if any(entry["stages"][stage] >= 0.05 for entry in found.values())]

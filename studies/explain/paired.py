@@ -36,7 +36,7 @@ KEPT = (
     "preconditioner",
     "refused",
 )
-TIMES = ("ms", "ms_edit", "ms_relocate", "ms_map", "ms_flip", "ms_mesh", "ms_observe", "ms_record")
+TIMES = ("ms", "ms_edit", "ms_relocate", "ms_map", "ms_flip", "ms_mesh", "ms_observe", "ms_estimate", "ms_record")
 
 
 @contextmanager
@@ -59,9 +59,9 @@ class Counted(Replay):
     `calls` are those of the frame, `calls_beside` those of what is measured off its time.
     """
 
-    def _record(self, edit: ScriptFrame, row: Row, end: float) -> None:
+    def _measure(self, edit: ScriptFrame, row: Row) -> None:
         row["calls"] = _kernels.calls()
-        super()._record(edit, row, end)
+        super()._measure(edit, row)
         row["calls_beside"] = difference(_kernels.calls(), row["calls"])
 
 

@@ -8,6 +8,8 @@ from restshape_studies.explain.calls import Calls, Row, chosen, difference, keys
 from restshape_studies.explain.filled import Filled
 from restshape_studies.explain.variants import Names, Variants
 
+from restshape.replay.tally import beside
+
 MESH = ("ms_relocate", "ms_map", "ms_flip", "ms_mesh")
 PARTS = ("edit", "mesh", "observation", "record", "solve")
 """What the time of a frame is made of; `solve` is all that is none of the others."""
@@ -19,8 +21,8 @@ OF_EFFECTS = np.array([0.0, 0.0, 1.0, 0.0, 1.0])
 
 def parts(row: Row) -> list[float]:
     """Milliseconds of a frame's parts, in the order of `PARTS`."""
-    edit, mesh, observed = row["ms_edit"], sum(row[key] for key in MESH), row["ms_observe"]
-    return [edit, mesh, observed, row["ms_record"], row["ms"] - edit - mesh - observed]
+    edit, mesh, observed, beside_it = row["ms_edit"], sum(row[key] for key in MESH), row["ms_observe"], beside(row)
+    return [edit, mesh, observed, beside_it, row["ms"] - edit - mesh - observed - beside_it]
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ PART_WHY = {
     "edit": "the script: reading an edit and changing the outline",
     "mesh": "moving nodes, flips, new meshes, and maps from one to the next",
     "observation": "quantities other than stresses",
-    "record": "residual and error estimate of each frame, off its time",
+    "record": "residual and error estimate of each frame",
 }
 
 

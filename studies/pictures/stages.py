@@ -37,7 +37,7 @@ def stage_parts(entry: Mapping[str, Any], level: str) -> dict[str, float]:
     if not entry["levels"].get(level):
         return {}
     stages = dict(entry["stages_by_level"][level])
-    beside, python = stages.pop("record"), stages.pop("python")
+    beside, python = stages.pop("record") + stages.pop("estimate"), stages.pop("python")
     # The time of Python holds that of the edit.
     stages["other"] = max(0.0, python - stages["edit"])
     whole = sum(stages.values())

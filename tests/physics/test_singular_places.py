@@ -19,7 +19,14 @@ from restshape.physics.elasticity.corner_exponents import (
     kolosov,
     least_root,
 )
-from restshape.physics.elasticity.singular_places import SingularPlace, singular_places, singular_quantities, warning
+from restshape.physics.elasticity.inspection import inspect_solid
+from restshape.physics.elasticity.singular_places import (
+    SingularPlace,
+    exponents_and_points,
+    singular_places,
+    singular_quantities,
+    warning,
+)
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 
@@ -405,3 +412,14 @@ def test_a_warning_names_three_places_and_counts_the_others(corners, says):
     assert says in words
     away = {1: "A:", 2: "A, B:", 5: "A, B, C and 2 more:"}[corners]
     assert f"take it away from {away}" in words
+
+
+def test_no_wedge_is_looked_at_where_no_stress_is_asked_for(tmp_path, monkeypatch):
+    text = "\n".join(line for line in NOTCHED.splitlines() if "von_mises" not in line)
+    scene = load_scene(write_scene(tmp_path, text))
+    outline = outline_from_spec(scene.shape, scene.folder)
+    seen = inspect_solid(scene, outline)
+    monkeypatch.setattr("restshape.physics.elasticity.singular_places.wedges", None)
+    exponents, points = exponents_and_points(scene, outline)
+    assert (exponents, points) == (seen.singular, seen.singular_points)
+    assert exponents == {"poked": 0.0} and [outline.vertex_names[k] for k in points] == ["c"]

@@ -25,7 +25,7 @@ left = { line = ["d", "a"] }
     + STEEL
     + CLAMPED
     + '[loads.pull]\non = "right"\ntraction = [1e6, 0]\n[mesh]\nsize = 0.25\n[quantities]\n'
-    + 'tip = { stress = "von_mises", at = "m", max = "1 GPa" }\n'
+    + 'tip = { stress = "von_mises", at = "m", max = "1 GPa" }\n[solve]\nestimate = "every"\n'
 )
 
 

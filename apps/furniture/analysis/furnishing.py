@@ -88,6 +88,11 @@ class FurnitureAnalysis(Timeless):
         self.age = 0
 
     @property
+    def state(self) -> TestResult:
+        """What each solve rebuilds: of frames with the same one nothing is measured twice."""
+        return self.result
+
+    @property
     def unknowns(self) -> int:
         """Unknowns of one case: displacements and turns of planks, forces of joints."""
         return self.equilibrium.mixed.size if self.equilibrium else 0

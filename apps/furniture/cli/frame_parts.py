@@ -4,5 +4,5 @@ FRAME_PARTS = {
     "edit": "the script: reading an edit and closing joints",
     "mesh": "the model of the piece as it is",
     "observation": "quantities",
-    "record": "residual of each frame, off its time",
+    "record": "residual of each frame",
 }

@@ -8,7 +8,7 @@ from petsc4py import PETSc
 
 LOGGED = ("pattern", "values", "factor", "krylov")
 """Those that are log stages of PETSc."""
-NAMES = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe", "record")
+NAMES = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe")
 
 
 def log_stage(name: str) -> PETSc.LogStage:

@@ -82,7 +82,7 @@ class Predictor(Protocol):
 
 
 class QuantityErrors(Protocol):
-    """Estimates the errors of quantities at the state."""
+    """Estimates the errors of quantities at the state; one that solves for them has a true attribute `solves`."""
 
     def __call__(self, names: Sequence[str]) -> dict[str, float]:
         """The estimated size of the error of each, in its unit; not a number where there is no estimate."""

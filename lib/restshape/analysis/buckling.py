@@ -116,7 +116,7 @@ class BucklingAnalysis(Timeless):
             report = self.prebuckling.solve(frame)
             if self.prebuckling.state is not before.prebuckling:
                 report = self._solve(frame, report)
-            if not report.iterations:
+            if not report.iterations and self.state.report.missed_modes:
                 self.state = replace(self.state, report=replace(self.state.report, missed_modes=0))
             if frame.edit_ended and self.solver.unchecked:
                 report = self._verify(report)

@@ -62,6 +62,7 @@ class ModalAnalysis(Timeless):
         self.verified = VerifiedShape()
         self.state = ModalState(plan, scene)
         self._estimate = FrequencyEstimate()
+        self._unchanged_frames = 0
 
     @property
     def predictor(self) -> ModalPrediction:
@@ -173,12 +174,13 @@ class ModalAnalysis(Timeless):
             self.verified.update(made(self.state.space))
             return self._report()
         report = self.state.report
-        report = replace(report, age=report.age + 1, missed_modes=0)
-        self.state = replace(self.state, report=report)
-        return LinearReport(0, False, report.age, report.method)
+        if report.missed_modes:
+            self.state = replace(self.state, report=replace(report, missed_modes=0))
+        self._unchanged_frames += 1
+        return LinearReport(0, False, report.age + self._unchanged_frames, report.method)
 
     def _report(self) -> LinearReport:
-        report = self.state.report
+        report, self._unchanged_frames = self.state.report, 0
         return LinearReport(report.iterations, report.refreshed, report.age, report.method)
 
     def _solve(self, frame: Frame, rebind: bool) -> ModalState:

@@ -32,6 +32,8 @@ class SteadyQuantityErrors:
         analysis: whose state they are of.
     """
 
+    solves = True
+
     def __init__(self, analysis: Estimated) -> None:
         self.analysis = analysis
         self._known: tuple[LinearState | None, dict[str, float]] = (None, {})

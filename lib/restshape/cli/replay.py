@@ -55,6 +55,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=KINDS[0],
         help="show the frames of a drag by the design derivative, and solve on release (default: %(default)s)",
     )
+    parser.add_argument(
+        "--estimate",
+        metavar="WHEN",
+        help="frames whose errors are estimated: auto, every, a number N (every N-th), idle or none (solve.estimate)",
+    )
     parser.add_argument("--out", type=RecordingFile, metavar="FILE", help="recording (.vtkhdf)")
     parser.add_argument(
         "--fields",
@@ -86,6 +91,9 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     if args.fields is not None:
         names = [name.strip() for name in args.fields.split(",") if name.strip()]
         args.set = [*args.set, f"recording.fields={json.dumps(names)}"]
+    if args.estimate is not None:
+        given = args.estimate if args.estimate.isdecimal() else json.dumps(args.estimate)
+        args.set = [*args.set, f"solve.estimate={given}"]
     scene = read_scene(args)
     _check_name(args.out)
     app = application(scene.app, f"{args.scene}: app")
@@ -225,7 +233,9 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
         if counts[k] or k != "still"
     ]
     print_table("time a frame", heads, rows, right=heads[1:])
-    python = f"Python in a level-1 frame: {summary['python_ms']['1']:.3f} ms (p50); " if counts["1"] else ""
+    parts = summary["python_ms"]["1"], summary["beside_ms"]["1"]
+    python = "Python in a level-1 frame: {:.3f} ms, residual, errors and recording {:.3f} ms (p50)\n".format(*parts)
+    python = python if counts["1"] else ""
     print(
         f"{python}{counted(summary['iterations'], 'iteration')}, {counted(summary['refreshes'], 'factorisation')}, "
         f"largest true residual {summary['largest_residual']:.1e}"

@@ -49,7 +49,20 @@ def renamed(table: Mapping[str, T]) -> dict[str, T]:
     return {today.get(name, name) if today.get(name) not in table else name: values for name, values in table.items()}
 
 
-STAGES = ("edit", "relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe", "record")
+STAGES = (
+    "edit",
+    "relocate",
+    "map",
+    "flip",
+    "mesh",
+    "pattern",
+    "values",
+    "factor",
+    "krylov",
+    "observe",
+    "estimate",
+    "record",
+)
 ESTIMATES = ("estimate", "estimate_time", "prediction_error")
 """What is estimated, or measured, of a frame's error."""
 

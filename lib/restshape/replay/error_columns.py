@@ -17,6 +17,7 @@ from restshape.scene.quantity import ALL_ERRORS
 if TYPE_CHECKING:
     from restshape.analysis.analysis import QuantityErrors, RowValues
     from restshape.application import Application
+    from restshape.replay.estimated_frames import WantedErrors
     from restshape.scene.model import Scene
 
 
@@ -33,6 +34,8 @@ class QuantityErrorColumns:
         UserError: a quantity asks for an error that this analysis does not estimate.
 
     Attributes:
+        asked: those of `names` whose errors the scene asks for; the others have a limit.
+        solves: an estimate takes a solve of its own, or two.
         note: that there are none, where the scene asks for those of all quantities.
     """
 
@@ -50,11 +53,19 @@ class QuantityErrorColumns:
             self.note = NO_ERRORS if given.get(ALL_ERRORS) is True else ""
             self.names = []
         self.singular = singular
+        self._known: tuple[object, list[str], dict[str, float]] = (None, [], {})
+        self.solves = bool(getattr(estimates, "solves", False))
+        self.asked = [name for name in self.names if scene.quantities[name].error]
 
-    def __call__(self, row: RowValues) -> RowValues:
+    def __call__(self, row: RowValues, wanted: WantedErrors, state: object) -> RowValues:
         """The columns of a frame that was solved; infinite where a quantity has no limit under refinement.
 
         The first frame also has the note.
+
+        Args:
+            row: of the frame.
+            wanted: what is estimated of it; the others are no numbers.
+            state: of the analysis; what has been estimated of it is not estimated again.
         """
         if self.estimates is None:
             first = self.note and not whole(row, "index")
@@ -62,5 +73,10 @@ class QuantityErrorColumns:
         if not self.names:
             return {}
         found: dict[str, float] = dict.fromkeys(self.singular, np.inf)
-        found |= self.estimates([name for name in self.names if name not in self.singular])
+        # An estimate that solves for nothing costs next to nothing.
+        wished = self.names if wanted.solves or (wanted.answer and not self.solves) else self.asked
+        names = [name for name in wished if name not in self.singular] if wanted.answer else []
+        if self._known[0] is not state or self._known[1] != names:
+            self._known = (state, names, self.estimates(names) if names else {})
+        found |= self._known[2]
         return {error_column(name): found.get(name, np.nan) for name in self.names}

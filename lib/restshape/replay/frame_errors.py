@@ -11,6 +11,7 @@ from restshape.analysis.analysis import Context
 from restshape.replay.columns import ESTIMATES
 from restshape.replay.constraints import MovingLimits
 from restshape.replay.error_columns import QuantityErrorColumns
+from restshape.replay.estimated_frames import NOTHING, WantedErrors, estimated
 from restshape.replay.linear_theory import LinearTheory
 from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.singular_quantities import SingularQuantities
@@ -50,6 +51,8 @@ class FrameErrors:
     def __init__(self, request: Request, comm: PETSc.Comm, stages: Stages, parts: ReplayParts) -> None:
         self.analysis, self.prediction = parts.analysis, parts.prediction
         self.estimating = True
+        self._known: tuple[object, dict[str, float]] = (None, {})
+        self._measured: tuple[object, float] = (None, nan)
         self.linear_theory = LinearTheory(parts.analysis)
         # Kept from session to session, with all that it has found of the mesh.
         self._estimator = parts.analysis.quantity_errors
@@ -73,29 +76,44 @@ class FrameErrors:
         self.uncertain_limits = UncertainLimits(self.singular.now, self.analysis.row, exact)
 
     def add_to(self, row: RowValues, edit: ScriptFrame, answered: bool) -> None:
-        """Put a frame's errors into its row.
+        """Put a frame's residual and errors into its row.
 
         Args:
             row: of the frame; edit: the frame.
             answered: it shows an answer of its own.
         """
-        row.update(self._estimates(row, answered))
-        if self.estimating and answered:
-            row.update(self.singular(edit, row))
-            self.linear_theory.note(row)
-            row.update(self.quantity_errors(row))
-            row.update(self.jumps(edit, row))
-            row.update(self.uncertain_limits(row, self.limits(edit.scene.quantities)))
+        row["residual"] = self._residual() if answered else nan
+        wanted = estimated(edit.scene.solve.estimate, edit, row) if self.estimating and answered else NOTHING
+        row.update(self._estimates(row, answered, wanted))
+        if not (self.estimating and answered):
+            return
+        row.update(self.singular(edit, row))
+        self.linear_theory.note(row)
+        row.update(self.quantity_errors(row, wanted, self.analysis.state))
+        # Jumps that a scene asks for are part of the answer.
+        row.update(self.jumps(edit, row, wanted.solves or bool(wanted.answer and edit.scene.solve.jumps)))
+        if limits := self.limits(edit.scene.quantities):
+            row.update(self.uncertain_limits(row, limits, wanted))
 
-    def _estimates(self, row: RowValues, answered: bool) -> dict[str, float]:
-        """What is known of the error of the frame's answer; not numbers where it has none of its own."""
+    def _residual(self) -> float:
+        """The residual of the answer, computed once a state."""
+        if self._measured[0] is not self.analysis.state:
+            self._measured = (self.analysis.state, self.analysis.residual_norm())
+        return self._measured[1]
+
+    def _estimates(self, row: RowValues, answered: bool, wanted: WantedErrors) -> dict[str, float]:
+        """What is known of the error of the frame's answer; not numbers where nothing is estimated of it."""
         found = dict.fromkeys(ESTIMATES, nan)
-        if not answered or not (self.estimating or row["predicted"]):
+        if not answered or not (wanted.answer or row["predicted"]):
             return found
-        errors = self.analysis.errors()
+        state, known = self._known
+        # A frame in which nothing changes has the state, and so the errors, of the one before.
+        errors = known if state is self.analysis.state else self.analysis.errors()
+        self._known = (self.analysis.state, errors)
         if self.prediction and row["predicted"]:
+            # It decides on the next frames, whether or not it is asked for.
             self.prediction.estimated(errors.get("estimate", nan))
-        if not self.estimating:
+        if not wanted.answer:
             return found
         found.update(errors)
         if self.prediction:

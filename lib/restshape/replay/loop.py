@@ -4,7 +4,6 @@
 
 from collections.abc import Iterator, Sequence
 from logging import INFO
-from math import nan
 from time import perf_counter
 
 from petsc4py import PETSc
@@ -85,7 +84,10 @@ class Replay:
             row = self._frame(edit)
             end = perf_counter()
             self._times(row, start, edited, end)
-            self._record(edit, row, end)
+            self._measure(edit, row)
+            if whole(row, "level") > 1 or edit.change not in ("none", "move"):
+                clean_up(self.comm)
+            self._hand_over(edit, row, start, end)
             yield row
 
     def _frame(self, edit: ScriptFrame) -> RowValues:
@@ -116,34 +118,35 @@ class Replay:
         return self.row
 
     def _times(self, row: RowValues, start: float, edited: float, end: float) -> None:
-        """Add the milliseconds of the frame; `ms_python` is what no compiled stage took."""
+        """Add the milliseconds of the answer; `ms_python` is what no compiled stage took of them."""
         seconds = self.stages.seconds
-        row["ms"] = whole_ms = (end - start) * 1e3
+        whole_ms = (end - start) * 1e3
         row["ms_edit"] = (edited - start) * 1e3
         for name, column in STAGE_COLUMNS:
             row[column] = seconds[name] * 1e3
         row["ms_python"] = whole_ms - sum(map(seconds.__getitem__, NATIVE)) * 1e3
 
-    def _record(self, edit: ScriptFrame, row: RowValues, end: float) -> None:
-        """Hand the frame to the recorder; residual and error are measured here, off the frame's time."""
-        known = self.solver.known
-        answered = known and not row["refused"]
-        measured = answered and self.measuring
-        row["residual"] = self.analysis.residual_norm() if measured else nan
+    def _measure(self, edit: ScriptFrame, row: RowValues) -> None:
+        """Add what is known of the answer: its residual and its errors."""
+        measured = self.solver.known and not row["refused"] and self.measuring
         row["mesh_area"] = self.moving.area()
         self.errors.add_to(row, edit, measured)
-        mesh = self.solver.space
+
+    def _hand_over(self, edit: ScriptFrame, row: RowValues, start: float, end: float) -> None:
+        """Hand the frame to the recorder; its time is up to there, and in what is yielded that of the hand-over too."""
+        row["ms_estimate"] = (perf_counter() - end) * 1e3
+        mesh, known, begin = self.solver.space, self.solver.known, perf_counter()
         if self.recorder:
             version = (id(mesh), mesh.topology)
             if version != self.recorded_topology:
                 self.recorder.topology(mesh.cells)
                 self.recorded_topology = version
-            row["ms_record"] = (perf_counter() - end) * 1e3
             fields = self.analysis.fields() if known else self.analysis.blank_fields(mesh)
+            now = perf_counter()
+            row["ms_record"], row["ms"] = (now - begin) * 1e3, (now - start) * 1e3
             self.recorder.frame(edit.t, mesh.X, *fields, row)
-        row["ms_record"] = (perf_counter() - end) * 1e3
-        if whole(row, "level") > 1 or edit.change not in ("none", "move"):
-            clean_up(self.comm)
+        now = perf_counter()
+        row["ms_record"], row["ms"] = (now - begin) * 1e3, (now - start) * 1e3
 
 
 def _without_solution(edit: ScriptFrame, problem: ReplayProblem | UserError, petsc: Sequence[str]) -> UserError:

@@ -82,10 +82,17 @@ class MeshJumps:
         known, self._topology = self._topology, _topology(moving) if self.wanted else ()
         self._incomparable = mesh_update.level > 2 and bool(known) and known != self._topology
 
-    def __call__(self, edit: ScriptFrame, row: RowValues) -> RowValues:
-        """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared."""
+    def __call__(self, edit: ScriptFrame, row: RowValues, compare: bool) -> RowValues:
+        """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared.
+
+        Args:
+            edit: the frame; row: its row.
+            compare: whether meshes are compared; else there are no numbers either.
+        """
         if not self.wanted:
             return {}
+        if not compare:
+            self._others = ()
         values = {name: number(row, f"q_{name}") for name in edit.scene.quantities}
         found = dict.fromkeys(values, np.nan)
         if self._others:

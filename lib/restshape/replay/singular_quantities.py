@@ -88,11 +88,11 @@ class SingularQuantities:
         """Quantities with their exponents, and control points."""
         found, points = dict[str, float](), tuple[int, ...]()
         for physics in self.application.physics:
-            if physics.inspect_shape and outline is not None:
+            if physics.singular_shape and outline is not None:
                 try:
-                    seen = physics.inspected(scene, outline)
+                    singular, places = physics.singular(scene, outline)
                 except ReplayProblem:
                     # The frame says what is wrong with the shape.
                     continue
-                found, points = found | seen.singular, (*points, *seen.singular_points)
+                found, points = found | singular, (*points, *places)
         return found, points

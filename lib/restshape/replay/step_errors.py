@@ -34,9 +34,10 @@ class StepErrors:
         self._local: deque[float] = deque(maxlen=FRAMES)
         self._largest: dict[str, float] = {}
 
-    def take(self, row: Mapping[str, RowValue], names: Iterable[str]) -> None:
-        """Take note of the values of a frame, and of its estimated error of a step, where it has one."""
-        self._local.append(number(row, "estimate_time"))
+    def take(self, row: Mapping[str, RowValue], names: Iterable[str], estimated: bool = True) -> None:
+        """Take note of the values of a frame, and of its estimated error of a step, where that is `estimated`."""
+        if estimated:
+            self._local.append(number(row, "estimate_time"))
         for name in names:
             size = abs(number(row, f"q_{name}"))
             if size > self._largest.get(name, 0.0):

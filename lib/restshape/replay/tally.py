@@ -113,6 +113,7 @@ class Tally:
             for name in ("all", str(level)):
                 self._samples[f"ms {name}"].add(ms)
                 self._samples[f"python {name}"].add(number(row, "ms_python"))
+                self._samples[f"beside {name}"].add(beside(row))
             if row["predicted"]:
                 self._samples["ms predicted"].add(ms)
         elif whole(row, "iterations") > 0:
@@ -207,6 +208,10 @@ class Tally:
                 "p50": self._percentiles("python all")["p50"],
                 "1": self._percentiles("python 1")["p50"],
             },
+            "beside_ms": {
+                "p50": self._percentiles("beside all")["p50"],
+                "1": self._percentiles("beside 1")["p50"],
+            },
             "stages": dict(self._stages),
             "iterations": counts["iterations"],
             "newton": counts["newton"],
@@ -237,6 +242,11 @@ class Tally:
             **{key: values for key, values in series.items() if key == SIMULATED},
             **self._rest(),
         }
+
+
+def beside(row: RowValues) -> float:
+    """Milliseconds of a frame that its answer does without: residual, errors, hand-over to the recorder."""
+    return number(row, "ms_estimate", 0.0) + number(row, "ms_record", 0.0)
 
 
 def _is_known(reason: str, known: Iterable[str]) -> bool:

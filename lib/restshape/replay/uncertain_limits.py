@@ -23,6 +23,7 @@ from restshape.replay.constraints import (
     value_and_bound,
     violated_constraints,
 )
+from restshape.replay.estimated_frames import EVERYTHING, WantedErrors
 from restshape.replay.step_errors import UNKNOWN, StepErrors
 from restshape.scene.quantity import in_unit
 
@@ -43,7 +44,8 @@ UNESTIMATED = {BY_PREDICTION: "a prediction of unknown error", BY_STEPS: "less t
 class UncertainLimits:
     """Makes the constraint status uncertain where a value is nearer to its limit than it is known.
 
-    A jump counts until the next new mesh: frames between have the answers of this mesh, not of another.
+    A jump counts until the next new mesh: frames between have the answers of this mesh, not of another. Of what is not
+    estimated in a frame the last estimate counts.
 
     Args:
         singular: quantities without a limit under refinement.
@@ -59,17 +61,20 @@ class UncertainLimits:
     ) -> None:
         self.singular, self.own_row, self.exact = singular, own_row, exact
         self._jumps: dict[str, float] = {}
+        self._errors: dict[str, float] = {}
         self._steps = StepErrors()
 
-    def __call__(self, row: RowValues, limits: Limits) -> RowValues:
+    def __call__(self, row: RowValues, limits: Limits, wanted: WantedErrors = EVERYTHING) -> RowValues:
         """The columns of a frame that was solved which change, with its errors and jumps in the row.
 
         Args:
             row: of the frame.
             limits: of its scene, by quantity.
+            wanted: what is estimated of it; of the others the last estimate counts.
         """
         values = {name: number(row, f"q_{name}") for name in limits}
-        self._steps.take(row, limits)
+        self._steps.take(row, limits, wanted.answer)
+        self._take_errors(row, limits, wanted)
         errors, why = {}, {}
         for name in limits:
             errors[name], why[name] = max(self._doubts(name, row))
@@ -99,14 +104,22 @@ class UncertainLimits:
         jump, known = abs(number(row, jump_column(name))), self._jumps.get(name, 0.0)
         if math.isfinite(jump):
             self._jumps[name] = jump if whole(row, "level") == 3 else max(known, jump)
-        error = number(row, error_column(name))
         return [
             (math.inf if name in self.singular else 0.0, BY_PLACE),
-            (ERROR_FACTOR * error if math.isfinite(error) else 0.0, BY_ERROR),
+            (ERROR_FACTOR * self._errors.get(name, 0.0), BY_ERROR),
             (self._jumps.get(name, 0.0), BY_JUMP),
             (self._of_prediction(name, row), BY_PREDICTION),
             (0.0 if name in self.exact else self._steps.error(name), BY_STEPS),
         ]
+
+    def _take_errors(self, row: RowValues, limits: Limits, wanted: WantedErrors) -> None:
+        """Take note of the errors of a frame; where it has none and none was wanted, that of before stays."""
+        for name in limits:
+            error = number(row, error_column(name))
+            if math.isfinite(error):
+                self._errors[name] = error
+            elif wanted.solves:
+                self._errors.pop(name, None)
 
     def _of_prediction(self, name: str, row: RowValues) -> float:
         """The estimated relative distance of a predicted frame from its solution, of the quantity's value."""

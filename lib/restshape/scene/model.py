@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self, get_args
 
 from pydantic import (
     BeforeValidator,
@@ -273,23 +273,35 @@ def _read_scale(raw: float | str) -> float:
     return quantity(f"1 {raw}" if isinstance(raw, str) and raw.strip().isalpha() else raw, "length")
 
 
+EstimatedFrames = Literal["auto", "every", "idle", "none"]
+
+
+def _read_frames(raw: object) -> object:
+    """Frames by a word, or every so many."""
+    if raw in get_args(EstimatedFrames) or (isinstance(raw, int) and raw >= 1 and not isinstance(raw, bool)):
+        return raw
+    raise UnitError(f"{raw!r} names no frames", f"{', '.join(get_args(EstimatedFrames))}, or a number N: every N-th")
+
+
 class SolveSpec(Strict):
     """``[solve]``: the relative residual to reach, the policy of reuse, the bytes that a complete factor may take.
 
     ``jumps``: report by how much each quantity jumps where flips or a new mesh change the mesh; left out, wherever that
-    can be known.
+    can be known. ``estimate``: the frames whose errors are estimated: `docs/accuracy.md`, "Frames with an estimate".
 
     Args:
         tolerance: relative residual at which a solve has converged, no less than rounding allows.
         policy: what is reused from frame to frame.
         factor_memory: bytes that a complete factor may take.
         jumps: whether jumps of quantities by the mesh alone are reported; left out, wherever that can be known.
+        estimate: frames whose errors are estimated: "auto", "every", every so many, "idle" or "none".
     """
 
     tolerance: Annotated[Number, Field(ge=TOLERANCE, lt=1)] = 1e-6
     policy: Literal["auto", "thesis", "refactor", "rebuild"] = "auto"
     factor_memory: Annotated[Number, Field(gt=0)] = 4e9
     jumps: bool | None = None
+    estimate: Annotated[EstimatedFrames | int, BeforeValidator(_read_frames)] = "auto"
 
 
 class RecordingSpec(Strict):

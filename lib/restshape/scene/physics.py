@@ -191,6 +191,8 @@ class Physics:
         check_shape: path ``module:attribute`` of the function that checks a scene with its first outline.
         inspect_shape: path ``module:attribute`` of the function that gives the `Inspection` of a scene with its first
             outline.
+        singular_shape: likewise of the one that gives the `singular` and `singular_points` of that alone, for outlines
+            of an edit.
         columns: names and types of columns of a replay that only it has, for a scene.
         summed: of a scene, its plan and the area [m^2] of its shape, what `restshape check` says besides: for programs,
             and as rows for people.
@@ -225,6 +227,7 @@ class Physics:
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""
     inspect_shape: str = ""
+    singular_shape: str = ""
     columns: Callable[[Scene], dict[str, npt.DTypeLike]] | None = None
     summed: Callable[..., tuple[dict[str, object], Rows]] | None = None
     instead: Mapping[str, str] = field(default_factory=dict)
@@ -243,6 +246,13 @@ class Physics:
         if not self.inspect_shape:
             return Inspection()
         return cast(Inspection, imported(self.inspect_shape)(scene, outline))
+
+    def singular(self, scene: Scene, outline: object) -> tuple[dict[str, float], tuple[int, ...]]:
+        """`singular` and `singular_points` of a scene with an outline; nothing where it does not look."""
+        if not self.singular_shape:
+            return {}, ()
+        found = imported(self.singular_shape)(scene, outline)
+        return cast("tuple[dict[str, float], tuple[int, ...]]", found)
 
     def followed(self, written: Scene, scene: Scene) -> Table | None:
         """The plain tables of a scene with overrides where they differ from its own: see `overridden`."""

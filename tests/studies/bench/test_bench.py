@@ -41,7 +41,9 @@ def row(level=1, ms=1.0, **other):
         "violated_constraints": "",
         "note": "",
     }
-    return {"level": level, "ms": ms, **times, **counts, "events": {"KSPSolve": 1}, **other}
+    times |= {key: value for key, value in other.items() if key.startswith("ms_")}
+    whole = ms + times["ms_estimate"] + times["ms_record"]
+    return {"level": level, "ms": whole, **times, **counts, "events": {"KSPSolve": 1}, **other}
 
 
 def timed_run(fps, p50):

@@ -44,14 +44,15 @@ def frame(variant, index, left_out, slow, rng):
         "filled": {"core": 800, "own core": 200} | ({} if "a" in left_out else {"a": 300}),
         "calls": calls,
         "calls_beside": {"core": {"stress": (1, 50)}},
-        "ms": EDIT + MESH + OBSERVED + solve + (100.0 if index == 0 else 0.0),
+        "ms": EDIT + MESH + OBSERVED + RECORD + solve + (100.0 if index == 0 else 0.0),
         "ms_edit": EDIT,
         "ms_relocate": MESH / 4,
         "ms_map": MESH / 4,
         "ms_flip": MESH / 4,
         "ms_mesh": MESH / 4,
         "ms_observe": OBSERVED,
-        "ms_record": RECORD,
+        "ms_estimate": RECORD / 2,
+        "ms_record": RECORD / 2,
     }
 
 

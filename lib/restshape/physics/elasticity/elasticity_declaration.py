@@ -151,6 +151,7 @@ PLANE_SOLIDS = Physics(
     check=check_solids,
     check_shape="restshape.physics.elasticity.outline_checks:check_plane_solid",
     inspect_shape="restshape.physics.elasticity.inspection:inspect_solid",
+    singular_shape="restshape.physics.elasticity.singular_places:exponents_and_points",
     columns=buckling_columns,
 )
 

@@ -15,7 +15,7 @@ from restshape.mesh.thickness import Thickness
 from restshape.physics.elasticity.ground_record import read_record
 from restshape.physics.elasticity.modal_effect import modal_keys
 from restshape.physics.elasticity.motion_effects import DynamicsKeys
-from restshape.physics.elasticity.singular_places import places_of_quantities, warning
+from restshape.physics.elasticity.singular_places import places_of_quantities, warning, worst_places
 from restshape.physics.elasticity.thickness_layers import FLOOR, usual_layers
 from restshape.scene.model import Material, Scene
 from restshape.scene.physics import Inspection
@@ -45,10 +45,8 @@ def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
     places = places_of_quantities(scene, outline)
     seen = inspect_body(scene, outline)
     warnings = [warning(name, scene.quantities[name], there) for name, there in places.items()]
-    singular = {name: there[0].exponent for name, there in places.items()}
-    worst = sorted((place.exponent, place.point) for there in places.values() for place in there)
-    points = tuple(dict.fromkeys(point for _, point in worst))
-    return Inspection(seen.data, seen.rows, (*seen.warnings, *_unloaded(scene), *warnings), singular, points)
+    warnings = [*seen.warnings, *_unloaded(scene), *warnings]
+    return Inspection(seen.data, seen.rows, tuple(warnings), *worst_places(places))
 
 
 def _unloaded(scene: Scene) -> Iterator[str]:

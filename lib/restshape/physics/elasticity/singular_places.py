@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,7 +46,7 @@ class SingularPlace:
 
 
 def singular_places(
-    scene: Scene, outline: Outline, asked: Callable[[int], bool] = lambda point: True
+    scene: Scene, outline: Outline, asked: Callable[[int], bool] | None = lambda point: True
 ) -> list[SingularPlace]:
     """The places of a plane solid at which stress has no bound, by angles, supports and loads of its outline.
 
@@ -56,9 +56,13 @@ def singular_places(
     Args:
         scene, outline: of the solid.
         asked: whether a control point is asked for where no force is taken or borne at a point: exponents take time.
+            None: no such point is.
     """
-    constrained, points = _supports(scene, outline), _points(scene, outline)
+    points = _points(scene, outline)
     found = [SingularPlace(v, outline.vertex_names[v], cause, 0.0) for v, cause in points.items()]
+    if asked is None:
+        return found
+    constrained = _supports(scene, outline)
     corners = (wedge for wedge in wedges(scene, outline) if wedge.point not in points and asked(wedge.point))
     others = (_place(scene, constrained, outline, wedge) for wedge in corners)
     return found + [place for place in others if place is not None]
@@ -76,14 +80,29 @@ def places_of_quantities(scene: Scene, outline: Outline) -> dict[str, list[Singu
     if not any(_moves(one) or _unbounded(one) for one in scene.quantities.values()):
         return {}
     stresses = [one for one in scene.quantities.values() if _unbounded(one)]
-    asked = singular_places(scene, outline, lambda point: any(_holds(outline, one, point) for one in stresses))
-    places = sorted(asked, key=lambda place: place.exponent)
+
+    def asked(point: int) -> bool:
+        return any(_holds(outline, one, point) for one in stresses)
+
+    places = sorted(singular_places(scene, outline, asked if stresses else None), key=lambda place: place.exponent)
     found = {}
     for name, quantity in scene.quantities.items():
         there = [place for place in places if _diverges(quantity, place) and _holds(outline, quantity, place.point)]
         if there:
             found[name] = there
     return found
+
+
+def worst_places(places: Mapping[str, Sequence[SingularPlace]]) -> tuple[dict[str, float], tuple[int, ...]]:
+    """The least exponent of each quantity of `places_of_quantities`, and all control points, the worst first."""
+    worst = sorted((place.exponent, place.point) for there in places.values() for place in there)
+    points = tuple(dict.fromkeys(point for _, point in worst))
+    return {name: there[0].exponent for name, there in places.items()}, points
+
+
+def exponents_and_points(scene: Scene, outline: Outline) -> tuple[dict[str, float], tuple[int, ...]]:
+    """Exponents of the quantities that do not converge, and the control points at fault: `worst_places`."""
+    return worst_places(places_of_quantities(scene, outline))
 
 
 def warning(name: str, quantity: Quantity, places: Sequence[SingularPlace]) -> str:

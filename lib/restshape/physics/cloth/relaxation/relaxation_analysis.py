@@ -66,6 +66,7 @@ class RelaxationAnalysis(Timeless):
         self._row = Row(scene.bodies)
         self._origin: RelaxationState | None = None
         self._observed: tuple[RelaxationState | None, dict[str, float]] = (None, {})
+        self._rows: tuple[RelaxationState | None, dict[str, Any]] = (None, {})
         self._estimate: ClothEstimate | None = None
 
     def solve(self, frame: Frame) -> LinearReport:
@@ -157,8 +158,10 @@ class RelaxationAnalysis(Timeless):
         return self._observed[1]
 
     def row(self) -> dict[str, Any]:
-        """Columns of the frame's row that only this analysis has."""
-        return self._row(self.state)
+        """Columns of the frame's row that only this analysis has, made once a solution."""
+        if self._rows[0] is not self.state:
+            self._rows = (self.state, self._row(self.state))
+        return dict(self._rows[1])
 
     def residual_norm(self) -> float:
         """The residual over the weight; norms at free unknowns."""
