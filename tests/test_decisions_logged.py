@@ -52,7 +52,7 @@ def test_each_level_of_the_mesh_has_a_reason(tmp_path, logged):
 
 def test_what_a_jump_of_the_mesh_costs_is_not_logged_as_the_frames_own(tmp_path, caplog):
     path = [*across((0.5, 0.5), (1.3, 0.5), 20), (1.3, 0.5)]
-    scene = plate(0.15) + "[solve]\nestimate = \"every\"\n"
+    scene = plate(0.15) + '[solve]\nestimate = "every"\n'
     made = make_replay(write_scene(tmp_path, scene), write_script(tmp_path, drag("window", (0.5, 0.5), path)))
     caplog.set_level(logging.INFO, "restshape")
     rows = rows_of(made)
