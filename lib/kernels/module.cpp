@@ -20,6 +20,7 @@ void bind_mesher(py::module_&);
 void bind_order(py::module_&);
 void bind_outline(py::module_&);
 void bind_panels(py::module_&);
+void bind_rows(py::module_&);
 void bind_space(py::module_&);
 void bind_fields(py::module_&);
 void bind_force_space(py::module_&);
@@ -46,6 +47,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_order(m);
     bind_outline(m);
     bind_panels(m);
+    bind_rows(m);
     bind_space(m);
     bind_fields(m);
     bind_force_space(m);

@@ -22,6 +22,7 @@ __all__: list[str] = [
     "cells_left_of",
     "check_cells",
     "combinations",
+    "combine_rows",
     "curved_jacobian_bound",
     "distances",
     "edge_parameters",
@@ -39,6 +40,7 @@ __all__: list[str] = [
     "locate",
     "locate_quadratic",
     "matrices",
+    "matrix_products",
     "mean_at",
     "move_and_check",
     "narrow_widths",
@@ -54,7 +56,9 @@ __all__: list[str] = [
     "refine_delaunay",
     "register_node_cholesky",
     "relax_and_check",
+    "remove_tractions",
     "reset_calls",
+    "row_products",
     "same_bits",
     "smooth_fresh",
     "solve_by_panels",
@@ -359,6 +363,12 @@ def combinations(
     barred: collections.abc.Sequence[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]],
     keep: typing.SupportsInt | typing.SupportsIndex,
 ) -> tuple: ...
+def combine_rows(
+    weights: numpy.typing.NDArray[numpy.float64],
+    rows: numpy.typing.NDArray[numpy.float64],
+    out: numpy.typing.NDArray[numpy.float64],
+    add: bool,
+) -> None: ...
 def curved_jacobian_bound(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
@@ -439,6 +449,11 @@ def locate_quadratic(
     points: numpy.typing.NDArray[numpy.float64],
 ) -> tuple: ...
 def matrices() -> list: ...
+def matrix_products(
+    handle: typing.SupportsInt | typing.SupportsIndex,
+    rows: numpy.typing.NDArray[numpy.float64],
+    out: numpy.typing.NDArray[numpy.float64],
+) -> bool: ...
 def mean_at(
     X: numpy.typing.NDArray[numpy.float64],
     places: numpy.typing.NDArray[numpy.int32],
@@ -533,7 +548,17 @@ def relax_and_check(
     area_floor: typing.SupportsFloat | typing.SupportsIndex,
     quality_floor: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple: ...
+def remove_tractions(
+    normals: numpy.typing.NDArray[numpy.float64],
+    constrained: numpy.typing.NDArray[numpy.uint8],
+    nodal: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def reset_calls() -> None: ...
+def row_products(
+    a: numpy.typing.NDArray[numpy.float64],
+    b: numpy.typing.NDArray[numpy.float64],
+    out: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def same_bits(
     a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

@@ -7,10 +7,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "fem/operator.hpp"
+#include "algebra/matrix_rows.hpp"
 
 namespace py = pybind11;
 using restshape::check;
+using restshape::MatrixRows;
 using Reals = py::array_t<double, py::array::c_style>;
 
 namespace {
@@ -18,33 +19,13 @@ namespace {
 constexpr int lanes = 8;
 using Lanes = Eigen::Array<double, lanes, 1>;
 
-// Rows of a matrix of one rank, for as long as this lives.
-struct Rows {
-    explicit Rows(Mat mat) : mat(mat) {
-        check(MatGetRowIJ(mat, 0, PETSC_FALSE, PETSC_FALSE, &n, &start, &column, &done), "MatGetRowIJ");
-        check(MatSeqAIJGetArrayRead(mat, &value), "MatSeqAIJGetArrayRead");
-    }
-    ~Rows() {
-        (void)MatSeqAIJRestoreArrayRead(mat, &value);
-        (void)MatRestoreRowIJ(mat, 0, PETSC_FALSE, PETSC_FALSE, &n, &start, &column, &done);
-    }
-    Rows(const Rows&) = delete;
-    Rows& operator=(const Rows&) = delete;
-
-    Mat mat;
-    PetscInt n = 0;
-    const PetscInt *start = nullptr, *column = nullptr;
-    const double* value = nullptr;
-    PetscBool done = PETSC_FALSE;
-};
-
 bool energy_products(intptr_t handle, const Reals& x, const Reals& b, const Reals& steps, Reals gram, Reals right) {
     Mat mat = reinterpret_cast<Mat>(handle);
     PetscBool plain = PETSC_FALSE;
     check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(mat), MATSEQAIJ, &plain), "PetscObjectTypeCompare");
     const int count = steps.ndim() == 2 ? static_cast<int>(steps.shape(0)) : 0;
     if (!plain || count + 1 > lanes) return false;
-    const Rows a(mat);
+    const MatrixRows a(mat);
     if (!a.done) return false;
     if (count < 1 || steps.shape(1) != a.n || x.size() != a.n || b.size() != a.n || gram.size() != count * count ||
         right.size() != count)

@@ -1,6 +1,7 @@
 // Inertia: residual M x with x the acceleration; its energy is x.Mx/2 (the kinetic energy when x is the velocity).
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,22 @@ struct SimplexMassElement : Inertial<SimplexMassElement<Shape, Fields>> {
             for (int j = 1; j < nodes; ++j) sum += x[j * fields + a];
             for (int i = 0; i < nodes; ++i) r[i * fields + a] = (sum + x[i * fields + a]) * share;
         }
+    }
+
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
+        constexpr int n = nodes * fields, stride = Dual<n>::lanes;
+        double G[nodes][dim];
+        const double share = Shape::gradients(0, X, G) * (p[0] / ((dim + 1) * (dim + 2)));
+        std::fill(K, K + n * stride, 0.0);
+        for (int i = 0; i < nodes; ++i)
+            for (int a = 0; a < fields; ++a) {
+                double sum = x[i * fields + a], *row = K + (i * fields + a) * stride;
+                for (int j = 0; j < nodes; ++j) {
+                    sum += x[j * fields + a];
+                    row[j * fields + a] = i == j ? 2.0 * share : share;
+                }
+                r[i * fields + a] = sum * share;
+            }
     }
 };
 

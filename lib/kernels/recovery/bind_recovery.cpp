@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -13,6 +14,7 @@
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;
 using Ints = py::array_t<int32_t, py::array::c_style>;
+using Bytes = py::array_t<uint8_t, py::array::c_style>;
 
 namespace {
 
@@ -126,6 +128,42 @@ void recover_space(const Reals& X, const Ints& cells, const Reals& stress, Reals
         recover_each<restshape::Quadratic<3>, restshape::TetRule4>(X, cells, stress, out);
 }
 
+// The projector onto what is normal to none of the normals at a node; false where there are none.
+bool projector(const double* normals, py::ssize_t n, py::ssize_t node, Eigen::Matrix3d& P) {
+    P.setIdentity();
+    bool any = false;
+    for (int k = 0; k < 3; ++k) {
+        const Eigen::Map<const Eigen::Vector3d> normal(normals + 3 * (k * n + node));
+        if (normal.isZero(0.0)) continue;
+        any = true;
+        const Eigen::Vector3d rest = P * normal;
+        const double size = rest.norm();
+        if (size >= 1e-6) P -= (rest / size) * (rest / size).transpose();
+    }
+    return any;
+}
+
+void remove_tractions(const Reals& normals, const Bytes& constrained, Reals nodal) {
+    require(nodal.ndim() == 3 && nodal.shape(2) == 6, "nodal must be (k, n, 6)");
+    const py::ssize_t n = nodal.shape(1), fields = constrained.ndim() == 2 ? constrained.shape(1) : 0;
+    require(normals.ndim() == 3 && normals.shape(0) == 3 && normals.shape(1) == n && normals.shape(2) == 3,
+            "normals must be (3, n, 3)");
+    require(constrained.ndim() == 2 && constrained.shape(0) == n, "constrained must be (n, fields)");
+    for (py::ssize_t i = 0; i < n; ++i) {
+        const uint8_t* own = constrained.data() + i * fields;
+        Eigen::Matrix3d P, S;
+        if (std::any_of(own, own + fields, [](uint8_t one) { return one != 0; }) || !projector(normals.data(), n, i, P))
+            continue;
+        for (py::ssize_t k = 0; k < nodal.shape(0); ++k) {
+            double* s = nodal.mutable_data() + 6 * (k * n + i);
+            S << s[0], s[2], s[5], s[2], s[1], s[4], s[5], s[4], s[3];
+            const Eigen::Matrix3d kept = P * S * P;
+            s[0] = kept(0, 0), s[1] = kept(1, 1), s[2] = kept(0, 1);
+            s[3] = kept(2, 2), s[4] = kept(2, 1), s[5] = kept(0, 2);
+        }
+    }
+}
+
 py::array_t<double> space_points() {
     using Rule = restshape::TetRule4;
     py::array_t<double> out({Rule::points, 3});
@@ -156,6 +194,12 @@ void bind_estimate(py::module_& m) {
           "Nodal stresses out (k, n, 6) of tetrahedra, recovered from stresses (k, ne, 6) at their centres, or (k, ne, "
           "4, "
           "6) at `space_recovery_points` where they are of second order, by fits over the cells around each corner.");
+    m.def("remove_tractions", &remove_tractions, py::arg("normals").noconvert(), py::arg("constrained").noconvert(),
+          py::arg("nodal").noconvert(),
+          "Replaces stresses s, nodal (k, n, 6) as xx, yy, xy, zz, yz, xz, by P s P, where P projects onto what is "
+          "orthogonal to the normals (3, n, 3) of a node, of which some are 0. Nodes with a mark among constrained (n, "
+          "fields) "
+          "stay.");
     m.def("space_recovery_points", &space_points,
           "Reference coordinates (4, 3) at which `recover_space` takes stresses of second order.");
 }

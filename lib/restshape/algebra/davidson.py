@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.row_products import add_combined, combined, row_products
 from restshape.arrays import Reals
 
 DEPENDENT = 1e-10
@@ -21,7 +22,7 @@ class Found:
         residuals: (k,) |K phi - lambda M phi| / |lambda M phi|.
         iterations: times that the search space grew.
         converged: all of the wanted ones are within the tolerance.
-        forces: (k, n) K phi - lambda M phi, where the search has them.
+        mass_products, forces: (k, n) M phi, and K phi - lambda M phi, where the search has them.
     """
 
     values: Reals
@@ -29,6 +30,7 @@ class Found:
     residuals: Reals
     iterations: int
     converged: bool
+    mass_products: Reals | None = None
     forces: Reals | None = None
 
 
@@ -47,13 +49,14 @@ class SearchSpace:
         self.pencil, self.capacity = pencil, capacity
         self.rows, self.stiff, self.mass_products = (np.empty((capacity, pencil.size)) for _ in range(3))
         self.projected = np.zeros((capacity, capacity))
-        self.count = 0
+        self.count = self._multiplied = 0
         self.begun: Reals | None = None
         self.found: Found | None = None
 
     def begin(self, deflation: Deflation) -> None:
         """Empty the space, for matrices that are others now; its memory is kept: new pages cost more than a frame."""
         self.deflation, self.count, self.begun = deflation, 0, None
+        self._multiplied = 0
 
     def begin_with(self, deflation: Deflation, rows: Reals) -> None:
         """Empty the space, and begin a search in it with rows (k, n), for which `davidson` need not do so again."""
@@ -63,47 +66,57 @@ class SearchSpace:
 
     def append(self, rows: Reals) -> int:
         """Widen the space by the directions of rows (k, n); how many of them are new."""
-        norms = np.linalg.norm(rows, axis=1)
+        norms = np.sqrt(np.einsum("ki,ki->k", rows, rows))
         rows = rows[norms > 0.0] / norms[norms > 0.0, None]
         if not len(rows):
             return 0
         own, weights = self.rows[: self.count], self.mass_products[: self.count]
         self.deflation.clean(rows)
-        rows -= (rows @ weights.T) @ own
+        add_combined(-row_products(rows, weights), own, rows)
         mass_products = np.empty_like(rows)
         self.pencil.apply(self.pencil.mass, rows, mass_products)
         rows, mass_products = _orthonormal(rows, mass_products)
         # Twice is enough (Kahan, Parlett): what the first pass leaves behind by rounding goes in the second.
         self.deflation.clean(rows, mass_products)
-        parts = rows @ weights.T
-        rows, mass_products = _orthonormal(rows - parts @ own, mass_products - parts @ weights)
+        parts = -row_products(rows, weights)
+        add_combined(parts, own, rows)
+        add_combined(parts, weights, mass_products)
+        rows, mass_products = _orthonormal(rows, mass_products)
         room = len(self.rows) - self.count
         rows, mass_products = rows[:room], mass_products[:room]
         start, stop = self.count, self.count + len(rows)
         self.rows[start:stop], self.mass_products[start:stop] = rows, mass_products
+        self.count = stop
+        return stop - start
+
+    def _project(self) -> None:
+        """Multiply with K what has been added, all at once."""
+        start, stop = self._multiplied, self.count
+        if start == stop:
+            return
         self.pencil.apply(self.pencil.stiffness, self.rows[start:stop], self.stiff[start:stop])
-        block = self.rows[:stop] @ self.stiff[start:stop].T
+        block = row_products(self.rows[:stop], self.stiff[start:stop])
         self.projected[:stop, start:stop] = block
         self.projected[start:stop, :stop] = block.T
-        self.count, added = stop, stop - start
-        return added
+        self._multiplied = stop
 
     def ritz(self, count: int) -> tuple[Reals, Reals, Reals, Reals]:
         """The lowest Ritz values, vectors, and their products with K and with M, at most `count`."""
+        self._project()
         k = self.count
         values, weights = np.linalg.eigh(self.projected[:k, :k])
-        # By columns it would take BLAS twice as long.
         chosen = np.ascontiguousarray(weights[:, :count].T)
-        return values[:count], *(chosen @ part[:k] for part in (self.rows, self.stiff, self.mass_products))
+        return values[:count], *(combined(chosen, part[:k]) for part in (self.rows, self.stiff, self.mass_products))
 
     def ritz_values(self) -> Reals:
         """All Ritz values, ascending."""
+        self._project()
         return np.linalg.eigvalsh(self.projected[: self.count, : self.count])
 
 
 def _orthonormal(rows: Reals, mass_products: Reals) -> tuple[Reals, Reals]:
     """A basis of what rows (k, n) span, orthonormal in the mass, without directions that are lost in rounding."""
-    gram = rows @ mass_products.T
+    gram = row_products(rows, mass_products)
     scale = np.sqrt(np.maximum(np.diagonal(gram), 0.0))
     kept = scale > 0.0
     if not kept.all():
@@ -113,7 +126,7 @@ def _orthonormal(rows: Reals, mass_products: Reals) -> tuple[Reals, Reals]:
     values, vectors = np.linalg.eigh(gram / np.outer(scale, scale))
     good = values > DEPENDENT
     weights = np.ascontiguousarray((vectors[:, good] / np.sqrt(values[good])).T / scale)
-    return weights @ rows, weights @ mass_products
+    return combined(weights, rows), combined(weights, mass_products)
 
 
 def davidson(
@@ -146,8 +159,8 @@ def davidson(
     if starts and space.begun is not starts[0]:
         space.begin_with(deflation, starts[0])
     space.begun = None
-    for block in starts[1:]:
-        space.append(block)
+    if starts[1:]:
+        space.append(np.concatenate(starts[1:]))
     iterations = 0
     while True:
         values, modes, stiff, mass_products = space.ritz(count + spare)
@@ -156,15 +169,15 @@ def davidson(
         residuals = np.linalg.norm(forces, axis=1) / scale
         open_ones = np.flatnonzero(~(residuals[:count] <= tolerance))
         if not len(open_ones) and len(values) >= count:
-            return Found(values, modes, residuals, iterations, True, forces)
+            return Found(values, modes, residuals, iterations, True, mass_products, forces)
         if iterations >= limit:
-            return Found(values, modes, residuals, iterations, False, forces)
+            return Found(values, modes, residuals, iterations, False, mass_products, forces)
         if space.count + len(open_ones) > space.capacity:
             space.begin(deflation)
             space.append(modes)
         iterations += 1
         if not len(open_ones) or not space.append(space.pencil.solve(forces[open_ones])):
-            return Found(values, modes, residuals, iterations, False, forces)
+            return Found(values, modes, residuals, iterations, False, mass_products, forces)
 
 
 def ritz_values(pencil: Pencil, deflation: Deflation, rows: Reals) -> Reals:

@@ -369,8 +369,11 @@ class EigenSolver:
                 report.missed_modes = max(report.missed_modes, fallen(first, found, count, self.reach))
                 return found
             report.missed_modes = max(report.missed_modes, missing)
-            found = self._sought(found, count, min(max(0, missing), MOST_SOUGHT), turn)
-            stalled = not found.converged and found.iterations >= MOST_ITERATIONS
+            sought = self._sought(found, count, min(max(0, missing), MOST_SOUGHT), turn)
+            stalled = not sought.converged and sought.iterations >= MOST_ITERATIONS
+            # Where rounding holds a search up, it may end farther off than it began.
+            if not (stalled and missing <= 0 and sought.residuals[:count].max() > found.residuals[:count].max()):
+                found = sought
         raise ReplayProblem(
             f"{counted(missing, 'mode')} {'was' if missing == 1 else 'were'} not found"
             if missing > 0

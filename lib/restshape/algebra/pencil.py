@@ -7,7 +7,9 @@ from functools import lru_cache
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.preconditioner import order_factor
+from restshape.algebra.row_products import add_combined, combined, row_products
 from restshape.algebra.stages import Stages
 from restshape.arrays import Reals
 from restshape.errors import ReplayProblem
@@ -70,6 +72,8 @@ class Pencil:
         self.stiffness, self.mass = stiffness, mass
         if new_system:
             self._kept.forget()
+        elif self._kept.made:
+            self._kept.substitute_by_panels()
         # Flips may have made other matrices of a larger pattern: what was analysed before no longer fits them.
         patterns = (stiffness.handle, mass.handle)
         if new_system or patterns != self._patterns:
@@ -80,6 +84,8 @@ class Pencil:
     def apply(self, matrix: PETSc.Mat, rows: Reals, out: Reals) -> None:
         """Write the products of a matrix with each row (k, n) to `out` (k, n)."""
         self.products += len(rows)
+        if len(rows) > 1 and _kernels.matrix_products(matrix.handle, rows, out):
+            return
         for row, product in zip(rows, out):
             _through(matrix.mult, row, product)
 
@@ -136,6 +142,7 @@ class _Factor:
         self.made, self.stale_pattern, self.nonzeros = False, True, 0.0
         self._matrix: PETSc.Mat = None
         self._pc: PETSc.PC = None
+        self._panels = False
 
     def forget(self) -> None:
         """Let go of the factor."""
@@ -143,6 +150,13 @@ class _Factor:
             if part is not None:
                 part.destroy()
         self.made, self.stale_pattern, self._matrix, self._pc = False, True, None, None
+        self._panels = False
+
+    def substitute_by_panels(self) -> None:
+        """Substitute by panels, now and with factors to come of this pattern: worth making for more than one frame."""
+        if not self._panels:
+            _kernels.solve_by_panels(self._pc.getFactorMatrix().handle)
+            self._panels = True
 
     def make(self, stiffness: PETSc.Mat, mass: PETSc.Mat, shift: float) -> int:
         """Factor; the number of negative pivots."""
@@ -168,6 +182,8 @@ class _Factor:
         if singular or not self._answers():
             self.forget()
             raise ReplayProblem("the pencil of stiffness and mass has no factor at this shift")
+        if self._panels:
+            _kernels.solve_by_panels(factor.handle)
         self.nonzeros, self.made = factor.getInfo()["nz_used"], True
         return below
 
@@ -236,14 +252,14 @@ class Deflation:
         weighted = np.empty_like(rigid)
         pencil.apply(pencil.mass, rigid, weighted)
         if self.count:
-            factor = np.linalg.cholesky(weighted @ rigid.T)
-            rigid, weighted = np.linalg.solve(factor, rigid), np.linalg.solve(factor, weighted)
-        self.rigid, self.weighted = np.ascontiguousarray(rigid), np.ascontiguousarray(weighted)
+            turn = np.linalg.inv(np.linalg.cholesky(row_products(weighted, rigid)))
+            rigid, weighted = combined(turn, rigid), combined(turn, weighted)
+        self.rigid, self.weighted = rigid, weighted
 
     def clean(self, rows: Reals, mass_products: Reals | None = None) -> None:
         """Make rows (k, n) orthogonal to the rigid motions in the mass, in place; their products M phi go with them."""
         if self.count:
-            parts = rows @ self.weighted.T
-            rows -= parts @ self.rigid
+            parts = -row_products(rows, self.weighted)
+            add_combined(parts, self.rigid, rows)
             if mass_products is not None:
-                mass_products -= parts @ self.weighted
+                add_combined(parts, self.weighted, mass_products)

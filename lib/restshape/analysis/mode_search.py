@@ -64,8 +64,10 @@ class ModeSearch:
             again = total is not None
             found, report = self.solver.solve(stiffness, mass, rigid, count, new_system and not again, verify, again)
             total = report if total is None else total.followed_by(report)
-            mass_products = np.empty_like(found.modes)
-            self.solver.pencil.apply(mass, found.modes, mass_products)
+            mass_products = found.mass_products
+            if mass_products is None:
+                mass_products = np.empty_like(found.modes)
+                self.solver.pencil.apply(mass, found.modes, mass_products)
             participation = self.body.normal_participation(found.modes, mass_products)
             chosen = self.choose(participation, np.arange(len(participation)) < count)
             if len(chosen) == self.modes:

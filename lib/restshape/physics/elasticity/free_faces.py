@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.errors import ReplayProblem
 from restshape.fem.dirichlet import Dirichlet
 from restshape.mesh.extrude import Extrusion
@@ -9,9 +10,6 @@ from restshape.mesh.reconnect import edges_between
 
 SMOOTH = np.cos(np.radians(40.0))
 """Cosine of the angle between two sides of the outline up to which they are one curved wall."""
-TENSOR = [[0, 2, 5], [2, 1, 4], [5, 4, 3]]
-"""Entries of a stress (xx, yy, xy, zz, yz, xz) as a matrix."""
-ROWS, COLUMNS = [0, 1, 0, 2, 1, 0], [0, 1, 1, 2, 2, 2]
 
 
 def remove_tractions(nodal: np.ndarray, space: Extrusion, boundary: Dirichlet) -> None:
@@ -29,24 +27,8 @@ def remove_tractions(nodal: np.ndarray, space: Extrusion, boundary: Dirichlet) -
     walls, caps = _wall_normals(space), _cap_normals(space)
     normals[:2, :, :, :2] = walls[:, :, None, :]
     normals[2, :, [0, -1]] = caps
-    normals = normals.reshape(3, -1, 3)
-    free = (normals != 0.0).any(axis=(0, 2)) & ~boundary.mask.astype(bool).any(axis=1)
-    nodes = np.flatnonzero(free)
-    P = _projectors(normals[:, nodes])
-    kept = P @ nodal[:, nodes][..., TENSOR] @ P
-    nodal[:, nodes] = kept[..., ROWS, COLUMNS]
-
-
-def _projectors(normals: np.ndarray) -> np.ndarray:
-    """Projectors (m, 3, 3) onto what is orthogonal to normals (3, m, 3), of which some are 0."""
-    P = np.tile(np.eye(3), (normals.shape[1], 1, 1))
-    for normal in normals:
-        rest = np.einsum("mij,mj->mi", P, normal)
-        size = np.linalg.norm(rest, axis=1)
-        rest[size < 1e-6] = 0.0
-        rest /= np.where(size < 1e-6, 1.0, size)[:, None]
-        P -= rest[:, :, None] * rest[:, None, :]
-    return P
+    constrained = np.ascontiguousarray(boundary.mask, dtype=np.uint8)
+    _kernels.remove_tractions(normals.reshape(3, -1, 3), constrained, nodal)
 
 
 def _wall_normals(space: Extrusion) -> np.ndarray:

@@ -102,8 +102,9 @@ class SolidModeEstimate(RecoveryModeEstimate):
         space, total = self.body.space, np.zeros(len(modes))
         stress = np.stack([self._stress(mode, self._points) for mode in modes])
         region = space.cell_region
-        for kind in np.unique(region):
-            own = slice(None) if len(self._compliance) == 1 else np.flatnonzero(region == kind)
+        whole = len(self._compliance) == 1
+        for kind in [0] if whole else np.unique(region):
+            own = slice(None) if whole else np.flatnonzero(region == kind)
             cells, samples = (np.ascontiguousarray(part) for part in (space.cells[own], stress[:, own]))
             nodal = np.empty((len(modes), len(space.X), 6))
             _kernels.recover_space(space.X, cells, samples, nodal)

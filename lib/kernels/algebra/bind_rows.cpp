@@ -1,0 +1,185 @@
+// Products of few long rows, such as the vectors of a search space: with each other, and with a matrix that is read
+// once for eight of them.
+#include <petscmat.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "algebra/matrix_rows.hpp"
+
+namespace py = pybind11;
+using restshape::check;
+using restshape::MatrixRows;
+using Reals = py::array_t<double, py::array::c_style>;
+
+namespace {
+
+constexpr int lanes = 8, fields = 3;
+constexpr py::ssize_t strip = 512;  // columns that stay in the first cache
+using Lanes = Eigen::Array<double, lanes, 1>;
+using Beside = std::vector<Lanes, Eigen::aligned_allocator<Lanes>>;
+
+Lanes load(const double* from) { return Eigen::Map<const Lanes>(from); }
+void store(double* to, const Lanes& what) { Eigen::Map<Lanes>{to} = what; }
+
+// A function of a number of rows that the compiler knows.
+template <int most, class Visit>
+void with_count(py::ssize_t count, Visit visit) {
+    if constexpr (most > 1) {
+        if (count < most) return with_count<most - 1>(count, visit);
+    }
+    visit(std::integral_constant<int, most>{});
+}
+
+// Products of A rows with B rows over columns from:to, added to `out`, whose rows are `stride` apart.
+template <int A, int B>
+void add_gram(const double* a, const double* b, py::ssize_t n, py::ssize_t from, py::ssize_t to, double* out,
+              py::ssize_t stride) {
+    Lanes sum[A][B];
+    for (auto& row : sum)
+        for (Lanes& one : row) one.setZero();
+    py::ssize_t i = from;
+    for (; i + lanes <= to; i += lanes) {
+        Lanes right[B];
+        for (int l = 0; l < B; ++l) right[l] = load(b + l * n + i);
+        for (int k = 0; k < A; ++k) {
+            const Lanes left = load(a + k * n + i);
+            for (int l = 0; l < B; ++l) sum[k][l] += left * right[l];
+        }
+    }
+    for (int k = 0; k < A; ++k)
+        for (int l = 0; l < B; ++l) {
+            double rest = sum[k][l].sum();
+            for (py::ssize_t j = i; j < to; ++j) rest += a[k * n + j] * b[l * n + j];
+            out[k * stride + l] += rest;
+        }
+}
+
+void row_products(const Reals& a, const Reals& b, Reals out) {
+    if (a.ndim() != 2 || b.ndim() != 2 || out.ndim() != 2 || a.shape(1) != b.shape(1) || out.shape(0) != a.shape(0) ||
+        out.shape(1) != b.shape(0))
+        throw std::invalid_argument("a must be (k, n), b (m, n), out (k, m)");
+    const py::ssize_t n = a.shape(1), k = a.shape(0), m = b.shape(0);
+    double* to = out.mutable_data();
+    std::fill(to, to + k * m, 0.0);
+    for (py::ssize_t from = 0; from < n; from += strip)
+        for (py::ssize_t p = 0; p < k; p += 4)
+            for (py::ssize_t q = 0; q < m; q += 4)
+                with_count<4>(std::min<py::ssize_t>(4, k - p), [&](auto A) {
+                    with_count<4>(std::min<py::ssize_t>(4, m - q), [&](auto B) {
+                        add_gram<A(), B()>(a.data() + p * n, b.data() + q * n, n, from, std::min(from + strip, n),
+                                           to + p * m + q, m);
+                    });
+                });
+}
+
+// M rows of the sum of `count` rows with weights, over columns from:to, added to `out` or in its place.
+template <int M>
+void combine(const double* weights, py::ssize_t count, const double* rows, py::ssize_t n, py::ssize_t from,
+             py::ssize_t to, double* out, bool add) {
+    py::ssize_t i = from;
+    for (; i + lanes <= to; i += lanes) {
+        Lanes sum[M];
+        for (int k = 0; k < M; ++k) sum[k] = add ? load(out + k * n + i) : Lanes::Zero();
+        for (py::ssize_t j = 0; j < count; ++j) {
+            const Lanes one = load(rows + j * n + i);
+            for (int k = 0; k < M; ++k) sum[k] += weights[k * count + j] * one;
+        }
+        for (int k = 0; k < M; ++k) store(out + k * n + i, sum[k]);
+    }
+    for (; i < to; ++i)
+        for (int k = 0; k < M; ++k) {
+            double sum = add ? out[k * n + i] : 0.0;
+            for (py::ssize_t j = 0; j < count; ++j) sum += weights[k * count + j] * rows[j * n + i];
+            out[k * n + i] = sum;
+        }
+}
+
+void combine_rows(const Reals& weights, const Reals& rows, Reals out, bool add) {
+    if (weights.ndim() != 2 || rows.ndim() != 2 || out.ndim() != 2 || weights.shape(1) != rows.shape(0) ||
+        out.shape(0) != weights.shape(0) || out.shape(1) != rows.shape(1))
+        throw std::invalid_argument("weights must be (m, k), rows (k, n), out (m, n)");
+    const py::ssize_t m = weights.shape(0), count = weights.shape(1), n = rows.shape(1);
+    if (out.data() == rows.data() && out.size() && rows.size()) throw std::invalid_argument("out must not be rows");
+    for (py::ssize_t from = 0; from < n; from += strip)
+        for (py::ssize_t p = 0; p < m; p += lanes)
+            with_count<lanes>(std::min<py::ssize_t>(lanes, m - p), [&](auto M) {
+                combine<M()>(weights.data() + p * count, count, rows.data(), n, from, std::min(from + strip, n),
+                             out.mutable_data() + p * n, add);
+            });
+}
+
+// Products of S rows of a matrix that have the same columns.
+template <int S>
+void multiply(const MatrixRows& a, PetscInt row, const Beside& x, Lanes* out) {
+    const PetscInt count = a.start[row + 1] - a.start[row], *column = a.column + a.start[row];
+    const double* value = a.value + a.start[row];
+    Lanes sum[S];
+    for (Lanes& one : sum) one.setZero();
+    for (PetscInt k = 0; k < count; ++k) {
+        const Lanes& one = x[column[k]];
+        for (int s = 0; s < S; ++s) sum[s] += value[s * count + k] * one;
+    }
+    for (int s = 0; s < S; ++s) out[s] = sum[s];
+}
+
+// Unknowns of a node have the same columns.
+bool alike(const MatrixRows& a, PetscInt row) {
+    const PetscInt count = a.start[row + 1] - a.start[row], *column = a.column + a.start[row];
+    for (int s = 1; s < fields; ++s)
+        if (a.start[row + s + 1] - a.start[row + s] != count || !std::equal(column, column + count, column + s * count))
+            return false;
+    return true;
+}
+
+bool matrix_products(intptr_t handle, const Reals& rows, Reals out) {
+    Mat mat = reinterpret_cast<Mat>(handle);
+    PetscBool plain = PETSC_FALSE;
+    check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(mat), MATSEQAIJ, &plain), "PetscObjectTypeCompare");
+    if (!plain) return false;
+    const MatrixRows a(mat);
+    if (!a.done) return false;
+    if (rows.ndim() != 2 || out.ndim() != 2 || rows.shape(1) != a.n || out.shape(0) != rows.shape(0) ||
+        out.shape(1) != a.n)
+        throw std::invalid_argument("rows and out must be (k, n)");
+    // Side by side: a product with all of them is one with a register.
+    Beside beside(a.n);
+    const py::ssize_t count = rows.shape(0), n = a.n;
+    for (py::ssize_t first = 0; first < count; first += lanes) {
+        const int width = static_cast<int>(std::min<py::ssize_t>(lanes, count - first));
+        const double* from = rows.data() + first * n;
+        double* to = out.mutable_data() + first * n;
+        for (py::ssize_t i = 0; i < n; ++i)
+            for (int k = 0; k < lanes; ++k) beside[i][k] = k < width ? from[k * n + i] : 0.0;
+        Lanes product[fields];
+        for (PetscInt i = 0; i < a.n;) {
+            const bool node = i + fields <= a.n && alike(a, i);
+            node ? multiply<fields>(a, i, beside, product) : multiply<1>(a, i, beside, product);
+            const int size = node ? fields : 1;
+            for (int k = 0; k < width; ++k)
+                for (int s = 0; s < size; ++s) to[k * n + i + s] = product[s][k];
+            i += size;
+        }
+    }
+    check(PetscLogFlops(2.0 * static_cast<double>(a.start[a.n]) * static_cast<double>(count)), "PetscLogFlops");
+    return true;
+}
+
+}  // namespace
+
+void bind_rows(py::module_& m) {
+    m.def("row_products", &row_products, py::arg("a").noconvert(), py::arg("b").noconvert(), py::arg("out").noconvert(),
+          "Writes the scalar products (k, m) of rows a (k, n) with rows b (m, n).");
+    m.def("combine_rows", &combine_rows, py::arg("weights").noconvert(), py::arg("rows").noconvert(),
+          py::arg("out").noconvert(), py::arg("add"),
+          "Writes, or adds, weights (m, k) times rows (k, n) to out (m, n).");
+    m.def("matrix_products", &matrix_products, py::arg("handle"), py::arg("rows").noconvert(),
+          py::arg("out").noconvert(),
+          "Writes the products with PETSc's matrix of this handle of each of rows (k, n) into out (k, n); its entries "
+          "are read once for eight rows. Returns whether it does: of matrices other than of one rank and by rows it "
+          "writes nothing.");
+}
