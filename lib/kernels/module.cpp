@@ -21,6 +21,7 @@ void bind_order(py::module_&);
 void bind_outline(py::module_&);
 void bind_panels(py::module_&);
 void bind_rows(py::module_&);
+void bind_rates(py::module_&);
 void bind_space(py::module_&);
 void bind_fields(py::module_&);
 void bind_force_space(py::module_&);
@@ -48,6 +49,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_outline(m);
     bind_panels(m);
     bind_rows(m);
+    bind_rates(m);
     bind_space(m);
     bind_fields(m);
     bind_force_space(m);

@@ -31,6 +31,7 @@ __all__: list[str] = [
     "energy_products",
     "estimate_points",
     "extrude_nodes",
+    "flop_rate",
     "follow_sides",
     "grade_sizes",
     "has_cgal",
@@ -46,6 +47,7 @@ __all__: list[str] = [
     "narrow_widths",
     "node_blocks",
     "node_order",
+    "panel_value_bytes",
     "place_weights",
     "positive_mean_value",
     "pull_back",
@@ -67,6 +69,7 @@ __all__: list[str] = [
     "stop_watching",
     "thickness_stretch",
     "total_area",
+    "triad_seconds",
     "triangle_stress",
     "update_friction_anchors",
     "von_mises",
@@ -406,6 +409,9 @@ def extrude_nodes(
     datum: typing.SupportsFloat | typing.SupportsIndex,
     X: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
+def flop_rate(
+    steps: typing.SupportsInt | typing.SupportsIndex = 20000, runs: typing.SupportsInt | typing.SupportsIndex = 20
+) -> float: ...
 def follow_sides(
     corners: numpy.typing.NDArray[numpy.float64],
     corner_number: numpy.typing.NDArray[numpy.int32],
@@ -485,6 +491,7 @@ def node_order(
     X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     owner: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
 ) -> numpy.typing.NDArray[numpy.int32]: ...
+def panel_value_bytes(handle: typing.SupportsInt | typing.SupportsIndex) -> int: ...
 def place_weights(
     X: numpy.typing.NDArray[numpy.float64], places: numpy.typing.NDArray[numpy.int32], of: str
 ) -> numpy.typing.NDArray[numpy.float64]: ...
@@ -587,6 +594,13 @@ def thickness_stretch(
     points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]: ...
 def total_area(X: numpy.typing.NDArray[numpy.float64], cells: numpy.typing.NDArray[numpy.int32]) -> float: ...
+def triad_seconds(
+    a: numpy.typing.NDArray[numpy.float64],
+    b: numpy.typing.NDArray[numpy.float64],
+    c: numpy.typing.NDArray[numpy.float64],
+    passes: typing.SupportsInt | typing.SupportsIndex,
+    runs: typing.SupportsInt | typing.SupportsIndex,
+) -> float: ...
 def triangle_stress(
     X: numpy.typing.NDArray[numpy.float64],
     x: numpy.typing.NDArray[numpy.float64],

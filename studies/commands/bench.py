@@ -14,6 +14,7 @@ from restshape_studies.commands import (
     bench_effectivity,
     bench_eigen,
     bench_jumps,
+    bench_limit,
     bench_order,
     bench_reuse,
     bench_size,
@@ -35,7 +36,17 @@ MANY = ("several", "unscripted")
 """Kinds of studies whose JSON holds a value for each scene."""
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
 PICTURES = Path("results")
-MODULES = (bench_reuse, bench_size, bench_order, bench_eigen, bench_drape, bench_design, bench_effectivity, bench_jumps)
+MODULES = (
+    bench_reuse,
+    bench_limit,
+    bench_size,
+    bench_order,
+    bench_eigen,
+    bench_drape,
+    bench_design,
+    bench_effectivity,
+    bench_jumps,
+)
 KINDS: dict[str, Kind] = {kind.name: kind for module in MODULES for kind in module.KINDS}
 
 

@@ -240,6 +240,15 @@ bool solve_by_panels(intptr_t handle, bool single) {
     return true;
 }
 
+int panel_value_bytes(intptr_t handle) {
+    Mat mat = reinterpret_cast<Mat>(handle);
+    if (Mat inner = restshape::factor_in_blocks(mat)) mat = inner;
+    void (*own)(void) = nullptr;
+    check(MatGetOperation(mat, MATOP_SOLVE, &own), "MatGetOperation");
+    const Panels* panels = own == reinterpret_cast<void (*)(void)>(solve) ? panels_of(mat) : nullptr;
+    return panels ? static_cast<int>(panels->single ? sizeof(float) : sizeof(double)) : 0;
+}
+
 }  // namespace
 
 void bind_panels(py::module_& m) {
@@ -247,4 +256,7 @@ void bind_panels(py::module_& m) {
           "Lets MatSolve of a Cholesky factor of PETSc's with this handle go by panels of rows with nearly the same "
           "columns, with its values as they are, until PETSc makes it again. Returns whether it does: a factor of "
           "another kind, one whose own substitutions do not agree, or one of more than 2^24 entries stays as it is.");
+    m.def("panel_value_bytes", &panel_value_bytes, py::arg("handle"),
+          "Bytes of a number in the panels that MatSolve of the factor with this handle goes by; 0 where it goes by "
+          "none.");
 }
