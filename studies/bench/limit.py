@@ -17,6 +17,7 @@ from restshape.errors import UserError
 from restshape.measurement import measure_bandwidth
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
+from restshape.replay.tally import beside
 
 REAL, INDEX, PLACE = 8, 4, 2
 """Bytes of a number, of an index, and of the place of a pair of nodes in a row of the matrix."""
@@ -216,10 +217,10 @@ def measure(request: Request, frames: int) -> dict[str, Any]:
     rows, refreshed = [], 0
     for row in replay.frames():
         if row["level"] == 1 and not row["refused"]:
-            beside = _beside(analysis)
+            own = {"ms_answer": row["ms"] - beside(row), **_beside(analysis)}
             refreshed += bool(row["pc_rebuilt"])
             if not row["pc_rebuilt"]:
-                rows.append({**row, **beside})
+                rows.append({**row, **own})
         if len(rows) == frames:
             break
     if not rows:
@@ -234,7 +235,7 @@ def record(
 
     Args:
         sizes: of the frames.
-        rows: with the milliseconds of all stages.
+        rows: with the milliseconds of all stages, and until the answer (`ms_answer`).
         bandwidth_at: bytes a second at a working set [bytes].
         flop_rate: operations a second.
     """
@@ -257,15 +258,15 @@ def record(
             "fraction": fraction,
             "bound": bound,
         }
-    answer = median(row["ms"] for row in rows)
-    whole = median(row["ms"] + sum(row[f"ms_{name}"] for name in BESIDE) for row in rows)
+    answer = median(row["ms_answer"] for row in rows)
+    whole = median(row["ms_answer"] + sum(row[f"ms_{name}"] for name in BESIDE) for row in rows)
     return {
         "sizes": {**vars(sizes), "unknowns": sizes.nodes * sizes.fields},
         "frames": len(rows),
         "iterations": iterations,
         "flop_rate": flop_rate,
         "stages": stages,
-        "rest_ms": median(row["ms"] - sum(row[f"ms_{name}"] for name in ANSWER) for row in rows),
+        "rest_ms": median(row["ms_answer"] - sum(row[f"ms_{name}"] for name in ANSWER) for row in rows),
         "answer": _share(stages, ANSWER, answer),
         "whole": _share(stages, (*ANSWER, *BESIDE), whole),
     }

@@ -139,7 +139,7 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
         return [Case(kind.scenes, installed_scene(kind.scenes), None)]
     scripted = kind.scenes != "unscripted"
     meshed = [path for app in applications().values() if app.editing.has_mesh for path in app.scenes()]
-    args.scenes = named_scenes(args.scenes or [Path(name) for name in kind.default], meshed)
+    args.scenes = named_scenes(args.scenes, meshed) or [installed_scene(name) for name in kind.default]
     refuse_shared_script(args.scenes, args.edits if scripted else None)
     if scripted and args.edits and not args.scenes:
         raise UserError("a script belongs to one scene", "--edits", "name its scene")
