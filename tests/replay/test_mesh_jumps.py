@@ -10,6 +10,9 @@ from cloths import PIN, write_cloth
 from matplotlib.collections import LineCollection
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
+from restshape.analysis.made_analysis import made_analysis
+from restshape.analysis.steady import SteadyAnalysis
+from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.mesh.moved_meshes import OtherMesh
@@ -268,3 +271,42 @@ def test_two_ranks_find_the_same_errors_and_jumps(tmp_path, on_ranks):
     one, two = found
     assert two["quantity_errors"]["energy"] == pytest.approx(one["quantity_errors"]["energy"], rel=0.02)
     assert two["jumps"]["energy"]["largest"] == pytest.approx(one["jumps"]["energy"]["largest"], rel=1e-4)
+
+
+SINGLE = MOVING.replace("steps = 4", "steps = 1").replace(
+    'edit = { energy = "edit" }\nremesh = { energy = "remesh" }\n', ""
+)
+STEPS = {
+    "statics": plate(0.2),
+    "motion": SINGLE,
+    "damped motion": SINGLE + "[effects.damping]\nalpha = 3\nbeta = 1e-4\n",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("text", STEPS.values(), ids=STEPS)
+def test_flips_are_seen_with_what_is_kept_as_by_a_solve_with_nothing_kept(tmp_path, monkeypatch, text, order):
+    """Conjugate gradients with the frame's preconditioner, from the frame's answer, beside a pattern and a factor."""
+    settings = [*ASKED, f"mesh.order={order}", "solve.tolerance=1e-10", "mesh.min_quality=0.45"]
+    scene, script = write_scene(tmp_path, text), write_script(tmp_path, SHAKEN)
+    found, made = [], []
+    monkeypatch.setattr(
+        "restshape.replay.mesh_jumps.made_analysis", lambda *args: made.append(1) or made_analysis(*args)
+    )
+    for beside in (True, False):
+        if not beside:
+            for kind in (SteadyAnalysis, TransientAnalysis):
+                monkeypatch.setattr(kind, "observed_beside", lambda *_: None)
+        rows = rows_of(make_replay(scene, script, overrides=settings))
+        flipped = [row for row in rows[1:] if row["level"] == 2]
+        found.append([{key: row[key] for key in row if key.endswith("_jump")} for row in flipped])
+        made.append(0)
+    ours, theirs = found
+    assert len(ours) > 1 and sum(made[: made.index(0)]) <= sum(made) - sum(made[: made.index(0)]) - len(ours)
+    for key in ours[0]:
+        jumps = np.array([row[key] for row in theirs])
+        size = max(abs(row[f"q_{key.removesuffix('_jump')}"]) for row in rows)
+        np.testing.assert_allclose(
+            [row[key] for row in ours], jumps, rtol=0, atol=2e-3 * abs(jumps).max() + 1e-8 * size
+        )

@@ -171,6 +171,19 @@ class Analysis(Protocol[P_co]):
             UserError: likewise.
         """
 
+    def observed_beside(self, frame: Frame, before: State[Problem] | None) -> dict[str, float] | None:
+        """The same of a mesh with the nodes of this one, from the answer and with the preconditioner that are known.
+
+        None where a solve with nothing kept is wanted. Nothing of this analysis changes.
+
+        Args:
+            frame: with the other mesh.
+            before: the state before it solved the frame.
+
+        Raises:
+            UserError: the scene has no meaning on that mesh.
+        """
+
     def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has."""
 
@@ -205,3 +218,7 @@ class Timeless:
         """The quantities of a frame on another mesh of its shape; see `Analysis.observed_on`."""
         self.solve(frame)
         return self.observe()
+
+    def observed_beside(self, frame: Frame, before: State[Problem] | None) -> dict[str, float] | None:
+        """None: see `Analysis.observed_beside`."""
+        return None

@@ -37,7 +37,12 @@ def correction(problem: SteadyProblem, x: np.ndarray, solver: LinearSolver, rows
 
 
 def conjugate_steps(
-    product: Operation, precondition: Operation, residual: np.ndarray, known: float = 0.0, delay: int = DELAY
+    product: Operation,
+    precondition: Operation,
+    residual: np.ndarray,
+    known: float = 0.0,
+    delay: int = DELAY,
+    enough: float = ENOUGH,
 ) -> np.ndarray:
     """About the solution (n,) of product(d) = rest: steps of conjugate gradients from 0.
 
@@ -51,6 +56,7 @@ def conjugate_steps(
         residual: (n,) right side.
         known: squared energy of what the solution is added to, of which what is left is a share too.
         delay: successive steps whose gains together must be small.
+        enough: share of the squared energy that is small.
 
     Source: docs/theory/error-estimates.md; Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409; Strakos and
     Tichy, Electron. Trans. Numer. Anal. 13 (2002) 56.
@@ -67,7 +73,7 @@ def conjugate_steps(
         found += length * step
         residual = residual - length * force
         gains.append(length * weight)
-        if sum(gains[-delay:]) <= ENOUGH * (known + sum(gains)):
+        if sum(gains[-delay:]) <= enough * (known + sum(gains)):
             break
         z = precondition(residual)
         weight, last = float(residual @ z), weight

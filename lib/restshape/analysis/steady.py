@@ -12,9 +12,10 @@ from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_ve
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
-from restshape.analysis.analysis import Comparison, Context, RowValues, Timeless
+from restshape.analysis.analysis import Comparison, Context, RowValues, State, Timeless
+from restshape.analysis.beside import solution_beside
 from restshape.analysis.comparison import compared
-from restshape.analysis.correction import correction
+from restshape.analysis.correction import correction, preconditioner
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
@@ -27,7 +28,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.observer import Observer
-from restshape.fem.problem import INTERNAL, Fields, SteadyProblem
+from restshape.fem.problem import INTERNAL, Fields, Problem, SteadyProblem
 from restshape.fem.residuals import dead_loads, energy, internal_norm, residual_norm
 from restshape.fem.space import Space
 from restshape.first_use import made
@@ -276,6 +277,17 @@ class SteadyAnalysis(Timeless, Generic[P]):
             return {"estimate": estimate.relative(state.x)}
         missing = correction(state.problem, state.x, self.solver, state.system.rows)
         return {"estimate": estimate.distance(state.x, state.x + missing)}
+
+    def observed_beside(self, frame: Frame, before: State[Problem] | None) -> dict[str, float] | None:
+        """The quantities on another mesh with the same nodes; see `Analysis.observed_beside`."""
+        state = self.state
+        if not (state.problem.linear and self.solver.symmetric and self.solver.kept.ready):
+            return None
+        problem = self.make(frame.scene, state.plan, frame.mesh)
+        if problem.boundary.mask.shape != state.x.shape:
+            return None
+        x = solution_beside(problem, state.x, preconditioner(self.solver, state.system.rows))
+        return problem.observer(self._observed_quantities(frame.scene.quantities))(x) if np.isfinite(x).all() else None
 
     @property
     def error_estimate(self) -> RecoveryEstimate | None:

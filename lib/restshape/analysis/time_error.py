@@ -9,6 +9,9 @@ from restshape.fem.residuals import Operation, stiffness_product
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.time_integration import Scheme, TimeState
 
+ENOUGH = 1e-2
+"""Share of the squared energy that the last step with an old complete factor adds: a tenth of the error at most."""
+
 
 @dataclass(frozen=True)
 class StepMatrix:
@@ -30,8 +33,10 @@ class StepMatrix:
         """About the solution (n,) with a right side (n,)."""
         if self.exact:
             return self.precondition(rest)
-        # With a factor that is nearly the matrix's own gains fall fast: after two small ones hardly any is large.
-        return conjugate_steps(self.product, self.precondition, rest, delay=2 if self.complete else DELAY)
+        if self.complete:
+            # With a factor that is nearly the matrix's own gains fall fast: after a small one hardly any is large.
+            return conjugate_steps(self.product, self.precondition, rest, delay=1, enough=ENOUGH)
+        return conjugate_steps(self.product, self.precondition, rest, delay=DELAY)
 
 
 def local_error(

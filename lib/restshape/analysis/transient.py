@@ -7,11 +7,13 @@ from typing import Unpack, cast
 
 import numpy as np
 import scipy.sparse as sp
+from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_matrix, gather_vector, matrix_difference
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
+from restshape.analysis.beside import step_beside
 from restshape.analysis.correction import gathered, preconditioner
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
@@ -27,6 +29,7 @@ from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.problem import MASS, STIFFNESS, Fields, Problem, TransientProblem
+from restshape.fem.residuals import Operation
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
 from restshape.fem.time_integration import IntegrationChanges, TimeIntegration, TimeState
@@ -72,6 +75,7 @@ class TransientAnalysis:
         self._largest = 0.0
         self._observed: tuple[TransientState | None, dict[str, float]] = (None, {})
         self.modes = ModesBeside(modal_settings(plan).modes) if plan.on("modal") else None
+        self._operations: tuple[PETSc.Mat | None, Operation, Operation] = (None, np.copy, np.copy)
         self._estimate: tuple[SemiDiscrete | None, RecoveryEstimate | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
@@ -135,21 +139,47 @@ class TransientAnalysis:
         On the mesh before a change the frame's steps are taken once more, from the state before them; a state of the
         shape before is brought to the new mesh.
         """
-        self.solve(frame)
         # Both states are those of an analysis of this kind.
         start = cast(TransientState, before)
         if start is None or start.bound is None:
             return {}
+        self._follow(frame)
         if earlier:
             return self._observed_before(start)
         if start.now.y.shape[0] != len(frame.mesh.X):
             return {}
         now, integration = start.now, cast(TransientState, solved).integration
         self.begin(now.y + self.problem.boundary.values, now.v, now.time)
-        # As after a frame that failed all is read again, the edit's work is accounted for, and the matrix is made.
-        self.state = replace(self.state, in_time=integration, account=start.account, interrupted=True)
-        self.solve(replace(frame, changed_cells=np.empty(0, dtype=np.int32)))
+        # As in the replay the edit's work is accounted for.
+        account = replace(start.account, known=self.state.account.known)
+        self.state = replace(self.state, in_time=integration, account=account)
+        if account.known:
+            self._account(edited=True)
+        self.state = self.state.started(None)
+        self._run(True, True, integration.steps)
         return self.observe()
+
+    def observed_beside(self, frame: Frame, before: State[Problem] | None) -> dict[str, float] | None:
+        """The quantities of a single step on another mesh with the same nodes; see `Analysis.observed_beside`."""
+        start, solved = cast(TransientState, before), self.state
+        integration, scheme = solved.integration, solved.integration.scheme
+        wanted = integration.steps == 1 and not scheme.a5 and self.problem.linear and self.modes is None
+        if not (wanted and start and start.bound and self.solver.kept.ready) or solved.account.known:
+            return None
+        body = SemiDiscrete(self.make(frame.scene, solved.plan, frame.mesh), integration.damping)
+        if not body.constrained.shape == start.now.y.shape == solved.now.y.shape:
+            return None
+        rest = ~body.constrained
+        first = start.now._replace(y=start.now.y * rest, v=start.now.v * rest)
+        base = self._base_acceleration(solved.now.time) + scheme.a3 * self._base_acceleration(first.time)
+        kept = preconditioner(self.solver, solved.system.rows)
+        y = step_beside(body, scheme, first, solved.now.y, base, kept)
+        if not np.isfinite(y).all():
+            return None
+        now = scheme.after(first, y)
+        state = solved.beside(body, now)
+        observer = body.problem.motion_observer(frame.scene.quantities, body.mass)
+        return observer(body.unknowns(y), state.motion)
 
     def _observed_before(self, before: TransientState) -> dict[str, float]:
         """The quantities of a state brought to this mesh, of its shape; peaks over time steps have none."""
@@ -284,8 +314,10 @@ class TransientAnalysis:
     def _last_matrix(self) -> StepMatrix:
         """The matrix of the last step."""
         system, solver = self.state.system, self.solver
-        kept, product = preconditioner(solver, system.rows), gathered(system.mat.mult, system.rows, self.context.comm)
-        return StepMatrix(product, kept, solver.factored, solver.kept.complete)
+        if self._operations[0] is not system.mat:
+            product = gathered(system.mat.mult, system.rows, self.context.comm)
+            self._operations = (system.mat, product, preconditioner(solver, system.rows))
+        return StepMatrix(*self._operations[1:], solver.factored, solver.kept.complete)
 
     # --- a new frame --------------------------------------------------------------------------------------------------
 

@@ -99,6 +99,10 @@ class TransientState:
             *whole, now, self.now, *known, False, self.age, self.start, self.last_end, self.interrupted
         )
 
+    def beside(self, body: SemiDiscrete, now: TimeState) -> Self:
+        """The motion of another body with the same settings after a step to `now`, for looking at."""
+        return replace(self, bound=replace(made(self.bound), body=body), now=now, unsolved=False)
+
     @property
     def integration(self) -> TimeIntegration:
         """How it is integrated in time."""

@@ -10,6 +10,9 @@ from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.quadrature import DEGREE_4
 from restshape.mesh.transfer import Transfer
 
+CONVERGED = 1e-9
+"""Residual of the projections over their right sides: the momentum is what it was to rounding, whatever is left."""
+
 
 def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
     """Velocities (n_new, 2) [m/s] on a new mesh: the projection of v with the mass matrix, with v's momentum.
@@ -27,8 +30,8 @@ def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndar
     """
     mesh = new.space
     load = _quadratic_load(old, new, v) if mesh.cells.shape[1] == 6 else _linear_load(old, new, v)
-    projected = new.solve(load, consistent=True)
-    uniform = new.solve(new.apply(np.ones_like(mesh.X)), consistent=True)
+    projected = new.solve(load, consistent=True, tolerance=CONVERGED)
+    uniform = new.solve(new.apply(np.ones_like(mesh.X)), consistent=True, tolerance=CONVERGED)
     missing, reach = old.momentum(v) - new.momentum(projected), new.momentum(uniform)
     return projected + uniform * np.divide(missing, reach, out=np.zeros(2), where=reach > 0)
 

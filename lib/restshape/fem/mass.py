@@ -42,7 +42,7 @@ class MassMatrix:
         """Linear momentum (f,) of the velocities v (n, f)."""
         return self.apply(v).sum(axis=0)
 
-    def solve(self, rhs: np.ndarray, consistent: bool = False) -> np.ndarray:
+    def solve(self, rhs: np.ndarray, consistent: bool = False, tolerance: float = CONVERGED) -> np.ndarray:
         """The w (n, f), 0 where prescribed, for which M w = rhs elsewhere.
 
         Conjugate gradients with the lumped mass as preconditioner (its condition number is 4 at most: Wathen 1987).
@@ -50,6 +50,7 @@ class MassMatrix:
         Args:
             rhs: (n, f).
             consistent: with the consistent mass even where the problem has the lumped one.
+            tolerance: residual, relative to rhs.
 
         Raises:
             ReplayProblem: no convergence.
@@ -61,7 +62,7 @@ class MassMatrix:
             return inverse * rhs
         whole = Assembled(self.problem.integrals(CONSISTENT))
         r = rhs * free
-        goal = CONVERGED * np.linalg.norm(r)
+        goal = tolerance * np.linalg.norm(r)
         w, z = np.zeros_like(r), inverse * r
         p, rz = z.copy(), np.vdot(r, z)
         for _ in range(200):

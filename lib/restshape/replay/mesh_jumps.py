@@ -47,7 +47,7 @@ def quiet_solvers() -> Iterator[None]:
 
 
 class MeshJumps:
-    """Solves once more in each frame of level 2 or 3, with nothing kept: on the other mesh of the same shape.
+    """Solves once more in frames of level 2 or 3, on the other mesh of the same shape, as if nothing were kept.
 
     That is the old mesh on the new shape; where its triangles do not bear that, the new mesh on the shape before, whose
     quantities are known. What goes on in time takes the steps of the frame once more, on the old mesh, from the state
@@ -73,12 +73,12 @@ class MeshJumps:
         self._before: State[Problem] | None = None
         self._others: tuple[OtherMesh, ...] = ()
         self._topology: tuple[int, ...] = ()
-        self._incomparable = False
+        self._incomparable = self._rebuilt = False
 
     def note(self, moving: Follower, mesh_update: MeshUpdate) -> None:
         """Keep what a frame's mesh is to be compared with, before the next frame changes it."""
         self._others = moving.other_meshes(mesh_update.old_mesh) if self.wanted and mesh_update.level > 1 else ()
-        self._before = self.analysis.state if self._others else None
+        self._before, self._rebuilt = self.analysis.state if self._others else None, mesh_update.old_mesh is not None
         known, self._topology = self._topology, _topology(moving) if self.wanted else ()
         self._incomparable = mesh_update.level > 2 and bool(known) and known != self._topology
 
@@ -113,12 +113,20 @@ class MeshJumps:
         cells = np.arange(len(other.mesh.cells), dtype=np.int32)
         frame = Frame(other.mesh, cells, None, scene, (None, (0.0, 0.0)))
         try:
+            # After flips the nodes are the same: the preconditioner serves, and the answer is near the other one.
+            beside = None if other.before or self._rebuilt else self.analysis.observed_beside(frame, self._before)
+            if beside is not None:
+                return self._differences(known, beside, -1.0)
             analysis = made_analysis(scene, self.application, context)
             with quiet_solvers():
                 found = analysis.observed_on(frame, self._before, self.analysis.state, other.before)
         except (ReplayProblem, UserError):
             return {}
-        sign = 1.0 if other.before else -1.0
+        return self._differences(known, found, 1.0 if other.before else -1.0)
+
+    @staticmethod
+    def _differences(known: dict[str, float], found: dict[str, float], sign: float) -> dict[str, float]:
+        """What quantities that were found have more than known ones, times a sign, as far as that is a number."""
         # A load factor is infinite where nothing buckles.
         jumps = {name: sign * (found[name] - value) for name, value in known.items() if name in found}
         return {name: jump for name, jump in jumps.items() if np.isfinite(jump)}
