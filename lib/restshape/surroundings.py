@@ -83,7 +83,7 @@ def cpu_model() -> str:
     except OSError:
         lines = []
     named = (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    return next(named, platform.processor() or "unknown")
+    return next(named, None) or platform.processor() or "unknown"
 
 
 def petsc_options() -> dict[str, str]:

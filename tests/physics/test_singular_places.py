@@ -423,3 +423,13 @@ def test_no_wedge_is_looked_at_where_no_stress_is_asked_for(tmp_path, monkeypatc
     exponents, points = exponents_and_points(scene, outline)
     assert (exponents, points) == (seen.singular, seen.singular_points)
     assert exponents == {"poked": 0.0} and [outline.vertex_names[k] for k in points] == ["c"]
+
+
+def test_mirrored_corners_of_clamped_and_free_sides_are_solved_for_once():
+    """However the axes of a side that is constrained all around lie."""
+    turned = ((0.6, 0.8), (-0.8, 0.6))
+    found = exponent(1.3, FREE, CLAMPED, 2.1)
+    before = least_root.cache_info().misses
+    assert exponent(1.3, turned, FREE, 2.1) == found and least_root.cache_info().misses == before
+    mirrored = least_root(1.3, CLAMPED, FREE, 2.1)
+    assert mirrored == pytest.approx(found, abs=1e-9)

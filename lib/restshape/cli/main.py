@@ -15,6 +15,7 @@ from typing import TextIO
 
 from restshape import __version__
 from restshape.application import brought_commands
+from restshape.cli import lone_process
 from restshape.cli.limits import LIMIT_REACHED
 from restshape.cli.parser import Parser
 from restshape.cli.ranks import first_rank
@@ -38,6 +39,8 @@ COMMANDS = (
 )
 GROUP = "restshape.commands"
 """Entry points of further commands: modules with SUMMARY, `arguments` and `run`, listed by their PLACE in the help."""
+SET_UP_LATER = ("replay",)
+"""Commands that say themselves when all is set up that stays: after the first frame."""
 LAST_WORD = 2.0
 """Seconds that the first rank has for its message."""
 EXIT_CODES = (
@@ -100,8 +103,18 @@ def command_parser(name: str, summary: str, module: ModuleType) -> argparse.Argu
 
 
 def main(argv: list[str] | None = None) -> int:
-    """The exit code of one command line."""
+    """The exit code of one command line; by default that of the process, which may end with it."""
     words = list(sys.argv[1:] if argv is None else argv)
+    if argv is None:
+        lone_process.begin()
+        code = _ended(words)
+        lone_process.end(code, words)
+        return code
+    return _ended(words)
+
+
+def _ended(words: list[str]) -> int:
+    """The exit code of the words of a command line, with a message of what has ended it early."""
     open_streams()
     try:
         with ending_signals(), quiet_pipes():
@@ -141,6 +154,8 @@ def _run(words: list[str]) -> int:
             from restshape.cli.verbosity import set_verbosity
 
             set_verbosity(verbose)
+        if asked not in SET_UP_LATER:
+            lone_process.set_up()
         return args.run(args)
     except UserError as error:
         if first_rank():

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application, application
 from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
+from restshape.cli.lone_process import set_up
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
 from restshape.cli.parser import add_edits
@@ -162,6 +163,7 @@ def _run(
     with progress(not first_rank(), frames) as count, agreeing(PETSc.COMM_WORLD.tompi4py()) as end_if_asked:
 
         def on_frame() -> None:
+            set_up()
             end_if_asked()
             begin_frame()
             count(1)
@@ -198,7 +200,9 @@ def _print_and_write(args: argparse.Namespace, request: Request, summary: dict[s
     }
     # What is printed may find nobody who reads it.
     found = {key: value for key, value in summary.items() if key not in NOT_IN_JSON}
-    write_json(args, {"origin": request.origin(), **found})
+    if args.json:
+        # Where it comes from takes longer to find out than a dozen frames.
+        write_json(args, {"origin": request.origin(), **found})
     for note in notes(request.scene.raw):
         print(f"note: {note}")
     print_summary(summary, request.application)

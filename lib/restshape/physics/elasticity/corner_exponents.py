@@ -58,6 +58,9 @@ def exponent(angle: float, first: Condition, last: Condition, kappa: float) -> c
     """
     if not (first or last):
         return _free(angle)
+    if len(first) != 1 and len(last) != 1:
+        # Of sides that are free or constrained all around: the mirror image has the same exponents.
+        first, last = sorted((CLAMPED[: len(first)], CLAMPED[: len(last)]))
     return least_root(angle, first, last, kappa)
 
 
@@ -84,6 +87,7 @@ def _free(angle: float) -> complex | None:
     return complex(root) if root < MOST else None
 
 
+@lru_cache(maxsize=256)
 def least_root(angle: float, first: Condition, last: Condition, kappa: float) -> complex | None:
     """The root of the least real part of the determinant of the conditions at both sides; as `exponent`."""
     return _least_root((Sector(angle, kappa, 1.0),), (first, last))
