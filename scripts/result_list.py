@@ -46,8 +46,10 @@ class Result:
 
     @property
     def data(self) -> list[Path]:
-        """The scenes and scripts that it reads."""
-        named = re.findall(r"(?:apps|docs)/\S+\.(?:toml|jsonl)", " ".join(self.commands))
+        """The scenes and scripts that it reads, and the results that it is drawn from."""
+        words = " ".join(self.commands)
+        named = re.findall(r"(?:apps|docs)/\S+\.(?:toml|jsonl)", words)
+        named += re.findall(r"--(?:redraw|before) (results/\S+\.json)", words)
         found = [path for pattern in self.scenes for path in (ROOT / "apps").glob(pattern) if path.suffix in INPUTS]
         return sorted({*(ROOT / name for name in named), *found})
 

@@ -9,7 +9,8 @@ python scripts/results.py --list             list all, with their files and comm
 python scripts/results.py --accept NAME --because "only messages changed"
                                              renew the stamps alone of results that a change is known not to change
 
-A file whose content comes out as it was stays as it was, but for its stamp.
+A file whose content comes out as it was stays as it was, but for its stamp. Commands whose results hold times are
+pinned to the last core that there is (--core K: to another one), but for replays: what records has a core of its own.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import resource
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -62,21 +64,44 @@ def words_of(command: str) -> list[str]:
     return [sys.executable, *(["-m", first] if not first.endswith(".py") else [first]), *rest]
 
 
-def make(result: Result, recorded: set[str]) -> str:
+def pinned(command: str, core: int | None) -> list[str]:
+    """The words that start a command, on one core where one is given and it records nothing."""
+    words = words_of(command)
+    if core is None or command.startswith("restshape replay"):
+        return words
+    pin = f"import os, sys; os.sched_setaffinity(0, {{{core}}}); os.execv(sys.argv[1], sys.argv[1:])"
+    return [sys.executable, "-c", pin, *words]
+
+
+def surroundings(core: int | None) -> str:
+    """Where times are taken, and beside what, for stamps."""
+    load = f"at load {os.getloadavg()[0]:.1f}"
+    return load if core is None else f"on core {core} of {os.cpu_count()} {load}"
+
+
+def last_core() -> int | None:
+    """The last of the cores that this process may use; None where the system pins no process."""
+    return max(os.sched_getaffinity(0)) if hasattr(os, "sched_setaffinity") else None
+
+
+def make(result: Result, recorded: set[str], core: int | None = None) -> str:
     """Run the commands of a result and stamp its files; returns what went wrong, or nothing.
 
     Args:
         result: what to make.
         recorded: replays whose recordings are there already; those of this result are added.
+        core: that a result with times is made on; None: any.
     """
     before = {path: path.read_bytes() for path in RESULTS.rglob("*.*") if path.suffix in OUTPUTS}
     contents = {path: content_hash(path) for path in result.paths}
+    core = core if result.timed else None
+    timed = surroundings(core) if result.timed else ""
     for command in result.commands:
         if command in recorded:
             continue
         paths = os.pathsep.join([str(ROOT / "tests"), os.environ.get("PYTHONPATH", "")])
         done = subprocess.run(
-            words_of(command), cwd=ROOT, env=os.environ | {"PYTHONPATH": paths}, capture_output=True, text=True
+            pinned(command, core), cwd=ROOT, env=os.environ | {"PYTHONPATH": paths}, capture_output=True, text=True
         )
         if done.returncode:
             put_back(before)
@@ -92,7 +117,7 @@ def make(result: Result, recorded: set[str]) -> str:
         content = content_hash(path)
         if same_data and contents.get(path) == content:
             path.write_bytes(before[path])
-        write_stamp(path, Stamp(now, code, content))
+        write_stamp(path, Stamp(now, code, content, timed=timed))
     return ""
 
 
@@ -111,12 +136,12 @@ def accept(result: Result, reason: str) -> None:
         write_stamp(path, replace(known, code=code, accepted=reason))
 
 
-def make_all(results: list[Result]) -> int:
-    """Make results one after the other; 1 where a command failed."""
+def make_all(results: Iterable[Result], core: int | None) -> int:
+    """Make results one after the other, those with times on a core; 1 where a command failed."""
     failed, recorded = 0, set[str]()
     for result in results:
         start = _processor_time()
-        problem = make(result, recorded)
+        problem = make(result, recorded, core)
         failed += bool(problem)
         print(f"{'FAILED' if problem else 'made'} {result.name}: {_processor_time() - start:.0f} s of CPU", flush=True)
         if problem:
@@ -138,6 +163,7 @@ def main(words: list[str] | None = None) -> int:
     action.add_argument("--accept", metavar="NAME")
     parser.add_argument("--because", metavar="REASON")
     parser.add_argument("--untimed", action="store_true")
+    parser.add_argument("--core", type=int, default=last_core(), metavar="K")
     parser.add_argument("--only", action="append", default=[], metavar="WORD")
     args = parser.parse_args(words)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -153,11 +179,12 @@ def main(words: list[str] | None = None) -> int:
             print(f"{one.name}{' (timed)' if one.timed else ''}: {', '.join(one.files)}")
             print("".join(f"    {command}\n" for command in one.commands), end="")
         return 0
-    stale = {one.name: found for one in wanted if (found := faults(one))}
     if args.check:
+        stale = {one.name: found for one in wanted if (found := faults(one))}
         print("".join(f"{name}: {'; '.join(found)}\n" for name, found in stale.items()), end="")
         return int(bool(stale))
-    return make_all([one for one in wanted if args.all or one.name in stale])
+    # Each is looked at when its turn comes: some are drawn from others.
+    return make_all((one for one in wanted if args.all or faults(one)), args.core)
 
 
 if __name__ == "__main__":

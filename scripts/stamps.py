@@ -48,22 +48,25 @@ class Stamp:
         code: hash of all that it depends on.
         content: hash of the file without its stamp.
         accepted: why a change of the code is known not to change it; empty where it was made by this code.
+        timed: where and beside what its times were taken, such as "on core 1 of 2 at load 0.3"; empty without times.
     """
 
     commit: str
     code: str
     content: str
     accepted: str = ""
+    timed: str = ""
 
     def __str__(self) -> str:
-        ending = f", accepted: {self.accepted}" if self.accepted else ""
+        ending = f", timed {self.timed}" * bool(self.timed) + f", accepted: {self.accepted}" * bool(self.accepted)
         return f"commit {self.commit}, code {self.code}, content {self.content}{ending}"
 
     @classmethod
     def of(cls, text: str) -> Stamp | None:
         """The stamp that a line has; None where it has none."""
-        found = re.fullmatch(r"commit (\S+), code (\w+), content (\w+)(?:, accepted: (.+))?", text.strip())
-        return cls(found[1], found[2], found[3], found[4] or "") if found else None
+        form = r"commit (\S+), code (\w+), content (\w+)(?:, timed ([^,]+))?(?:, accepted: (.+))?"
+        found = re.fullmatch(form, text.strip())
+        return cls(found[1], found[2], found[3], found[5] or "", found[4] or "") if found else None
 
 
 def digest(parts: Iterable[str | bytes]) -> str:
@@ -137,6 +140,8 @@ def plain(path: Path) -> str:
     """What a file of data or kernels says, without comments and layout where its format separates them."""
     text = path.read_text(encoding="utf-8", errors="replace")
     match path.suffix:
+        case ".json" if read_stamp(path):
+            return split(path)[0].decode()
         case ".toml":
             return json.dumps(tomllib.loads(text), sort_keys=True, default=str)
         case ".cpp" | ".hpp":

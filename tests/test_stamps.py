@@ -95,10 +95,12 @@ def files(folder):
 
 def test_stamps_are_read_as_they_were_written_and_change_nothing_else(tmp_path):
     accepted = Stamp("0123456789ab+", "5c1f0a9e64f2b7d8", "9b2e4c01d3a7f655", "one, two (three), " * 20 + "four")
+    timed = Stamp("0123456789ab", "5c1f0a9e64f2b7d8", "9b2e4c01d3a7f655", "a, b", "on core 1 of 2 at load 0.3")
+    assert Stamp.of(str(timed)) == timed
     for path in files(tmp_path):
         content = content_hash(path)
         assert read_stamp(path) is None
-        for stamp in (STAMP, accepted, STAMP):
+        for stamp in (STAMP, accepted, timed, STAMP):
             write_stamp(path, stamp)
             assert read_stamp(path) == stamp and content_hash(path) == content
     with Image.open(tmp_path / "a.png") as image:
@@ -200,3 +202,38 @@ def test_a_picture_that_comes_out_the_same_keeps_its_bytes(tmp_path, monkeypatch
     script.write_text("raise SystemExit('no')\n")
     before = (tmp_path / "same.md").read_bytes()
     assert "ends with 1" in results.make(made, set()) and (tmp_path / "same.md").read_bytes() == before
+
+
+def test_the_stamp_of_a_result_does_not_count_where_another_one_is_drawn_from_it(tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text('{"a": 1}')
+    write_stamp(path, STAMP)
+    before = plain(path)
+    write_stamp(path, Stamp("f" * 12, "5c1f0a9e64f2b7d8", "9b2e4c01d3a7f655"))
+    assert plain(path) == before
+    path.write_text(path.read_text().replace('"a": 1', '"a": 2'))
+    assert plain(path) != before
+
+
+@pytest.mark.cli
+@pytest.mark.skipif(results.last_core() is None, reason="this system does not pin processes")
+def test_results_with_times_are_made_on_one_core_and_their_stamps_say_so(tmp_path, monkeypatch):
+    from result_list import Result
+
+    for module in (results, sys.modules["result_list"]):
+        monkeypatch.setattr(module, "RESULTS", tmp_path)
+    script = tmp_path / "draw.py"
+    script.write_text(
+        "import os, sys\nfrom pathlib import Path\n"
+        "Path(__file__).with_name('a.md').write_text(str(sorted(os.sched_getaffinity(0))) + '\\n')\n"
+    )
+    core, path = results.last_core(), tmp_path / "a.md"
+    path.write_text("old\n")
+    timed = Result(("a.md",), (str(script),), ("restshape.errors",), timed=True)
+    assert results.make(timed, set(), core) == "" and path.read_text().startswith(f"[{core}]\n")
+    assert read_stamp(path).timed.startswith(f"on core {core} of ")
+    free = Result(("a.md",), (str(script),), ("restshape.errors",))
+    assert results.make(free, set(), core) == "" and read_stamp(path).timed == ""
+    # A recorder has a core of its own.
+    replay = "restshape replay a.toml --out results/a.vtkhdf"
+    assert results.pinned(replay, core) == results.words_of(replay)
