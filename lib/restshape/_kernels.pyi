@@ -47,6 +47,7 @@ __all__: list[str] = [
     "narrow_widths",
     "node_blocks",
     "node_order",
+    "node_ssor",
     "panel_value_bytes",
     "place_weights",
     "positive_mean_value",
@@ -57,6 +58,7 @@ __all__: list[str] = [
     "recovery_points",
     "refine_delaunay",
     "register_node_cholesky",
+    "register_node_relaxation",
     "relax_and_check",
     "remove_tractions",
     "reset_calls",
@@ -71,7 +73,6 @@ __all__: list[str] = [
     "total_area",
     "triad_seconds",
     "triangle_stress",
-    "update_friction_anchors",
     "von_mises",
     "watch",
     "watch_outlet",
@@ -118,13 +119,18 @@ class Body:
         curved: bool = True,
     ) -> float: ...
     def distance(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple: ...
-    def pressing(
+    def update_friction(
         self,
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         area: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         stiffness: typing.SupportsFloat | typing.SupportsIndex,
         thickness: typing.SupportsFloat | typing.SupportsIndex,
-    ) -> tuple: ...
+        coefficient: typing.SupportsFloat | typing.SupportsIndex,
+        slip: typing.SupportsFloat | typing.SupportsIndex,
+        anchor: numpy.typing.NDArray[numpy.float64],
+        normal: numpy.typing.NDArray[numpy.float64],
+        limit: numpy.typing.NDArray[numpy.float64],
+    ) -> float: ...
 
 class Element:
     def __init__(self, name: str) -> None: ...
@@ -542,6 +548,7 @@ def refine_delaunay(
     patience: typing.SupportsInt | typing.SupportsIndex,
 ) -> tuple: ...
 def register_node_cholesky() -> None: ...
+def register_node_relaxation() -> None: ...
 def relax_and_check(
     X_reference: numpy.typing.NDArray[numpy.float64],
     Psi: numpy.typing.NDArray[numpy.float64],
@@ -608,13 +615,6 @@ def triangle_stress(
     params: numpy.typing.NDArray[numpy.float64],
     plane_stress: bool,
 ) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]: ...
-def update_friction_anchors(
-    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    anchor: numpy.typing.NDArray[numpy.float64],
-    normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    limit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-    slip: typing.SupportsFloat | typing.SupportsIndex,
-) -> float: ...
 def von_mises(stress: numpy.typing.NDArray[numpy.float64]) -> numpy.typing.NDArray[numpy.float64]: ...
 def watch(
     seconds: typing.SupportsFloat | typing.SupportsIndex,
@@ -629,3 +629,4 @@ def watch_outlet(
 
 has_cgal: bool = True
 node_blocks: str = "node_blocks"
+node_ssor: str = "node_ssor"

@@ -34,7 +34,9 @@ class Chain:
         out[:-1, 0] -= pull
         out[self.constrained] = 0.0
 
-    def step_matrix(self, x, inertia, blocks):
+    def step_matrix(self, x, inertia, blocks, out=None):
+        if out is not None:
+            self.residual(x, out)
         k = 100.0 + 3.0 * self.hard * self.stretches(x) ** 2
         K = np.diag(np.r_[k, 0] + np.r_[0, k]) - np.diag(k, 1) - np.diag(k, -1)
         K += inertia * np.eye(N)

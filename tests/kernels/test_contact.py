@@ -267,16 +267,34 @@ class TestFriction:
         assert (np.linalg.norm(gradient, axis=1) <= self.limit * (1 + 1e-12)).all()
 
     def test_anchors_stay_until_the_slip_is_whole(self):
-        t = np.array([0.8, 0.0, -0.6])
-        x = np.outer([0.5, 1.0, 3.0], t) * self.slip
-        anchors, normals = np.zeros((3, 3)), np.tile(NORMAL, (3, 1))
-        limits = np.full(3, self.limit)
-        moved = k.update_friction_anchors(x, anchors, normals, limits, self.slip)
-        np.testing.assert_allclose(moved, 2 * self.slip, rtol=1e-12)
-        np.testing.assert_allclose(anchors, np.outer([0, 0, 2.0], t) * self.slip, atol=1e-16)
-        assert k.update_friction_anchors(x, anchors, normals, limits, self.slip) < 1e-16
-        k.update_friction_anchors(x, anchors, normals, np.zeros(3), self.slip)
+        """On a plane deep enough for the limit, from anchors at the origin."""
+        body, t = k.Body.plane(np.zeros(3), NORMAL), np.array([0.8, 0.0, -0.6])
+        depth = 2.0 * THICKNESS * NORMAL
+        x = np.outer([0.5, 1.0, 3.0], t) * self.slip - depth
+        coefficient = self.limit / (STIFFNESS * (3.0 * THICKNESS - 0.5 * THICKNESS))
+        anchors, normals, limits = np.zeros((3, 3)), np.zeros((3, 3)), np.full(3, self.limit)
+
+        def update(friction: float) -> float:
+            penalty = np.ones(3), STIFFNESS, THICKNESS
+            return body.update_friction(x, *penalty, friction, self.slip, anchors, normals, limits)
+
+        np.testing.assert_allclose(update(coefficient), 2 * self.slip, rtol=1e-12)
+        np.testing.assert_allclose(anchors, np.outer([0, 0, 2.0], t) * self.slip - depth, atol=1e-16)
+        np.testing.assert_allclose(limits, self.limit, rtol=1e-12)
+        np.testing.assert_allclose(normals, np.tile(NORMAL, (3, 1)), atol=1e-15)
+        assert update(coefficient) < 1e-16
+        update(0.0)
+        assert not limits.any()
         np.testing.assert_array_equal(anchors, x)
+
+    def test_what_touches_for_the_first_time_sticks_where_it_is(self):
+        body, x = k.Body.plane(np.zeros(3), NORMAL), np.outer([-1.0, 2.0], NORMAL) * THICKNESS + [0.3, 0.1, 0.2]
+        x -= np.outer((x @ NORMAL) - np.array([-1.0, 2.0]) * THICKNESS, NORMAL)
+        anchors, normals, limits = np.ones((2, 3)), np.zeros((2, 3)), np.zeros(2)
+        penalty = np.ones(2), STIFFNESS, THICKNESS
+        assert body.update_friction(x, *penalty, 0.5, self.slip, anchors, normals, limits) == 0.0
+        np.testing.assert_allclose(anchors, x, atol=1e-15)
+        assert limits[0] > 0.0 and limits[1] == 0.0
 
 
 def block_on_incline(friction: float, slope: float) -> tuple[bool, float]:

@@ -116,7 +116,8 @@ def test_backends_agree_and_repeat_bit_for_bit():
         assert np.array_equal(entries(op), results[backend])
     scale = np.abs(results["csr"]).max()
     np.testing.assert_allclose(results["coo"], results["csr"], rtol=0, atol=1e-15 * scale)
-    assert np.array_equal(results["bcsr"], results["csr"])
+    # Of a symmetric tangent blocks take the other half, which is the same up to rounding.
+    assert np.array_equal(results["bcsr"], results["csr"].T)
 
 
 def test_relaxation_in_blocks_takes_in_new_values():

@@ -48,8 +48,8 @@ def test_a_saddle_is_left_at_any_size(upright, s):
     x, same, scaled_report = rest(upright, s)
     assert scaled_report.converged and scaled_report.stable
     assert same == pytest.approx(energy, rel=1e-9)
-    # It may lean to either side.
-    assert min(np.abs(x - known).max(), np.abs(x * [1, 1, -1] - known).max()) < 1e-5
+    # It may lean to either side. Both end at some residual below 1e-4 of the weight.
+    assert min(np.abs(x - known).max(), np.abs(x * [1, 1, -1] - known).max()) < 5e-5
     if s != SCALES[0]:
         assert scaled_report.steps == report.steps
 

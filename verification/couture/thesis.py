@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_verification.couture.step_solvers import Compared, methods, table
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
@@ -19,7 +20,7 @@ from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquatio
 from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"
-FIGURE, TABLE, BALL = "figure 5.16", "5.1", "figure 5.21"
+FIGURE, TABLE, SOLVERS, BALL = "figure 5.16", "5.1", "5.1, solvers", "figure 5.21"
 HINGE, MORLEY = "effects.cloth.bending=hinge", "effects.cloth.bending=morley"
 TURNS = 3
 """Runs of which the median is taken."""
@@ -49,14 +50,17 @@ BENCHMARKS = (
 )
 DRESS = 'material.cotton.E="66.7 kPa"'
 """Stretches by 1 at 20 N/m, as the dress in the thesis's table 5.1; its weight and bending are the scene's."""
+STEP_TOLERANCES = (Steps().tolerance, 1e-6)
 SIZES = {"coarse": ("19.5 mm", "17.4 to 25.1"), "fine": ("7.83 mm", "2.4 to 3.1")}
 """Mesh sizes for about 1,650 and 10,000 nodes, and the thesis's steps a second there."""
+SOLVER_SIZES, COMPARED = {"coarse": "20.9 mm", "fine": "7.9 mm"}, 17
+"""Mesh sizes for about 1,500 and 9,800 nodes, and steps, some of which solvers are compared on."""
 
 
 def rows(timed: bool = True) -> list[dict[str, Any]]:
     """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`."""
     found = [row for benchmark in BENCHMARKS for row in benchmark_rows(benchmark, timed)]
-    return [*found, *((*step_rows(), *ball_rows()) if timed else ())]
+    return [*found, *((*step_rows(), *solver_rows(), *ball_rows()) if timed else ())]
 
 
 def benchmark_rows(benchmark: Benchmark, timed: bool) -> list[dict[str, Any]]:
@@ -88,42 +92,82 @@ def step_rows() -> list[dict[str, Any]]:
     """Implicit steps a second of a dress's cloth that falls over a ball, hinges, on a coarse and a fine mesh."""
     found = []
     for name, (size, speed) in SIZES.items():
+        cloth = Falling(size)
         for words, length in LENGTHS.items():
-            nodes, steps = stepped(size, length)
-            row = f"{name} mesh of {nodes:,} nodes, hinges"
-            quantity = f"implicit steps of {words} s, solved to {Steps().tolerance:g}"
-            found.append(_timing({"table": TABLE, "row": row}, quantity, speed, steps, "1/s"))
+            for tolerance in STEP_TOLERANCES:
+                quantity = f"implicit steps of {words} s, solved to {tolerance:g}"
+                common = {"table": TABLE, "row": f"{name} mesh of {cloth.nodes:,} nodes, hinges"}
+                found.append(_timing(common, quantity, speed, cloth.stepped(length, tolerance), "1/s"))
     return found
 
 
-def stepped(size: str, length: float, steps: int = STEPS) -> tuple[int, float]:
-    """Nodes of a mesh of the cloth on a ball, and implicit steps with kinetic damping a second on it.
+def solver_rows() -> list[dict[str, Any]]:
+    """Iterations and time of solvers on the same systems of steps, from no guess, set-up included."""
+    found = []
+    for name, size in SOLVER_SIZES.items():
+        cloth = Falling(size)
+        for row, tolerance, iterations, ms in cloth.compared(LENGTHS["1/200"]):
+            common = {"table": SOLVERS, "row": f"{name} mesh of {cloth.nodes:,} nodes, {row}"}
+            quantity = f"a step of 1/200 s, solved to {tolerance:g}"
+            found.append(_timing(common, f"{quantity}: iterations", "", iterations, "iterations"))
+            found.append(_timing(common, quantity, "", ms, "ms"))
+    return found
+
+
+class Falling:
+    """The dress's cloth as it falls on the ball.
 
     Args:
         size: of the mesh.
-        length: of the steps [s].
-        steps: that are timed.
+
+    Attributes:
+        nodes: of the mesh.
     """
-    # One step of the scene's way: what is wanted is the cloth, with all that its steps need.
-    first = (HINGE, DRESS, f'mesh.size="{size}"', "effects.drape.strategy=kinetic", "effects.drape.steps=1")
-    analysis: RelaxationAnalysis = first_frame(SCENES / "sphere.toml", first).analysis
-    sheet = analysis.problem
-    equations = ClothEquations(sheet, PETSc.COMM_SELF, Stages())
-    even = Steps(length, longest=length, most=WARM + steps)
-    shape, rows = analysis.x.shape, equations.rows
-    moving = KineticDamping(PETSc.COMM_SELF, "steps_", equations, equations.mass, shape, rows, even)
-    times: list[float] = []
 
-    def note(x: np.ndarray, norm: float) -> bool:
-        times.append(perf_counter())
-        return False
+    def __init__(self, size: str) -> None:
+        # One step of the scene's way: what is wanted is the cloth, with all that its steps need.
+        first = (HINGE, DRESS, f'mesh.size="{size}"', "effects.drape.strategy=kinetic", "effects.drape.steps=1")
+        analysis: RelaxationAnalysis = first_frame(SCENES / "sphere.toml", first).analysis
+        self.sheet, self.start = analysis.problem, analysis.x
+        self.friction = self.sheet.contact.history
+        self.nodes = len(self.sheet.mesh.X)
 
-    moving.on_step = note
-    moving.on_move = sheet.follow_friction
-    moving.run(analysis.x.copy(), 0.0)
-    moving.free()
-    taken = np.diff(times)[WARM:]
-    return len(sheet.mesh.X), len(taken) / float(taken.sum())
+    def stepped(self, length: float, tolerance: float, steps: int = STEPS) -> float:
+        """Implicit steps with kinetic damping a second.
+
+        Args:
+            length: of the steps [s].
+            tolerance: that their systems are solved to.
+            steps: that are timed.
+        """
+        times: list[float] = []
+        moving, _ = self._moving(length, tolerance, WARM + steps)
+        moving.on_step = lambda x, norm: times.append(perf_counter())
+        self._run(moving)
+        taken = np.diff(times)[WARM:]
+        return len(taken) / float(taken.sum())
+
+    def compared(self, length: float, steps: int = COMPARED) -> list[tuple[str, float, float, float]]:
+        """What `step_solvers.table` has of so many steps of a length [s]."""
+        moving, equations = self._moving(length, STEP_TOLERANCES[-1], WARM + steps)
+        hierarchy = self.sheet.mesh.hierarchy
+        found = methods(hierarchy.steps if hierarchy else ())
+        moving.on_step = Compared(moving, equations, found, WARM).note
+        self._run(moving)
+        return table(found)
+
+    def _moving(self, length: float, tolerance: float, most: int) -> tuple[KineticDamping, ClothEquations]:
+        self.sheet.contact.history = self.friction
+        equations = ClothEquations(self.sheet, PETSc.COMM_SELF, Stages())
+        even = Steps(length, longest=length, most=most, tolerance=tolerance)
+        shape = self.start.shape
+        moving = KineticDamping(PETSc.COMM_SELF, "steps_", equations, equations.mass, shape, equations.rows, even)
+        moving.on_move = self.sheet.follow_friction
+        return moving, equations
+
+    def _run(self, moving: KineticDamping) -> None:
+        moving.run(self.start.copy(), 0.0)
+        moving.free()
 
 
 def _stays(row: dict[str, Any]) -> tuple[str, str, str, str]:

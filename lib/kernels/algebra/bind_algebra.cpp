@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include "algebra/node_cholesky.hpp"
+#include "algebra/node_relaxation.hpp"
 #include "fem/operator.hpp"
 
 namespace py = pybind11;
@@ -12,4 +13,10 @@ void bind_algebra(py::module_& m) {
         "register_node_cholesky",
         [] { restshape::check(restshape::register_node_cholesky(), "MatSolverTypeRegister"); },
         "Make PETSc know the solver type NODE_BLOCKS: complete Cholesky factors in blocks of one node.");
+    m.attr("node_ssor") = restshape::NODE_SSOR;
+    m.def(
+        "register_node_relaxation", [] { restshape::check(restshape::register_node_relaxation(), "KSPRegister"); },
+        "Make PETSc know the KSP type NODE_SSOR: conjugate gradients with symmetric over-relaxation, in blocks of "
+        "three "
+        "unknowns a node, which read the matrix once an iteration.");
 }

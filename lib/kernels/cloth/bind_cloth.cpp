@@ -78,16 +78,26 @@ double add_contact(const Body& body, const Doubles& x, const Doubles& area, doub
     return energy;
 }
 
-py::tuple pressing(const Body& body, const Doubles& x, const Doubles& area, double stiffness, double thickness) {
+double update_friction(const Body& body, const Doubles& x, const Doubles& area, double stiffness, double thickness,
+                       double coefficient, double slip, Output anchor, Output normal, Output limit) {
     const py::ssize_t n = points(x);
     require_size(area, n, "area");
-    py::array_t<double> force(n), normal({n, py::ssize_t{3}});
+    require_shape(anchor, n, 3, "anchor");
+    require_shape(normal, n, 3, "normal");
+    require_shape(limit, n, 1, "limit");
+    double moved = 0.0;
     for (py::ssize_t i = 0; i < n; ++i) {
-        const restshape::Distance d = body.distance(x.data() + 3 * i);
-        force.mutable_data()[i] = -restshape::penalty(d.value, stiffness * area.data()[i], thickness).slope;
-        std::copy(d.gradient, d.gradient + 3, normal.mutable_data() + 3 * i);
+        const double* place = x.data() + 3 * i;
+        double *own_anchor = anchor.mutable_data() + 3 * i, *own_normal = normal.mutable_data() + 3 * i;
+        double& own_limit = limit.mutable_data()[i];
+        const restshape::Distance d = body.distance(place, false);
+        std::copy(d.gradient, d.gradient + 3, own_normal);
+        // What has touched nothing sticks where it is now.
+        if (own_limit == 0.0) std::copy(place, place + 3, own_anchor);
+        own_limit = -coefficient * restshape::penalty(d.value, stiffness * area.data()[i], thickness).slope;
+        moved = std::max(moved, restshape::update_friction_anchor(place, own_normal, own_limit, slip, own_anchor));
     }
-    return py::make_tuple(force, normal);
+    return moved;
 }
 
 double add_friction(const Doubles& x, const Doubles& anchor, const Doubles& normal, const Doubles& limit, double slip,
@@ -103,20 +113,6 @@ double add_friction(const Doubles& x, const Doubles& anchor, const Doubles& norm
         energy += restshape::add_friction(x.data() + 3 * i, anchor.data() + 3 * i, normal.data() + 3 * i,
                                           limit.data()[i], slip, potential.mutable_data() + width * i);
     return energy;
-}
-
-double update_friction_anchors(const Doubles& x, Output anchor, const Doubles& normal, const Doubles& limit,
-                               double slip) {
-    const py::ssize_t n = points(x);
-    require_shape(anchor, n, 3, "anchor");
-    require_size(normal, 3 * n, "normal");
-    require_size(limit, n, "limit");
-    double moved = 0.0;
-    for (py::ssize_t i = 0; i < n; ++i)
-        moved =
-            std::max(moved, restshape::update_friction_anchor(x.data() + 3 * i, normal.data() + 3 * i, limit.data()[i],
-                                                              slip, anchor.mutable_data() + 3 * i));
-    return moved;
 }
 
 }  // namespace
@@ -151,8 +147,11 @@ void bind_contact(py::module_& m) {
         .def("distance", &distance, "x"_a,
              "Signed distances (n,) [m] of points x (n, 3), negative inside, with gradients (n, 3) and Hessians (n, 3, "
              "3).")
-        .def("pressing", &pressing, "x"_a, "area"_a, "stiffness"_a, "thickness"_a,
-             "Normal forces (n,) [N] of the penalty of `add_contact`, and normals (n, 3).")
+        .def("update_friction", &update_friction, "x"_a, "area"_a, "stiffness"_a, "thickness"_a, "coefficient"_a,
+             "slip"_a, "anchor"_a.noconvert(), "normal"_a.noconvert(), "limit"_a.noconvert(),
+             "Takes the normals (n, 3) at x (n, 3), and as limits (n,) [N] the coefficient times the normal forces of "
+             "`add_contact`. Takes anchors (n, 3) into the surface at x and after it where they are more than a slip "
+             "away; those without a limit, before or now, go to x. Returns the farthest way that one was dragged [m].")
         .def("add_contact", &add_contact, "x"_a, "area"_a, "stiffness"_a, "thickness"_a, "potential"_a.noconvert(),
              "curved"_a = true,
              "Energy [J] of a penalty of stiffness [N/m^3] within a thickness [m] of the surface, on points x (n, 3) "
@@ -162,8 +161,4 @@ void bind_contact(py::module_& m) {
     m.def("add_friction", &add_friction, "x"_a, "anchor"_a, "normal"_a, "limit"_a, "slip"_a, "potential"_a.noconvert(),
           "Energy [J] of friction that pulls x (n, 3) to anchors along the surface with the forces limit (n,) [N] at "
           "most, which it reaches where they are a slip [m] away. Adds gradient and Hessian to potential (n, 12).");
-    m.def("update_friction_anchors", &update_friction_anchors, "x"_a, "anchor"_a.noconvert(), "normal"_a, "limit"_a,
-          "slip"_a,
-          "Takes anchors (n, 3) into the surface at x and after it where they are more than a slip away; those without "
-          "a limit go to x. Returns the farthest way that one was dragged [m].");
 }

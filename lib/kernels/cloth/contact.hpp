@@ -82,20 +82,21 @@ class Body {
         return b;
     }
 
-    Distance distance(const double* x) const {
+    // Without `curved` the second derivatives are zero.
+    Distance distance(const double* x, bool curved = true) const {
         double y[3];
         for (int a = 0; a < 3; ++a) y[a] = x[a] - centre_[a];
         switch (kind_) {
             case Kind::sphere:
-                return round(y, nullptr);
+                return round(y, nullptr, curved);
             case Kind::plane:
                 return flat(dot(y, axis_), axis_);
             case Kind::box:
-                return box(y);
+                return box(y, curved);
             case Kind::cylinder:
-                return cylinder(y);
+                return cylinder(y, curved);
             default:
-                return capsule(y);
+                return capsule(y, curved);
         }
     }
 
@@ -114,11 +115,12 @@ class Body {
     }
 
     // Distance from the surface of radius_ about a point, or about a line with this direction: y is normal to it.
-    Distance round(const double* y, const double* direction) const {
+    Distance round(const double* y, const double* direction, bool curved) const {
         const double length = norm(y);
         // On the point or line itself any direction leads out.
         if (!(length > 0)) return flat(-radius_, direction ? across(direction).n : up);
         Distance d{length - radius_, {y[0] / length, y[1] / length, y[2] / length}, {}};
+        if (!curved) return d;
         for (int a = 0; a < 3; ++a)
             for (int b = a; b < 3; ++b) {
                 const double along = direction ? direction[a] * direction[b] : 0.0;
@@ -140,14 +142,14 @@ class Body {
     }
     static bool less_in_size(double a, double b) { return std::abs(a) < std::abs(b); }
 
-    Distance capsule(const double* y) const {
+    Distance capsule(const double* y, bool curved) const {
         const double along = dot(y, axis_), at = std::clamp(along, 0.0, length_);
         const double from[3] = {y[0] - at * axis_[0], y[1] - at * axis_[1], y[2] - at * axis_[2]};
-        return round(from, at == along && length_ > 0 ? axis_ : nullptr);
+        return round(from, at == along && length_ > 0 ? axis_ : nullptr, curved);
     }
 
     // Outside the core of half sizes half_, the nearest place of it is a corner, or on an edge or a face.
-    Distance box(const double* y) const {
+    Distance box(const double* y, bool curved) const {
         double q[3], sign[3];
         int outside = 0, nearest = 0;
         for (int k = 0; k < 3; ++k) {
@@ -170,27 +172,28 @@ class Body {
             else
                 direction = rotation_[k];
         }
-        return round(from, direction);
+        return round(from, direction, curved);
     }
 
     // The nearest place of it is on the curved side, on an end, or on the rim between both.
-    Distance cylinder(const double* y) const {
+    Distance cylinder(const double* y, bool curved) const {
         const double along = dot(y, axis_), sign = along < 0 ? -1.0 : 1.0;
         const double from[3] = {y[0] - along * axis_[0], y[1] - along * axis_[1], y[2] - along * axis_[2]};
         const double across = norm(from), end = std::abs(along) - length_;
         // Beyond the core: across the axis and along it.
         const double q = across - radius_ + rounded_, p = end + rounded_;
-        if (q > 0 && p > 0) return rim(from, across, sign, q, p);
-        if (across - radius_ > end) return round(from, axis_);
+        if (q > 0 && p > 0) return rim(from, across, sign, q, p, curved);
+        if (across - radius_ > end) return round(from, axis_, curved);
         const double normal[3] = {sign * axis_[0], sign * axis_[1], sign * axis_[2]};
         return flat(end, normal);
     }
 
     // Distance from the circle around the core's end, less the rounding: y = from + along the axis, |from| = across.
-    Distance rim(const double* from, double across, double sign, double q, double p) const {
+    Distance rim(const double* from, double across, double sign, double q, double p, bool curved) const {
         const double length = std::hypot(q, p), c = q / length, s = p / length;
         Distance d{length - rounded_, {}, {}};
         for (int a = 0; a < 3; ++a) d.gradient[a] = c * from[a] / across + s * sign * axis_[a];
+        if (!curved) return d;
         for (int a = 0; a < 3; ++a)
             for (int b = a; b < 3; ++b) {
                 const double na = from[a] / across, nb = from[b] / across, ta = axis_[a], tb = axis_[b];
@@ -234,7 +237,7 @@ inline Ramp penalty(double distance, double stiffness, double thickness) {
 // positive semidefinite.
 inline double add_contact(const Body& body, const double* x, double area, double stiffness, double thickness,
                           bool curved, double* potential) {
-    const Distance d = body.distance(x);
+    const Distance d = body.distance(x, curved);
     const Ramp ramp = penalty(d.value, stiffness * area, thickness);
     if (ramp.curvature == 0.0) return 0.0;
     for (int a = 0; a < 3; ++a) {

@@ -116,10 +116,12 @@ struct MembraneElement : MembraneParts {
         return half_product(S, E) * area + load_energy(area, x, p);
     }
 
-    // By hand: duals of nine directions would take sixteen lanes.
+    // By hand: duals of nine directions would take sixteen lanes. With f_k the columns of F, the block of two nodes is
+    // the sum of m_kl f_k f_l^T and of what the tension resists: m depends on X and the moduli alone.
     static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         constexpr int stride = Dual<9>::lanes;
-        double G[3][2], F[3][2], E[3], S[3], P[3][2], B[9][3], CB[9][3];
+        using Four = Eigen::Array<double, 4, 1>;
+        double G[3][2], F[3][2], E[3], S[3], P[3][2];
         const double area = gradients(X, G);
         deformation(G, x, F);
         strain(F, E);
@@ -127,26 +129,23 @@ struct MembraneElement : MembraneParts {
         first_piola(F, S, P);
         forces(area, G, P, p, r);
         if (Stabilised) keep_tension(S);
-        for (int i = 0; i < 3; ++i)
-            for (int a = 0; a < 3; ++a) {
-                double* b = B[3 * i + a];
-                double* c = CB[3 * i + a];
-                b[0] = F[a][0] * G[i][0];
-                b[1] = F[a][1] * G[i][1];
-                b[2] = F[a][0] * G[i][1] + F[a][1] * G[i][0];
-                c[0] = area * (p[0] * b[0] + p[1] * b[1] + p[3] * b[2]);
-                c[1] = area * (p[1] * b[0] + p[2] * b[1] + p[4] * b[2]);
-                c[2] = area * (p[3] * b[0] + p[4] * b[1] + p[5] * b[2]);
-            }
-        for (int m = 0; m < 9; ++m)
-            for (int n = 0; n < 9; ++n)
-                K[m * stride + n] = B[m][0] * CB[n][0] + B[m][1] * CB[n][1] + B[m][2] * CB[n][2];
-        for (int i = 0; i < 3; ++i)
+        const Four unit[3] = {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}};
+        const Four f0(F[0][0], F[1][0], F[2][0], 0.0), f1(F[0][1], F[1][1], F[2][1], 0.0);
+        for (int i = 0; i < 3; ++i) {
+            const double g = area * G[i][0], h = area * G[i][1];
+            const double c[6] = {g * p[0] + h * p[3], g * p[3] + h * p[5], g * p[3] + h * p[1],
+                                 g * p[5] + h * p[4], g * p[1] + h * p[4], g * p[4] + h * p[2]};
+            const double t[2] = {g * S[0] + h * S[2], g * S[2] + h * S[1]};
             for (int j = 0; j < 3; ++j) {
-                const double pull =
-                    area * (G[i][0] * (S[0] * G[j][0] + S[2] * G[j][1]) + G[i][1] * (S[2] * G[j][0] + S[1] * G[j][1]));
-                for (int a = 0; a < 3; ++a) K[(3 * i + a) * stride + 3 * j + a] += pull;
+                const double u = G[j][0], v = G[j][1];
+                const double m00 = c[0] * u + c[1] * v, m01 = c[1] * u + c[4] * v, m10 = c[2] * u + c[3] * v,
+                             m11 = c[3] * u + c[5] * v, pull = t[0] * u + t[1] * v;
+                // The fourth number is overwritten by the next block, or lies in the padding.
+                for (int a = 0; a < 3; ++a)
+                    Eigen::Map<Four>(K + (3 * i + a) * stride + 3 * j) =
+                        (F[a][0] * m00 + F[a][1] * m10) * f0 + (F[a][0] * m01 + F[a][1] * m11) * f1 + pull * unit[a];
             }
+        }
     }
 
     // Second Piola-Kirchhoff tensions xx, yy, xy [N/m].

@@ -186,6 +186,10 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
             if (flagged[e]) constrain(*t.element, dofs, t.coef, r, K);
             if (terms.rhs) subtract(dofs, dof_nodes, fields, t.residual_coef, r, terms.rhs);
             if (!tangent) continue;
+            if (terms.list.size() == 1 && t.coef == 1.0) {
+                scatter(k, e, dofs, K);
+                continue;
+            }
             if (filled)
                 for (int q = 0; q < entries; ++q) sum[q] += t.coef * K[q];
             else

@@ -45,8 +45,11 @@ class MovingEquations(Protocol):
     def energy(self, x: Reals) -> float:
         """The energy whose gradient is r."""
 
-    def step_matrix(self, x: Reals, inertia: float, blocks: bool) -> PETSc.Mat:
-        """The stabilised tangent plus `inertia` [1/s^2] times the mass; with `blocks` it may be of type BAIJ."""
+    def step_matrix(self, x: Reals, inertia: float, blocks: bool, out: Reals | None = None) -> PETSc.Mat:
+        """The stabilised tangent plus `inertia` [1/s^2] times the mass; with `blocks` it may be of type BAIJ.
+
+        Sets `out` (n, f), where it is given, as `residual` does.
+        """
 
 
 @dataclass(frozen=True)
@@ -189,14 +192,14 @@ class KineticDamping:
         try:
             potential = self._potential(x)
             for k in range(steps.most + 1):
-                motion.residual(x, force)
+                matrix = motion.step_matrix(x, self._inertia, self.linear.blocks, force)
                 self.norm = float(np.linalg.norm(force))
                 snes.setIterationNumber(k)
                 log.debug("%3d TS dt %.3e Function norm %.12e", k, self.time_step, self.norm)
                 reason = self._reason(x, k)
                 if reason:
                     break
-                x, v, potential = self._time_step(x, v, force, potential)
+                x, v, potential = self._time_step(x, v, force, potential, matrix)
                 if self.on_move(x):
                     potential = self._potential(x)
                 seen = [*seen[1 - PEAK :], self._kinetic(v)]
@@ -220,17 +223,27 @@ class KineticDamping:
             return Reason.CONVERGED_ITS
         return Reason.DIVERGED_MAX_IT if k == self.steps.most else Reason.ITERATING
 
-    def _time_step(self, x: Reals, v: Reals, force: Reals, potential: float) -> tuple[Reals, Reals, float]:
-        """Positions, velocities and potential energy after one step that is accepted."""
+    @property
+    def _damped(self) -> float:
+        """What damping by stiffness makes of the factor of the tangent in a step."""
+        return 1.0 + self.steps.beta / self.time_step
+
+    @property
+    def _inertia(self) -> float:
+        """What the mass is multiplied with in a step's matrix [1/s^2]."""
+        return (1.0 / self.time_step**2 + self.steps.alpha / self.time_step) / self._damped
+
+    def _time_step(
+        self, x: Reals, v: Reals, force: Reals, potential: float, matrix: PETSc.Mat
+    ) -> tuple[Reals, Reals, float]:
+        """Positions, velocities and potential energy after one step that is accepted, from the first one's matrix."""
         steps, before = self.steps, potential + self._kinetic(v)
         while True:
             h = self.time_step
-            damped = 1.0 + steps.beta / h
-            inertia = (1.0 / h**2 + steps.alpha / h) / damped
-            right = (self.mass * v / h - force) / damped
+            right = (self.mass * v / h - force) / self._damped
             right.ravel()[self.motion.constrained] = 0.0
             # Each iterate, of CG and guesses, goes down in the step's own energy, so that a short enough step does too.
-            d = self.linear.solve(self.motion.step_matrix(x, inertia, self.linear.blocks), right)
+            d = self.linear.solve(matrix, right)
             if d is not None:
                 if not steps.adaptive:
                     return x + d, d / h, potential
@@ -247,6 +260,7 @@ class KineticDamping:
             log.debug("    TS step rejected, dt %.3e", self.time_step)
             if d is not None and self.time_step < SHORTEST * steps.time_step:
                 raise ReplayProblem("no time step is short enough: the energy is no number, or nothing moves")
+            matrix = self.motion.step_matrix(x, self._inertia, self.linear.blocks)
         self.time_step = min(LONGER * self.time_step, steps.longest)
         return x + d, d / h, after
 

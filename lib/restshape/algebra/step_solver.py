@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
 from restshape.arrays import Reals
@@ -24,7 +25,8 @@ class StepSolver:
 
     The guess is the best one, in the norm of A, among all sums of multiples of the last two solutions. The usual
     preconditioner is symmetric successive over-relaxation by nodes, on each rank of its own rows: it wants no factor,
-    and is positive definite where A is.
+    and is positive definite where A is. In blocks of three on one rank both sweeps and the product share one reading of
+    the matrix (`node_ssor`), unless PETSc's options name a method.
 
     Args:
         comm: PETSc communicator.
@@ -41,12 +43,16 @@ class StepSolver:
     def __init__(
         self, comm: PETSc.Comm, prefix: str, nodal: NodalVectors, tolerance: float, preconditioner: str
     ) -> None:
-        self.nodal, self.tolerance, self.incomplete = nodal, tolerance, preconditioner == "ilu"
+        self.nodal, self.incomplete = nodal, preconditioner == "ilu"
         self.right, self.way, self.diagonal = (nodal.vector() for _ in range(3))
         self.known = [(nodal.vector(), nodal.vector()) for _ in range(WAYS)]
         self.matrix, self.shifted = PETSc.Mat(), PETSc.Mat()
-        self.ksp = self._made(comm, prefix, preconditioner)
+        self.ksp = self._made(comm, prefix, tolerance, preconditioner)
+        self.tolerance = self.ksp.getTolerances()[0]
         self.blocks = self.ksp.getPC().getType() == "sor"
+        options = PETSc.Options(prefix)
+        self._fused = self.blocks and not any(options.hasName(key) for key in ("ksp_type", "pc_type"))
+        _kernels.register_node_relaxation()
         self.begin()
 
     def begin(self) -> None:
@@ -64,12 +70,18 @@ class StepSolver:
         self.nodal.put(right, self.right)
         if self.matrix.handle != matrix.handle:
             self._take(matrix)
-        self._guess(matrix)
+        goal, weights = self.tolerance * self.right.norm(), self._guess(matrix)
+        for weight, (_, product) in zip(weights, self.known):
+            self.right.axpy(-weight, product)
         self.ksp.setOperators(matrix, self._shifted(matrix) if self.incomplete else matrix)
+        # What the guess leaves is solved for: its residual is known from the products.
+        self.ksp.setTolerances(rtol=0.0, atol=goal)
         self.ksp.solve(self.right, self.way)
         self.iterations += self.ksp.getIterationNumber()
         if self.ksp.getConvergedReason() < 0:
             return None
+        for weight, (way, _) in zip(weights, self.known):
+            self.way.axpy(weight, way)
         self.known.insert(0, self.known.pop())
         self.way.copy(self.known[0][0])
         self.filled = min(self.filled + 1, WAYS)
@@ -80,25 +92,28 @@ class StepSolver:
         self.ksp.reset()
         # Held, so that no other matrix takes its place in memory.
         self.matrix = matrix
+        if self._fused:
+            nodes = matrix.getType() == "seqbaij" and matrix.getBlockSize() == 3
+            self.ksp.setType(_kernels.node_ssor if nodes else "cg")
         if self.incomplete:
             self.shifted.destroy()
             self.shifted = matrix.duplicate(copy=False)
 
-    def _guess(self, matrix: PETSc.Mat) -> None:
-        """Set the way to the best sum of multiples of earlier ones."""
-        self.way.set(0.0)
+    def _guess(self, matrix: PETSc.Mat) -> Reals:
+        """The multiples of earlier solutions whose sum is the best guess; none where there are none."""
         known = self.known[: self.filled]
         for way, product in known:
             matrix.mult(way, product)
         gram = np.array([[way.dot(product) for _, product in known] for way, _ in known])
         use = np.flatnonzero(gram.diagonal() > 0.0) if known else ()
+        weights = np.zeros(len(known))
         if len(use) and np.isfinite(gram).all():
             # Each as long as the other: ways may differ in size by much, and hardly in direction.
             size = np.sqrt(gram.diagonal()[use])
             load = np.array([known[k][0].dot(self.right) for k in use]) / size
             scaled = gram[np.ix_(use, use)] / np.outer(size, size)
-            weights = np.linalg.lstsq(scaled, load, rcond=ALIKE)[0] / size
-            self.way.maxpy(weights, [known[k][0] for k in use])
+            weights[use] = np.linalg.lstsq(scaled, load, rcond=ALIKE)[0] / size
+        return weights
 
     def _shifted(self, matrix: PETSc.Mat) -> PETSc.Mat:
         """A copy of a matrix with a larger diagonal."""
@@ -108,13 +123,13 @@ class StepSolver:
         self.shifted.setDiagonal(self.diagonal)
         return self.shifted
 
-    def _made(self, comm: PETSc.Comm, prefix: str, preconditioner: str) -> PETSc.KSP:
+    @staticmethod
+    def _made(comm: PETSc.Comm, prefix: str, tolerance: float, preconditioner: str) -> PETSc.KSP:
         ksp = PETSc.KSP().create(comm)
         ksp.setOptionsPrefix(prefix)
         ksp.setType("cg")
         ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
-        ksp.setInitialGuessNonzero(True)
-        ksp.setTolerances(rtol=self.tolerance, max_it=MOST)
+        ksp.setTolerances(rtol=tolerance, max_it=MOST)
         set_preconditioner(ksp, preconditioner, 0)
         ksp.setFromOptions()
         return ksp

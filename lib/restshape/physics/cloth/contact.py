@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import is_
 
 import numpy as np
 
@@ -53,6 +54,30 @@ class FrictionHistory:
         return bool(self.limits[body].any())
 
 
+@dataclass(frozen=True, eq=False)
+class KnownPotential:
+    """The potential where it was evaluated last.
+
+    Args:
+        dependencies: of the contact.
+        x: (n, 3) positions [m].
+        curved: as of `Contact.potential`; energy, table: what that returns.
+    """
+
+    dependencies: tuple[tuple[object, ...], tuple[float, ...]]
+    x: np.ndarray
+    curved: bool
+    energy: float
+    table: np.ndarray
+
+    def holds(self, contact: Contact, x: np.ndarray, curved: bool) -> bool:
+        """Whether it is that of a contact at x (n, 3)."""
+        objects, numbers = contact.dependencies
+        known, values = self.dependencies
+        same = len(known) == len(objects) and all(map(is_, known, objects)) and values == numbers
+        return self.curved == curved and same and np.array_equal(self.x, x)
+
+
 class Contact:
     """What bodies do to nodes. With one history of friction it is a potential of the positions.
 
@@ -81,18 +106,16 @@ class Contact:
         self.area, self.stiffness, self.thickness = area, stiffness, thickness
         self.friction, self.slip = np.broadcast_to(friction, len(self.bodies)), slip
         self.history = FrictionHistory.none(len(self.bodies), len(area))
+        self._known: KnownPotential | None = None
 
     def update_friction(self, x: np.ndarray) -> float:
         """Take normals and normal forces from x (n, 3), and drag the anchors; returns the largest slip distance [m]."""
         before, slipped = self.history, 0.0
         anchors, normals, limits = before.anchors.copy(), before.normals.copy(), before.limits.copy()
         for k, body in enumerate(self.bodies):
-            force, normals[k] = body.pressing(x, self.area, self.stiffness, self.thickness)
-            fresh = limits[k] == 0.0
-            anchors[k][fresh] = x[fresh]
-            limits[k] = self.friction[k] * force
-            distance = _kernels.update_friction_anchors(x, anchors[k], normals[k], limits[k], self.slip)
-            slipped = max(slipped, distance)
+            penalty = self.area, self.stiffness, self.thickness
+            memory = anchors[k], normals[k], limits[k]
+            slipped = max(slipped, body.update_friction(x, *penalty, self.friction[k], self.slip, *memory))
         self.history = FrictionHistory(anchors, normals, limits)
         return slipped
 
@@ -114,13 +137,40 @@ class Contact:
             body.add_contact(x, rates, self.stiffness, self.thickness, out, False)
         return out[:, 3:6]
 
+    def forces(self, x: np.ndarray) -> np.ndarray:
+        """The gradient (n, 3) [N] of the potential at x (n, 3) [m]."""
+        return self._either(x)[1][:, 3:6]
+
+    def energy(self, x: np.ndarray) -> float:
+        """The potential [J] at x (n, 3) [m]."""
+        return self._either(x)[0]
+
+    def _either(self, x: np.ndarray) -> tuple[float, np.ndarray]:
+        """The potential at x (n, 3), with or without the curvature of the surfaces, as is known."""
+        return self.potential(x, bool(self._known) and self._known.curved and self._known.holds(self, x, True))
+
     def potential(self, x: np.ndarray, curved: bool = True) -> tuple[float, np.ndarray]:
         """Energy [J], and the parameters (n, 12) of potential_point1 whose residual and tangent at x are its own.
+
+        Energy, forces and tangent are wanted at the same place one after the other: the last ones are kept.
 
         Args:
             x: (n, 3) positions [m].
             curved: with the force times the curvature of the surface; without it the tangent is semidefinite.
+
+        Returns: both, to be read only.
         """
+        if not (self._known and self._known.holds(self, x, curved)):
+            energy, table = self._evaluated(x, curved)
+            self._known = KnownPotential(self.dependencies, x.copy(), curved, energy, table)
+        return self._known.energy, self._known.table
+
+    @property
+    def dependencies(self) -> tuple[tuple[object, ...], tuple[float, ...]]:
+        """What the potential depends on besides positions: objects, none of which changes, and numbers."""
+        return (self.history, self.area, *self.bodies), (self.stiffness, self.thickness, self.slip)
+
+    def _evaluated(self, x: np.ndarray, curved: bool) -> tuple[float, np.ndarray]:
         out = np.zeros((len(x), POTENTIAL))
         out[:, :3] = x
         energy, history = 0.0, self.history

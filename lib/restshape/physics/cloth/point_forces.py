@@ -41,11 +41,11 @@ class PointForces:
         """Add the forces [N] of contact at x (n, 3) to `out` (n, 3)."""
         if self.contact:
             nodes = self.entities[:, 0]
-            out[nodes] += self.contact.potential(x[nodes])[1][:, 3:6]
+            out[nodes] += self.contact.forces(x[nodes])
 
     def energies(self, x: np.ndarray) -> np.ndarray:
         """The energy (1,) [J] of contact at x (n, 3)."""
-        return np.array([self.contact.potential(x[self.entities[:, 0]])[0] if self.contact else 0.0])
+        return np.array([self.contact.energy(x[self.entities[:, 0]]) if self.contact else 0.0])
 
     def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> MatrixTerm:
         """The points at x (n, 3) as a term of `algebra.operator.Operator.assemble`."""
@@ -67,7 +67,7 @@ class PointForces:
         """The quadratic functions that agree with contact and inertia at x (n, 3) in value, slope and curvature."""
         corners = x[self.entities[:, 0]]
         if self.contact:
-            table = self.contact.potential(corners, self.curved)[1]
+            table = self.contact.potential(corners, self.curved)[1].copy()
         else:
             table = np.zeros((len(corners), POTENTIAL))
             table[:, :3] = corners

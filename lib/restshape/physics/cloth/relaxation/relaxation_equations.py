@@ -33,14 +33,29 @@ class KeptOperator:
         self.stages, self.problem = stages, problem
         self.operator = Operator(comm, 3, problem.space.node_offsets, backend)
         self.patterned, self._version, self._constant = False, -1, False
+        # Elsewhere each rank has the forces on its own nodes alone.
+        self.shared = comm.size == 1
 
-    def matrix(self, x: np.ndarray, stabilised: bool, inertia: float) -> PETSc.Mat:
-        """The tangent at x (n, 3) [m], with or without its compressed part, plus `inertia` [1/s^2] times the mass."""
+    def matrix(self, x: np.ndarray, stabilised: bool, inertia: float, out: np.ndarray | None = None) -> PETSc.Mat:
+        """The tangent at x (n, 3) [m], with or without its compressed part, plus `inertia` [1/s^2] times the mass.
+
+        `out` (n, 3) [N], where it is given, is set to the residual there, in the same pass as far as both have it.
+        """
+        problem = self.problem
         with self.stages("values"):
-            if self._version != self.problem.stiffness_version:
+            if self._version != problem.stiffness_version:
                 self._prepare()
-            integrals = self.problem.tangent_integrals(stabilised, inertia)
-            return Assembled(integrals, self.operator).tangent(x, kept=self._constant)
+            integrals = problem.tangent_integrals(stabilised, inertia)
+            if out is None or not self.shared:
+                if out is not None:
+                    problem.residual(x, out)
+                return Assembled(integrals, self.operator).tangent(x, kept=self._constant)
+            out[:] = 0.0
+            if self._constant:
+                Assembled(problem.bending_integrals()).residual(x, out)
+            matrix = Assembled(integrals, self.operator).tangent(x, out, kept=self._constant)
+            out.ravel()[problem.boundary.constrained] = 0.0
+            return matrix
 
     def _prepare(self) -> None:
         problem = self.problem
@@ -129,6 +144,9 @@ class ClothEquations:
         """The true tangent plus `inertia` [1/s^2] times the mass."""
         return self.tangents.matrix(x, False, inertia)
 
-    def step_matrix(self, x: np.ndarray, inertia: float, blocks: bool) -> PETSc.Mat:
-        """The stabilised tangent plus `inertia` [1/s^2] times the mass; with `blocks` it may be of type BAIJ."""
-        return (self.steps if blocks else self.tangents).matrix(x, True, inertia)
+    def step_matrix(self, x: np.ndarray, inertia: float, blocks: bool, out: np.ndarray | None = None) -> PETSc.Mat:
+        """The stabilised tangent plus `inertia` [1/s^2] times the mass; with `blocks` it may be of type BAIJ.
+
+        Sets `out` (n, 3) [N], where it is given, to the residual.
+        """
+        return (self.steps if blocks else self.tangents).matrix(x, True, inertia, out)
