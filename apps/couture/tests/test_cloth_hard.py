@@ -64,6 +64,20 @@ def test_a_fall_ends_at_once_and_is_reported(tmp_path):
     assert made.analysis.residual_norm() == pytest.approx(row["residual"])
 
 
+@pytest.mark.slow
+def test_where_nested_meshes_lead_to_no_rest_one_mesh_does(tmp_path):
+    """Limp cloth that coarse meshes let past its ball: at rest from the finest mesh, and a note says so."""
+    text = square(0.03, ball(0.35, 0.35, 0.2), CONTACT, side=0.7)
+    limp = ['material.cotton.E="3.33 kPa"', "mesh.levels=3"]
+    made, (row,) = played(Trial(tmp_path), text, overrides=limp)
+    assert all(statements(made, [row]).values()) and row["tangent_positive_definite"] == 1
+    assert row["note"] == "nested meshes led to no equilibrium: the cold start was made on one"
+    assert row["relaxation_steps"] > 200, "those of the first start count"
+    # What nothing catches falls from both.
+    _, (row,) = played(Trial(tmp_path), square(0.03, ball(1.5, 1.5), CONTACT, side=0.7), overrides=["mesh.levels=3"])
+    assert row["converged"] == 0 and "it falls without end" in row["note"] and "made on one" not in row["note"]
+
+
 def test_too_few_steps_are_reported(tmp_path):
     _, (row,) = played(Trial(tmp_path), square(0.03, ball(0.15, 0.15), CONTACT), overrides=["effects.drape.steps=2"])
     assert row["converged"] == 0 and "2 steps are over" in row["note"] and "of the weight" in row["note"]

@@ -1,5 +1,7 @@
 """How a relaxation ended."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,3 +33,8 @@ class ConvergenceReport:
     slip: float = 0.0
     falls: bool = False
     why: str = ""
+
+    def count(self, other: ConvergenceReport) -> None:
+        """Take over what another relaxation has spent."""
+        self.steps, self.newton = self.steps + other.steps, self.newton + other.newton
+        self.iterations, self.factors = self.iterations + other.iterations, self.factors + other.factors

@@ -20,6 +20,7 @@ log = logging.getLogger("restshape.physics")
 
 ESCAPES = 5
 """Saddles of the energy that are left in one frame before the cloth is said to rest on one."""
+ONE_MESH = "nested meshes led to no equilibrium: the cold start was made on one"
 SHORT = 300
 """Steps from a saddle after which the membrane is softened for the rest of the way."""
 
@@ -35,19 +36,45 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     Raises:
         ReplayProblem: positions are no numbers.
     """
-    solver, most, strategy = state.solver, options.settings.steps, options.strategy
-    report, x = ConvergenceReport(), state.x.copy()
-    if cold and strategy == "auto":
-        start = ColdStart(solver, options.settings.levels, options.arguments, options.make_solver)
-        x = start.find(most, report)
-    STRATEGIES[strategy](solver, x, most, report)
+    problem = state.problem
+    x, report, abandoned = _equilibrium(state, cold, options)
     if not np.isfinite(x).all():
         raise ReplayProblem("the cloth's positions are no numbers")
     if report.converged:
         _stabilise(state, x, options, report)
+    notes = (ONE_MESH,) if abandoned and report.converged else ()
+    if abandoned:
+        report.count(abandoned)
     log.info("Relaxation %s: %d steps, residual over load %.3e", _outcome(report), report.steps, report.residual)
-    problem = state.problem
-    return replace(state, x=x, report=report, place=problem.place, friction=friction_of(problem))
+    found = replace(state, x=x, report=report, place=problem.place, friction=friction_of(problem))
+    return replace(found, notes=(*state.notes, *notes))
+
+
+def _equilibrium(
+    state: RelaxationState, cold: bool, options: RelaxationOptions
+) -> tuple[np.ndarray, ConvergenceReport, ConvergenceReport | None]:
+    """Positions (n, 3), how they were reached, and how a cold start ended that was given up.
+
+    Where nested meshes lead a cold start to no equilibrium, such as limp cloth past a body that a coarse mesh hardly
+    sees, it starts again on the finest mesh alone.
+    """
+    solver, most, strategy = state.solver, options.settings.steps, options.strategy
+    report, x = ConvergenceReport(), state.x.copy()
+    if not (cold and strategy == "auto"):
+        return x, STRATEGIES[strategy](solver, x, most, report), None
+    friction = friction_of(state.problem)
+    start = ColdStart(solver, options.settings.levels, options.arguments, options.make_solver)
+    x = start.find(most, report)
+    STRATEGIES[strategy](solver, x, most, report)
+    if report.converged or len(start.meshes) == 1:
+        return x, report, None
+    log.info("Cold start on %d nested meshes: not converged (%s); again on one", len(start.meshes), report.why)
+    if friction is not None:
+        state.problem.contact.history = friction
+    again = ConvergenceReport()
+    x = ColdStart(solver, 1, options.arguments, options.make_solver).find(most, again)
+    STRATEGIES[strategy](solver, x, most, again)
+    return x, again, report
 
 
 def _outcome(report: ConvergenceReport) -> str:

@@ -50,8 +50,8 @@ def _notes(state: RelaxationState) -> tuple[list[str], float]:
         notes += [f"bodies.{name} comes through the cloth" for name in compress(bodies, through)]
         depths = penetrations(kernels, corners)
         max_penetration = max(depths, default=0.0)
-        notes += [*state.notes, *penetration_notes("lies", problem, state.scene, depths)]
-    return notes, max_penetration
+        notes += penetration_notes("lies", problem, state.scene, depths)
+    return [*notes, *state.notes], max_penetration
 
 
 def convergence_notes(state: RelaxationState) -> list[str]:
