@@ -53,16 +53,15 @@ class EffectiveSystem:
         scheme: of the step.
         backend: of the operators.
 
-    Attributes:
-        mass: an operator with the same pattern, for other matrices.
-
     Source: docs/theory/solids.md.
     """
 
     def __init__(self, comm: PETSc.Comm, body: SemiDiscrete, scheme: Scheme, backend: str | None) -> None:
         space, shape = body.problem.space, body.static.shape
         kind = {"symmetric": body.problem.symmetric, "definite": body.problem.definite}
-        self.operator, self.mass = (Operator(comm, shape[1], space.node_offsets, backend, **kind) for _ in "AM")
+        self.operator, self._mass = (Operator(comm, shape[1], space.node_offsets, backend, **kind) for _ in "AM")
+        # Cells that flips have changed since the mass matrix had a pattern; None: it has none of this mesh.
+        self._flipped: list[np.ndarray] | None = None
         self.rows = self.operator.rows
         size = (self.rows.stop - self.rows.start, body.static.size)
 
@@ -78,14 +77,24 @@ class EffectiveSystem:
         """Take a body with other values on the same mesh, and other settings of the step."""
         self.body = body
         self.weights = StepWeights(scheme, body.damping_of.alpha, body.damping_of.beta)
-        for operator in (self.operator, self.mass):
-            operator.set_topology(body.problem.blocks(), body.problem.boundary.mask)
-        self._products.version = None
+        self.operator.set_topology(body.problem.blocks(), body.problem.boundary.mask)
+        self._flipped = self._products.version = None
 
     def patch(self, changed: np.ndarray) -> None:
         """Take in the cells (k,) that flips have changed."""
-        for operator in (self.operator, self.mass):
-            operator.patch(0, changed)
+        self.operator.patch(0, changed)
+        if self._flipped is not None:
+            self._flipped.append(changed)
+
+    @property
+    def mass(self) -> Operator:
+        """An operator with the same pattern, for other matrices: made when the first of them is asked for."""
+        if self._flipped is None:
+            self._mass.set_topology(self.body.problem.blocks(), self.body.problem.boundary.mask)
+        elif self._flipped:
+            self._mass.patch(0, np.unique(np.concatenate(self._flipped)))
+        self._flipped = []
+        return self._mass
 
     def assemble(self, state: TimeState, base_acceleration: np.ndarray) -> None:
         """Make the matrix of the present shape, and the right side of the step from a state.
@@ -108,8 +117,9 @@ class EffectiveSystem:
     def right_side(self, state: TimeState, base_acceleration: np.ndarray) -> None:
         """Make the right side of the step from a state, on the matrix as it is; arguments as in `assemble`."""
         products, weights = self._products, self.weights
-        if products.version != self.mass.version:
-            products.assemble(self.mass, self.body, weights.load)
+        mass = self.mass
+        if products.version != mass.version:
+            products.assemble(mass, self.body, weights.load)
         weights.apply(state, products.stiff, products.inert)
         products.stiff /= weights.of_stiffness
         products.inert -= weights.of_mass * products.stiff
@@ -122,6 +132,11 @@ class EffectiveSystem:
     def force(self) -> np.ndarray:
         """This rank's rows of b - A `full`: the force of the increment that is sought; valid until the next call."""
         return self._products.force(self.mat, self.solution, self.right.ravel()[self.rows])
+
+    def residual(self) -> float:
+        """The true residual of the last solve over its right side; as it is where that is 0; collective."""
+        scale, rest = self.b.norm(), self._products.residual(self.mat, self.solution, self.b)
+        return rest / scale if scale > 0.0 else rest
 
 
 def _block(term: MatrixTerm) -> int:
@@ -172,6 +187,12 @@ class StepProducts:
             self._uniform = body.mass.apply(np.ones_like(body.static))
             self._uniform[body.constrained] = 0.0
         return self._uniform
+
+    def residual(self, mat: PETSc.Mat, solution: PETSc.Vec, b: PETSc.Vec) -> float:
+        """The norm of b - mat solution."""
+        mat.mult(solution, self._force)
+        self._force.aypx(-1.0, b)
+        return float(self._force.norm())
 
     def force(self, mat: PETSc.Mat, solution: PETSc.Vec, own_b: np.ndarray) -> np.ndarray:
         """own_b - mat solution, of this rank's rows."""

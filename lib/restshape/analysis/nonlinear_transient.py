@@ -60,10 +60,6 @@ class NonlinearTransientState(TransientState):
     residual: float = 0.0
     gain: EnergyGain = EnergyGain()
 
-    def after(self, now: TimeState) -> "NonlinearTransientState":
-        """The motion after a step to `now`."""
-        return replace(self, previous=self.now, now=now, unsolved=False)
-
     # All that a linear system is used for is overridden.
     @property
     def system(self) -> MotionSystem:  # type: ignore[override]

@@ -11,7 +11,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_matrix, gather_vector, matrix_difference
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.linear_report import LinearReport, true_residual
+from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.beside import step_beside
 from restshape.analysis.correction import gathered, preconditioner
@@ -114,8 +114,8 @@ class TransientAnalysis:
         except (ReplayProblem, UserError):
             self.state = replace(before, interrupted=True)
             raise
-        found = replace(self.state, topology=mesh.topology, geometry=mesh.geometry)
-        self.state = replace(found, scene=frame.scene, interrupted=False)
+        versions = {"topology": mesh.topology, "geometry": mesh.geometry}
+        self.state = self.state.changed(**versions, scene=frame.scene, interrupted=False)
         return report
 
     def begin(self, x: np.ndarray, v: np.ndarray, time: float = 0.0) -> None:
@@ -284,8 +284,7 @@ class TransientAnalysis:
 
     def residual_norm(self) -> float:
         """The true residual of the last step's solve, relative to its right side."""
-        system = self.state.system
-        return true_residual(system.mat, system.b, system.solution)
+        return self.state.system.residual()
 
     def errors(self) -> dict[str, float]:
         """The estimated relative error of the mesh in the unknowns after the last step, and that of the step alone."""
@@ -433,7 +432,7 @@ class TransientAnalysis:
             iterations, refreshed = iterations + report.iterations, refreshed or report.refreshed
             newton += report.newton
             self._refuse_growth()
-        self.state = replace(self.state, age=0 if refreshed else age)
+        self.state = self.state.changed(age=0 if refreshed else age)
         if self.state.account.known:
             self._account(edited=False)
         return LinearReport(iterations, refreshed, self.state.age, self.solver.name, newton)

@@ -86,18 +86,20 @@ class TransientState:
     last_end: TimeState | None = None
     interrupted: bool = False
 
+    def changed(self, **values: object) -> Self:
+        """The same with other values: what `dataclasses.replace` makes, in a tenth of its time."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__, **values)
+        return other
+
     def started(self, before: "TransientState | None") -> Self:
         """The motion before the first step of a frame; `before` is that of the frame before, on the same nodes."""
         last_end = None if before is None or before.bound is None else before.now
-        return replace(self, start=self.now, last_end=last_end)
+        return self.changed(start=self.now, last_end=last_end)
 
     def after(self, now: TimeState) -> "TransientState":
-        """The motion after a step to `now`: what `dataclasses.replace` makes, in a quarter of its time."""
-        whole = self.plan, self.scene, self.in_time, self.bound
-        known = self.account, self.topology, self.geometry
-        return TransientState(
-            *whole, now, self.now, *known, False, self.age, self.start, self.last_end, self.interrupted
-        )
+        """The motion after a step to `now`."""
+        return self.changed(previous=self.now, now=now, unsolved=False)
 
     def beside(self, body: SemiDiscrete, now: TimeState) -> Self:
         """The motion of another body with the same settings after a step to `now`, for looking at."""

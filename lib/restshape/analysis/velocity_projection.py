@@ -10,8 +10,9 @@ from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.quadrature import DEGREE_4
 from restshape.mesh.transfer import Transfer
 
-CONVERGED = 1e-9
-"""Residual of the projections over their right sides: the momentum is what it was to rounding, whatever is left."""
+ROUGH = 1e-6
+"""Residual of the uniform velocities over their right sides: whatever is left, they make up for all momentum that is
+missing, which is little."""
 
 
 def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
@@ -30,8 +31,8 @@ def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndar
     """
     mesh = new.space
     load = _quadratic_load(old, new, v) if mesh.cells.shape[1] == 6 else _linear_load(old, new, v)
-    projected = new.solve(load, consistent=True, tolerance=CONVERGED)
-    uniform = new.solve(new.apply(np.ones_like(mesh.X)), consistent=True, tolerance=CONVERGED)
+    projected = new.solve(load, consistent=True)
+    uniform = new.solve(new.apply(np.ones_like(mesh.X)), consistent=True, tolerance=ROUGH)
     missing, reach = old.momentum(v) - new.momentum(projected), new.momentum(uniform)
     return projected + uniform * np.divide(missing, reach, out=np.zeros(2), where=reach > 0)
 
