@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from statistics import mean, median
 from time import perf_counter
 from typing import Any
@@ -35,6 +35,56 @@ BESIDE = ("residual", "estimate", "record")
 
 
 @dataclass(frozen=True)
+class Applied:
+    """An application of a preconditioner.
+
+    Args:
+        kind: PETSc's type.
+        numbers: that are stored, of the factor's triangle or of all grids and the maps between them.
+        stored: bytes of these, with an index a block.
+        bytes, flops: of an application, its vectors included.
+    """
+
+    kind: str
+    numbers: int
+    stored: int
+    bytes: int
+    flops: int
+
+    @classmethod
+    def substitution(cls, numbers: int, fields: int, nodes: int, size: int = REAL, kind: str = "cholesky") -> Applied:
+        """Both passes of a substitution with a factor in blocks of nodes.
+
+        Args:
+            numbers: of the factor's triangle; of both triangles of `ilu`, which are passed once each.
+            fields, nodes: unknowns of a node, and number of nodes.
+            size: bytes of a number.
+            kind: PETSc's type.
+        """
+        stored = numbers * size + numbers // fields**2 * INDEX
+        passes = 1 if kind == "ilu" else 2
+        return cls(kind, numbers, stored, passes * stored + 4 * REAL * nodes * fields, 2 * passes * numbers)
+
+    @classmethod
+    def cycle(cls, grids: Sequence[tuple[int, int, int]], maps: Sequence[int]) -> Applied:
+        """A V-cycle of algebraic multigrid with two steps of Chebyshev's iteration before and behind.
+
+        On each grid but the coarsest that is one product for the second step before, one for what is restricted and two
+        behind, each with its vectors.
+
+        Args:
+            grids: rows, stored numbers and block size of each, the coarsest first.
+            maps: stored numbers of each interpolation, which is passed down and up.
+        """
+        sizes = [REAL * nz + INDEX * (nz // block**2) for _, nz, block in grids]
+        carried = sum((REAL + INDEX) * nz for nz in maps)
+        smoothed = sum(4 * (size + 5 * REAL * rows) for size, (rows, _, _) in zip(sizes[1:], grids[1:]))
+        flops = sum(8 * nz + 4 * 6 * rows for rows, nz, _ in grids[1:]) + sum(4 * nz for nz in maps)
+        numbers = sum(nz for _, nz, _ in grids) + sum(maps)
+        return cls("gamg", numbers, sum(sizes) + carried, smoothed + 2 * carried, flops)
+
+
+@dataclass(frozen=True)
 class Sizes:
     """What a frame works on.
 
@@ -42,8 +92,7 @@ class Sizes:
         nodes, dim, fields: number of nodes, coordinates and unknowns of each.
         cells, corners, points: number of cells, nodes and quadrature points of each.
         blocks: of the matrix that are stored, a pair of nodes each.
-        filled: numbers of the factor's triangle that are stored; 0: none.
-        factor_bytes: of such a number in a substitution.
+        preconditioner: an application of it.
         recorded: numbers that a recording takes, places included.
         observed: a quantity is taken over cells.
     """
@@ -55,8 +104,7 @@ class Sizes:
     corners: int
     points: int
     blocks: int
-    filled: int
-    factor_bytes: int
+    preconditioner: Applied
     recorded: int
     observed: bool
 
@@ -81,16 +129,6 @@ class Sizes:
         return self.blocks * (REAL * self.fields**2 + INDEX) + INDEX * (self.nodes + 1)
 
     @property
-    def substitution(self) -> int:
-        """Bytes of both passes of a substitution: of the factor, an index a block, and vectors."""
-        return 2 * self.factor + 4 * self.vector
-
-    @property
-    def factor(self) -> int:
-        """Bytes of one pass over the factor."""
-        return self.filled * self.factor_bytes + self.filled // self.fields**2 * INDEX
-
-    @property
     def one_pass(self) -> int:
         """Bytes of one pass over cells, places and unknowns."""
         return self.connectivity + self.places + self.vector
@@ -112,16 +150,16 @@ def works(sizes: Sizes, iterations: float) -> dict[str, Work]:
 
     Args:
         sizes: of the frame.
-        iterations: of conjugate gradients with the kept factor.
+        iterations: of conjugate gradients with the kept preconditioner.
 
     Source: docs/theory/limits.md.
     """
-    s, d, k = sizes, sizes.dim, sizes.corners
+    s, d, k, applied = sizes, sizes.dim, sizes.corners, sizes.preconditioner
     products = s.blocks * s.fields**2
     flux = s.cells * s.points * (GEOMETRY + 2 * k * s.fields * d + 4 * d)
     entries = (3 * d * d if s.fields > 1 else 2 * d) * k * (k + 1) // 2
     values = s.cells * (s.points * (GEOMETRY + 2 * k * d + entries) + (k * s.fields) ** 2)
-    krylov = (iterations + 1) * s.matrix + iterations * (s.substitution + VECTORS * s.vector) + 3 * s.vector
+    krylov = (iterations + 1) * s.matrix + iterations * (applied.bytes + VECTORS * s.vector) + 3 * s.vector
     recovered = REAL * s.nodes * 3
     amounts = {
         "relocate": (4 * s.places + s.connectivity, 4 * d * s.nodes + QUALITY * s.cells),
@@ -131,20 +169,23 @@ def works(sizes: Sizes, iterations: float) -> dict[str, Work]:
         ),
         "krylov": (
             krylov,
-            2 * products * (iterations + 1) + iterations * (4 * s.filled + 12 * s.nodes * s.fields),
+            2 * products * (iterations + 1) + iterations * (applied.flops + 12 * s.nodes * s.fields),
         ),
         "observe": (s.one_pass, flux) if s.observed else (0, 0),
         "residual": (s.matrix + 2 * s.vector, 2 * products + 3 * s.nodes * s.fields),
         "estimate": (2 * s.one_pass + 2 * recovered, 3 * flux),
         "record": (s.one_pass + 2 * REAL * s.recorded, flux),
     }
-    # An iteration goes round in matrix, factor and vectors; all else was last touched a frame ago.
-    iterated = s.matrix + s.factor + 6 * s.vector
+    # What was touched since a stage's data were last in use: a frame, iterations, or the pass before.
+    iterated = s.matrix + applied.stored + 6 * s.vector
     frame = iterated + 4 * s.places + s.connectivity + PLACE * s.cells * k * k + REAL * s.recorded
-    return {
-        name: Work(float(moved), float(flops), float(iterated if name == "krylov" else frame))
-        for name, (moved, flops) in amounts.items()
+    sets = dict.fromkeys(amounts, iterated) | {
+        "relocate": frame,
+        "values": frame,
+        "estimate": s.one_pass + recovered,
+        "record": s.one_pass + REAL * s.recorded,
     }
+    return {name: Work(float(moved), float(flops), float(sets[name])) for name, (moved, flops) in amounts.items()}
 
 
 def least(work: Work, bandwidth: float, flop_rate: float) -> tuple[float, str]:
@@ -164,7 +205,7 @@ def sizes_of(analysis: SteadyAnalysis[Any]) -> Sizes:
     """The sizes of what an analysis has solved last.
 
     Raises:
-        UserError: it is none of a linear problem on triangles with a complete factor on one rank.
+        UserError: it is none of a linear problem on triangles on one rank.
     """
     problem, space, system = analysis.problem, analysis.problem.space, analysis.state.system
     shape = analysis.x.shape
@@ -172,9 +213,6 @@ def sizes_of(analysis: SteadyAnalysis[Any]) -> Sizes:
     cells, corners = space.cells.shape
     if not problem.linear or corners not in (3, 6) or space.X.shape[1] != 2 or analysis.context.comm.size > 1:
         raise UserError("the limit is known of linear problems on triangles alone", str(analysis.state.scene.path))
-    if not analysis.solver.kept.complete:
-        raise UserError("the limit is known of complete factors alone", str(analysis.state.scene.path))
-    factor = analysis.solver.ksp.getPC().getFactorMatrix()
     points, constants = analysis.fields()
     arrays = [space.X, *points.values(), *constants.values()]
     return Sizes(
@@ -185,15 +223,27 @@ def sizes_of(analysis: SteadyAnalysis[Any]) -> Sizes:
         corners=corners,
         points=1 if corners == 3 else 3,
         blocks=int(system.mat.getInfo()["nz_used"]) // fields**2,
-        filled=int(factor.getInfo()["nz_used"]),
-        factor_bytes=_kernels.panel_value_bytes(factor.handle) or REAL,
+        preconditioner=applied_by(analysis.solver.ksp.getPC(), fields, nodes),
         recorded=sum(array.size for array in arrays),
         observed=bool(analysis.state.scene.quantities),
     )
 
 
+def applied_by(pc: PETSc.PC, fields: int, nodes: int) -> Applied:
+    """An application of a preconditioner that is set up."""
+    if pc.getType() == "gamg":
+        levels = range(pc.getMGLevels())
+        grids = [pc.getMGSmoother(level).getOperators()[0] for level in levels]
+        maps = [pc.getMGInterpolation(level) for level in levels[1:]]
+        stored = [(grid.getSize()[0], int(grid.getInfo()["nz_used"]), grid.getBlockSize()) for grid in grids]
+        return Applied.cycle(stored, [int(one.getInfo()["nz_used"]) for one in maps])
+    factor = pc.getFactorMatrix()
+    size = _kernels.panel_value_bytes(factor.handle) or REAL
+    return Applied.substitution(int(factor.getInfo()["nz_used"]), fields, nodes, size, pc.getType())
+
+
 def measure(request: Request, frames: int) -> dict[str, Any]:
-    """The limit of level-1 frames of a replay with an old factor, and how near they come to it.
+    """The limit of level-1 frames of a replay with an old preconditioner, and how near they come to it.
 
     Residual, estimate and hand-over are made and timed beside each frame.
 
@@ -204,7 +254,7 @@ def measure(request: Request, frames: int) -> dict[str, Any]:
     Raises:
         UserError: no such problem, or no such frames.
 
-    Returns: sizes; frames, iterations (mean), refreshed (frames left out for a new factor); flop_rate [1/s]; stages: by
+    Returns: sizes; frames, iterations (mean), refreshed (frames left out for a new one); flop_rate [1/s]; stages: by
         name bytes, flops, working_set [bytes], bandwidth [B/s], least_ms, ms (median), fraction, bound; rest_ms
         (median of the frame that is in no stage); answer and whole: least_ms, ms, fraction of the frame until its
         answer, and with what is beside it.
@@ -224,7 +274,9 @@ def measure(request: Request, frames: int) -> dict[str, Any]:
         if len(rows) == frames:
             break
     if not rows:
-        raise UserError("no frame moves the mesh with an old factor", str(request.scene.path), "name another script")
+        raise UserError(
+            "no frame moves the mesh with an old preconditioner", str(request.scene.path), "name another script"
+        )
     return {"refreshed": refreshed, **record(sizes_of(analysis), rows, measure_bandwidth, _kernels.flop_rate())}
 
 
@@ -261,7 +313,7 @@ def record(
     answer = median(row["ms_answer"] for row in rows)
     whole = median(row["ms_answer"] + sum(row[f"ms_{name}"] for name in BESIDE) for row in rows)
     return {
-        "sizes": {**vars(sizes), "unknowns": sizes.nodes * sizes.fields},
+        "sizes": {**asdict(sizes), "unknowns": sizes.nodes * sizes.fields},
         "frames": len(rows),
         "iterations": iterations,
         "flop_rate": flop_rate,

@@ -78,10 +78,11 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     """Print a table a size."""
     for one in found["triangles"].values():
         sizes = one["sizes"]
+        applied = sizes["preconditioner"]
         title = (
             f"{name}: {sizes['cells']:,} triangles, {sizes['unknowns']:,} unknowns, {sizes['blocks']:,} blocks in the "
-            f"matrix, {sizes['filled']:,} numbers of {sizes['factor_bytes']} bytes in the factor; a frame of level 1 "
-            f"with an old factor, {one['iterations']:.1f} iterations to {found['tolerance']:g}"
+            f"matrix, {applied['numbers']:,} numbers in the {applied['kind']} preconditioner, which is an old one; a "
+            f"frame of level 1, {one['iterations']:.1f} iterations to {found['tolerance']:g}"
         )
         heads = ("stage", "must move, kB", "working set, kB", "triad, GB/s", "operations", "bound by", "limit, ms")
         heads += ("median, ms", "reached, %")

@@ -8,6 +8,7 @@ from restshape.outputs.picture_files import save_picture
 from restshape.report.style import INK, STAGES, new_figure
 
 LABELS = {"record": "hand-over", "krylov": "krylov (iterations)"}
+ALL = (("answer", "until the answer"), ("whole", "in all"))
 BOUND = {"bytes": "memory", "flops": "operations"}
 
 
@@ -33,15 +34,13 @@ def draw_limits(found: Mapping[str, Any], path: Path) -> None:
         axes.set(yticks=range(len(stages)), yticklabels=[LABELS.get(stage, stage) for stage, _ in stages])
         axes.set(xlim=(0.0, 1.75 * longest), ylim=(len(stages) - 0.4, -0.6), xlabel="time a frame [ms]")
         axes.tick_params(axis="y", length=0)
-        sizes, answer, whole = one["sizes"], one["answer"], one["whole"]
-        axes.set_title(
-            f"{name}, {sizes['cells']:,} triangles, {one['iterations']:.1f} iterations: {answer['ms']:.3g} ms until "
-            f"the answer ({100 * answer['fraction']:.0f} % reached), {whole['ms']:.3g} ms in all "
-            f"({100 * whole['fraction']:.0f} %)",
-            loc="left",
-        )
+        sizes = one["sizes"]
+        kind = sizes["preconditioner"]["kind"]
+        reached = [f"{one[key]['ms']:.3g} ms {what} ({100 * one[key]['fraction']:.0f} % reached)" for key, what in ALL]
+        words = f"{sizes['cells']:,} triangles, {one['iterations']:.1f} iterations ({kind})"
+        axes.set_title(f"{name}, {words}: {', '.join(reached)}", loc="left")
     figure.suptitle(
-        "A frame of level 1 with an old factor, by stage, one core: median (wide bar) and limit (black)\n"
+        "A frame of level 1 with an old preconditioner, by stage, one core: median (wide bar) and limit (black)\n"
         "limit: bytes to move over the triad's rate at that working set, or operations over their highest rate",
         x=0.01,
         ha="left",

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from petsc4py import PETSc
 from restshape_studies.bench import limit
 from restshape_studies.bench.job import Job
-from restshape_studies.bench.limit import ANSWER, BESIDE, Sizes, Work, least, record, sizes_of, works
+from restshape_studies.bench.limit import ANSWER, BESIDE, Applied, Sizes, Work, least, record, sizes_of, works
 from restshape_studies.bench.process import request
 from restshape_studies.pictures.limit import draw_limits
 from small_scenes import across, drag, plate, write_scene, write_script
@@ -27,8 +28,7 @@ SQUARE = Sizes(
     corners=3,
     points=1,
     blocks=4 + 2 * 5,
-    filled=4 * (4 + 5),
-    factor_bytes=8,
+    preconditioner=Applied.substitution(4 * (4 + 5), 2, 4),
     recorded=20,
     observed=True,
 )
@@ -38,7 +38,9 @@ def test_bytes_of_two_triangles_are_those_counted_by_hand():
     vector = places = 4 * 2 * 8
     matrix = 14 * (4 * 8 + 4) + 5 * 4
     factor = 9 * (4 * 8 + 4)
-    assert (SQUARE.matrix, SQUARE.factor, SQUARE.vector) == (matrix, factor, vector) == (524, 324, 64)
+    applied = SQUARE.preconditioner
+    assert (SQUARE.matrix, applied.stored, SQUARE.vector) == (matrix, factor, vector) == (524, 324, 64)
+    assert applied.bytes == 2 * factor + 4 * vector and applied.flops == 4 * 36
     moved = {name: work.bytes for name, work in works(SQUARE, 1).items()}
     cells = 2 * 3 * 4
     assert moved["relocate"] == 4 * places + cells == 280
@@ -52,6 +54,14 @@ def test_bytes_of_two_triangles_are_those_counted_by_hand():
     assert moved["record"] == 152 + 2 * 20 * 8
 
 
+def test_a_working_set_is_what_was_touched_since_the_data_were_in_use():
+    sets = {name: work.working_set for name, work in works(SQUARE, 1).items()}
+    iterated = 524 + 324 + 6 * 64
+    assert sets["krylov"] == sets["residual"] == sets["observe"] == iterated
+    assert sets["relocate"] == sets["values"] == iterated + 4 * 64 + 24 + 2 * 9 * 2 + 20 * 8
+    assert sets["estimate"] == 152 + 4 * 3 * 8 and sets["record"] == 152 + 20 * 8
+
+
 def test_operations_of_two_triangles_are_those_counted_by_hand():
     flops = {name: work.flops for name, work in works(SQUARE, 1).items()}
     # A cell: gradients 14, times both moduli 12, six blocks of four numbers of three operations, 36 sums.
@@ -61,12 +71,22 @@ def test_operations_of_two_triangles_are_those_counted_by_hand():
 
 
 def test_numbers_of_half_the_size_halve_the_factor_and_each_iteration_adds_as_much():
-    half = Sizes(**{**vars(SQUARE), "factor_bytes": 4})
-    assert SQUARE.factor - half.factor == 36 * 4
+    applied, half = SQUARE.preconditioner, Applied.substitution(36, 2, 4, 4)
+    assert applied.stored - half.stored == 36 * 4 and applied.bytes - half.bytes == 2 * 36 * 4
     moved = [works(SQUARE, iterations)["krylov"].bytes for iterations in range(4)]
-    assert set(np.diff(moved)) == {SQUARE.matrix + SQUARE.substitution + 11 * SQUARE.vector}
+    assert set(np.diff(moved)) == {SQUARE.matrix + applied.bytes + 11 * SQUARE.vector}
     # Without an iteration: b - A x alone.
     assert moved[0] == SQUARE.matrix + 3 * SQUARE.vector
+
+
+def test_a_cycle_passes_each_grid_four_times_and_each_map_twice():
+    # Two grids: 3 rows full, and 8 rows of 56 numbers in blocks of two; a map of 8 x 3 numbers.
+    cycle = Applied.cycle([(3, 9, 3), (8, 56, 2)], [24])
+    fine, coarse, between = 56 * 8 + 14 * 4, 9 * 8 + 4, 24 * 12
+    assert cycle.bytes == 4 * (fine + 5 * 8 * 8) + 2 * between
+    assert cycle.stored == fine + coarse + between and cycle.numbers == 9 + 56 + 24
+    # Both triangles of an incomplete LU are passed once.
+    assert Applied.substitution(36, 2, 4, kind="ilu").bytes == 36 * 8 + 9 * 4 + 4 * 64
 
 
 def test_a_stage_is_bound_by_what_takes_longer():
@@ -92,8 +112,8 @@ def test_the_fraction_is_the_limit_over_the_median():
     krylov = found["stages"]["krylov"]
     assert krylov["bytes"] == works(SQUARE, 3)["krylov"].bytes
     assert krylov["fraction"] == pytest.approx(1e3 * krylov["bytes"] / 1e9 / 0.01)
-    # Two working sets: of an iteration, and of a frame, each measured once.
-    assert len(sets) == len(set(sets)) == 2
+    # Working sets of a frame, of an iteration, of the estimate and of a recording, each measured once.
+    assert len(sets) == len(set(sets)) == 4
     parts = [found["stages"][name]["least_ms"] for name in (*ANSWER, *BESIDE)]
     assert found["whole"]["least_ms"] == pytest.approx(sum(parts))
     assert found["whole"]["ms"] == pytest.approx(0.09) and found["answer"]["ms"] == pytest.approx(0.06)
@@ -131,8 +151,9 @@ def test_sizes_are_those_of_the_mesh_and_fractions_are_parts(tmp_path, monkeypat
     assert sizes["cells"] == len(cells) and sizes["unknowns"] == 2 * len(analysis.problem.space.X)
     assert sizes["blocks"] == sizes["nodes"] + 2 * len(edges)
     # Not less than without fill, not more than a full triangle; numbers of four or eight bytes.
-    assert sizes["nodes"] + len(edges) <= sizes["filled"] / 4 <= sizes["nodes"] * (sizes["nodes"] + 1) / 2
-    assert sizes["factor_bytes"] in (4, 8)
+    filled = sizes["preconditioner"]["numbers"]
+    assert sizes["nodes"] + len(edges) <= filled / 4 <= sizes["nodes"] * (sizes["nodes"] + 1) / 2
+    assert sizes["preconditioner"]["stored"] in (filled * 4 + filled, filled * 8 + filled)
     assert found["frames"] == 3 and list(found["stages"]) == [*ANSWER, *BESIDE]
     for name, entry in found["stages"].items():
         assert set(entry) == {"bytes", "flops", "working_set", "bandwidth", "least_ms", "ms", "fraction", "bound"}
@@ -140,6 +161,17 @@ def test_sizes_are_those_of_the_mesh_and_fractions_are_parts(tmp_path, monkeypat
         assert entry["bound"] in ("bytes", "flops")
     assert 0.0 < found["answer"]["fraction"] < 1.5 and found["whole"]["ms"] > found["answer"]["ms"]
     assert json.loads(json.dumps(found)) == found
+
+
+@pytest.mark.slow
+def test_multigrid_has_a_limit_too(tmp_path):
+    job = replace(case(tmp_path), petsc=("-solid_pc_type", "gamg"))
+    PETSc.Options().setValue("solid_pc_type", "gamg")
+    try:
+        found = limit.measure(request(job), 2)
+    finally:
+        PETSc.Options().delValue("solid_pc_type")
+    assert found["sizes"]["preconditioner"]["kind"] == "gamg" and 0.0 < found["stages"]["krylov"]["fraction"] < 1.5
 
 
 @pytest.mark.slow
