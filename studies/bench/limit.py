@@ -77,11 +77,11 @@ class Applied:
             maps: stored numbers of each interpolation, which is passed down and up.
         """
         sizes = [REAL * nz + INDEX * (nz // block**2) for _, nz, block in grids]
-        carried = sum((REAL + INDEX) * nz for nz in maps)
+        mapped = sum((REAL + INDEX) * nz for nz in maps)
         smoothed = sum(4 * (size + 5 * REAL * rows) for size, (rows, _, _) in zip(sizes[1:], grids[1:]))
         flops = sum(8 * nz + 4 * 6 * rows for rows, nz, _ in grids[1:]) + sum(4 * nz for nz in maps)
         numbers = sum(nz for _, nz, _ in grids) + sum(maps)
-        return cls("gamg", numbers, sum(sizes) + carried, smoothed + 2 * carried, flops)
+        return cls("gamg", numbers, sum(sizes) + mapped, smoothed + 2 * mapped, flops)
 
 
 @dataclass(frozen=True)
