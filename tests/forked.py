@@ -208,9 +208,9 @@ def examples_forked() -> Iterator[None]:
 @contextmanager
 def recorders_forked() -> Iterator[None]:
     """Within, processes that write recordings are forked; their own tests start real ones."""
-    from restshape.replay import recorder
+    from restshape.replay import recorder_start
 
-    with _standing_in(recorder, ForkedRecorder):
+    with _standing_in(recorder_start, ForkedRecorder):
         yield
 
 

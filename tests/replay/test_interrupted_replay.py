@@ -56,7 +56,12 @@ def children(parent):
 def recorders(parent):
     """The recorder processes that a process has started."""
     named = b"restshape.replay.recorder_process"
-    return [child for child in children(parent) if named in Path(f"/proc/{child}/cmdline").read_bytes()]
+
+    def writes(child):
+        folder = Path(f"/proc/{child}")
+        return named in (folder / "cmdline").read_bytes() or (folder / "comm").read_text() == "recorder\n"
+
+    return [child for child in children(parent) if writes(child)]
 
 
 def opened(path):

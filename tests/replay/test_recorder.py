@@ -31,7 +31,7 @@ def broken_pipes_are_errors():
 @pytest.fixture(autouse=True)
 def real_processes(monkeypatch):
     """Not forked ones, as in other tests."""
-    monkeypatch.setattr("restshape.replay.recorder.subprocess", subprocess)
+    monkeypatch.setattr("restshape.replay.recorder_start.subprocess", subprocess)
 
 
 @pytest.mark.cli
@@ -230,3 +230,24 @@ def test_a_killed_recorder_is_reported(tmp_path):
         for _ in range(1000):
             recorder.frame(0.0, CORNERS, {}, {}, {})
             time.sleep(0.001)
+
+
+@pytest.mark.cli
+def test_before_large_libraries_the_process_is_a_copy(tmp_path):
+    """One with PETSc or HDF5 loaded is not copied: the copy would have theirs."""
+    code = (
+        "import os, sys\n"
+        "from restshape.replay.recorder import Recorder\n"
+        "from restshape.replay.recorder_start import begun\n"
+        "process = begun()\n"
+        "print(type(process.process).__name__)\n"
+        "with Recorder.start('a.vtkhdf', {'title': 'copy'}, {}, process=process) as recorder:\n"
+        "    folder = f'/proc/{recorder.process_id}/'\n"
+        "    print(open(folder + 'comm').read().strip(), len(os.listdir(folder + 'fd')) < 12)\n"
+        "    print(os.getsid(recorder.process_id) != os.getsid(0))\n"
+        "print(recorder.result['status'])\n"
+        "import h5py\n"
+        "print(type(begun().process).__name__)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.stdout.split("\n") == ["Copy", "recorder True", "True", "done", "Popen", ""], done.stderr

@@ -34,7 +34,10 @@ from restshape.surroundings import start_petsc
 
 if TYPE_CHECKING:
     from restshape.replay.recorder import Recorder
+    from restshape.replay.recorder_start import Begun
     from restshape.replay.request import Request
+    from restshape.scene.edit_script import Script
+    from restshape.scene.model import Scene
 
 KINDS = ("none", "linear")
 LEVELS = ("1", "2", "3", "still")
@@ -77,15 +80,23 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails or --strict finds a refused one, 2 on bad input."""
+    process = _begin_recorder() if args.out and first_rank() else None
     with limited(args) as begin_frame:
-        return _replayed(args, begin_frame)
+        return _replayed(args, begin_frame, process)
 
 
-def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
-    """The exit code of a replay that says when each frame begins."""
+def _begin_recorder() -> Begun:
+    """The recorder process, begun before MPI and before all that it does not need."""
+    import numpy  # noqa: F401 (it needs that)
+
+    from restshape.replay.recorder_start import begun
+
+    return begun()
+
+
+def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None], process: Begun | None) -> int:
+    """The exit code of a replay that says when each frame begins, with the process that will record it."""
     from restshape.calibration import Calibration
-    from restshape.cli.shipped import scripts_of
-    from restshape.cli.start_notes import start_notes
     from restshape.replay.request import Request
     from restshape.scene.edit_script import Script, load_script
 
@@ -103,17 +114,12 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     calibration, given = Calibration.load(args.calibration), (tuple(args.petsc), args.predict, tuple(args.set))
     request = Request(scene, script, app, chosen, calibration, *given)
     first = first_rank()
-    if first:
-        for note in start_notes(scene, script):
-            print(f"note: {note}", file=sys.stderr)
-        if args.fields is not None and not args.out:
-            print("note: --fields is of a recording: without --out FILE.vtkhdf it does nothing", file=sys.stderr)
-        if not args.edits and (known := scripts_of(args.scene)):
-            print(f"note: the first shape only; its edits: {', '.join(map(str, known))}", file=sys.stderr)
-    recorder = _start_recorder(args.out, request) if args.out and first else None
+    recorder = _start_recorder(args.out, request, process) if process else None
     try:
         if recorder:
             keep_frames(recorder)
+        if first:
+            _note_start(args, scene, script)
         summary = _run(args, request, recorder, begin_frame)
         lift_limits()
     except BaseException as error:
@@ -134,19 +140,33 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     return code
 
 
+def _note_start(args: argparse.Namespace, scene: Scene, script: Script) -> None:
+    """Print what is to be known before the first frame."""
+    from restshape.cli.shipped import scripts_of
+    from restshape.cli.start_notes import start_notes
+
+    for note in start_notes(scene, script):
+        print(f"note: {note}", file=sys.stderr)
+    if args.fields is not None and not args.out:
+        print("note: --fields is of a recording: without --out FILE.vtkhdf it does nothing", file=sys.stderr)
+    if not args.edits and (known := scripts_of(args.scene)):
+        print(f"note: the first shape only; its edits: {', '.join(map(str, known))}", file=sys.stderr)
+
+
 def _check_name(out: Path | None) -> None:
     """Refuse a file whose name hides what it is; a folder the recorder refuses."""
     if out and out.suffix != ".vtkhdf" and not out.is_dir():
         raise UserError("a recording's name ends in .vtkhdf", f"--out {out}", f"--out {out.with_suffix('.vtkhdf')}")
 
 
-def _start_recorder(path: Path, request: Request) -> Recorder:
-    """The recorder process, started before MPI."""
+def _start_recorder(path: Path, request: Request, process: Begun) -> Recorder:
+    """The recorder, whose process has begun."""
     from restshape.replay.columns import columns_of
     from restshape.replay.recorder import Recorder
 
     # It opens the file while PETSc starts.
-    return Recorder.start(path, request.header(), columns_of(request.scene, request.application), wait=False)
+    columns = columns_of(request.scene, request.application)
+    return Recorder.start(path, request.header(), columns, wait=False, process=process)
 
 
 def _run(

@@ -8,11 +8,8 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -24,15 +21,16 @@ from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import RecordingFile
 from restshape.replay import ring as rings
 from restshape.replay.cell_types import CELL_TYPES
+from restshape.replay.recorder_start import RING_BYTES, Begun, Copy, begun
 from restshape.replay.rows import RowPacker, row_dtype
 
 if TYPE_CHECKING:
+    import subprocess
+
     import numpy.typing as npt
 
     from restshape.analysis.analysis import RowValues
 
-RING_BYTES = 32 << 20
-_MPI_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PRTE_", "HYDRA_", "MPI_LOCAL")
 _CHECK_EVERY = 64
 
 
@@ -57,7 +55,7 @@ class Recorder:
     """
 
     def __init__(
-        self, path: Path, ring: rings.Ring, process: subprocess.Popen[bytes], pipes: tuple[int, int, int]
+        self, path: Path, ring: rings.Ring, process: Copy | subprocess.Popen[bytes], pipes: tuple[int, int, int]
     ) -> None:
         self.path = path
         self.frames = self.stalls = 0
@@ -74,7 +72,12 @@ class Recorder:
 
     @classmethod
     def start(
-        cls, path: str | Path, header: Mapping[str, object], columns: Mapping[str, npt.DTypeLike], wait: bool = True
+        cls,
+        path: str | Path,
+        header: Mapping[str, object],
+        columns: Mapping[str, npt.DTypeLike],
+        wait: bool = True,
+        process: Begun | None = None,
     ) -> Recorder:
         """A recorder whose process runs and, with ``wait``, has opened the file.
 
@@ -83,6 +86,7 @@ class Recorder:
             header: JSON-like; more can follow by `add_header`.
             columns: name -> numpy type or ``str`` of the table's columns.
             wait: False returns at once; `ready` waits, as does the first frame.
+            process: that has begun to wait for this; None begins one.
 
         Raises:
             UserError: the file cannot be written.
@@ -96,22 +100,7 @@ class Recorder:
             "columns": [[name, dtype[name].str] for name in columns],
         }
         data = json.dumps(opening, allow_nan=False).encode()
-        ring = _new_ring(max(RING_BYTES, 4 * len(data)))
-        inputs, control, answers = os.pipe(), os.pipe(), os.pipe()
-        cores = ",".join(map(str, sorted(_cores())))
-        theirs = (ring.fd, inputs[0], control[0], answers[1])
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "restshape.replay.recorder_process", *map(str, theirs), cores],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            pass_fds=theirs,
-            start_new_session=True,
-            env={key: value for key, value in os.environ.items() if not key.startswith(_MPI_VARIABLES)},
-        )
-        for fd in theirs[1:]:
-            os.close(fd)
-        recorder = cls(path, ring, process, (inputs[1], control[1], answers[0]))
+        recorder = cls(path, *(process or begun(max(RING_BYTES, 4 * len(data)))))
         recorder._packer = RowPacker(dtype)
         recorder._send(rings.HEADER, data)
         recorder._wake()
@@ -323,22 +312,6 @@ class Recorder:
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self._state not in ("closed", "failed"):
             self.close("done" if kind is None else "interrupted")
-
-
-def _cores() -> set[int]:
-    """The cores for the recorder process: those of this process, or of the launcher that has bound this one to some."""
-    own = os.sched_getaffinity(0)
-    if any(name.startswith(_MPI_VARIABLES) for name in os.environ if name.endswith("_RANK")):
-        with suppress(OSError):
-            return own | os.sched_getaffinity(os.getppid())
-    return own
-
-
-def _new_ring(capacity: int) -> rings.Ring:
-    try:
-        return rings.Ring.create(capacity)
-    except OSError as error:
-        raise UserError(f"no memory for the recorder ({error.strerror})", do="close other programs") from error
 
 
 def _refuse_other_files(path: Path) -> None:
