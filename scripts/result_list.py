@@ -61,11 +61,16 @@ class Result:
 
 
 def reports(
-    name: str, scene: str, edits: str, settings: Sequence[str] = (), looks: str = "--animation none"
+    name: str,
+    scene: str,
+    edits: str,
+    settings: Sequence[str] = (),
+    looks: str = "--animation none",
+    also: Sequence[str] = (),
 ) -> tuple[Result, Result]:
-    """The report of a replay: pictures of what was found, and of levels and the timeline, which hold times."""
+    """The report of a replay: pictures of what was found, others also, and of levels and the timeline, with times."""
     commands = (recorded(name, scene, edits, *settings), f"restshape report results/{name}.vtkhdf {looks}")
-    kept = ("frames.png", "quantities.png", *["animation.gif"] * ("none" not in looks))
+    kept = ("frames.png", "quantities.png", *also, *["animation.gif"] * ("none" not in looks))
     found = tuple(f"{name}-report/{file}" for file in kept)
     times = (f"{name}-report/timeline.png", f"{name}-report/levels.png")
     return Result(found, commands, REPORT), Result(times, commands, REPORT, timed=True)
@@ -93,6 +98,7 @@ ALL = ("*/scenes/*.toml", "*/edits/*.jsonl")
 SOLID, CANTILEVER, COUTURE = "apps/solid/scenes", "apps/cantilever/scenes", "apps/couture"
 PLATE, BEAM, FISH = f"{SOLID}/plate.toml", f"{CANTILEVER}/cantilever.toml", "apps/metallophone/scenes/fish.toml"
 BRIDGE, BUILDING = "apps/bridge/scenes/bridge.toml", "apps/vibration/scenes/building.toml"
+FLOW = "apps/flow/scenes/flow.toml"
 SPHERE, PINS, STRIP = (f"{COUTURE}/scenes/{name}.toml" for name in ("sphere", "pins", "strip"))
 BAR, TABLE = "apps/metallophone/scenes/bar_200.toml", "apps/furniture/scenes/table.toml"
 DRAPED = ("restshape_apps.couture.drapes_command", "restshape_apps.couture.picture")
@@ -122,6 +128,7 @@ LIST = (
         (recorded("pipe", "apps/thermal/scenes/pipe.toml"), "restshape report results/pipe.vtkhdf --animation none"),
         REPORT,
     ),
+    *reports("flow", FLOW, "apps/flow/edits/flow.jsonl", also=("history.png",)),
     *reports("couture", SPHERE, f"{COUTURE}/edits/sphere-drag.jsonl"),
     Result(
         ("couture-sphere.png",),

@@ -305,8 +305,8 @@ class Application:
 
     def transient(self, scene: Scene) -> bool:
         """Whether a frame of a scene goes on from the one before it, so that none can be left out."""
-        on = (effect for name, effect in self.effects.items() if effect.required or name in scene.effects)
-        return any(effect.transient for effect in on)
+        on = ((name, effect) for name, effect in self.effects.items() if effect.required or name in scene.effects)
+        return any(effect.goes_on(scene.effects.get(name, {})) for name, effect in on)
 
     def interpreter(self) -> Callable[..., object]:
         """The composer of its edit scripts, imported now; it has `lines`."""

@@ -186,7 +186,7 @@ class KeptPreconditioner:
 
         Nor are factors of indefinite systems asked: negative pivots are in their nature, and say nothing of stability.
         """
-        if not self.complete or self.traits.pivots:
+        if not (self.complete and self.traits.definite):
             return 0
         return self._summed(sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
 

@@ -242,7 +242,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
     def cold_system(self) -> GatheredSystem:
         """The tangent at this frame's solution on a new pattern, and the solution of a cold analysis from nothing."""
         state, context = self.state, replace(self.context, policy=policy("rebuild"))
-        cold = NonlinearSteadyAnalysis(state.scene, state.plan, context, self.make)
+        cold = type(self)(state.scene, state.plan, context, self.make)
         cold.solver.tolerance *= COLD
         none = np.empty(0, dtype=np.int32)
         cold.solve(Frame(cast(Mesh | LagrangeSpace, state.space), none, None, state.scene, (None, (0.0, 0.0))))

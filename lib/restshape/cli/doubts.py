@@ -160,7 +160,7 @@ def _strong_gravity(scene: Scene) -> Iterator[str]:
 def _limits_in_time(scene: Scene) -> Iterator[str]:
     """Limits that are compared with the end of each frame alone."""
     effects = application(scene.app).effects
-    steps = [found.get("steps", 1) for name, found in scene.effects.items() if effects[name].transient]
+    steps = [found.get("steps", 1) for name, found in scene.effects.items() if effects[name].goes_on(found)]
     if not steps or max(steps) < 2:
         return
     for name, quantity in scene.quantities.items():

@@ -70,7 +70,7 @@ class FrameErrors:
         self.singular = SingularQuantities(scene, application, session)
         self.quantity_errors = QuantityErrorColumns(scene, application, self._estimator, self.singular.now)
         steady = {kind for effect in application.effects.values() if not effect.transient for kind in effect.quantities}
-        timeless = steady if any(application.effects[name].transient for name in scene.effects) else set()
+        timeless = steady if application.transient(scene) else set()
         exact = [name for name, one in scene.quantities.items() if one.kind in {*CORE, *timeless}]
         self.limits = MovingLimits()
         self.uncertain_limits = UncertainLimits(self.singular.now, self.analysis.row, exact)

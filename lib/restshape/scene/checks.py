@@ -46,13 +46,15 @@ def check_shaped(scene: Scene, application: Application, source: Source) -> None
     Raises:
         UserError: the first thing that makes no sense.
     """
-    for key in ("material", "mesh"):
+    materials = any(physics.material for physics in application.physics)
+    for key in ("material", "mesh") if materials else ("mesh",):
         if key not in scene.model_fields_set:
             raise source.error((key,), f"the key {key!r} is missing", "add it")
     _check_names(scene, source)
     _check_shape(scene, source)
     check_parameters(scene, application, source)
-    _check_materials(scene, source)
+    if materials:
+        _check_materials(scene, source)
     _check_references(scene, source)
     _check_formulas(scene, source)
     _check_mesh(scene, application, source)

@@ -58,7 +58,8 @@ class Effect:
         required: the application makes no sense without it.
         fixed: the analysis is another one with it, so that an edit can switch it neither on nor off.
         drives: it loads the body or sets it in motion.
-        transient: a frame goes on from the one before it, so that none can be left out.
+        transient: a frame goes on from the one before it, so that none can be left out; or the key of its model with
+            which it does.
         acceleration: the key of its model that is a vector of acceleration of all bodies; empty without one.
         quantities: kinds of quantities that there are with it only.
         kernels: how the names of elements begin that are there for it alone.
@@ -70,11 +71,15 @@ class Effect:
     required: bool = False
     fixed: bool = False
     drives: bool = False
-    transient: bool = False
+    transient: bool | str = False
     acceleration: str = ""
     quantities: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     repeats: tuple[str, ...] = ()
+
+    def goes_on(self, settings: Table) -> bool:
+        """Whether a frame goes on from the one before it under these plain settings."""
+        return settings.get(self.transient) is not None if isinstance(self.transient, str) else self.transient
 
     @property
     def start_keys(self) -> list[str]:

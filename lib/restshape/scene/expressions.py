@@ -37,6 +37,7 @@ FUNCTIONS: dict[str, tuple[Callable[..., Reals], int]] = {
 }
 OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**", ast.USub: "-", ast.UAdd: "+"}
 COORDINATES = ("x", "y")
+PLACES_AND_TIME = (*COORDINATES, "t")
 CONSTANTS = {"pi": np.pi}
 MAX_DEPTH = 100
 NO_BUILTINS: dict[str, dict[str, object]] = {"__builtins__": {}}
@@ -62,6 +63,7 @@ class Expression:
         text: for example ``"-P*(L - x)*y/I"``; ``^`` is a power, as ``**`` is, and numbers
             may have a unit, as in ``3 mm*(1 - x/2)``.
         wanted: name of the dimension that its value must have; None: of any, or not known.
+        coordinates: names that are no parameters; a value that is none of a place is given among the parameters.
 
     Attributes:
         has_units: a number in it has a unit.
@@ -72,10 +74,10 @@ class Expression:
             does not read as one at all.
     """
 
-    __slots__ = ("_code", "_numbers", "has_units", "is_sum", "names", "text", "wanted")
+    __slots__ = ("_code", "_numbers", "coordinates", "has_units", "is_sum", "names", "text", "wanted")
 
-    def __init__(self, text: str, wanted: str | None = None) -> None:
-        self.text, self.wanted = text, wanted
+    def __init__(self, text: str, wanted: str | None = None, coordinates: Sequence[str] = COORDINATES) -> None:
+        self.text, self.wanted, self.coordinates = text, wanted, tuple(coordinates)
         if len(text) > FORMULA_CHARACTERS:
             what = f"the formula is {len(text)} characters long, and {FORMULA_CHARACTERS} are allowed"
             raise ExpressionError(what, "write a shorter one")
@@ -112,10 +114,11 @@ class Expression:
     @property
     def parameters(self) -> list[str]:
         """The parameters that it names, in alphabetical order."""
-        return sorted(self.names.difference(COORDINATES, CONSTANTS))
+        return sorted(self.names.difference(self.coordinates, CONSTANTS))
 
-    def missing(self, parameters: Collection[str], coordinates: Sequence[str] = COORDINATES) -> tuple[str, str] | None:
+    def missing(self, parameters: Collection[str], coordinates: Sequence[str] | None = None) -> tuple[str, str] | None:
         """A name in the formula that is neither a coordinate nor a parameter, and what may have been meant; or None."""
+        coordinates = self.coordinates if coordinates is None else coordinates
         for name in sorted(self.names):
             if name in coordinates or name in CONSTANTS or name in parameters:
                 continue
@@ -125,8 +128,9 @@ class Expression:
             return name, f"did you mean {near[0]!r}?" if near else ""
         return None
 
-    def unknown(self, parameters: Collection[str], coordinates: Sequence[str] = COORDINATES) -> ExpressionError | None:
+    def unknown(self, parameters: Collection[str], coordinates: Sequence[str] | None = None) -> ExpressionError | None:
         """The error of what the formula names although it is neither a coordinate nor a parameter; or None."""
+        coordinates = self.coordinates if coordinates is None else coordinates
         missing = self.missing(parameters, coordinates)
         if missing is None:
             return None
@@ -177,7 +181,7 @@ class Expression:
             ExpressionError: an unknown name.
         """
         value = float(self.evaluate(0.0, 0.0, parameters))
-        inputs = _Inputs({"x": 0.0, "y": 0.0, **CONSTANTS, **parameters})
+        inputs = _Inputs({**dict.fromkeys(self.coordinates, 0.0), **CONSTANTS, **parameters})
         tree = inputs.visit(ast.Expression(in_kelvins(parsed(self.text))))
         code, values = compile(tree, "<formula>", "eval"), inputs.values
         known = {name: function for name, (function, _) in FUNCTIONS.items()}

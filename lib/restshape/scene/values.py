@@ -21,7 +21,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from restshape.bounds import NAME_CHARACTERS
 from restshape.scene.annotations import annotated
-from restshape.scene.expressions import Expression, NoFormula, Value
+from restshape.scene.expressions import COORDINATES, PLACES_AND_TIME, Expression, NoFormula, Value
 from restshape.scene.key_aliases import OLD_NAMES, by_todays_names
 from restshape.scene.key_descriptions import Described
 from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quantity
@@ -110,17 +110,19 @@ class InSI(Measured):
     Args:
         formula: it may also name x and y, and stays a formula.
         settled: of these only formulas of x or y stay; those of the parameters alone have their value, as elsewhere.
+        timed: formulas may name the time t besides.
     """
 
     formula: bool = False
     settled: bool = False
+    timed: bool = False
 
     def read(self, raw: Value | str, info: ValidationInfo) -> Value:
         """The value of what a user has written."""
         if self.formula and isinstance(raw, Expression):
             return raw
         if self.formula and isinstance(raw, str) and not reads_as_quantity(raw):
-            formula = Expression(raw, self.dimension)
+            formula = Expression(raw, self.dimension, PLACES_AND_TIME if self.timed else COORDINATES)
             parameters = (info.context or {}).get("parameters")
             if not self.settled or parameters is None or formula.names_places:
                 return formula
@@ -134,7 +136,7 @@ class InSI(Measured):
         example = EXAMPLES[self.dimension].strip('"') if self.dimension else "12 mm"
         text = f"a number in SI units or text such as {example}"
         if self.formula:
-            text += ", or a formula of x, y and the parameters"
+            text += f", or a formula of x, y{', t' * self.timed} and the parameters"
         return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": text}
 
 
@@ -177,14 +179,14 @@ def number_of(dimension: str | None) -> object:
     return Annotated[float, InSI(dimension)]
 
 
-def value_of(dimension: str, settled: bool = False) -> object:
+def value_of(dimension: str, settled: bool = False, timed: bool = False) -> object:
     """The type of a number with a unit of that dimension, or of a formula that gives one in SI units.
 
     Args:
         dimension: one of `units.DIMENSIONS`.
-        settled: as of `InSI`.
+        settled, timed: as of `InSI`.
     """
-    return Annotated[float | Expression, InSI(dimension, formula=True, settled=settled)]
+    return Annotated[float | Expression, InSI(dimension, formula=True, settled=settled, timed=timed)]
 
 
 def _read_part(raw: object) -> str:

@@ -1,0 +1,63 @@
+"""The blunt body on one rank and on two, its reuse against cold steps, and the scene that `restshape new` writes."""
+
+import json
+
+import numpy as np
+import pytest
+from restshape_apps.flow import application
+
+SCENE = application.folder / "scenes" / "flow.toml"
+EDITS = application.folder / "edits" / "flow.jsonl"
+DRAG = [
+    {"do": "idle", "frames": 3},
+    {"do": "press", "on": "tail", "at": [5, 0]},
+    {"do": "drag", "path": [[25, 0]], "frames": 6},
+    {"do": "release"},
+]
+
+
+def short(folder):
+    """The drag of the tail alone, a few frames after the wind has begun."""
+    lines = [{"format": "restshape-edits", "version": 1, "units": "mm"}]
+    path = folder / "short.jsonl"
+    lines += [{"t": 0.5 * i, **event} for i, event in enumerate(DRAG)]
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    return path
+
+
+def test_the_scene_has_as_many_triangles_as_the_thesis(command, tmp_path):
+    done = command("replay", SCENE, "--json", "out.json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "out.json").read_text())["elements"] == pytest.approx(1971, rel=0.02)
+
+
+@pytest.mark.slow
+def test_two_ranks_give_what_one_gives(on_ranks, tmp_path):
+    found, edits = [], short(tmp_path)
+    for ranks in (1, 2):
+        done = on_ranks(ranks, "replay", SCENE, "--edits", edits, "--parity", "--json", f"{ranks}.json")
+        assert done.returncode == 0, done.stderr
+        found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
+    for name in ("drag", "lift", "kinetic"):
+        one, two = (np.array(summary["quantities"][name]) for summary in found)
+        assert np.abs(one - two).max() < 1e-5 * max(1.0, np.abs(one).max())
+    assert found[0]["levels"]["1"] > 0
+
+
+@pytest.mark.slow
+def test_a_tail_takes_away_the_eddies(command, tmp_path):
+    done = command("replay", SCENE, "--edits", EDITS, "--json", "out.json")
+    assert done.returncode == 0, done.stderr
+    quantities = json.loads((tmp_path / "out.json").read_text())["quantities"]
+    lift, drag = (np.array(quantities[name]) for name in ("lift", "drag"))
+    assert np.ptp(lift[70:100]) > 0.8 > 2 * np.ptp(lift[-20:])
+    assert drag[-20:].mean() < 0.8 * drag[70:100].mean()
+
+
+@pytest.mark.slow
+def test_the_scene_that_new_writes_runs(command, tmp_path):
+    assert command("new", "flow", "mine").returncode == 0
+    done = command("replay", "mine/scene.toml", "mine/edits.jsonl", "--parity", "--json", "out.json")
+    assert done.returncode == 0, done.stderr
+    drag = json.loads((tmp_path / "out.json").read_text())["quantities"]["drag"]
+    assert all(value > 0 for value in drag)

@@ -1,0 +1,201 @@
+"""What a flow does at the edges of its shape: prescribed velocities, walls, outflow, and the datum of the pressure."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from restshape.errors import ReplayProblem, UserError
+from restshape.fem.dirichlet import Dirichlet, Prescribed
+from restshape.fem.nodal_values import evaluate
+from restshape.fem.space import PlaneSpace
+from restshape.scene.expressions import Value
+from restshape.scene.model import Scene
+from restshape.shape.outline import Outline
+
+PARALLEL = 1e-6
+"""An edge is parallel to an axis if its direction is, up to this angle."""
+UNBALANCED = 0.02
+"""Part of what flows through a vessel without outflow by which what comes in may differ from what goes out."""
+PIECES = 50
+"""Parts of each straight piece of an edge, on which the flow through it is summed up before there is a mesh."""
+
+
+class FlowConditions:
+    """The conditions of a scene on the border of a space.
+
+    Args:
+        scene: its boundaries and parameters.
+        space: whose nodes may move; its facets stay on their edges.
+
+    Attributes:
+        dirichlet: of velocity and pressure, columns x, y, p.
+        closed: there is no outflow: the pressure has a datum at one node.
+        constrained_edges: names of the edges at which the velocity is prescribed.
+    """
+
+    def __init__(self, scene: Scene, space: PlaneSpace) -> None:
+        self.scene, self.space = scene, space
+        outline = space.outline
+        self._kinds = edge_kinds(scene, outline)
+        self.closed = not any(table.kind == "outflow" for table in scene.boundary.values())
+        self.constrained_edges = [outline.edges[k].name for k, (kind, _) in self._kinds.items() if kind != "outflow"]
+        conditions = [*self._walls(), *self._velocities(), *self._slips()]
+        if self.closed:
+            conditions.append(Prescribed("boundary", 2, space.facets[:1, 0], 0.0))
+        self.dirichlet = Dirichlet((len(space.X), 3), conditions, scene.parameters, "m/s")
+
+    def evaluate(self, time: float) -> None:
+        """Set prescribed velocities for the nodes where they lie, at a time [s].
+
+        Raises:
+            UserError: an edge on which the fluid slips is parallel to no axis, or two velocities meet at a node.
+            ReplayProblem: a formula has no number somewhere, or more flows into a closed vessel than out of it.
+        """
+        for name in self._slipping():
+            self._components_across(name)
+        self.dirichlet.parameters = {**self.scene.parameters, "t": time}
+        self.dirichlet.evaluate(self.space.X)
+        if self.closed:
+            self._check_balance()
+
+    def is_outflow(self, edge: int) -> bool:
+        """Whether the fluid leaves by an edge of the outline as it will."""
+        return self._kinds.get(edge, ("", ""))[0] == "outflow"
+
+    def facets_of(self, kind: str) -> np.ndarray:
+        """Facets (k, 2) with a condition of a kind."""
+        edges = [edge for edge, (found, _) in self._kinds.items() if found == kind]
+        return self.space.facets[np.isin(self.space.facet_edge, edges)]
+
+    def fluxes(self, facets: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        """What flows out by facets (k, 2), (k,) [m^2/s], of a velocity (n, 2) of all nodes."""
+        along = self.space.X[facets[:, 1]] - self.space.X[facets[:, 0]]
+        mean = 0.5 * (velocity[facets[:, 0]] + velocity[facets[:, 1]])
+        return mean[:, 0] * along[:, 1] - mean[:, 1] * along[:, 0]
+
+    def _walls(self) -> Iterator[Prescribed]:
+        self._wall = np.unique(self.facets_of("wall"))
+        yield from (Prescribed("boundary", k, self._wall, 0.0) for k in range(2))
+
+    def _velocities(self) -> Iterator[Prescribed]:
+        for name, table in self.scene.boundary.items():
+            if table.kind == "velocity":
+                nodes = np.setdiff1d(self._nodes(name), self._wall)
+                yield from self._components(f"boundary.{name}.velocity", nodes, table.velocity)
+        self._given = np.union1d(self._wall, self.facets_of("velocity"))
+
+    def _components(self, where: str, nodes: np.ndarray, values: Sequence[Value]) -> Iterator[Prescribed]:
+        yield from (Prescribed(f"{where}.{k}", k, nodes, value) for k, value in enumerate(values))
+
+    def _slips(self) -> Iterator[Prescribed]:
+        for name in self._slipping():
+            facets = self.space.facets[self._facets(name)]
+            components = self._components_across(name)
+            for k in range(2):
+                yield Prescribed(f"boundary.{name}", k, np.setdiff1d(facets[components == k], self._given), 0.0)
+
+    def _slipping(self) -> list[str]:
+        """Names of the tables of edges along which the fluid slips."""
+        return [name for name, table in self.scene.boundary.items() if table.kind == "slip"]
+
+    def _components_across(self, name: str) -> np.ndarray:
+        """The components (k,) of the velocity across the facets of such a table."""
+        ends = self.space.X[self.space.facets[self._facets(name)]]
+        return across(ends[:, 1] - ends[:, 0], f"boundary.{name}")
+
+    def _facets(self, name: str) -> np.ndarray:
+        return np.unique(np.concatenate([self.space.facets_of(on) for on in self.scene.boundary[name].on]))
+
+    def _nodes(self, name: str) -> np.ndarray:
+        return np.unique(self.space.facets[self._facets(name)])
+
+    def _check_balance(self) -> None:
+        fluxes = self.fluxes(self.facets_of("velocity"), self.dirichlet.values[:, :2])
+        if unbalanced(float(fluxes.sum()), float(np.abs(fluxes).sum())):
+            raise ReplayProblem(unequal(fluxes))
+
+
+def across(along: np.ndarray, key: str) -> np.ndarray:
+    """The components (k,) of velocities across directions (k, 2), each parallel to an axis.
+
+    Raises:
+        UserError: one is parallel to none.
+    """
+    size = np.abs(along)
+    if (size.min(axis=1) > PARALLEL * size.max(axis=1)).any():
+        what = "the fluid slips along edges that are parallel to the x or the y axis only, and one here is not"
+        raise UserError(what, key, "turn the edge, or make it a wall")
+    return (size[:, 0] > size[:, 1]).astype(int)
+
+
+def unbalanced(net: float, through: float) -> bool:
+    """Whether what flows out, net, is too much beside all that flows through the border."""
+    return abs(net) > UNBALANCED * through
+
+
+def unequal(fluxes: np.ndarray) -> str:
+    """What is wrong where more flows into a vessel than out of it, for people; fluxes (k,) [m^2/s] out of it."""
+    out, into = float(fluxes[fluxes > 0].sum()), float(-fluxes[fluxes < 0].sum())
+    return f"{into:.4g} m^2/s flow in and {out:.4g} m^2/s out, and there is no outflow where the rest could go"
+
+
+def border(outline: Outline) -> dict[int, bool]:
+    """The edges on the border of the fluid, and whether each is run along as its loop has it."""
+    return {edge: forward for loop in outline.loops if loop.kind != "region" for edge, forward in loop.edges}
+
+
+def edge_kinds(scene: Scene, outline: Outline) -> dict[int, tuple[str, str]]:
+    """The condition of each edge of the border: its kind, and the name of its table; walls have none.
+
+    Raises:
+        UserError: an edge has two conditions, or one lies inside.
+    """
+    found = dict.fromkeys(border(outline), ("wall", ""))
+    for name, table in scene.boundary.items():
+        for on in table.on:
+            for edge in outline.entity(on).edges:
+                if edge not in found:
+                    what = f"{outline.edges[edge].name!r} is not on the border of the fluid"
+                    raise UserError(what, f"boundary.{name}.on", "name an edge of the outline, or of a hole")
+                before = found[edge][1]
+                if before not in ("", name):
+                    what = f"the edge {outline.edges[edge].name!r} has two conditions, [boundary.{before}] and this one"
+                    raise UserError(what, f"boundary.{name}.on", "take it out of one of them")
+                found[edge] = table.kind, name
+    return found
+
+
+def check_shape(scene: Scene, outline: Outline) -> None:
+    """Makes sure that edges have one condition each, and that what flows into a closed vessel flows out of it.
+
+    Raises:
+        UserError: they do not.
+    """
+    try:
+        kinds = edge_kinds(scene, outline)
+        for edge, (kind, name) in kinds.items():
+            if kind == "slip":
+                across(np.diff(outline.polyline(edge), axis=0), f"boundary.{name}")
+        fluxes = np.array([*_fluxes(scene, outline, kinds)])
+        closed = not any(kind == "outflow" for kind, _ in kinds.values())
+        if closed and unbalanced(float(fluxes.sum()), float(np.abs(fluxes).sum())):
+            raise UserError(unequal(fluxes), "boundary", "add one, such as [boundary.outlet] with outflow = true")
+    except UserError as error:
+        raise scene.located(error) from error
+    except ReplayProblem as error:
+        raise scene.located(UserError(str(error), "boundary", "change the formula")) from error
+
+
+def _fluxes(scene: Scene, outline: Outline, kinds: dict[int, tuple[str, str]]) -> Iterator[float]:
+    """What flows out by short parts of the edges with a velocity [m^2/s], at time 0."""
+    parameters = {**scene.parameters, "t": 0.0}
+    for edge, forward in border(outline).items():
+        kind, name = kinds[edge]
+        if kind != "velocity":
+            continue
+        corners = outline.polyline(edge)[:: 1 if forward else -1]
+        places = (np.arange(PIECES) + 0.5) / PIECES
+        table, where = scene.boundary[name], f"boundary.{name}.velocity"
+        for start, along in zip(corners, np.diff(corners, axis=0)):
+            velocity = evaluate(table.velocity, start + places[:, None] * along, parameters, where)
+            yield from ((velocity[:, 0] * along[1] - velocity[:, 1] * along[0]) / PIECES).tolist()

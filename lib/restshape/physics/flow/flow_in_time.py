@@ -1,0 +1,284 @@
+"""Flow in time while its walls are being edited: implicit steps by backward differences on a mesh that moves."""
+
+# More than 15 modules: here time steps, Newton's method and the mesh's motion of a frame meet, a module each.
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+
+from restshape.algebra.gathering import GatheredSystem, gather_matrix
+from restshape.algebra.linear import LinearSolver
+from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.newton_convergence import Outcome
+from restshape.analysis.analysis import Comparison, Context, RowValues, State
+from restshape.analysis.frame import Frame
+from restshape.analysis.nonlinear import COLD, NonlinearState, NonlinearSteadyAnalysis, NonlinearSystem
+from restshape.analysis.residual_equations import ResidualEquations
+from restshape.errors import ReplayProblem, UserError
+from restshape.fem.problem import Problem
+from restshape.first_use import made
+from restshape.mesh.transfer import Transfer
+from restshape.physics.flow.flow_declaration import FlowSettings
+from restshape.physics.flow.flow_search import FlowSearch
+from restshape.physics.flow.incompressible_flow import IncompressibleFlow, TimeStep
+from restshape.policy import policy
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+log = logging.getLogger("restshape.analysis")
+
+
+@dataclass(frozen=True, eq=False)
+class Past:
+    """The flow at the end of the last time step, and at the end of that before.
+
+    Args:
+        time: of the last one [s].
+        velocity, places: (n, 2) of the nodes then [m/s] and [m].
+        before: both at the end of the step before, on the same nodes; None: there was none.
+    """
+
+    time: float
+    velocity: np.ndarray
+    places: np.ndarray
+    before: tuple[np.ndarray, np.ndarray] | None = None
+
+    def step(self, X: np.ndarray, settings: FlowSettings) -> TimeStep:
+        """What the next step adds to the equations, whose nodes are at X (n, 2) [m] then.
+
+        The velocity of the mesh is the difference by which the rate of the velocity is taken: with another one, steady
+        fields that are linear in space would change where the mesh moves.
+        """
+        dt = settings.time_step
+        if self.before is None or settings.scheme == "backward_euler":
+            past, mesh, rate = -self.velocity / dt, (X - self.places) / dt, 1.0 / dt
+        else:
+            velocity, places = self.before
+            past = (velocity - 4.0 * self.velocity) / (2.0 * dt)
+            # By differences: nodes that have not moved have none to the last bit.
+            mesh = (3.0 * (X - self.places) - (self.places - places)) / (2.0 * dt)
+            rate = 1.5 / dt
+        return TimeStep(self.time + dt, rate, dt, past, mesh if np.any(mesh) else None)
+
+    def after(self, step: TimeStep, velocity: np.ndarray, X: np.ndarray) -> Past:
+        """The flow after a step to a velocity (n, 2), with nodes at X (n, 2)."""
+        return Past(step.time, velocity.copy(), X.copy(), (self.velocity, self.places))
+
+
+@dataclass(frozen=True, eq=False)
+class FlowState(NonlinearState):
+    """A flow in time; further arguments:
+
+    Args:
+        past: what the next step goes on from.
+    """
+
+    past: Past | None = None
+
+
+def nodal_gradients(X: np.ndarray, cells: np.ndarray, field: np.ndarray) -> np.ndarray:
+    """Gradients (n, f, 2) at nodes X (n, 2) of a field (n, f) that is linear in each of the triangles, by area."""
+    corners, values = X[cells], field[cells]
+    sides, rises = corners[:, 1:] - corners[:, :1], values[:, 1:] - values[:, :1]
+    area = np.abs(np.linalg.det(sides))
+    slopes = np.linalg.solve(sides, rises).transpose(0, 2, 1) * area[:, None, None]
+    found, weights = np.zeros((len(X), *slopes.shape[1:])), np.zeros(len(X))
+    for k in range(3):
+        np.add.at(found, cells[:, k], slopes)
+        np.add.at(weights, cells[:, k], area)
+    return found / weights[:, None, None]
+
+
+class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
+    """Flow in time, frame after frame; arguments as `analysis.steady.SteadyAnalysis`.
+
+    Each step is a nonlinear problem with the older velocities as nodal coefficients. The first frame shows the fluid
+    at rest and takes no step. A new mesh takes the velocity by interpolation and begins with a step of first order.
+
+    Source: docs/theory/flow.md.
+    """
+
+    state: FlowState
+    predictor = None
+    why_not = "only steady states and modes are predicted: time integration depends on the past, not on the shape alone"
+
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[IncompressibleFlow]) -> None:
+        super().__init__(scene, plan, context, make)
+        self.state = FlowState(plan, scene)
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring the flow up to date with a frame: take its time steps.
+
+        Raises:
+            ReplayProblem: a step finds no flow, or a value has no number somewhere.
+            UserError: the scene's new values make no sense. In both cases the state is that of before, time included.
+        """
+        before, mesh = self.state, frame.mesh
+        new_mesh, new_scene = mesh is not before.mesh, before.interrupted or frame.scene is not before.scene
+        try:
+            if new_mesh or new_scene:
+                self._bind(frame, new_mesh)
+            if not new_mesh and mesh.topology != before.topology:
+                with self.context.stages("pattern"):
+                    self._flip(frame)
+            return self._run(frame, new_mesh, before)
+        except (ReplayProblem, UserError):
+            self.state = replace(before, interrupted=True)
+            if before.equations:
+                before.system.newton.set_equations(before.equations)
+            raise
+        finally:
+            self._destroy_unused()
+
+    def begin(self, x: np.ndarray, time: float = 0.0) -> None:
+        """Let the flow go on from unknowns x (n, 3) at a time [s], as if it had not been there before."""
+        space = self.state.problem.space
+        self.state = replace(self.state, x=x, past=Past(time, x[:, :2].copy(), space.X.copy()))
+
+    @property
+    def settings(self) -> FlowSettings:
+        """Of the time steps."""
+        return self.state.plan.settings("flow")
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]: that of all steps so far."""
+        return made(self.state.past).time
+
+    def row(self) -> RowValues:
+        """What the frame's row reports besides: the simulated time [s]."""
+        return super().row() | {"time": self.time}
+
+    def observed_on(
+        self, frame: Frame, before: State[Problem] | None, solved: State[Problem], earlier: bool
+    ) -> dict[str, float]:
+        """None: how a flow jumps where meshes change is not reported; see `Analysis.observed_on`."""
+        return {}
+
+    # --- a frame ------------------------------------------------------------------------------------------------------
+
+    def _bind(self, frame: Frame, new_mesh: bool) -> None:
+        before = self.state
+        super()._bind(frame, new_mesh)
+        if not new_mesh:
+            return
+        problem, past = self.state.problem, before.past
+        if past is None:
+            x = problem.boundary.values.copy()
+            past = Past(0.0, x[:, :2].copy(), problem.space.X.copy())
+        else:
+            with self.context.stages("map"):
+                x, past = self._transferred(before.x, past, before.problem.space)
+        self.state = replace(self.state, x=x, past=past)
+
+    def _transferred(self, x: np.ndarray, past: Past, old: Problem) -> tuple[np.ndarray, Past]:
+        """Unknowns and past at the nodes of a new mesh.
+
+        Nodes of the mesh before lie where they could follow the shape: there fields are taken first, along their
+        gradients, so that those that are linear in space stay what they are.
+        """
+        X, moved = self.state.problem.space.X, old.X - past.places
+        here = x + np.einsum("nfd,nd->nf", nodal_gradients(past.places, old.cells, x), moved)
+        found = Transfer(old, X)(here)
+        log.info("Velocities interpolated to %d nodes", len(found))
+        return found, Past(past.time, found[:, :2].copy(), X.copy())
+
+    def _run(self, frame: Frame, new_mesh: bool, before: FlowState) -> LinearReport:
+        """Take the time steps of a frame; the first one takes none."""
+        state, stages = self.state, self.context.stages
+        problem, system, equations = state.problem, state.system, state.equations
+        if equations is None or equations.problem is not problem:
+            equations = ResidualEquations(problem, system.operator, stages)
+            system.newton.set_equations(equations)
+        again = new_mesh or before.interrupted
+        system.newton.begin(again, not again and frame.mesh.topology != before.topology, None)
+        x, past, residual, total = state.x, made(state.past), 0.0, None
+        for _ in range(0 if before.bound is None else self.settings.steps):
+            step = past.step(problem.space.X, self.settings)
+            outcome, x, scale = self._step(equations, step, x, past)
+            past = past.after(step, x[:, :2], problem.space.X)
+            residual = max(residual, outcome.norm / (scale or 1.0))
+            total = outcome if total is None else outcome.after(total)
+        total = total or Outcome(True, 0, 0, False, True)
+        self.state = replace(
+            state,
+            scene=frame.scene,
+            equations=equations,
+            x=x,
+            past=past,
+            topology=frame.mesh.topology,
+            geometry=frame.mesh.geometry,
+            residual=residual,
+            age=0 if total.refreshed else state.age + 1,
+            interrupted=False,
+        )
+        return LinearReport(total.iterations, total.refreshed, self.state.age, self.solver.name, total.newton)
+
+    def _step(
+        self, equations: ResidualEquations, step: TimeStep, x: np.ndarray, past: Past
+    ) -> tuple[Outcome, np.ndarray, float]:
+        """One time step from the unknowns x (n, 3): what Newton's method took, the unknowns after it, and their scale.
+
+        Raises:
+            ReplayProblem: no flow is found.
+        """
+        problem = cast(IncompressibleFlow, equations.problem)
+        with self.context.stages("values"):
+            problem.take(step)
+            problem.update()
+            equations.begin()
+        search = FlowSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim)
+        outcome, found = search.near(self._guess(x, past), x)
+        if not outcome.converged:
+            raise ReplayProblem(
+                f"no flow is found at {step.time:.6g} s: {outcome.why}; make effects.flow.time_step smaller"
+            )
+        return outcome, found, search.scale
+
+    def _guess(self, x: np.ndarray, past: Past) -> np.ndarray:
+        """Unknowns (n, 3) after a step, at the rate of change of the step before."""
+        if not self.context.policy.warm:
+            return np.zeros_like(x)
+        guess = x.copy()
+        if self.context.policy.extrapolate and past.before is not None:
+            guess[:, :2] = 2.0 * past.velocity - past.before[0]
+        return guess
+
+    # --- for comparison with a cold solve -----------------------------------------------------------------------------
+
+    def compare_cold(self) -> Comparison:
+        """The state beside its last time step, taken again with new pattern, values and factor."""
+        if self.state.problem.step is None:
+            return Comparison(0.0, None)
+        return super().compare_cold()
+
+    def cold_system(self) -> GatheredSystem:
+        """The tangent after the last step on a new pattern, and the unknowns after that step, from those before."""
+        state, context = self.state, replace(self.context, policy=policy("rebuild"))
+        problem = self.make(state.scene, state.plan, made(state.bound).mesh)
+        problem.take(state.problem.step)
+        problem.update()
+        tolerance = COLD * self.tolerance
+        solver = LinearSolver(
+            context.comm,
+            f"{self.make.name}_",
+            context.policy.solver,
+            tolerance,
+            context.calibration,
+            context.stages,
+            traits=self.make.traits(state.plan),
+        )
+        system = NonlinearSystem(context.comm, problem, "coo", solver, f"{self.make.name}_newton_")
+        equations = ResidualEquations(problem, system.operator, context.stages)
+        system.newton.set_equations(equations)
+        equations.begin()
+        system.newton.begin(True, False, None)
+        outcome, x = FlowSearch(problem, equations, system.newton, lambda: tolerance).near(state.x, state.x)
+        if not outcome.converged:
+            raise ReplayProblem(f"the step has no cold solution: {outcome.why}")
+        matrix = gather_matrix(system.newton.tangent(self.x), context.comm)
+        system.newton.destroy()
+        return GatheredSystem(matrix, x.ravel().copy())

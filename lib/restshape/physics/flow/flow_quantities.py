@@ -1,0 +1,120 @@
+"""Quantities of interest of flow: forces on edges, pressures, speeds, discharges and energy."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.fem.edge_reactions import EdgeReactions
+from restshape.fem.elements import MASS
+from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.integral import Integral
+from restshape.fem.observer import Function, area_at, reduction
+from restshape.fem.problem import SteadyProblem
+from restshape.fem.residuals import unconstrained_residual
+from restshape.physics.flow.flow_conditions import FlowConditions
+from restshape.physics.flow.flow_declaration import Fluid
+from restshape.scene.model import Quantity
+
+AXES = {"drag": 0, "lift": 1}
+
+
+class ObservedFlow(SteadyProblem, Protocol):
+    """What quantities see of a flow.
+
+    Attributes:
+        fluid: of the scene; conditions: at the border of the space.
+    """
+
+    fluid: Fluid
+    conditions: FlowConditions
+
+    def pressure(self, x: np.ndarray) -> np.ndarray:
+        """Pressures (n,) [Pa] of the unknowns x (n, 3)."""
+
+
+def flow_quantity(problem: ObservedFlow, name: str, quantity: Quantity) -> Function:
+    """The function of the unknowns x (n, 3) that a quantity of this name is.
+
+    Args:
+        problem: on the space whose nodes are looked at.
+        name, quantity: as the scene has them.
+
+    Raises:
+        UserError: there is nothing where it is asked for.
+    """
+    space, kind = problem.space, quantity.kind
+    if kind == "area":
+        return area_at(space, name, quantity)
+    if kind == "kinetic":
+        return _kinetic(problem)
+    if kind == "flux":
+        return _flux(problem, quantity.at)
+    if kind == "pressure_drop":
+        return _pressure_drop(problem, name, quantity)
+    axis = AXES.get(kind.removesuffix("_coefficient"))
+    if axis is not None:
+        return _force(problem, quantity.at, axis, _unit(problem, quantity))
+    nodes = observed_nodes(space, name, quantity)
+    reduce = reduction(space, quantity, nodes)
+    if kind == "pressure":
+        return lambda x: reduce(problem.pressure(x)[nodes])
+    return lambda x: reduce(np.linalg.norm(x[nodes, :2], axis=1))
+
+
+def _unit(problem: ObservedFlow, quantity: Quantity) -> float:
+    """What a force is counted in [N]: 1, or of a coefficient rho speed^2 length depth / 2."""
+    if not quantity.kind.endswith("_coefficient"):
+        return 1.0
+    of = getattr(quantity, quantity.kind)
+    return 0.5 * problem.fluid.rho * of.speed**2 * of.length * problem.fluid.depth
+
+
+def _force(problem: ObservedFlow, edge: str, axis: int, unit: float) -> Callable[[np.ndarray], float]:
+    """The force of the fluid on an edge along an axis, in a unit [N]: what the residual of its nodes lacks.
+
+    Source: P. M. Gresho, R. L. Lee, R. L. Sani, M. K. Maslanik and B. E. Eaton, Int. J. Numer. Methods Fluids 7 (1987)
+    1111: the consistent flux.
+    """
+    if any(problem.conditions.is_outflow(k) for k in problem.space.outline.entity(edge).edges):
+        raise UserError(f"the fluid leaves by {edge!r}, so that there is no force on it", "at", "name a wall")
+    on = EdgeReactions(problem.space, edge, problem.conditions.constrained_edges)
+    factor = -problem.fluid.depth / unit
+
+    def force(x: np.ndarray) -> float:
+        rest = unconstrained_residual(problem, x, cells_around(problem.space, on.nodes))
+        return factor * float(on.parts() @ rest[on.nodes, axis])
+
+    return force
+
+
+def _flux(problem: ObservedFlow, edge: str) -> Callable[[np.ndarray], float]:
+    """What leaves by an edge [m^3/s]."""
+    space = problem.space
+    facets = space.facets_of(edge)
+    return lambda x: problem.fluid.depth * float(problem.conditions.fluxes(space.facets[facets], x[:, :2]).sum())
+
+
+def _pressure_drop(problem: ObservedFlow, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+    """The mean pressure of one place less that of another [Pa]."""
+    space, ends = problem.space, quantity.pressure_drop
+    parts = []
+    for place in (ends.start, ends.to):
+        here = quantity.model_copy(update={"at": place, "reduce": "mean"})
+        nodes = observed_nodes(space, name, here)
+        parts.append((nodes, reduction(space, here, nodes)))
+    (first, mean), (last, other) = parts
+    return lambda x: mean(x[first, 2]) - other(x[last, 2])
+
+
+def _kinetic(problem: ObservedFlow) -> Callable[[np.ndarray], float]:
+    """The kinetic energy [J] of all of the fluid."""
+    space, fluid = problem.space, problem.fluid
+    density = np.array([fluid.rho * fluid.depth])
+
+    def energy(x: np.ndarray) -> float:
+        mass = Integral(MASS[space.cell_type], space.X, space.cells, density)
+        return float(mass.energies(np.ascontiguousarray(x[:, :2])).sum())
+
+    return energy

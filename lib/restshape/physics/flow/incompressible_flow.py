@@ -1,0 +1,191 @@
+"""Incompressible flow as a problem: integrals, conditions and quantities of a scene on one space."""
+
+# More than 15 modules: conditions, elements and quantities make one problem here.
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.fem import problem as kinds
+from restshape.fem.averages import node_weights
+from restshape.fem.elements import (
+    FLOW,
+    OSEEN_FLOW,
+    SLOW_FLOW,
+    UNSTEADY_FLOW,
+    UNSTEADY_FLOW_ON_MOVING_MESH,
+    UNSTEADY_OSEEN_FLOW,
+    UNSTEADY_SLOW_FLOW,
+)
+from restshape.fem.integral import Integral
+from restshape.fem.observer import Observer
+from restshape.fem.problem import Fields, SteadyProblem, Unknown
+from restshape.fem.space import Space
+from restshape.physics.flow.flow_conditions import FlowConditions
+from restshape.physics.flow.flow_quantities import flow_quantity
+from restshape.scene.model import Quantity, Scene
+from restshape.scene.plan import Plan
+
+ROUNDING = 1e-13
+"""Residual over the largest terms in it below which it is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class TimeStep:
+    """What a step of a backward difference adds to the equations.
+
+    Args:
+        time: at its end [s].
+        rate: the factor of the velocity in its rate [1/s]; dt: of the step [s].
+        past: (n, 2) what older velocities add to the rate [m/s^2].
+        mesh_velocity: (n, 2) [m/s]; None: the mesh stands still.
+    """
+
+    time: float
+    rate: float
+    dt: float
+    past: np.ndarray
+    mesh_velocity: np.ndarray | None = None
+
+
+# More than 15 attributes: a problem holds what its integrals, conditions and quantities share.
+class IncompressibleFlow(SteadyProblem):
+    """rho (du/dt + u . grad u) = -grad p + mu laplace u, div u = 0 of one scene on one space; a `SteadyProblem`.
+
+    Args:
+        scene: fluid and boundaries.
+        plan: which effects are on.
+        space: kept by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
+
+    Attributes:
+        step: of a flow in time; None: it is steady.
+        conditions: at the border.
+        thickening: times the fluid's viscosity, the one that counts: above 1 on the way to a steady flow.
+        advecting: (n, 2) velocity that advects, in place of the flow's own; None: that one.
+
+    Source: docs/theory/flow.md.
+    """
+
+    name = "flow"
+    unknowns = (Unknown("velocity", "m/s", ("x", "y")), Unknown("pressure", "Pa", ("p",)))
+    symmetric = definite = linear = False
+    varies = loaded_inside = True
+
+    def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
+        self.scene, self.plan, self.space, self.fluid = scene, plan, space, scene.fluid
+        self.inertia = plan.on("convection")
+        self.step: TimeStep | None = None
+        self.thickening, self.advecting = 1.0, None
+        self.conditions = FlowConditions(scene, space)
+        self.boundary = self.conditions.dirichlet
+        self.update()
+
+    @property
+    def size(self) -> float:
+        """The length of a side of a cell [m], one for all of them."""
+        return float(np.sqrt(2.0 * self._area / len(self.space.cells)))
+
+    @property
+    def stiffest(self) -> float:
+        """The largest of the coefficients of momentum [Pa s], with that of a step."""
+        inertia = 0.0 if self.step is None else self.fluid.rho * self.step.rate * self.size**2
+        return self.fluid.mu + inertia + self.continuity * self.size
+
+    @property
+    def speed(self) -> float:
+        """The largest velocity that is prescribed, or was there before the step [m/s]."""
+        given = float(np.abs(self.boundary.values[:, :2]).max(initial=0.0))
+        before = 0.0 if self.step is None else float(np.abs(self.step.past).max(initial=0.0)) / self.step.rate
+        return max(given, before)
+
+    @property
+    def continuity(self) -> float:
+        """The factor of continuity [kg/(m^2 s)] that makes its residual one of forces."""
+        inertia = self.fluid.rho * self.speed if self.inertia else 0.0
+        return inertia + self.fluid.mu / self.size
+
+    def take(self, step: TimeStep) -> None:
+        """Take up another time step; `update` evaluates what depends on the time."""
+        self.step = step
+
+    def update(self) -> None:
+        """Evaluate again what depends on the place of the nodes, and on the time."""
+        self._area = float(node_weights(self.space, None, slice(None))().sum())
+        self.conditions.evaluate(0.0 if self.step is None else self.step.time)
+
+    def blocks(self) -> list[np.ndarray]:
+        """Entities (m, 3) int32 that have a tangent: the cells."""
+        return [self.space.cells]
+
+    def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
+        """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
+        if kind in (kinds.LOADS, kinds.FOLLOWERS):
+            return []
+        parameters = [self.fluid.rho, self.fluid.mu * self.thickening, 0.0, 0.0, self.continuity]
+        advecting, given = self._advecting()
+        if self.step is None:
+            family = {"none": SLOW_FLOW, "own": FLOW, "given": OSEEN_FLOW}[advecting]
+        else:
+            parameters += [self.step.rate, 2.0 / self.step.dt]
+            given = [*given, self.step.past]
+            family = {
+                "none": UNSTEADY_SLOW_FLOW,
+                "own": UNSTEADY_FLOW,
+                "relative": UNSTEADY_FLOW_ON_MOVING_MESH,
+                "given": UNSTEADY_OSEEN_FLOW,
+            }[advecting]
+        coefficients = np.ascontiguousarray(np.hstack(given)) if given else None
+        element = family[self.space.cell_type]
+        return [Integral(element, self.space.X, self.space.cells, np.array(parameters), coefficients=coefficients)]
+
+    def _advecting(self) -> tuple[str, list[np.ndarray]]:
+        """How the velocity is advected, and by which nodal velocity (n, 2) where that is no unknown."""
+        moving = None if self.step is None else self.step.mesh_velocity
+        if self.inertia and self.advecting is None:
+            return ("own", []) if moving is None else ("relative", [moving])
+        own = self.advecting if self.inertia else None
+        if own is None and moving is None:
+            return "none", []
+        return "given", [-moving if own is None else own if moving is None else own - moving]
+
+    def force_scale(self, x: np.ndarray) -> float:
+        """What residuals at x (n, 3) are measured against [N/m]: flux of momentum, and friction, of a usual node.
+
+        Not of all nodes together: residuals of smooth errors are the smaller the more nodes there are.
+        """
+        speed = np.linalg.norm(x[:, :2], axis=1)
+        dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
+        return self.size * float(np.sqrt(np.mean((dynamic + self.fluid.mu / self.size * speed) ** 2)))
+
+    def rounding(self) -> float:
+        """Residual a unit of the largest unknown below which one that steps do not lower any more is rounding."""
+        return ROUNDING * self.stiffest
+
+    def pressure(self, x: np.ndarray) -> np.ndarray:
+        """Pressures (n,) [Pa] of the unknowns x (n, 3); of mean 0 where there is no outflow."""
+        if not self.conditions.closed:
+            return x[:, 2]
+        return x[:, 2] - self._mean(x[:, 2])
+
+    def _mean(self, values: np.ndarray) -> float:
+        weights = node_weights(self.space, None, slice(None))()
+        return float(weights @ values / weights.sum())
+
+    def fields(self, x: np.ndarray) -> Fields:
+        """Velocity [m/s], pressure [Pa] and speed [m/s] of the nodes, at x (n, 3)."""
+        velocity = x[:, :2]
+        return {"velocity": velocity, "pressure": self.pressure(x), "speed": np.linalg.norm(velocity, axis=1)}, {}
+
+    @classmethod
+    def blank_fields(cls, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+        n = len(space.X)
+        return {
+            name: np.full(shape, np.nan) for name, shape in (("velocity", (n, 2)), ("pressure", n), ("speed", n))
+        }, {}
+
+    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
+        """What evaluates quantities of the unknowns x (n, 3)."""
+        return Observer({name: flow_quantity(self, name, quantity) for name, quantity in quantities.items()})

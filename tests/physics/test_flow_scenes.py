@@ -1,0 +1,103 @@
+"""What scenes of flow may say, and the messages for those that make no sense."""
+
+import pytest
+from flow_scenes import CHANNEL, CYLINDER, HEAD, SQUARE, STEADY, everywhere, in_time
+from restshape_studies.stability.scenery import make_replay, set_value, write_scene, write_script
+from thermal_scenes import solved
+
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
+
+MESH = "[mesh]\nsize = 0.2\n"
+DRAG = '[quantities]\ndrag = { drag = true, at = "top" }\n'
+VESSEL = HEAD + SQUARE + "[fluid]\nrho = 1\nmu = 1\n" + STEADY + MESH
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("mu = 0.1", "mu = 0"), "fluid.mu .*greater than 0"),
+        (("mu = 0.1", ""), "the key 'mu' is missing"),
+        (("mu = 0.1", 'mu = "0.1 Pa"'), "viscosity is wanted"),
+        (('on = "inlet"', 'on = "outlet"'), "the edge 'outlet' has two conditions"),
+        (('on = "inlet"', 'on = "inlat"'), "there is no entity 'inlat'"),
+        (('on = "inlet"', 'on = "a"'), "no condition on 'a', which is a vertex"),
+        (("outflow = true", "outflow = true\nwall = true"), "exactly one of velocity, wall, slip, outflow"),
+        (("outflow = true", "wall = true"), "flow in and 0 m\\^2/s out, and there is no outflow"),
+        (('"4*y*(1 - y)"', '"4*y*(1 - y)*t"'), "depends on the time t, and the flow is steady"),
+        (('"4*y*(1 - y)"', '"4*y*(1 - y)*s"'), "names 's', which is not in"),
+        (("steady = true", 'steady = true, time_step = "1 s"'), "a steady flow has no time_step"),
+        (("steady = true", "steps = 4"), "steps is of a flow in time"),
+        (("convection = {}", "convection = {}\n[parameters]\nt = 1"), "'t' is the time"),
+        (("convection = {}", 'convection = {}\n[supports.s]\non = "top"\nfix = ["x"]'), "supports"),
+        (("convection = {}", "convection = {}\n[loads.l]\non = 'top'\npressure = 1"), "loads"),
+        (("[mesh]", DRAG + "[mesh]"), None),
+        (("[mesh]", DRAG.replace(', at = "top"', "") + "[mesh]"), "a drag needs a place"),
+        (("[mesh]", DRAG.replace('"top"', '"outlet"') + "[mesh]"), "no force on it"),
+        (("[mesh]", '[quantities]\nd = { pressure_drop = { from = "a", to = "z" } }\n[mesh]'), "no entity 'z'"),
+    ],
+)
+def test_messages(tmp_path, change, message):
+    before, after = change
+    text = CHANNEL + STEADY + MESH
+    assert before in text
+    if message is None:
+        solved(tmp_path, text.replace(before, after, 1))
+        return
+    with pytest.raises(UserError, match=message):
+        solved(tmp_path, text.replace(before, after, 1))
+
+
+def test_a_scene_without_a_condition_is_refused(tmp_path):
+    with pytest.raises(UserError, match="all edges are walls, and nothing flows"):
+        load_scene(write_scene(tmp_path, VESSEL))
+
+
+def test_an_edge_inside_has_no_condition(tmp_path):
+    region = "[shape.regions.core]\ncircle = { center = [0.5, 0.5], radius = 0.2 }\n"
+    text = VESSEL.replace("[fluid]", region + '[boundary.b]\non = "core"\nwall = true\n[fluid]')
+    with pytest.raises(UserError, match="is not on the border of the fluid"):
+        solved(tmp_path, text)
+
+
+def test_a_round_edge_cannot_slip(tmp_path):
+    text = everywhere("[1, 0]", STEADY).replace("[fluid]", '[boundary.w]\non = "window"\nslip = true\n[fluid]')
+    with pytest.raises(UserError, match="parallel to the x or the y axis"):
+        solved(tmp_path, text.replace('["outline", "window"]', '"outline"'))
+
+
+def test_a_channel_with_slip_is_a_uniform_stream(tmp_path):
+    text = CHANNEL.replace('["4*y*(1 - y)", 0]', "[1, 0]") + STEADY + MESH
+    row = solved(tmp_path, text + '[boundary.sides]\non = ["top", "bottom"]\nslip = true\n' + DRAG).row
+    assert row["q_drag"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_known_fluid_has_its_values(tmp_path):
+    text = CHANNEL.replace("rho = 1.5\nmu = 0.1", 'name = "water"\nrho = "1 g/cm^3"')
+    fluid = load_scene(write_scene(tmp_path, text + STEADY + MESH)).fluid
+    assert (fluid.rho, fluid.mu) == pytest.approx((1000.0, 1.003e-3))
+
+
+def test_conditions_can_be_set_during_an_edit(tmp_path):
+    text = CYLINDER + STEADY + '[quantities]\ndrag = { drag = true, at = "body" }\n' + MESH
+    script = write_script(tmp_path, set_value("boundary.inlet.velocity", ["8*y*(1 - y)", 0]))
+    first, *_, last = [dict(row) for row in make_replay(write_scene(tmp_path, text), script).frames()]
+    assert last["q_drag"] > 1.9 * first["q_drag"]
+
+
+def test_a_steady_flow_cannot_become_one_in_time(tmp_path):
+    text, script = CYLINDER + STEADY + MESH, write_script(tmp_path, set_value("effects.flow", {"time_step": 0.1}))
+    rows = [dict(row) for row in make_replay(write_scene(tmp_path, text), script).frames()]
+    assert "steady, or unsteady, during an edit" in rows[-1]["refused"]
+
+
+def test_an_inflow_that_depends_on_the_time(tmp_path):
+    """A velocity that grows with the time t is there at the end of each step."""
+    text = CHANNEL.replace('"4*y*(1 - y)"', '"4*y*(1 - y)*t"') + in_time(0.25) + MESH
+    text += '[quantities]\nout = { flux = true, at = "outlet" }\nin = { flux = true, at = "inlet" }\n'
+    script = write_script(tmp_path, [{"do": "idle", "frames": 4}])
+    rows = [dict(row) for row in make_replay(write_scene(tmp_path, text), script).frames()]
+    for row in rows:
+        assert row["q_out"] == pytest.approx(-row["q_in"], rel=1e-6, abs=1e-12)
+    assert [row["time"] for row in rows] == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
+    assert rows[-1]["q_in"] == pytest.approx(4 * rows[1]["q_in"], rel=1e-9)
