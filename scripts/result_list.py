@@ -116,8 +116,8 @@ def brought(picture: str, module: str, words: str, *scenes: str) -> Result:
     return Result((picture,), (f"restshape {words}",), (module,), scenes)
 
 
-ELSEWHERE = ("mutants.md",)
-"""Files that commands of their own renew."""
+ELSEWHERE = ("mutants.md", "bench-before.json")
+"""Files that commands of their own renew; figures of an earlier commit, which no command makes again."""
 
 LIST = (
     *reports("bracket", f"{EXAMPLE}.toml", f"{EXAMPLE}.jsonl", FINE, "--show supports,loads,hand"),
@@ -197,7 +197,17 @@ LIST = (
         ("restshape_apps.furniture.pictures",),
         ("furniture/*/*",),
     ),
-    bench("reuse", f"reuse {PLATE} {BEAM} --out results --json results/bench-reuse.json", ["bench-reuse.*"]),
+    bench(
+        "reuse",
+        f"reuse {PLATE} {BEAM} {BUILDING} {BAR} --out results --json results/bench-reuse.json",
+        ["bench-reuse.*"],
+    ),
+    Result(
+        ("bench-stages.png",),
+        ("restshape bench reuse --redraw results/bench-reuse.json --before results/bench-before.json --out results",),
+        ("restshape_studies.pictures.stages",),
+    ),
+    bench("limit", "limit --out results --json results/bench-limit.json", ["bench-limit.*"], "solid/*/plate.*"),
     bench("size", "size --out results --json results/bench-size.json", ["bench-size.*"], "solid/*/plate.*"),
     bench("order", f"order {PLATE} --json results/bench-order.json", ["bench-order.json"]),
     bench("design", f"predict {BEAM} --out results --json results/bench-predict.json", ["bench-predict.*"]),

@@ -11,7 +11,7 @@ from restshape.outputs.picture_files import save_picture
 from restshape.report.style import FAINT, INK, LEVEL_LABELS, STAGES, new_figure
 
 BESIDE = "beside"
-"""What is done after the answer is known: residual, estimate, hand-over, as far as they were made."""
+"""What is done after the answer is known: the residual."""
 COLOURS = {**STAGES, BESIDE: "#ffffff"}
 LABELS = {"other": "Python, rest", BESIDE: "beside the frame"}
 PAIR, APART = 0.95, 1.5
@@ -37,7 +37,8 @@ def stage_parts(entry: Mapping[str, Any], level: str) -> dict[str, float]:
     if not entry["levels"].get(level):
         return {}
     stages = dict(entry["stages_by_level"][level])
-    beside, python = stages.pop("record") + stages.pop("estimate"), stages.pop("python")
+    # Where nothing is said of estimates, what is beside the answer counts as recorded.
+    beside, python = stages.pop("record") + stages.pop("estimate", 0.0), stages.pop("python")
     # The time of Python holds that of the edit.
     stages["other"] = max(0.0, python - stages["edit"])
     whole = sum(stages.values())
@@ -85,7 +86,7 @@ def draw_stages(before: Scenes, after: Scenes, titles: tuple[str, str], path: Pa
     )
     figure.suptitle(
         f"Where a frame goes, by stage: before ({titles[0]}), after ({titles[1]})\n"
-        "numbers: median frame [ms], + what is done beside it (residual, hand-over to a recorder; no estimates)",
+        "numbers: median frame until its answer [ms], + what is done beside it (residual; no recorder, no estimates)",
         x=0.01,
         ha="left",
         color=INK,

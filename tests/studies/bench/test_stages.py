@@ -33,6 +33,11 @@ def test_stages_are_parts_of_the_median_frame_and_python_holds_the_edit():
     assert parts["edit"] == pytest.approx(0.4) and parts["other"] == pytest.approx(0.6)
     assert parts[BESIDE] == 0.25 and list(parts) == list(COLOURS)
     assert stage_parts(record(7.0), "2") == {}
+    # Files of earlier times have no stage of estimates.
+    old = record(7.0, estimate=0.125)
+    assert stage_parts(old, "1")[BESIDE] == 0.375
+    del old["stages_by_level"]["1"]["estimate"]
+    assert stage_parts(old, "1")[BESIDE] == 0.25
 
 
 @pytest.fixture
