@@ -13,8 +13,8 @@ R trace(const R (&E)[D][D]) {
 }
 
 // S = volumetric I + 2 mu E, where `volumetric` is lambda tr(E) or what stands for it.
-template <int D, class R, class V>
-void hooke(const R (&E)[D][D], const V& volumetric, double mu, R (&S)[D][D]) {
+template <int D, class R, class V, class M>
+void hooke(const R (&E)[D][D], const V& volumetric, const M& mu, R (&S)[D][D]) {
     for (int a = 0; a < D; ++a) {
         S[a][a] = E[a][a] * (2 * mu) + volumetric;
         for (int b = 0; b < a; ++b) S[a][b] = S[b][a] = E[a][b] * (2 * mu);

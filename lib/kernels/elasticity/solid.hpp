@@ -37,6 +37,28 @@ struct SolidElement : SolidParts<Shape> {
         }
     }
 
+    // Of several elements, one a lane, where they have one point and few unknowns.
+    static constexpr bool packed = Shape::points == 1 && dim == 2;
+
+    [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack* p, Pack* r) {
+        Pack G[nodes][dim], H[dim][dim], P[dim][dim];
+        const Pack volume = Shape::gradients(0, X, G) * p[2];
+        Parts::displacement_gradient(G, x, H);
+        stress_of(H, p, P);
+        Parts::add_forces(0, G, volume, P, Parts::body(p), r);
+    }
+
+    [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack* p, Pack* r, Pack* K) {
+        Pack G[nodes][dim], H[dim][dim];
+        const Pack volume = Shape::gradients(0, X, G) * p[2];
+        PackDual<dim * dim> Hd[dim][dim], P[dim][dim];
+        Parts::displacement_gradient(G, x, H);
+        for (int a = 0; a < dim; ++a)
+            for (int k = 0; k < dim; ++k) Hd[a][k] = PackDual<dim * dim>::seed(H[a][k], a * dim + k);
+        stress_of(Hd, p, P);
+        Parts::set_forces_and_tangent(G, volume, P, Parts::body(p), r, K);
+    }
+
     template <class SX, class Sx>
     static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;
@@ -64,8 +86,8 @@ struct SolidElement : SolidParts<Shape> {
     }
 
  private:
-    template <class R>
-    static void stress_of(const R (&H)[dim][dim], const double* p, R (&P)[dim][dim]) {
+    template <class R, class M>
+    static void stress_of(const R (&H)[dim][dim], const M* p, R (&P)[dim][dim]) {
         R E[dim][dim], S[dim][dim];
         Law::strain(H, E);
         hooke(E, trace(E) * p[0], p[1], S);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "elasticity/law.hpp"
+#include "fem/pack.hpp"
 
 namespace restshape {
 
@@ -28,7 +29,10 @@ struct SolidParts {
     static constexpr int row_stride = Dual<unknowns>::lanes;
 
     static double thickness(const double* p) { return flat ? p[2] : 1.0; }
-    static const double* body(const double* p) { return p + (flat ? 3 : 2); }
+    template <class P>
+    static const P* body(const P* p) {
+        return p + (flat ? 3 : 2);
+    }
 
     template <class SX, class Sx, class R>
     static void displacement_gradient(const SX (&G)[nodes][dim], const Sx* x, R (&H)[dim][dim]) {
@@ -46,9 +50,8 @@ struct SolidParts {
     }
 
     // r (+)= volume (P . grad N_i - b N_i), set at the first point.
-    template <class SX, class R>
-    static void add_forces(int q, const SX (&G)[nodes][dim], const SX& volume, R (&P)[dim][dim], const double* b,
-                           R* r) {
+    template <class SX, class B, class R>
+    static void add_forces(int q, const SX (&G)[nodes][dim], const SX& volume, R (&P)[dim][dim], const B* b, R* r) {
         for (int a = 0; a < dim; ++a)
             for (int k = 0; k < dim; ++k) P[a][k] *= volume;
         for (int i = 0; i < nodes; ++i)
@@ -88,6 +91,30 @@ struct SolidParts {
                     row += sum;
             }
         }
+    }
+
+    // The same of several elements, of one point each.
+    static void set_forces_and_tangent(const Pack (&G)[nodes][dim], const Pack& volume,
+                                       const PackDual<moduli> (&P)[dim][dim], const Pack* b, Pack* r, Pack* K) {
+        Pack value[dim][dim];
+        for (int a = 0; a < dim; ++a)
+            for (int k = 0; k < dim; ++k) value[a][k] = P[a][k].v;
+        add_forces(0, G, volume, value, b, r);
+        for (int a = 0; a < dim; ++a)
+            for (int c = 0; c < dim; ++c)
+                for (int j = 0; j < nodes; ++j) {
+                    Pack stress[dim];  // dP[a][k] by unknown c of node j, times the volume
+                    for (int k = 0; k < dim; ++k) {
+                        stress[k] = P[a][k].d[c * dim] * G[j][0];
+                        for (int l = 1; l < dim; ++l) stress[k] += P[a][k].d[c * dim + l] * G[j][l];
+                        stress[k] *= volume;
+                    }
+                    for (int i = 0; i < nodes; ++i) {
+                        Pack sum = G[i][0] * stress[0];
+                        for (int k = 1; k < dim; ++k) sum += G[i][k] * stress[k];
+                        K[(i * dim + a) * unknowns + j * dim + c] = sum;
+                    }
+                }
     }
 
     static void spread(const double (&G)[nodes][dim], Row (&gradient)[dim][dim]) {

@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 
@@ -11,6 +12,8 @@
 
 namespace py = pybind11;
 using restshape::Element;
+using restshape::Pack;
+using restshape::pack_lanes;
 using restshape::Purpose;
 
 namespace {
@@ -74,6 +77,15 @@ struct Loop {
                                     ", which does not exist");
     }
 
+    // One cell of a subset, and its nodes. No text is made unless it is needed: it would cost more than the element.
+    void check(py::ssize_t e) const {
+        if (e < 0 || e >= count)
+            throw std::invalid_argument("subset names cell " + std::to_string(e) + ", which does not exist");
+        for (int i = 0; i < element.nodes; ++i)
+            if (const int32_t node = cells[e * element.nodes + i]; node < 0 || node >= nodes) refuse(e, node);
+        if (dofs != cells) check_dofs(e);
+    }
+
     // Dofs of an element that are not its nodes.
     void check_dofs(py::ssize_t e) const {
         const int32_t* dof = dofs + e * element.dof_nodes;
@@ -122,21 +134,46 @@ void add_residuals(Sizes sizes, const Loop& loop, const int32_t* subset, py::ssi
     alignas(64) double w[restshape::max_coefficients];
     for (py::ssize_t k = 0; k < count; ++k) {
         const py::ssize_t index = subset ? subset[k] : k;
-        // No text is made unless it is needed: it would cost more than the element.
-        if (index < 0 || index >= loop.count)
-            throw std::invalid_argument("subset names cell " + std::to_string(index) + ", which does not exist");
+        loop.check(index);
         const int32_t *cell = loop.cells + index * nodes, *dof = loop.dofs + index * dof_nodes;
-        for (int i = 0; i < nodes; ++i) {
-            if (cell[i] < 0 || cell[i] >= loop.nodes) loop.refuse(index, cell[i]);
+        for (int i = 0; i < nodes; ++i)
             for (int a = 0; a < dim; ++a) X[i * dim + a] = loop.X[static_cast<size_t>(cell[i]) * dim + a];
-        }
-        if (loop.dofs != loop.cells) loop.check_dofs(index);
         for (int i = 0; i < dof_nodes; ++i)
             for (int a = 0; a < fields; ++a) x[i * fields + a] = loop.x[static_cast<size_t>(dof[i]) * fields + a];
         if (loop.coefficients) restshape::gather(cell, nodes, e.coefficient_count(), loop.coefficients, w);
         e.residual(X, x, w, loop.parameters + index * loop.stride, r);
         for (int i = 0; i < dof_nodes; ++i)
             for (int a = 0; a < fields; ++a) out[static_cast<size_t>(dof[i]) * fields + a] += r[i * fields + a];
+    }
+}
+
+// The same, several elements at once: all checks are made before.
+template <class Sizes>
+void add_packed_residuals(Sizes sizes, const Loop& loop, const int32_t* subset, py::ssize_t count, double* out) {
+    const Element& e = loop.element;
+    const int nodes = sizes.nodes(), dim = sizes.dim(), fields = sizes.fields();
+    const int parameters = static_cast<int>(e.parameters.size());
+    Pack X[restshape::max_packed], x[restshape::max_packed], p[restshape::max_parameters], r[restshape::max_packed];
+    const int32_t *cell[pack_lanes], *dof[pack_lanes];
+    for (py::ssize_t first = 0; first < count; first += pack_lanes) {
+        const int filled = static_cast<int>(std::min<py::ssize_t>(pack_lanes, count - first));
+        for (int lane = 0; lane < pack_lanes; ++lane) {
+            // Lanes beyond the last element repeat it.
+            const py::ssize_t k = first + std::min(lane, filled - 1), index = subset ? subset[k] : k;
+            loop.check(index);
+            cell[lane] = loop.cells + index * nodes;
+            dof[lane] = loop.dofs + index * nodes;
+            for (int i = 0; i < nodes; ++i) {
+                restshape::set_lane(X + i * dim, lane, loop.X + static_cast<size_t>(cell[lane][i]) * dim, dim);
+                restshape::set_lane(x + i * fields, lane, loop.x + static_cast<size_t>(dof[lane][i]) * fields, fields);
+            }
+            if (loop.stride || !first) restshape::set_lane(p, lane, loop.parameters + index * loop.stride, parameters);
+        }
+        e.packed.residual(X, x, p, r);
+        for (int lane = 0; lane < filled; ++lane)
+            for (int i = 0; i < nodes; ++i)
+                for (int a = 0; a < fields; ++a)
+                    out[static_cast<size_t>(dof[lane][i]) * fields + a] += r[i * fields + a][lane];
     }
 }
 
@@ -148,8 +185,12 @@ void residual(const Element& e, const Doubles& X, const Doubles& x, const Cells&
     double* target = out.mutable_data();
     const py::ssize_t count = subset ? subset->size() : loop.count;
     e.tally->add(Purpose::residual, count);
-    restshape::with_sizes(
-        e, [&](auto sizes) { add_residuals(sizes, loop, subset ? subset->data() : nullptr, count, target); });
+    const int32_t* list = subset ? subset->data() : nullptr;
+    restshape::with_sizes(e, [&](auto sizes) {
+        if constexpr (decltype(sizes)::packs)
+            if (e.packed.residual) return add_packed_residuals(sizes, loop, list, count, target);
+        add_residuals(sizes, loop, list, count, target);
+    });
 }
 
 void design(const Element& e, const Doubles& X, const Doubles& dX, const Doubles& x, const Cells& cells,

@@ -6,6 +6,7 @@
 
 #include "fem/calls.hpp"
 #include "fem/dual.hpp"
+#include "fem/pack.hpp"
 
 namespace restshape {
 
@@ -40,6 +41,12 @@ struct Element {
     using Design = void (*)(const double* X, const double* dX, const double* x, const double* dx, const double* w,
                             const double* dw, const double* p, double* r);
 
+    // Those of several elements, one a lane, K without padding; null where the element has none.
+    struct Packed {
+        void (*residual)(const Pack* X, const Pack* x, const Pack* p, Pack* r) = nullptr;
+        void (*tangent)(const Pack* X, const Pack* x, const Pack* p, Pack* r, Pack* K) = nullptr;
+    };
+
     Functions<> plain;
     Functions<const double*> with_coefficients;
     Design design;  // dr/dX . dX + dr/dw . dw + dr/dx . dx; without those whose direction is null
@@ -64,6 +71,7 @@ struct Element {
         has_coefficients() ? with_coefficients.stress(X, x, w, p, xi, s) : plain.stress(X, x, p, xi, s);
     }
 
+    Packed packed;
     Tally* tally = nullptr;  // of the registered element of this name
 
     int unknowns() const { return dof_nodes * fields; }
@@ -76,6 +84,12 @@ inline void gather(const int32_t* cell, int nodes, int columns, const double* fr
         for (int a = 0; a < columns; ++a) to[i * columns + a] = from[static_cast<size_t>(cell[i]) * columns + a];
 }
 
+// Numbers of one element after the other, into its lane of packs.
+inline void set_lane(Pack* to, int lane, const double* from, int count) {
+    for (int k = 0; k < count; ++k) to[k][lane] = from[k];
+}
+
+constexpr int max_packed = 6, max_parameters = 8;  // unknowns or coordinates, and parameters, of elements with `packed`
 constexpr int max_unknowns = 64, max_coordinates = 64, max_coefficients = 64, max_tangent = max_unknowns * max_unknowns;
 
 const std::vector<Element>& elements();           // all that are registered
@@ -167,6 +181,11 @@ struct HasOwnTangent : std::false_type {};
 template <class E>
 struct HasOwnTangent<E, std::void_t<decltype(&E::tangent)>> : std::true_type {};
 
+template <class E, class = void>
+struct HasPacked : std::false_type {};
+template <class E>
+struct HasPacked<E, std::void_t<decltype(E::packed)>> : std::bool_constant<E::packed> {};
+
 template <class E, class... W>
 void set_functions(Element::Functions<W...>& f) {
     f.residual = E::template residual<double, double, double>;
@@ -217,6 +236,10 @@ Element element_of(const std::string& family, const std::string& shape) {
         detail::set_functions<E>(e.with_coefficients);
     else
         detail::set_functions<E>(e.plain);
+    if constexpr (detail::HasPacked<E>::value) {
+        static_assert(n <= max_packed, "raise the limits of packed elements");
+        e.packed = {E::packed_residual, E::packed_tangent};
+    }
     return e;
 }
 

@@ -3,6 +3,7 @@
 
 #include <petscmat.h>
 
+#include <algorithm>
 #include <memory>
 #include <set>
 #include <string>
@@ -83,6 +84,10 @@ class Operator {
     template <class Sizes, class Scatter>
     void element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count, Scatter scatter);
 
+    // The same of a sum of one term whose element has a pass of several elements at once.
+    template <class Sizes, class Scatter>
+    void packed_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count, Scatter scatter);
+
     MPI_Comm comm_;
     int fields_, rank_;
     std::vector<int32_t> node_offsets_;
@@ -117,6 +122,8 @@ class Operator {
 template <int Nodes, int Dim, int Fields>
 struct Sizes {
     static constexpr int fixed_fields = Fields ? Fields : Eigen::Dynamic;
+    // Whether an element of that size may have a pass of several elements at once.
+    static constexpr bool packs = Nodes > 0 && Nodes* Dim <= max_packed&& Nodes* Fields <= max_packed;
     int nodes_, dim_, dof_nodes_, fields_;
 
     explicit Sizes(const Element& e) : nodes_(e.nodes), dim_(e.dim), dof_nodes_(e.dof_nodes), fields_(e.fields) {}
@@ -161,6 +168,9 @@ std::unique_ptr<Operator> make_coo_operator(bool world, int fields, std::vector<
 template <class Sizes, class Scatter>
 void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
                             Scatter scatter) {
+    if constexpr (Sizes::packs)
+        if (terms.list.size() == 1 && terms.list.front().element->packed.tangent)
+            return packed_loop(sizes, block, terms, list, count, scatter);
     alignas(64) double X[max_coordinates], x[max_unknowns], r[max_unknowns], K[max_tangent], sum[max_tangent];
     alignas(64) double w[max_coefficients];
     const Block& b = blocks_[block];
@@ -197,6 +207,53 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
             filled = true;
         }
         if (filled) scatter(k, e, dofs, sum);
+    }
+}
+
+template <class Sizes, class Scatter>
+void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
+                           Scatter scatter) {
+    const Term& t = terms.list.front();
+    const Block& b = blocks_[block];
+    const int nodes = sizes.nodes(), dim = sizes.dim(), dof_nodes = sizes.dof_nodes(), fields = sizes.fields();
+    const int n = dof_nodes * fields;
+    const int parameters = static_cast<int>(t.element->parameters.size());
+    Pack X[max_packed], x[max_packed], p[max_parameters], r[max_packed], K[max_packed * max_packed];
+    Pack Ke[pack_lanes][max_packed], re[pack_lanes] = {};  // element by element, a row a pack
+    for (int first = 0; first < count; first += pack_lanes) {
+        const int filled = std::min(pack_lanes, count - first);
+        for (int lane = 0; lane < pack_lanes; ++lane) {
+            // Lanes beyond the last element repeat it.
+            const int k = first + std::min(lane, filled - 1), e = list ? list[k] : k;
+            const int32_t *cell = b.nodes_of(e), *dofs = b.dofs_of(e);
+            for (int i = 0; i < nodes; ++i)
+                set_lane(X + i * dim, lane, terms.X + static_cast<size_t>(cell[i]) * dim, dim);
+            for (int i = 0; i < dof_nodes; ++i)
+                set_lane(x + i * fields, lane, t.x + static_cast<size_t>(dofs[i]) * fields, fields);
+            if (t.parameter_stride || !first)
+                set_lane(p, lane, t.parameters + static_cast<size_t>(e) * t.parameter_stride, parameters);
+        }
+        t.element->packed.tangent(X, x, p, r, K);
+        for (int i = 0; i < n; ++i) {
+            Pack rows[pack_lanes];
+#pragma GCC unroll 8
+            for (int j = 0; j < pack_lanes; ++j) rows[j] = K[i * n + std::min(j, n - 1)];
+            transpose(rows);
+#pragma GCC unroll 8
+            for (int lane = 0; lane < pack_lanes; ++lane) Ke[lane][i] = rows[lane];
+        }
+        std::copy_n(r, n, re);
+        transpose(re);
+        for (int lane = 0; lane < filled; ++lane) {
+            const int k = first + lane, e = list ? list[k] : k;
+            const int32_t* dofs = b.dofs_of(e);
+            auto *own = reinterpret_cast<double*>(Ke[lane]), *force = reinterpret_cast<double*>(re + lane);
+            if (flagged_[block][e]) constrain(*t.element, dofs, t.coef, force, own);
+            if (terms.rhs) subtract(dofs, dof_nodes, fields, t.residual_coef, force, terms.rhs);
+            if (t.coef != 1.0)
+                for (int i = 0; i < n; ++i) Ke[lane][i] *= t.coef;
+            scatter(k, e, dofs, own);
+        }
     }
 }
 

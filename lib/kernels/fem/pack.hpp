@@ -1,0 +1,67 @@
+// Several elements at once, one SIMD lane an element: numbers, and their derivatives in N directions.
+#pragma once
+
+namespace restshape {
+
+constexpr int pack_lanes = 8;
+
+// GCC's vectors: on processors with shorter registers one takes several of them.
+using Pack = double __attribute__((vector_size(pack_lanes * sizeof(double))));
+
+// Lane i of rows[j] and lane j of rows[i] change places.
+[[gnu::always_inline]] inline void transpose(Pack (&rows)[pack_lanes]) {
+    Pack pairs[pack_lanes], fours[pack_lanes];
+#pragma GCC unroll 4
+    for (int i = 0; i < pack_lanes; i += 2) {
+        pairs[i] = __builtin_shufflevector(rows[i], rows[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+        pairs[i + 1] = __builtin_shufflevector(rows[i], rows[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+    }
+#pragma GCC unroll 4
+    for (int k = 0; k < pack_lanes / 2; ++k) {
+        const int i = k / 2 * 4 + k % 2;
+        fours[i] = __builtin_shufflevector(pairs[i], pairs[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+        fours[i + 2] = __builtin_shufflevector(pairs[i], pairs[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+#pragma GCC unroll 4
+    for (int i = 0; i < pack_lanes / 2; ++i) {
+        rows[i] = __builtin_shufflevector(fours[i], fours[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        rows[i + 4] = __builtin_shufflevector(fours[i], fours[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
+// A value and its derivatives in N directions, of several elements.
+template <int N>
+struct PackDual {
+    Pack v, d[N];
+
+    // The k-th independent variable.
+    static PackDual seed(const Pack& value, int k) {
+        PackDual s{value, {}};
+        s.d[k] += 1.0;
+        return s;
+    }
+
+    PackDual& operator+=(const PackDual& o) {
+        v += o.v;
+        for (int k = 0; k < N; ++k) d[k] += o.d[k];
+        return *this;
+    }
+    friend PackDual operator+(PackDual a, const PackDual& b) { return a += b; }
+    friend PackDual operator*(const PackDual& a, const PackDual& b) {
+        PackDual product{a.v * b.v, {}};
+        for (int k = 0; k < N; ++k) product.d[k] = a.d[k] * b.v + b.d[k] * a.v;
+        return product;
+    }
+    friend PackDual operator*(PackDual a, const Pack& c) {
+        a.v *= c;
+        for (int k = 0; k < N; ++k) a.d[k] *= c;
+        return a;
+    }
+    friend PackDual operator*(double c, PackDual a) {
+        a.v *= c;
+        for (int k = 0; k < N; ++k) a.d[k] *= c;
+        return a;
+    }
+};
+
+}  // namespace restshape
