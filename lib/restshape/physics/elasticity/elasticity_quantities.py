@@ -16,8 +16,9 @@ from restshape.fem.positions import position_quantity
 from restshape.fem.problem import STIFFNESS, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
+from restshape.physics.elasticity.goal import Goal
 from restshape.physics.elasticity.nodal_stress import NodalStress
-from restshape.physics.elasticity.target_curves import GoalDistance
+from restshape.physics.elasticity.target_curves import CurveDistances, GoalDistance
 from restshape.scene.model import Quantity
 
 
@@ -47,6 +48,7 @@ class PlaneQuantities:
     def __init__(self, solid: ObservedSolid) -> None:
         self.solid, self.space = solid, solid.space
         self._around: dict[str, tuple[int | None, np.ndarray]] = {}
+        self._goals: dict[tuple[str, str], tuple[Goal, int, CurveDistances]] = {}
 
     def __call__(self, name: str, quantity: Quantity) -> Function:
         """The function that a quantity of this name is.
@@ -116,8 +118,16 @@ class PlaneQuantities:
         facets = self.space.facets[self.space.facets_of(at)]
         if len(facets) == 0:
             raise UserError(f"{at!r} has no edge", f"quantities.{name}.at", "name an edge, a hole or a group of them")
-        distance = GoalDistance(self.solid.scene.goal[quantity.distance], facets, quantity.reduce)
+        distance = GoalDistance(self._distances(quantity.distance, at, facets), quantity.reduce)
         return lambda x, *_: distance(self.space.X + x)
+
+    def _distances(self, name: str, at: str, facets: np.ndarray) -> CurveDistances:
+        """The distances between a goal and the facets of an entity, the same for all quantities of both."""
+        goal, topology = self.solid.scene.goal[name], self.space.topology
+        known = self._goals.get((name, at))
+        if known is None or known[:2] != (goal, topology):
+            known = self._goals[name, at] = goal, topology, CurveDistances(goal, facets)
+        return known[2]
 
     def _cells(self, name: str, nodes: np.ndarray) -> np.ndarray:
         """The cells around the nodes of a quantity, found once a topology."""
