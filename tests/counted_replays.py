@@ -6,17 +6,18 @@ from pathlib import Path
 from typing import Any
 
 from petsc4py import PETSc
-from restshape_studies.bench.events import EventCounts
 from restshape_studies.explain.filled import stored
 from restshape_studies.explain.paired import Counted
 from slepc4py import SLEPc
 
 from restshape import _kernels
+from restshape.algebra.counted_work import counted_seconds
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import LOGGED, log_stage
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
+from restshape.replay.event_counts import EventCounts
 from restshape.replay.request import Request
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
@@ -45,17 +46,6 @@ EVENTS = (
 )
 
 
-FACTORS = (
-    "MatCholFctrSym",
-    "MatCholFctrNum",
-    "MatICCFactorSym",
-    "MatLUFactorSym",
-    "MatLUFactorNum",
-    "MatILUFactorSym",
-)
-"""Events of factors: analyses of their patterns, and their numbers."""
-
-
 class Watched(Counted):
     """A replay whose rows hold what PETSc did in the frame's time (`events`), and which stages took some (`stages`).
 
@@ -67,20 +57,11 @@ class Watched(Counted):
     def _measure(self, edit: Any, row: dict[str, Any]) -> None:
         row["events"] = self.events.since_last()
         row["stages"] = sorted(name for name, seconds in self.stages.seconds.items() if seconds > 0.0)
-        row["counted_seconds"] = counted_seconds(row["events"], getattr(self.analysis, "solver", None))
+        solver = getattr(self.analysis, "solver", None)
+        known = isinstance(solver, LinearSolver)
+        row["counted_seconds"] = counted_seconds(row["events"], int(row["iterations"]), solver) if known else 0.0
         super()._measure(edit, row)
         self.events.since_last()
-
-
-def counted_seconds(events: dict[str, int], solver: Any) -> float:
-    """What PETSc's events cost with the preconditioner of a linear solver; 0 where there is none."""
-    if not isinstance(solver, LinearSolver) or not solver.kept.ready:
-        return 0.0
-    kept, price = solver.kept, solver.kept.price()
-    product = kept.choice.calibration.pass_seconds(kept.size.unknowns, kept.size.nonzeros)
-    symbolic, numeric = (sum(events[name] for name in FACTORS if name.endswith(end)) for end in ("Sym", "Num"))
-    factors = numeric * price.refresh + symbolic * (price.setup - price.refresh)
-    return factors + events["PCApply"] * (price.iteration - product) + events["MatMult"] * product
 
 
 def begin_log() -> None:

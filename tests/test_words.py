@@ -22,7 +22,6 @@ RETIRED = {
     "laid": "placed",
     "pierced": "tunnelling",
     "piercing": "tunnelling",
-    "regret": "hindsight",
     "reseat": "re-interpolate",
     "sound": "valid",
     "spoilt": "low quality",

@@ -7,13 +7,13 @@ from typing import Any, cast
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.bench.events import EventCounts
 
 from restshape.errors import ReplayProblem, UserError
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+from restshape.replay.event_counts import EventCounts
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.model import Scene

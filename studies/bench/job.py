@@ -35,8 +35,6 @@ class Job:
         count: count PETSc's events a frame, which costs time.
         estimate: estimate errors, and jumps of the mesh, in the frames that the scene says; else in none.
         enough: stop after so many frames of a level, by level.
-        hindsight_cost: measure the cost of the schedule of refreshes over the best in hindsight, in place of the
-            frames' times.
         predict: "none" or "linear", as after --predict.
         measure: "prediction", "derivative" or "starts", or a module's full name: what is measured in place of the
             frames' times.
@@ -52,7 +50,6 @@ class Job:
     count: bool = False
     estimate: bool = False
     enough: dict[str, int] = field(default_factory=dict)
-    hindsight_cost: bool = False
     predict: str = "none"
     measure: str = ""
     details: dict[str, Any] = field(default_factory=dict)
@@ -75,14 +72,12 @@ class Outcome:
     Args:
         rows: in order; as many as were computed before the end.
         problem: why it ended early; empty when it did not.
-        hindsight_cost: of the schedule of refreshes, where asked for.
         found: what was measured in place of the frames' times.
         unused: words for PETSc that it made no use of; None where the process ended before that was known.
     """
 
     rows: list[Row]
     problem: str = ""
-    hindsight_cost: Row | None = None
     found: Row | None = None
     unused: list[str] | None = None
 
@@ -157,9 +152,7 @@ def _read(reports: Path, problem: str) -> Outcome:
         kind, content = json.loads(line)
         if kind == "error":
             raise UserError(**content)
-        if kind == "hindsight":
-            outcome.hindsight_cost = content
-        elif kind == "found":
+        if kind == "found":
             outcome.found = content
         elif kind == "unused":
             outcome.unused = content

@@ -45,8 +45,8 @@ def request(job: Job) -> Any:
 def play(job: Job, report: Any) -> None:
     """Report a row for each frame, as soon as it is computed."""
     from petsc4py import PETSc
-    from restshape_studies.bench.events import EventCounts
 
+    from restshape.replay.event_counts import EventCounts
     from restshape.replay.loop import Replay
 
     asked = request(job)
@@ -68,13 +68,6 @@ def play(job: Job, report: Any) -> None:
                 return
 
 
-def hindsight_cost(job: Job, report: Any) -> None:
-    """Report the cost of the schedule of refreshes over the best in hindsight."""
-    from restshape_studies.bench.hindsight import measure
-
-    report("hindsight", measure(request(job)))
-
-
 def measured(job: Job, report: Any) -> None:
     """Report what a module measures, one of this package where its name is not a full one."""
     name = job.measure if "." in job.measure else f"restshape_studies.bench.{job.measure}"
@@ -93,7 +86,7 @@ def main() -> int:
 
         start_petsc(job.petsc)
         try:
-            (measured if job.measure else hindsight_cost if job.hindsight_cost else play)(job, report)
+            (measured if job.measure else play)(job, report)
             if job.petsc:
                 from restshape.replay.petsc_options import unused
 

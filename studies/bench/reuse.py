@@ -9,7 +9,6 @@ import numpy as np
 from restshape_studies.bench.job import Job, Row, run
 from restshape_studies.bench.turns import Announce, Case, Play, in_turns, median_ratio, rows_of
 
-from restshape.errors import UserError
 from restshape.replay.columns import STAGES
 from restshape.replay.summary import percentiles, summarise
 from restshape.replay.tally import beside
@@ -30,7 +29,6 @@ class Plan:
         frames: of each script, the first included; None for all.
         overrides: ``key=value`` as after --set.
         petsc: words for PETSc's options database.
-        hindsight_cost: measure that of policy `auto`.
     """
 
     policies: tuple[str, ...]
@@ -38,7 +36,6 @@ class Plan:
     frames: int | None = None
     overrides: tuple[str, ...] = ()
     petsc: tuple[str, ...] = ()
-    hindsight_cost: bool = False
 
 
 def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row:
@@ -69,9 +66,6 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
         found[name]["estimated"] = medians([whole(run.rows) for run in turns])
     for name, entry in found.items():
         entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in bases_of(name) if base in runs}
-    if plan.hindsight_cost and "auto" in jobs:
-        announce(f"{case.name}: auto, hindsight cost")
-        found["auto"]["hindsight"] = hindsight(jobs["auto"], play)
     return found
 
 
@@ -80,17 +74,6 @@ def bases_of(name: str) -> tuple[str, ...]:
     guess = name.partition(":")[2]
     same = [f"{base}:{guess}" for base in BASES if guess]
     return tuple(base for base in (*BASES, *same) if base != name)
-
-
-def hindsight(job: Job, play: Play) -> Row:
-    """The cost of a schedule over the best in hindsight over the whole script, as `hindsight.measure` reports it; else
-    `problem`."""
-    try:
-        outcome = play(replace(job, hindsight_cost=True))
-    except UserError as error:
-        # Applications that solve several times a frame have no best schedule yet: no reason to lose what was timed.
-        return {"problem": error.what}
-    return outcome.hindsight_cost or {"problem": outcome.problem}
 
 
 def kind_of(row: Row) -> str:

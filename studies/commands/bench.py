@@ -16,6 +16,7 @@ from restshape_studies.commands import (
     bench_jumps,
     bench_limit,
     bench_order,
+    bench_regret,
     bench_reuse,
     bench_size,
 )
@@ -39,6 +40,7 @@ PICTURES = Path("results")
 MODULES = (
     bench_reuse,
     bench_limit,
+    bench_regret,
     bench_size,
     bench_order,
     bench_eigen,
@@ -90,6 +92,8 @@ def run(args: argparse.Namespace) -> int:
     for case in cases:
         found[case.name] = kind.measure(args, case, announce)
         kind.show(args, case.name, found[case.name])
+    if kind.sum_up:
+        kind.sum_up(found)
     print(f"took {time.monotonic() - start:.0f} s")
     note_words(args.petsc)
     if picture and kind.draw:

@@ -31,6 +31,7 @@ class Kind:
             (several, whose first shapes are looked at), or the name of an installed scene.
         default: names of installed scenes that are taken where none is named; none: all installed ones.
         about: why the scene must have a mesh.
+        sum_up: prints what is said of all scenes together, given what was found by scene.
         picture: file name in the folder after --out; empty: no such picture.
         draw: draws the picture; given the scenes' names with what was found, the arguments and the path.
     """
@@ -44,6 +45,7 @@ class Kind:
     scenes: str = "one"
     default: tuple[str, ...] = ()
     about: str = "policies of reuse are about one"
+    sum_up: Callable[[dict[str, Any]], None] | None = None
     picture: str = ""
     draw: Callable[[dict[str, Any], argparse.Namespace, Path], None] | None = None
 

@@ -45,12 +45,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help=f"JSON of an earlier run, beside whose stages those of this one are drawn: {STAGES_PICTURE}",
     )
-    parser.add_argument(
-        "--hindsight",
-        dest="hindsight_cost",
-        action="store_true",
-        help="measure the hindsight cost of auto's refreshes",
-    )
 
 
 def policies(args: argparse.Namespace) -> tuple[str, ...]:
@@ -78,7 +72,7 @@ def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[st
     from restshape.scene.load import load_scene
 
     given = tuple(args.set), tuple(args.petsc)
-    plan = Plan(policies(args), args.repeat, args.frames or None, *given, args.hindsight_cost)
+    plan = Plan(policies(args), args.repeat, args.frames or None, *given)
     tolerance = load_scene(case.scene, args.set).solve.tolerance
     return {name: {"tolerance": tolerance, **entry} for name, entry in compare(case, plan, announce).items()}
 
@@ -136,23 +130,7 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     events = [event for event in one["events"] if event in EVENTS or any(e["events"][event] for e in found.values())]
     rows = [[event, *(str(entry["events"][event]) for entry in found.values())] for event in events]
     print_table("", ("PETSc events", *found), rows, list(found))
-    hindsight_cost = found.get("auto", {}).get("hindsight")
-    if hindsight_cost:
-        print(hindsight_line(hindsight_cost))
     print()
-
-
-def hindsight_line(hindsight_cost: dict[str, Any]) -> str:
-    """The cost over the best schedule in hindsight, as a line."""
-    if "problem" in hindsight_cost:
-        return f"hindsight cost of auto's refreshes: not measured, {hindsight_cost['problem']}"
-    refreshes, iterations = hindsight_cost["refreshes"], hindsight_cost["iterations"]
-    spent = {
-        which: f"{1e3 * hindsight_cost[which]:.4g} ms ({refreshes[which]} refreshes, {iterations[which]} iterations)"
-        for which in ("run", "best")
-    }
-    ratio = f"{hindsight_cost['ratio']:.3f} times the best schedule in hindsight"
-    return f"hindsight cost of auto's refreshes: {ratio}; by the calibration {spent['run']} against {spent['best']}"
 
 
 def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:

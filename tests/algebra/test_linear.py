@@ -128,7 +128,7 @@ def test_never_worse_than_twice_the_best_schedule(systems, table, dearer):
     spent = sum(report.iterations + refresh * report.refreshed for report in reports)
     best = best_schedule(table, refresh)
     always, never = (FRAMES + 1) * (refresh + 1), refresh + table[0].sum()
-    assert best <= min(always, never)
+    assert best <= min(always, never) * (1 + 1e-12)
     assert best <= spent <= 2 * best + table[0, -1]
     # The rule is worth something: one of the two fixed habits is worse by far.
     assert spent < 0.9 * max(always, never)

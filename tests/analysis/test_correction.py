@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from counted_replays import begin_log
 from petsc4py import PETSc
-from restshape_studies.bench.events import EventCounts
 from scipy.sparse import diags
 from scipy.sparse.linalg import splu
 from small_scenes import across, drag, make_replay, write_scene, write_script
 
 from restshape.analysis.correction import DELAY, MOST, conjugate_steps, gathered, largest_values
 from restshape.analysis.time_error import StepMatrix
+from restshape.replay.event_counts import EventCounts
 
 BUILDING = Path(__file__).parents[1] / "scenes" / "building.toml"
 COARSE = ("mesh.size=0.8", "effects.dynamics.steps=10")

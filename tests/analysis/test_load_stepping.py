@@ -104,7 +104,7 @@ def test_short_steps_are_searched():
     assert Path(1e-5).follow().reached < SEARCHED
 
 
-@pytest.mark.parametrize("steps", [1, 2, 3, 4, 8])
+@pytest.mark.parametrize("steps", [1, 2, 3, 4])
 def test_too_few_load_steps_are_refused(steps):
     with pytest.raises(UserError, match=f"more than {steps} load steps would be needed"):
         first_frame(ELASTICA, [f"effects.large_deformation.load_steps={steps}"], PETSc.COMM_WORLD)

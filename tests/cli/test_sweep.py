@@ -147,7 +147,8 @@ def test_a_sweep_of_an_edit_gives_what_replays_give(command, tmp_path):
 def test_twenty_values_cost_one_mesh_and_one_pattern(command, tmp_path):
     """Counts of what a first frame costs; times are in docs/commands.md."""
     from petsc4py import PETSc
-    from restshape_studies.bench.events import EventCounts
+
+    from restshape.replay.event_counts import EventCounts
 
     scene = write_scene(tmp_path, BAR)
     PETSc.Log.begin()
@@ -166,7 +167,8 @@ def test_twenty_values_cost_one_mesh_and_one_pattern(command, tmp_path):
 def test_modes_of_another_thickness_cost_one_factor_on_the_pattern_there_is(monkeypatch):
     """Each run is counted by the factor that it is solved with, and begins with the modes of the runs before."""
     from petsc4py import PETSc
-    from restshape_studies.bench.events import EventCounts
+
+    from restshape.replay.event_counts import EventCounts
 
     PETSc.Log.begin()
     counts = EventCounts(("MatCholFctrSym", "MatCholFctrNum", "RestshapePattern"))

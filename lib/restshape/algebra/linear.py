@@ -32,11 +32,15 @@ RESTART = 100
 INCOMPLETE = 0.25
 """An incomplete preconditioner leaves smooth errors, whose energy the residual reports too small (by up to 2.2 on the
 plate): its solves end at this share of the tolerance, so that solutions agree within it in the energy norm."""
+MARGIN = 1.5
+"""What rounding leaves of the residual of a new factor grows like the solution; on one mesh hardly by more than this
+factor besides."""
 NO_FACTOR = "the stiffness matrix has no factor: part of the body is not constrained, or has no stiffness"
 Reason = PETSc.KSP.ConvergedReason
 REASONS = {value: name for name, value in vars(Reason).items() if isinstance(value, int)}
 
 
+# More than 15 attributes: half of them are the solver, the others what it was given last, and who watches.
 class LinearSolver:
     """One KSP whose preconditioner outlives the matrix that it was made from.
 
@@ -59,6 +63,7 @@ class LinearSolver:
         kept: the preconditioner; refresh: the criterion of when it is made again.
         age: solves since it was made; callers add frames that solve nothing to it.
         on_solve: called with matrix, right side, guess, whether the system is new, and places, before each solve.
+        on_solved: called with the report of each solve; with None where a factor was made that no solve asked for.
 
     On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat. That of
     symmetric matrices that are not definite is of the whole matrix: their blocks may have none.
@@ -89,8 +94,10 @@ class LinearSolver:
         self.refresh = RefreshCriterion(MOST_ITERATIONS)
         self.projection = Projection(comm, directions) if directions else None
         self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool, Reals | None], None] | None = None
+        self.on_solved: Callable[[LinearReport | None], None] | None = None
         self.age = -1
         self._begun = self._current = False
+        self._rounding = math.inf
         self.scale: float | None = None
         self._aimed: tuple[float | None, float] = (None, tolerance)
 
@@ -190,16 +197,14 @@ class LinearSolver:
         else:
             self._factor(mat, places, self._why(again), uses)
         self._use()
-        applied = not stale and self.keeps and self.kept.inverts
-        if applied:
-            # What is left of the residual then is looked at by the iteration, which hardly ever has to take a step.
-            with self.stages("krylov"):
-                self.ksp.getPC().apply(b, x)
-        iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0, int(applied))
+        if not stale and self.keeps and self.kept.inverts:
+            iterations = last = self._apply_new(b, x)
+        else:
+            iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0)
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._clean(x)
             if stale:
-                self.refresh.give_up(uses)
+                self.refresh.give_up(last, uses)
                 # Whether the matrix has changed or single precision was not enough for it, is not known.
                 self.kept.single = False
             else:
@@ -212,10 +217,15 @@ class LinearSolver:
             iterations += last
         self._check()
         if self.keeps:
-            self._count(last, not stale, new_system)
+            self._count(last, not stale, new_system, uses)
         if self.projection and self.projection.pays and not auxiliary:
             self.projection.keep(x)
-        return LinearReport(iterations, not stale, self.age, self.name)
+        return self._reported(LinearReport(iterations, not stale, self.age, self.name))
+
+    def _reported(self, report: LinearReport) -> LinearReport:
+        if self.on_solved:
+            self.on_solved(report)
+        return report
 
     def interpolate(self, interpolate: Callable[[Reals], Reals]) -> None:
         """Take solutions of before where their nodes are now, by a function of rows (n f,) of all unknowns."""
@@ -241,7 +251,9 @@ class LinearSolver:
         if self.kind == "cholesky" and (
             self.method == "direct" or not self.kept.ready or self.refresh.worth_refreshing(uses)
         ):
-            self._factor(mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even} iterations", uses)
+            self._factor(
+                mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even:.3g} iterations", uses
+            )
 
     @property
     def factored(self) -> bool:
@@ -251,13 +263,15 @@ class LinearSolver:
     def apply(self, b: PETSc.Vec, x: PETSc.Vec) -> LinearReport:
         """Solve with the factor that there is (`factored`): no guess, no iteration."""
         self._begun = False
+        if self.on_solve:
+            self.on_solve(self.ksp.getOperators()[0], b, x, False, None)
         with self.stages("krylov"):
             self.ksp.getPC().apply(b, x)
         if not math.isfinite(x.norm()):
             self.kept.ready = False
             raise ReplayProblem(NO_FACTOR)
         self._use()
-        return LinearReport(1, self.age == 0, self.age, self.name)
+        return self._reported(LinearReport(1, self.age == 0, self.age, self.name))
 
     def negative_pivots(self) -> int:
         """Negative eigenvalues of the matrix that the complete factor was made from; 0 where there is none to ask.
@@ -277,7 +291,11 @@ class LinearSolver:
         self._begin(mat, new_system, False, False)
         if not self.kept.complete:
             return True
+        if self.on_solve:
+            self.on_solve(mat, mat.createVecLeft(), mat.createVecRight(), new_system, places)
         self._factor(mat, places, "a test of positive definiteness")
+        if self.on_solved:
+            self.on_solved(None)
         return self.kept.zero_pivots() == 0 and self.kept.negative_pivots() == 0
 
     def _aim(self) -> None:
@@ -299,6 +317,7 @@ class LinearSolver:
         if new_system or (kept.chooses and not kept.candidate):
             if self.projection:
                 self.projection.restart()
+            self._rounding = math.inf
             kept.begin_system()
             return
         if grown and kept.ready and not kept.pattern_changed:
@@ -326,7 +345,7 @@ class LinearSolver:
         if not self.keeps:
             return "another matrix"
         more, worth = self.refresh.extra_iterations, self.refresh.break_even
-        return f"refactorisation criterion: {more} extra iterations, a refresh is worth {worth}"
+        return f"refactorisation criterion: {more} extra iterations, a refresh is worth {worth:.3g}"
 
     def _use(self) -> None:
         self.age, self.refresh.uses = self.age + 1, self.refresh.uses + 1
@@ -335,26 +354,40 @@ class LinearSolver:
 
     def _set_refresh_price(self) -> None:
         """Take in what the preconditioner costs, and whether better guesses pay."""
-        price, size = self.kept.price(), self.kept.size
+        price, size, calibration = self.kept.price(), self.kept.size, self.kept.choice.calibration
         if self.projection:
-            calibration = self.kept.choice.calibration
             spent = (self.projection.directions + 1) * calibration.pass_seconds(size.unknowns, size.nonzeros)
             saved = max(1.0, PROJECTED * self.refresh.fresh_iterations) * size.ranks * price.iteration
             self.projection.pays = spent < saved
-        self.refresh.set_refresh_price(price, self.kept.pattern_changed)
+        product = calibration.matvec_nonzero * size.nonzeros / size.ranks
+        self.refresh.set_refresh_price(price, self.kept.pattern_changed, product)
 
-    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, uses: int = 0, applied: int = 0) -> int:
-        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper for the uses.
+    def _apply_new(self, b: PETSc.Vec, x: PETSc.Vec) -> int:
+        """Iterations of a solve with the factor that was made of its very matrix: one, unless it is not accurate.
 
-        An application of the factor before it (`applied`) counts as one where none has to follow.
+        What the first one on a mesh leaves of the residual is looked at, by an iteration that hardly ever takes a step.
+        Later ones leave as much of the solution's size, but for a factor; they are looked at where that is too much.
         """
+        with self.stages("krylov"):
+            self.ksp.getPC().apply(b, x)
+        size = x.norm()
+        goal = self.aim * (b.norm() if self.scale is None else self.scale)
+        if math.isfinite(size) and MARGIN * self._rounding * size <= goal:
+            self.ksp.setConvergedReason(Reason.CONVERGED_ITS)
+            return 1
+        iterations = self._iterate(b, x)
+        self._rounding = self.ksp.getResidualNorm() / size if not iterations and size else math.inf
+        return max(1, iterations)
+
+    def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, uses: int = 0) -> int:
+        """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper for the uses."""
         if self.keeps:
             most = self.refresh.limit(self.kept.complete, uses) if uses else MOST_ITERATIONS
             self.ksp.setTolerances(max_it=most)
         self._aim()
         with self.stages("krylov"):
             self.ksp.solve(b, x)
-        iterations = max(self.ksp.getIterationNumber(), applied)
+        iterations: int = self.ksp.getIterationNumber()
         if log.isEnabledFor(logging.DEBUG):
             reason = self.ksp.getConvergedReason()
             log.debug(
@@ -375,11 +408,11 @@ class LinearSolver:
         if not math.isfinite(x.norm()):
             x.set(0.0)
 
-    def _count(self, iterations: int, refreshed: bool, new_system: bool) -> None:
+    def _count(self, iterations: int, refreshed: bool, new_system: bool, uses: int) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now."""
         if not new_system:
             self.kept.count(self.refresh.uses, iterations)
-        self.refresh.count(iterations, refreshed, self.kept.exact)
+        self.refresh.count(iterations, refreshed, self.kept.exact, uses)
 
     def _check(self) -> None:
         reason = self.ksp.getConvergedReason()

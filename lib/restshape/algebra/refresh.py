@@ -6,6 +6,8 @@ from restshape.algebra.choice import Prices
 
 MOST_AHEAD = 15
 """Refreshes ahead in a row, before an old preconditioner is tried again."""
+SLACK = 0.01
+"""Part that old preconditioners may cost beyond a new one for each solve, and half a refresh, before none is tried."""
 
 
 class RefreshCriterion:
@@ -15,7 +17,8 @@ class RefreshCriterion:
     last solve took beyond a fresh preconditioner is expected, with which growing costs are cut at their least mean.
 
     Where matrices change so much that already the next one costs as much as a refresh, some are made ahead: 1 after
-    such a trial, then 3, 7 and `MOST_AHEAD` after as many in a row.
+    such a trial, then 3, 7 and `MOST_AHEAD` after as many in a row. Nor is an old one tried as long as solves of one
+    use have cost more than `SLACK` beyond what a new one for each would have.
 
     Args:
         most: iterations of a solve.
@@ -27,6 +30,9 @@ class RefreshCriterion:
         fresh_iterations: of a solve with a fresh one.
         uses: solves since it was made, -1 before the first.
         ahead: refreshes that are still to be made ahead; trials: in vain, in a row.
+        product: iterations that cost as much as a product with the matrix.
+        spent, fresh: iterations, refreshes as `break_even` each, that solves of one use have cost, and would have cost
+            with a new one for each.
 
     Source: docs/theory/levels-of-reuse.md.
     """
@@ -34,7 +40,8 @@ class RefreshCriterion:
     def __init__(self, most: int) -> None:
         self.most = most
         self.uses = -1
-        self.extra_iterations = self.last_extra = self.break_even = 0
+        self.extra_iterations = self.last_extra = 0
+        self.break_even = self.product = self.spent = self.fresh = 0.0
         self.fresh_iterations = 1
         self.ahead = self.trials = 0
 
@@ -43,10 +50,11 @@ class RefreshCriterion:
         self.uses, self.extra_iterations, self.last_extra = -1, 0, 0
         self.ahead = max(0, self.ahead - 1)
 
-    def set_refresh_price(self, price: Prices, pattern_changed: bool) -> None:
-        """Take in what the preconditioner costs; a new pattern asks for an analysis of it."""
+    def set_refresh_price(self, price: Prices, pattern_changed: bool, product: float = 0.0) -> None:
+        """Take in what the preconditioner costs, and a product with the matrix [s]; a new pattern is analysed first."""
+        self.product = product / price.iteration
         refresh = price.setup if pattern_changed else price.refresh
-        self.break_even = max(1, math.ceil(refresh / price.iteration))
+        self.break_even = max(1.0, refresh / price.iteration)
 
     def worth_refreshing(self, known: int = 1) -> bool:
         """Whether a refresh is worth it before a solve.
@@ -56,7 +64,8 @@ class RefreshCriterion:
                 them one iteration at least, for a fresh factor is applied without any.
         """
         expected = known * max(1, self.last_extra) if known > 1 else self.last_extra / 2
-        return self.ahead > 0 or self.extra_iterations + expected >= self.break_even
+        behind = known == 1 and self.spent > (1.0 + SLACK) * self.fresh + 1.5 * self.break_even
+        return behind or self.ahead > 0 or self.extra_iterations + expected >= self.break_even
 
     def limit(self, complete: bool, known: int = 1) -> int:
         """Iterations after which a solve with an old preconditioner is better given up for a new one.
@@ -69,8 +78,10 @@ class RefreshCriterion:
         fresh = self.fresh_iterations if complete else 2 * self.fresh_iterations
         return min(self.most, fresh + math.ceil(self.break_even / known))
 
-    def give_up(self, known: int = 1) -> None:
+    def give_up(self, iterations: int, known: int = 1) -> None:
         """Take in that a solve with an old preconditioner, for as many known uses, has been cut short."""
+        if known == 1:
+            self.spent += iterations
         if known == 1 and self.uses == 1:
             self._try(in_vain=True)
             # The one that is made now is none of them.
@@ -81,16 +92,23 @@ class RefreshCriterion:
         self.trials = self.trials + 1 if in_vain else 0
         self.ahead = min(2**self.trials - 1, MOST_AHEAD)
 
-    def count(self, iterations: int, refreshed: bool, complete: bool) -> None:
+    def count(self, iterations: int, refreshed: bool, complete: bool, known: int = 1) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now.
 
         Args:
             iterations: of the solve.
             refreshed: the preconditioner was made in it.
             complete: it is a complete factor of the whole matrix.
+            known: uses of the matrix that were known to come.
         """
         if refreshed:
             self.fresh_iterations = 1 if complete else max(1, iterations)
+        if known == 1:
+            # A new complete factor is applied, without a product.
+            new = self.break_even - (self.product if complete else 0.0)
+            self.spent += iterations + (new if refreshed else 0.0)
+            self.fresh += self.fresh_iterations + new
+        if refreshed:
             return
         if self.uses == 1 and not complete:
             # The guess on a new mesh is worse than those that follow it.

@@ -72,6 +72,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--csv", type=CsvFile, metavar="FILE", help="a row of numbers a frame")
     parser.add_argument("--parity", action="store_true", help="compare each frame with a cold solve on the same mesh")
+    parser.add_argument(
+        "--regret",
+        action="store_true",
+        help="count the work of linear solves under every policy, and of the best schedule of refreshes in hindsight",
+    )
     parser.add_argument("--strict", action="store_true", help="end with 1 where a frame was refused")
     add_limits(parser)
     add_verbose(parser)
@@ -80,6 +85,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails or --strict finds a refused one, 2 on bad input."""
+    _check_regret(args)
     process = _begin_recorder() if args.out and first_rank() else None
     with limited(args) as begin_frame:
         return _replayed(args, begin_frame, process)
@@ -113,6 +119,8 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None], process
     chosen = policy(args.policy or scene.solve.policy, args.guess)
     calibration, given = Calibration.load(args.calibration), (tuple(args.petsc), args.predict, tuple(args.set))
     request = Request(scene, script, app, chosen, calibration, *given)
+    if args.regret:
+        return _regret(args, request)
     first = first_rank()
     recorder = _start_recorder(args.out, request, process) if process else None
     try:
@@ -151,6 +159,26 @@ def _note_start(args: argparse.Namespace, scene: Scene, script: Script) -> None:
         print("note: --fields is of a recording: without --out FILE.vtkhdf it does nothing", file=sys.stderr)
     if not args.edits and (known := scripts_of(args.scene)):
         print(f"note: the first shape only; its edits: {', '.join(map(str, known))}", file=sys.stderr)
+
+
+def _check_regret(args: argparse.Namespace) -> None:
+    """Refuse options of one replay beside --regret."""
+    given = [name for name in ("out", "csv", "parity", "policy", "guess") if getattr(args, name)]
+    if args.regret and given:
+        what = "replays of all policies are counted, and none of them is kept"
+        raise UserError(what, f"--regret --{given[0]}", f"leave --{given[0]} out")
+
+
+def _regret(args: argparse.Namespace, request: Request) -> int:
+    """Print the counted work of a replay beside the best that could have been done; 0."""
+    start_petsc(args.petsc)
+    from restshape.cli.regret_tables import print_regret
+    from restshape.replay.regret import measure
+
+    found = measure(request)
+    print_regret(found)
+    write_json(args, {"origin": request.origin(), "regret": found})
+    return 0
 
 
 def _check_name(out: Path | None) -> None:

@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 from counted_replays import begin_log
 from restshape_studies.bench import reuse
-from restshape_studies.bench.events import EventCounts
 from restshape_studies.bench.job import Job, Outcome, run, unused_by_all
-from restshape_studies.bench.process import hindsight_cost, pin, play
+from restshape_studies.bench.process import pin, play
 from restshape_studies.bench.reuse import Plan, compare, event_totals, frames_a_second, medians, ratios, timed, whole
 from restshape_studies.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
 from restshape_studies.bench.size import drag as plate_drag
 from restshape_studies.bench.turns import Case
-from restshape_studies.commands.bench_reuse import hindsight_line
 from restshape_studies.pictures.policies import draw_policies
 from restshape_studies.pictures.scaling import draw_scaling
 from small_scenes import across, drag, plate, write_scene, write_script
@@ -25,6 +23,7 @@ from small_scenes import across, drag, plate, write_scene, write_script
 from restshape.algebra.stages import Stages
 from restshape.errors import UserError
 from restshape.replay.columns import STAGES
+from restshape.replay.event_counts import EventCounts
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -52,12 +51,12 @@ def timed_run(fps, p50):
 
 def run_here(job):
     """What a job reports, run in this process."""
-    reported = {"row": [], "hindsight": [None]}
+    reported = {"row": []}
     earlier = EventCounts().since_last() if job.count else {}
-    (hindsight_cost if job.hindsight_cost else play)(job, lambda kind, content: reported[kind].append(content))
+    play(job, lambda kind, content: reported[kind].append(content))
     for name, number in earlier.items():
         reported["row"][0]["events"][name] -= number
-    return Outcome(reported["row"], hindsight_cost=reported["hindsight"][-1])
+    return Outcome(reported["row"])
 
 
 @pytest.fixture(scope="module")
@@ -177,25 +176,6 @@ def test_policies_take_turns_and_the_median_is_reported(tmp_path):
     parts = found["auto"]["ms"]["p50"], found["auto"]["whole"]["p50"], found["auto"]["estimated"]["p50"]
     assert parts == (2.0, 2.125, 8.125)
     assert found["auto"]["events"] == {"KSPSolve": 4} and len(found["auto"]["runs"]) == 3
-
-
-def test_the_cost_in_hindsight_is_a_ratio_of_costs_and_never_below_one(tmp_path):
-    scene = write_scene(tmp_path, plate(0.3))
-    script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 6)))
-    found = reuse.hindsight(Job(str(scene), str(script), "auto"), run_here)
-    assert found["ratio"] == pytest.approx(found["run"] / found["best"]) and found["ratio"] > 1 - 1e-9
-    assert f"{found['ratio']:.3f} times" in hindsight_line(found)
-
-
-def test_a_cost_in_hindsight_that_cannot_be_measured_loses_nothing(tmp_path):
-    def play(job):
-        if job.hindsight_cost:
-            raise UserError("a frame has several solves")
-        return Outcome([row(3), row(1)])
-
-    found = compare(Case("a", tmp_path, tmp_path), Plan(("auto",), 1, hindsight_cost=True), lambda words: None, play)
-    assert found["auto"]["hindsight"] == {"problem": "a frame has several solves"} and found["auto"]["fps"] > 0
-    assert "several solves" in hindsight_line(found["auto"]["hindsight"])
 
 
 def test_a_replay_that_ends_early_is_no_result(tmp_path):

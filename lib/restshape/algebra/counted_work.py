@@ -1,0 +1,30 @@
+"""What a replay has spent on linear solves: counts of PETSc's events, by the prices of the calibration."""
+
+from collections.abc import Mapping
+
+from restshape.algebra.linear import LinearSolver
+
+SYMBOLIC = ("MatCholFctrSym", "MatICCFactorSym", "MatLUFactorSym", "MatILUFactorSym")
+NUMERIC = ("MatCholFctrNum", "MatLUFactorNum")
+"""Events of factors: analyses of their patterns, and their numbers. (PETSc logs numbers of ICC and ILU as these.)"""
+EVENTS = (*SYMBOLIC, *NUMERIC, "PCApply", "MatMult")
+"""All that is counted."""
+
+
+def counted_seconds(events: Mapping[str, int], iterations: int, solver: LinearSolver) -> float:
+    """Seconds by the calibration of what was counted while a solver had the preconditioner that it has.
+
+    Args:
+        events: counts of `EVENTS`.
+        iterations: of the Krylov method, for their work on vectors.
+        solver: has made a preconditioner.
+    """
+    if not solver.kept.ready:
+        return 0.0
+    kept, price = solver.kept, solver.kept.price()
+    known, size = kept.choice.calibration, kept.size
+    whole, product = known.pass_seconds(size.unknowns, size.nonzeros), known.matvec_nonzero * size.nonzeros
+    factors = sum(events[name] for name in NUMERIC) * price.refresh
+    analyses = sum(events[name] for name in SYMBOLIC) * (price.setup - price.refresh)
+    passes = events["MatMult"] * product + iterations * (whole - product)
+    return factors + analyses + events["PCApply"] * (price.iteration - whole) + passes
