@@ -3,6 +3,7 @@
 # More than 15 modules: laws, loads, supports, stresses and quantities make one problem here.
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 
@@ -103,7 +104,7 @@ class PlaneSolid(TransientProblem):
         """Whether a value changes when nodes move."""
         return self.loads.varies or self.boundary.varies
 
-    @property
+    @cached_property
     def stiffest(self) -> float:
         """The largest modulus times thickness [N/m] of the materials."""
         lame, shear, thickness, _ = self.materials.T
