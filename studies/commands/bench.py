@@ -92,6 +92,8 @@ def run(args: argparse.Namespace) -> int:
     for case in cases:
         found[case.name] = kind.measure(args, case, announce)
         kind.show(args, case.name, found[case.name])
+        if kind.times:
+            print(f"times are of {kind.times}; systems are solved to {tolerance_of(case, args):g}")
     if kind.sum_up:
         kind.sum_up(found)
     print(f"took {time.monotonic() - start:.0f} s")
@@ -100,6 +102,13 @@ def run(args: argparse.Namespace) -> int:
         _draw(picture, lambda: kind.draw(found, args, picture), written(kind, found))
     write_json(args, written(kind, found))
     return 0
+
+
+def tolerance_of(case: Case, args: argparse.Namespace) -> float:
+    """The relative residual to which the linear systems of a scene are solved."""
+    from restshape.scene.load import load_scene
+
+    return load_scene(case.scene, args.set).solve.tolerance
 
 
 def written(kind: Kind, found: dict[str, Any]) -> Any:

@@ -6,6 +6,7 @@ from typing import Any
 
 from restshape_studies.bench.turns import Announce, Case
 from restshape_studies.commands.bench_kind import (
+    FRAMES,
     Kind,
     add_frames,
     add_policy,
@@ -116,6 +117,7 @@ KINDS = (
         measure_prediction,
         show_prediction,
         picture="bench-predict.png",
+        times=FRAMES,
         draw=draw_prediction,
     ),
     Kind(
@@ -126,6 +128,7 @@ KINDS = (
         measure_derivative,
         show_derivative,
         picture="sensitivity-epsilon.png",
+        times="one derivative at a solution, with its factor at hand",
         draw=draw_derivative,
     ),
 )

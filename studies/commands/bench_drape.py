@@ -133,5 +133,6 @@ KINDS = (
         scenes="still",
         about="solution strategies of cloth are about one",
         draw=draw,
+        times="first frames, mesh and all, until the cloth is in equilibrium, and of frames of the script as they are",
     ),
 )

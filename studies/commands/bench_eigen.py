@@ -50,5 +50,6 @@ KINDS = (
         unchecked,
         measure,
         show,
+        times="eigensolvers alone on the same matrices: no mesh, no assembly, no quantities, no estimates",
     ),
 )

@@ -33,6 +33,7 @@ class Kind:
         about: why the scene must have a mesh.
         sum_up: prints what is said of all scenes together, given what was found by scene.
         picture: file name in the folder after --out; empty: no such picture.
+        times: what the times that it prints include; empty where it has none.
         draw: draws the picture; given the scenes' names with what was found, the arguments and the path.
     """
 
@@ -47,7 +48,12 @@ class Kind:
     about: str = "policies of reuse are about one"
     sum_up: Callable[[dict[str, Any]], None] | None = None
     picture: str = ""
+    times: str = ""
     draw: Callable[[dict[str, Any], argparse.Namespace, Path], None] | None = None
+
+
+FRAMES = "whole frames with their residual, without estimates and without a recorder; the first frame is left out"
+"""What times of frames include, where a study says nothing else."""
 
 
 def add_policy(parser: argparse.ArgumentParser) -> None:

@@ -123,6 +123,7 @@ KINDS = (
         scenes="several",
         default=("plate",),
         picture="bench-limit.png",
+        times="frames of level 1 with an old preconditioner, stage by stage",
         draw=draw,
     ),
 )

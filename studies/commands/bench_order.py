@@ -4,7 +4,7 @@ import argparse
 from typing import Any
 
 from restshape_studies.bench.turns import Announce, Case
-from restshape_studies.commands.bench_kind import Kind, add_frames, add_policy, add_repeat, check_runs, job_of
+from restshape_studies.commands.bench_kind import FRAMES, Kind, add_frames, add_policy, add_repeat, check_runs, job_of
 
 from restshape.cli.options import print_table
 
@@ -47,5 +47,13 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
 
 
 KINDS = (
-    Kind("order", "elements of first and second order, with as many unknowns", declare, check_runs, measure, show),
+    Kind(
+        "order",
+        "elements of first and second order, with as many unknowns",
+        declare,
+        check_runs,
+        measure,
+        show,
+        times=FRAMES,
+    ),
 )

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from restshape_studies.bench.turns import Announce, Case
-from restshape_studies.commands.bench_kind import Kind, add_policy
+from restshape_studies.commands.bench_kind import FRAMES, Kind, add_policy
 
 from restshape.cli.options import print_table
 from restshape.errors import UserError
@@ -107,6 +107,7 @@ KINDS = (
         show,
         scenes="plate",
         picture="bench-size.png",
+        times=FRAMES,
         draw=draw,
     ),
 )

@@ -42,7 +42,10 @@ def draw_policies(found: Mapping[str, Mapping[str, Mapping[str, Any]]], path: Pa
     axes.set(yticks=[at for at, _ in ticks], yticklabels=[shorten(name, 30, placeholder=" …") for _, name in ticks])
     axes.set_ylim(place - 1.1, -0.7)
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("time a moved frame [ms]: median (dot) to 95th percentile (line)")
+    axes.set_xlabel(
+        "time until the answer of a solved frame [ms]: median (dot) to 95th percentile (line)\n"
+        "without residual, estimates and recording"
+    )
     figure.suptitle("The same edits under several policies of reuse", x=0.01, ha="left", color=INK)
     figure.legend(
         list(handles.values()), list(handles), loc="outside lower center", ncols=min(len(handles), MOST_IN_A_ROW)

@@ -11,6 +11,8 @@ from matplotlib.ticker import LogLocator
 from restshape.outputs.picture_files import save_picture
 from restshape.report.style import FAINT, INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, new_figure
 
+INCLUDED = "whole frames with their residual, without estimates and recording"
+
 
 def draw_scaling(records: Sequence[Mapping[str, Any]], fits: Mapping[str, Any], policy: str, path: Path) -> None:
     """Writes the picture as a PNG: medians, log-log, with the fitted powers, and the memory below.
@@ -40,7 +42,9 @@ def draw_scaling(records: Sequence[Mapping[str, Any]], fits: Mapping[str, Any], 
     _note_missing(times, records)
     if times.get_legend_handles_labels()[0]:
         times.legend(loc="upper left")
-    figure.suptitle(f"A frame of each level at growing size, one core, policy {policy}", x=0.01, ha="left", color=INK)
+    figure.suptitle(
+        f"A frame of each level at growing size, one core, policy {policy}\n{INCLUDED}", x=0.01, ha="left", color=INK
+    )
     figure.align_ylabels()
     save_picture(figure, path)
 

@@ -36,18 +36,20 @@ def speeds(common: dict[str, Any]) -> list[dict[str, Any]]:
     rates = [
         {
             **common,
-            "quantity": f"frames a second, policy {_named(name)}",
+            "quantity": f"frames a second, policy {_named(name)}{words}",
             "thesis": known.get(name, ""),
-            "ours": found[name]["fps"],
+            "ours": found[name][key]["fps"],
             "unit": "1/s",
             "timing": True,
         }
         for name in found
+        for words, key in (("", "whole"), (", errors estimated", "estimated"))
+        if key in found[name]
     ]
     gains = [
         {
             **common,
-            "quantity": f"policy auto over {base}",
+            "quantity": f"policy auto over {base}, until the answer",
             "thesis": round(REUSE / REBUILD, 1) if base == "rebuild" else "",
             "ours": found["auto"]["ratios"][base]["fps"],
             "unit": "ratio",

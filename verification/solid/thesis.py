@@ -37,7 +37,7 @@ def rows(timed: bool = True) -> list[dict[str, Any]]:
         {
             "table": "4.2, figure 4.2",
             "row": "level 3 over level 1",
-            "quantity": f"time of a frame (p50), policy {name}",
+            "quantity": f"time of a frame until its answer (p50), policy {name}",
             "thesis": "> 2",
             "ours": entry["ms_by_level"]["3"]["p50"] / entry["ms_by_level"]["1"]["p50"],
             "unit": "ratio",

@@ -70,6 +70,7 @@ def test_size_for_programs_and_people(tmp_path, command):
     assert found["policy"] == "auto" and set(found["exponents"]) == {"1", "2", "3"}
     first, second = found["sizes"]
     assert first["unknowns"] < second["unknowns"] and first["levels"]["1"]["ms"]["p50"] > 0
+    assert "times are of whole frames with their residual, without estimates" in done.stdout
     for words in ("time a frame", "old factor", "memory", "fitted power", "krylov"):
         assert words in done.stdout
     assert (tmp_path / "results/bench-size.png").read_bytes().startswith(PNG)
@@ -101,6 +102,17 @@ def test_bad_input(command, scene, words, reported):
     assert " try: " in done.stderr
     for word in reported:
         assert word in done.stderr
+
+
+TIMED = ("reuse", "limit", "size", "order", "eigen", "drape", "predict", "derivative")
+
+
+def test_each_study_of_times_says_what_they_include():
+    from restshape_studies.commands.bench import KINDS
+
+    # Errors and jumps alone are no times.
+    assert {name for name, kind in KINDS.items() if kind.times} == set(TIMED)
+    assert set(KINDS) - set(TIMED) == {"effectivity", "jumps"}
 
 
 def test_a_scene_without_a_script(tmp_path, command, scene):
