@@ -110,9 +110,9 @@ TIMED = ("reuse", "limit", "size", "order", "eigen", "drape", "predict", "deriva
 def test_each_study_of_times_says_what_they_include():
     from restshape_studies.commands.bench import KINDS
 
-    # Errors and jumps alone are no times.
+    # Errors, jumps and counted work are no times.
     assert {name for name, kind in KINDS.items() if kind.times} == set(TIMED)
-    assert set(KINDS) - set(TIMED) == {"effectivity", "jumps"}
+    assert set(KINDS) - set(TIMED) == {"effectivity", "jumps", "regret"}
 
 
 def test_a_scene_without_a_script(tmp_path, command, scene):
