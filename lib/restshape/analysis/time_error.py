@@ -20,7 +20,7 @@ class StepMatrix:
     Args:
         product: with the matrix.
         precondition: the kept preconditioner.
-        exact: it is a complete factor of this very matrix.
+        exact: it is a complete factor of this very matrix, or as good as one.
         complete: it is a complete factor of one that was like it.
     """
 
@@ -75,6 +75,11 @@ def local_error(
         smoothed = matrix.solve(scheme.a0 * second)
         return scheme.dt**2 / 12.0 * smoothed.reshape(change.shape)
     return scheme.error_factor * scheme.dt**scheme.order * smoothed.reshape(change.shape)
+
+
+def largest_norm(field: np.ndarray) -> float:
+    """The largest size of a row of (n, f) numbers; 0 without any."""
+    return float(np.sqrt(np.einsum("ij,ij->i", field, field).max(initial=0.0)))
 
 
 def element_product(body: SemiDiscrete, scheme: Scheme, y: np.ndarray) -> Operation:

@@ -22,7 +22,7 @@ from restshape.analysis.modes_beside import ModesBeside
 from restshape.analysis.repeated_motion import RepeatedMotion
 from restshape.analysis.settings import modal_settings
 from restshape.analysis.solution import Solution, moduli_of
-from restshape.analysis.time_error import StepMatrix, local_error
+from restshape.analysis.time_error import StepMatrix, largest_norm, local_error
 from restshape.analysis.transient_state import BoundMotion, TransientState
 from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application
@@ -43,6 +43,9 @@ LARGEST = 1e100
 """Of unknowns: the squares of stresses of larger ones are no numbers."""
 ROUNDING = 1e-10
 """Relative distance that a step has from the same one by another formula where both are solved to rounding."""
+
+NEAR = 2
+"""Iterations of a step with an old complete factor up to which estimates take the factor for the matrix's own."""
 
 log = logging.getLogger("restshape.analysis")
 
@@ -75,6 +78,9 @@ class TransientAnalysis:
         self._largest = 0.0
         self._observed: tuple[TransientState | None, dict[str, float]] = (None, {})
         self.modes = ModesBeside(modal_settings(plan).modes) if plan.on("modal") else None
+        self._unknowns: tuple[TransientState | None, np.ndarray] = (None, self.state.now.y)
+        # Of the last solve that was iterative.
+        self._iterations = 0
         self._operations: tuple[PETSc.Mat | None, Operation, Operation] = (None, np.copy, np.copy)
         self._estimate: tuple[SemiDiscrete | None, RecoveryEstimate | None] = (None, None)
 
@@ -203,9 +209,11 @@ class TransientAnalysis:
 
     @property
     def x(self) -> np.ndarray:
-        """Unknowns (n, f) after the last step, relative to the base."""
+        """Unknowns (n, f) after the last step, relative to the base; made once a state, not to be changed."""
         state = self.state
-        return state.now.y if state.bound is None else state.body.unknowns(state.now.y)
+        if self._unknowns[0] is not state:
+            self._unknowns = (state, state.now.y if state.bound is None else state.body.unknowns(state.now.y))
+        return self._unknowns[1]
 
     @property
     def v(self) -> np.ndarray:
@@ -307,8 +315,8 @@ class TransientAnalysis:
             return float("nan")
         accelerations = self._base_acceleration(before.time), self._base_acceleration(now.time)
         error = local_error(state.body, scheme, (before, now), accelerations, self._last_matrix())
-        self._largest = max(self._largest, float(np.linalg.norm(self.x, axis=1).max()))
-        return float(np.linalg.norm(error, axis=1).max()) / self._largest if self._largest else float("nan")
+        self._largest = max(self._largest, largest_norm(self.x))
+        return largest_norm(error) / self._largest if self._largest else float("nan")
 
     def _last_matrix(self) -> StepMatrix:
         """The matrix of the last step."""
@@ -316,7 +324,8 @@ class TransientAnalysis:
         if self._operations[0] is not system.mat:
             product = gathered(system.mat.mult, system.rows, self.context.comm)
             self._operations = (system.mat, product, preconditioner(solver, system.rows))
-        return StepMatrix(*self._operations[1:], solver.factored, solver.kept.complete)
+        exact = solver.factored or (solver.kept.complete and self._iterations <= NEAR)
+        return StepMatrix(*self._operations[1:], exact, solver.kept.complete)
 
     # --- a new frame --------------------------------------------------------------------------------------------------
 
@@ -473,6 +482,7 @@ class TransientAnalysis:
                 system.full += bound.increments(system.force())
                 system.solution.stateIncrease()
             report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale, uses=steps)
+            self._iterations = report.iterations
         gather_vector(system.full, system.rows, self.context.comm)
         y = system.full.reshape(state.y.shape).copy()
         if guessed:
