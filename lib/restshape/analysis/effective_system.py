@@ -22,7 +22,7 @@ class StepWeights:
     """
 
     def __init__(self, scheme: Scheme, alpha: float, beta: float) -> None:
-        gap = scheme.a4 - scheme.a3
+        self.alpha, self.beta, gap = alpha, beta, scheme.a4 - scheme.a3
         self.of_stiffness, self.of_mass = 1.0 + scheme.a1 * beta, scheme.a0 + scheme.a1 * alpha
         self.load = 1.0 + scheme.a3
         self.stiff_y, self.stiff_v, self.stiff_a = self.of_stiffness - self.load, gap * beta, scheme.a5 * beta

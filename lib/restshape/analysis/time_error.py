@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.analysis.correction import DELAY, conjugate_steps
+from restshape.analysis.effective_system import StepWeights
 from restshape.fem.residuals import Operation, stiffness_product
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.time_integration import Scheme, TimeState
@@ -65,6 +66,8 @@ def local_error(
     before, now = states
     if before.a is not None and now.a is not None:
         change = body.mass.apply(now.a - before.a)
+    elif body.problem.linear:
+        change = _change_of_force(body, scheme, states, accelerations[1] - accelerations[0], matrix.product)
     else:
         change = body.change_of_force((before.y, before.v), (now.y, now.v), accelerations[1] - accelerations[0])
     change[body.constrained] = 0.0
@@ -75,6 +78,22 @@ def local_error(
         smoothed = matrix.solve(scheme.a0 * second)
         return scheme.dt**2 / 12.0 * smoothed.reshape(change.shape)
     return scheme.error_factor * scheme.dt**scheme.order * smoothed.reshape(change.shape)
+
+
+def _change_of_force(
+    body: SemiDiscrete, scheme: Scheme, states: tuple[TimeState, TimeState], base: np.ndarray, product: Operation
+) -> np.ndarray:
+    """What `SemiDiscrete.change_of_force` gives at free unknowns, with the step's matrix in place of K's elements."""
+    before, now = states
+    weights = StepWeights(scheme, body.damping_of.alpha, body.damping_of.beta)
+    strain, rates = now.y - before.y, now.v - before.v
+    if weights.beta:
+        strain += weights.beta * rates
+    inert = (weights.of_mass / weights.of_stiffness) * strain
+    inert -= weights.alpha * rates + base
+    change = body.mass.apply(inert)
+    change -= product(strain.ravel()).reshape(strain.shape) / weights.of_stiffness
+    return change
 
 
 def largest_norm(field: np.ndarray) -> float:
