@@ -49,7 +49,9 @@ def speeds(common: dict[str, Any]) -> list[dict[str, Any]]:
     gains = [
         {
             **common,
-            "quantity": f"policy auto over {base}, until the answer",
+            "quantity": f"policy auto over {base}"
+            + (", initial guess extrapolated in both" if base == "refactor" else "")
+            + ", until the answer",
             "thesis": round(REUSE / REBUILD, 1) if base == "rebuild" else "",
             "ours": found["auto"]["ratios"][base]["fps"],
             "unit": "ratio",
