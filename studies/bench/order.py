@@ -14,6 +14,7 @@ from restshape.mesh.generate import generate
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 from restshape.shape.build import outline_from_spec
+from restshape.shape.outline import Outline
 
 TRIES = 6
 """Meshes that are made to find the size of the second order: the number of unknowns jumps from one to the next."""
@@ -27,6 +28,18 @@ def sizes(scene: Scene, factor: float) -> tuple[str, ...]:
     return (f"mesh.size={factor * scene.mesh.size!r}", *near)
 
 
+def outline_of(scene: Scene, path: str) -> Outline:
+    """The first shape of a scene whose mesh may be as fine as wanted; `path` is that of the scene.
+
+    Raises:
+        UserError: the scene's mesh is not one that restshape makes of plane triangles.
+    """
+    if scene.mesh.file or "layers" in application(scene.app).mesh_keys:
+        what = "only meshes in the plane that are made here can be as fine as wanted"
+        raise UserError(what, path, "choose another scene")
+    return outline_from_spec(scene.shape, scene.folder)
+
+
 def equal_size(job: Job, announce: Announce = lambda words: None) -> float:
     """How many times as large second-order triangles are for as many unknowns on the first shape.
 
@@ -38,11 +51,7 @@ def equal_size(job: Job, announce: Announce = lambda words: None) -> float:
         UserError: the scene's mesh is not one that restshape makes of plane triangles.
     """
     scene = load_scene(job.scene, job.overrides)
-    if scene.mesh.file or "layers" in application(scene.app).mesh_keys:
-        raise UserError(
-            "only meshes in the plane that are made here can be as fine as wanted", job.scene, "choose another scene"
-        )
-    outline = outline_from_spec(scene.shape, scene.folder)
+    outline = outline_of(scene, job.scene)
     wanted = len(generate(outline, scene.mesh).X)
     factor, best = 2.0, (inf, 2.0)
     for _ in range(TRIES):

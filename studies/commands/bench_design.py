@@ -117,7 +117,7 @@ KINDS = (
         measure_prediction,
         show_prediction,
         picture="bench-predict.png",
-        times=FRAMES,
+        times=f"{FRAMES}; predicted frames have their estimated distance from the solution",
         draw=draw_prediction,
     ),
     Kind(

@@ -49,15 +49,14 @@ def check(args: argparse.Namespace) -> None:
 def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
     """A record a size."""
     from restshape_studies.bench.job import run
-    from restshape_studies.bench.order import sizes
+    from restshape_studies.bench.order import outline_of, sizes
     from restshape_studies.bench.turns import found_of
 
     from restshape.mesh.generate import generate
     from restshape.scene.load import load_scene
-    from restshape.shape.build import outline_from_spec
 
     scene = load_scene(case.scene, args.set)
-    own = len(generate(outline_from_spec(scene.shape, scene.folder), scene.mesh).cells)
+    own = len(generate(outline_of(scene, str(case.scene)), scene.mesh).cells)
     found = {}
     for number in triangles(args):
         announce(f"{case.name}: about {number:,.0f} triangles")
