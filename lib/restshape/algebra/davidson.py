@@ -117,6 +117,9 @@ class SearchSpace:
 def _orthonormal(rows: Reals, mass_products: Reals) -> tuple[Reals, Reals]:
     """A basis of what rows (k, n) span, orthonormal in the mass, without directions that are lost in rounding."""
     gram = row_products(rows, mass_products)
+    if len(rows) == 1 and gram[0, 0] > 0.0:
+        weight = 1.0 / np.sqrt(gram[0, 0])
+        return rows * weight, mass_products * weight
     scale = np.sqrt(np.maximum(np.diagonal(gram), 0.0))
     kept = scale > 0.0
     if not kept.all():

@@ -26,6 +26,7 @@ class Pencil:
 
     Args:
         stages: takes the time of factorisations.
+        blocks: factors are made in blocks of a node: half the time, and no counts of eigenvalues to rely on.
 
     Attributes:
         stiffness, mass: PETSc matrices of the same pattern, symmetric; set by `set_matrices`.
@@ -34,13 +35,13 @@ class Pencil:
         factorisations, substitutions, products: counted since the start.
     """
 
-    def __init__(self, stages: Stages) -> None:
+    def __init__(self, stages: Stages, blocks: bool = False) -> None:
         self.stages = stages
         self.stiffness = self.mass = PETSc.Mat()
         self.shift = 0.0
         self.nonzeros = 0.0
         self.factorisations = self.substitutions = self.products = 0
-        self._kept = _Factor()
+        self._kept = _Factor(blocks)
         self._counting = _Factor()
         self._patterns = (0, 0)
 
@@ -136,9 +137,14 @@ class Pencil:
 
 
 class _Factor:
-    """A complete factor of K - s M whose ordering and fill are kept for as long as the pattern stays."""
+    """A complete factor of K - s M whose ordering and fill are kept for as long as the pattern stays.
 
-    def __init__(self) -> None:
+    Args:
+        blocks: of a node; else of single numbers.
+    """
+
+    def __init__(self, blocks: bool = False) -> None:
+        self.blocks = blocks
         self.made, self.stale_pattern, self.nonzeros = False, True, 0.0
         self._matrix: PETSc.Mat = None
         self._pc: PETSc.PC = None
@@ -166,7 +172,7 @@ class _Factor:
             self._pc = PETSc.PC().create(PETSc.COMM_SELF)
             self._pc.setType("cholesky")
             # Counts of eigenvalues of thin bodies hang on pivots that blocks round more.
-            order_factor(self._pc, blocks=False)
+            order_factor(self._pc, self.blocks)
             self.stale_pattern = False
         else:
             stiffness.copy(self._matrix, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)

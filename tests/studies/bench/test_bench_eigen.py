@@ -20,11 +20,12 @@ def test_all_solvers_find_the_same(tmp_path, command):
     assert found["frames"] == 21
     solvers = found["solvers"]
     assert {"restshape", "Krylov-Schur", "GD", "JD", "LOBPCG"} <= set(solvers)
-    for name in ("restshape", "Krylov-Schur", "GD", "GD, modes of three frames"):
+    for name in ("restshape", "Krylov-Schur", "Krylov-Schur, factor in blocks", "GD", "GD, modes of three frames"):
         assert solvers[name]["problems"] == 0, name
         assert solvers[name]["residual"] <= 1.1e-3 and solvers[name]["error"] < 1e-5, name
     assert solvers["restshape"]["substitutions"] < solvers["GD"]["substitutions"]
     assert "substitutions a frame" in done.stdout and "LOBPCG" in done.stdout
+    assert "times as long" in done.stdout and "not included" in done.stdout
 
 
 @pytest.mark.slow
