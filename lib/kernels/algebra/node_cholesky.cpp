@@ -5,9 +5,11 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "algebra/block_factor.hpp"
 #include "algebra/node_graph.hpp"
 
 // PETSc's factor in symmetric blocks takes the natural order alone: the blocks are copied in elimination order before.
+// Its pattern and substitutions are PETSc's; its numbers are made by BlockFactor, which is faster.
 // P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996), 886.
 
 namespace restshape {
@@ -18,6 +20,8 @@ struct NodeCholesky {
     std::vector<double> right, solution;
     Mat upper = nullptr, factor = nullptr;
     Vec b = nullptr, x = nullptr;
+    BlockFactor<2> pairs;
+    BlockFactor<3> triples;
     PetscInt zero = 0;  // blocks without an inverse, each counted once
 };
 
@@ -120,6 +124,57 @@ PetscErrorCode find_zero(Mat F) {
     PetscFunctionReturn(0);
 }
 
+template <int size>
+PetscErrorCode make_blocks_of(NodeCholesky& c, BlockFactor<size>& maker) {
+    BlockRows own{}, from{static_cast<PetscInt>(c.blocks.starts.size()) - 1, c.blocks.starts.data(),
+                          c.blocks.columns.data(), nullptr};
+    PetscBool done;
+    PetscFunctionBegin;
+    PetscCall(MatGetRowIJ(c.factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
+    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
+    PetscCall(MatSeqSBAIJGetArray(c.factor, &own.value));
+    PetscCall(MatSeqSBAIJGetArray(c.upper, &from.value));
+    const double products = maker.make(from, own);
+    PetscCall(MatSeqSBAIJRestoreArray(c.upper, &from.value));
+    PetscCall(MatSeqSBAIJRestoreArray(c.factor, &own.value));
+    PetscCall(MatRestoreRowIJ(c.factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
+    PetscCall(PetscLogFlops(2.0 * size * size * size * products));
+    PetscFunctionReturn(0);
+}
+
+// PETSc's substitutions in natural order, which it sets with the numbers of a factor: those of a matrix of one block.
+PetscErrorCode set_substitutions(Mat factor, PetscInt size) {
+    static _MatOps known[4];
+    PetscFunctionBegin;
+    if (!known[size].solve) {
+        const PetscInt start[] = {0, 1}, column[] = {0};
+        const PetscScalar one[] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}, pair[] = {1.0, 0.0, 0.0, 1.0};
+        MatFactorInfo info;
+        Mat single, made;
+        IS rows, columns;
+        PetscCall(MatFactorInfoInitialize(&info));
+        PetscCall(MatCreate(PETSC_COMM_SELF, &single));
+        PetscCall(MatSetSizes(single, size, size, size, size));
+        PetscCall(MatSetType(single, MATSEQSBAIJ));
+        PetscCall(MatSeqSBAIJSetPreallocationCSR(single, size, start, column, size == 2 ? pair : one));
+        PetscCall(MatGetFactor(single, MATSOLVERPETSC, MAT_FACTOR_CHOLESKY, &made));
+        PetscCall(MatGetOrdering(single, MATORDERINGNATURAL, &rows, &columns));
+        PetscCall((*made->ops->choleskyfactorsymbolic)(made, single, rows, &info));
+        PetscCall((*made->ops->choleskyfactornumeric)(made, single, &info));
+        known[size] = *made->ops;
+        PetscCall(ISDestroy(&rows));
+        PetscCall(ISDestroy(&columns));
+        PetscCall(MatDestroy(&made));
+        PetscCall(MatDestroy(&single));
+    }
+    factor->ops->solve = known[size].solve;
+    factor->ops->solvetranspose = known[size].solvetranspose;
+    factor->ops->forwardsolve = known[size].forwardsolve;
+    factor->ops->backwardsolve = known[size].backwardsolve;
+    factor->assembled = factor->preallocated = PETSC_TRUE;
+    PetscFunctionReturn(0);
+}
+
 PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
     NodeCholesky* c = of(F);
     const double* values;
@@ -131,9 +186,14 @@ PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
     PetscCall(MatSeqSBAIJRestoreArray(c->upper, &copied));
     PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
     c->factor->factorerrortype = MAT_FACTOR_NOERROR;
-    PetscCall((*c->factor->ops->choleskyfactornumeric)(c->factor, c->upper, info));
     c->zero = 0;
-    if (c->blocks.size > 1) PetscCall(find_zero(F));
+    if (c->blocks.size == 1) {
+        PetscCall((*c->factor->ops->choleskyfactornumeric)(c->factor, c->upper, info));
+    } else {
+        PetscCall(c->blocks.size == 2 ? make_blocks_of(*c, c->pairs) : make_blocks_of(*c, c->triples));
+        PetscCall(set_substitutions(c->factor, c->blocks.size));
+        PetscCall(find_zero(F));
+    }
     F->factorerrortype = c->zero ? MAT_FACTOR_NUMERIC_ZEROPIVOT : c->factor->factorerrortype;
     PetscFunctionReturn(0);
 }
