@@ -21,6 +21,12 @@ EVENTS = (
     "PCApply",
     *(f"Restshape{n}" for n in ("Pattern", "Patch", "Values")),
 )
+TIMES = {
+    "ms": "until the answer; no residual, no estimates, no recorder",
+    "whole": "with the residual; no estimates, no recorder",
+    "estimated": "with the residual and estimates as solve.estimate says; no recorder",
+}
+"""What times of a record include."""
 STAGES_PICTURE = "bench-stages.png"
 """Beside the picture of the study, where earlier figures are given."""
 OVER = ("x rebuild", "x refactor", "x refactor, same guess")
@@ -74,7 +80,8 @@ def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[st
     given = tuple(args.set), tuple(args.petsc)
     plan = Plan(policies(args), args.repeat, args.frames or None, *given)
     tolerance = load_scene(case.scene, args.set).solve.tolerance
-    return {name: {"tolerance": tolerance, **entry} for name, entry in compare(case, plan, announce).items()}
+    said = {"tolerance": tolerance, "times": TIMES}
+    return {name: {**said, **entry} for name, entry in compare(case, plan, announce).items()}
 
 
 def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:

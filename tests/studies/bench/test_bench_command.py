@@ -29,6 +29,7 @@ def test_reuse_for_programs_and_people(tmp_path, command, scene):
         assert entry["fps"] > 0 and 0 < entry["ms"]["p50"] <= entry["ms"]["p95"] <= entry["ms"]["p99"]
         assert (entry["frames"], entry["idle"], entry["refused"]) == (6, 2, 0)
         assert entry["events"]["RestshapeValues"] == 4 and len(entry["runs"]) == 1
+        assert set(entry["times"]) == {"ms", "whole", "estimated"} <= set(entry)
         assert entry["tolerance"] == 1e-6 and 0 < entry["ms"]["p50"] < entry["whole"]["p50"]
         assert entry["estimated"]["p50"] > 0
         assert {"ms_by_level", "python_ms", "stages", "iterations", "refreshes", "ratios"} <= set(entry)
@@ -67,6 +68,7 @@ def test_size_for_programs_and_people(tmp_path, command):
     done = command("bench", "size", "--from", 300, "--to", 600, "--points", 2, "--json", "a.json")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "a.json").read_text())
+    assert "without estimates" in found["times"] and found["tolerance"] == 1e-6
     assert found["policy"] == "auto" and set(found["exponents"]) == {"1", "2", "3"}
     first, second = found["sizes"]
     assert first["unknowns"] < second["unknowns"] and first["levels"]["1"]["ms"]["p50"] > 0
