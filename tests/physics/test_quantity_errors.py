@@ -244,7 +244,7 @@ def test_sampled_loads_and_straight_sides_count(tmp_path):
 def test_recording_csv_and_summary_hold_errors(tmp_path):
     text = LIMITED.replace("MAX", "max = 1,").replace("wall = {", "wall = { error = true,")
     script = scripted(tmp_path, drag("window", (0.5, 0.5), [(0.55, 0.5), (0.6, 0.5), (0.5, 9.0)]))
-    replay = make_replay(write_scene(tmp_path, text), script)
+    replay = make_replay(write_scene(tmp_path, text), script, overrides=["solve.estimate=every"])
     columns = columns_of(replay.session.scene, application("plane"))
     assert {"stretch_error", "wall_error"} <= columns.keys() and "peak_error" not in columns
     with Recorder.start(tmp_path / "a.vtkhdf", {}, columns) as recorder:
