@@ -19,6 +19,7 @@ void bind_mesh(py::module_&);
 void bind_mesher(py::module_&);
 void bind_order(py::module_&);
 void bind_outline(py::module_&);
+void bind_correction(py::module_&);
 void bind_panels(py::module_&);
 void bind_rows(py::module_&);
 void bind_rates(py::module_&);
@@ -47,6 +48,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_mesher(m);
     bind_order(m);
     bind_outline(m);
+    bind_correction(m);
     bind_panels(m);
     bind_rows(m);
     bind_rates(m);

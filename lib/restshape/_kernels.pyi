@@ -23,6 +23,7 @@ __all__: list[str] = [
     "check_cells",
     "combinations",
     "combine_rows",
+    "correct_around",
     "curved_jacobian_bound",
     "distances",
     "edge_parameters",
@@ -378,6 +379,12 @@ def combine_rows(
     out: numpy.typing.NDArray[numpy.float64],
     add: bool,
 ) -> None: ...
+def correct_around(
+    factor: typing.SupportsInt | typing.SupportsIndex,
+    matrix: typing.SupportsInt | typing.SupportsIndex,
+    nodes: numpy.typing.NDArray[numpy.int32],
+    fields: typing.SupportsInt | typing.SupportsIndex,
+) -> bool: ...
 def curved_jacobian_bound(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from counted_replays import begin_log, watched
 
+from restshape.algebra import kept_preconditioner
 from restshape.algebra.choice import Prices
 from restshape.algebra.kept_preconditioner import KeptPreconditioner
 from restshape.algebra.refresh import MOST_AHEAD, RefreshCriterion
@@ -142,3 +143,18 @@ def test_single_solves_hardly_ever_cost_more_than_a_new_factor_for_each(seed):
         one, again = solved(made, int(needed))
         cost, fresh = cost + one + refresh * again, fresh + 1 + refresh
         assert cost <= 1.01 * fresh + 1.5 * refresh + refresh + 1
+
+
+@pytest.mark.slow
+def test_frames_with_flips_take_fewer_iterations(monkeypatch, counted_log):
+    _, rows = counted_work("solid/plate", "auto", 60)
+    monkeypatch.setattr(kept_preconditioner, "MOST_FLIPPED", 0.0)
+    _, plain = counted_work("solid/plate", "auto", 60)
+
+    def work(rows):
+        flipped = [row for row in rows if row["level"] == 2]
+        return sum(row["iterations"] for row in flipped), sum(row["pc_rebuilt"] for row in flipped)
+
+    assert work(plain)[0] > 1.2 * work(rows)[0]
+    assert work(plain)[1] > work(rows)[1]
+    assert all(row["residual"] < 1e-6 for row in rows)

@@ -61,7 +61,7 @@ def test_long_steps_are_compared_on_the_shape_before(tmp_path, monkeypatch):
 
     def note(self, moving, mesh_update):
         noted(self, moving, mesh_update)
-        seen.extend((other, moving.mesh) for other in self._others if other.before)
+        seen.extend((other, moving.mesh) for other in self._others() if other.before)
 
     monkeypatch.setattr(MeshJumps, "note", note)
     replay = make_replay(write_scene(tmp_path, plate(0.1)), write_script(tmp_path, COARSE), overrides=ASKED)

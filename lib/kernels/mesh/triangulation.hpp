@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "mesh/quality.hpp"
+
 namespace restshape {
 
 // Works on arrays that belong to the mesh: cells (ne, 3) counterclockwise, cell_edges (ne, 3) where edge i lies
@@ -43,9 +45,14 @@ class Triangulation {
     std::ptrdiff_t flip_delaunay(const double* X, int max_passes, double quality_floor) {
         changed_.clear();
         queue_.clear();
-        for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(touched_.size()); ++cell)
-            if (quality_floor >= 1.0 || quality(X, cells_ + 3 * cell) < quality_floor)
-                for (int i = 0; i < 3; ++i) push(cell_edges_[3 * cell + i]);
+        const auto count = static_cast<std::int32_t>(touched_.size());
+        for (std::int32_t first = 0; first < count; first += block) {
+            const std::int32_t end = std::min(first + block, count);
+            if (quality_floor < 1.0 && !low_quality(X, first, end, quality_floor)) continue;
+            for (std::int32_t cell = first; cell < end; ++cell)
+                if (quality_floor >= 1.0 || low_quality(X, cell, cell + 1, quality_floor))
+                    for (int i = 0; i < 3; ++i) push(cell_edges_[3 * cell + i]);
+        }
         const auto limit = static_cast<std::ptrdiff_t>(max_passes) * static_cast<std::ptrdiff_t>(edge_cells_.size());
         std::ptrdiff_t flips = 0;
         for (std::size_t next = 0; next < queue_.size(); ++next) {
@@ -65,6 +72,8 @@ class Triangulation {
     const std::vector<std::array<std::int32_t, 2>>& edge_cells() const { return edge_cells_; }
 
  private:
+    static constexpr std::int32_t block = 64;  // triangles that are judged together
+
     void push(std::int32_t edge) {
         if (fixed_[edge] || queued_[edge] || edge_cells_[edge][1] < 0) return;
         queued_[edge] = 1;
@@ -86,13 +95,9 @@ class Triangulation {
         sides[sides[0] == from ? 0 : 1] = to;
     }
 
-    // Inscribed radius over longest edge, 1 for equilateral (docs/theory/levels-of-reuse.md).
-    static double quality(const double* X, const std::int32_t* cell) {
-        const double *a = X + 2 * cell[0], *b = X + 2 * cell[1], *c = X + 2 * cell[2];
-        const double twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-        const double ab = std::hypot(b[0] - a[0], b[1] - a[1]), bc = std::hypot(c[0] - b[0], c[1] - b[1]);
-        const double ca = std::hypot(a[0] - c[0], a[1] - c[1]);
-        return 2.0 * std::sqrt(3.0) * twice_area / ((ab + bc + ca) * std::max({ab, bc, ca}));
+    // Whether one of these triangles has less quality than the threshold (docs/theory/levels-of-reuse.md).
+    bool low_quality(const double* X, std::int32_t first, std::int32_t end, double quality_floor) const {
+        return check_cells(X, cells_ + 3 * first, end - first, 0.0, quality_floor).low_quality > 0;
     }
 
     // Opposite angles alpha, delta of the quadrilateral a b d c with diagonal b c: flip when sin(alpha + delta) < 0 by

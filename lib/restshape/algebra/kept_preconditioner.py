@@ -2,6 +2,7 @@
 
 import logging
 
+import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
@@ -9,9 +10,14 @@ from restshape.algebra.choice import ILU, Candidate, Choice, Prices, Size, price
 from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
 from restshape.algebra.preconditioner import COMPLETE, kind_of, nonzeros, set_preconditioner, set_rigid_motions
 from restshape.algebra.traits import Traits
-from restshape.arrays import Reals
+from restshape.arrays import Indices, Reals
 
 log = logging.getLogger("restshape.algebra")
+
+
+NOWHERE = np.empty(0, dtype=np.int32)
+MOST_FLIPPED = 0.125
+"""Share of the nodes up to which an old factor is corrected around flips: beyond it a new one is near anyway."""
 
 
 # More than 15 attributes: half of them say what the preconditioner is, half what it is made of and when.
@@ -34,6 +40,7 @@ class KeptPreconditioner:
         pattern_changed: since it was made.
         blocks: a complete Cholesky factor of this system is made in blocks of a node.
         single: panels of an old factor of this system may have single precision.
+        flipped: (k,) nodes, ascending, around which edges have been flipped since it was made.
     """
 
     def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
@@ -47,6 +54,7 @@ class KeptPreconditioner:
         self.handle, self.size = 0, Size(0, 0.0, traits.dimension, fields=traits.fields)
         self._given: list[str] = []
         self.blocks = self.single = True
+        self.flipped, self._corrected = NOWHERE, False
         self._set(ILU.levels)
 
     @property
@@ -85,7 +93,7 @@ class KeptPreconditioner:
 
     def begin_system(self) -> None:
         """Forget what was made: the system is another one, which has its choice."""
-        self.ksp.reset()
+        self._reset()
         self.ready = self.pattern_changed = False
         self.single = True
         if not self.blocks:
@@ -119,6 +127,7 @@ class KeptPreconditioner:
             rebuild: no interpolation of multigrid is kept either.
         """
         pc = self.ksp.getPC()
+        self._forget_flips(mat)
         if self.kind == "gamg" and (rebuild or self.pattern_changed or not self.ready):
             # A reset, or a kept interpolation with another pattern, leaves coarse grids of the old sizes.
             pc.setType("none")
@@ -142,6 +151,32 @@ class KeptPreconditioner:
         if self.kind == "cholesky":
             for part in factors_of(self.ksp):
                 _kernels.solve_by_panels(part.getFactorMatrix().handle, iterates and self.single)
+
+    def flip(self, nodes: Indices) -> None:
+        """Take in that edges have been flipped around nodes (k,)."""
+        if self.kind == "cholesky" and self.ranks == 1:
+            self.flipped = np.union1d(self.flipped, nodes)
+
+    def correct(self, mat: PETSc.Mat) -> None:
+        """Let an old factor in blocks solve besides for the unknowns around flips, with the matrix as it is now.
+
+        Source: docs/theory/levels-of-reuse.md.
+        """
+        fields, flipped = mat.getBlockSize(), self.flipped
+        if len(flipped):
+            nodes = flipped if len(flipped) * fields <= MOST_FLIPPED * self.size.unknowns else NOWHERE
+            _kernels.correct_around(self.ksp.getPC().getFactorMatrix().handle, mat.handle, nodes, fields)
+            self._corrected = True
+
+    def _forget_flips(self, mat: PETSc.Mat) -> None:
+        if self._corrected:
+            _kernels.correct_around(self.ksp.getPC().getFactorMatrix().handle, mat.handle, NOWHERE, 1)
+        self.flipped, self._corrected = NOWHERE, False
+
+    def _reset(self) -> None:
+        """Let go of what was made."""
+        self.ksp.reset()
+        self.flipped, self._corrected = NOWHERE, False
 
     def note_kind(self) -> None:
         """Take in what PETSc has made of it, once the options for its set-up are not needed any more."""
@@ -168,7 +203,7 @@ class KeptPreconditioner:
         if self.kind == "cholesky" and self.blocks and not (self._named or self.traits.pivots):
             log.info("KSP %s: a factor of single numbers, in place of one in blocks", self.ksp.getOptionsPrefix())
             self.blocks = False
-            self.ksp.reset()
+            self._reset()
             self._set(0)
             return True
         if not self.chooses or self.candidate is None or self.candidate.kind == "cholesky":
@@ -177,7 +212,7 @@ class KeptPreconditioner:
         left = self.choice.open(self.size)
         if left[0] is self.candidate or left[0].name in self.choice.excluded:
             return False
-        self.ksp.reset()
+        self._reset()
         self._take(left[0])
         return True
 

@@ -14,7 +14,7 @@ from restshape.algebra.projection import Projection
 from restshape.algebra.refresh import RefreshCriterion
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
-from restshape.arrays import Reals
+from restshape.arrays import Indices, Reals
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 
@@ -194,6 +194,9 @@ class LinearSolver:
             if self.refresh.uses == 0:
                 self.kept.substitute_by_panels(iterates=self.takes_guess)
             self.ksp.setOperators(mat)
+            if not same_matrix:
+                with self.stages("krylov"):
+                    self.kept.correct(mat)
         else:
             self._factor(mat, places, self._why(again), uses)
         self._use()
@@ -226,6 +229,10 @@ class LinearSolver:
         if self.on_solved:
             self.on_solved(report)
         return report
+
+    def flip(self, nodes: Indices) -> None:
+        """Take in that edges have been flipped around nodes (k,), before the next matrix is solved with."""
+        self.kept.flip(nodes)
 
     def interpolate(self, interpolate: Callable[[Reals], Reals]) -> None:
         """Take solutions of before where their nodes are now, by a function of rows (n f,) of all unknowns."""

@@ -374,7 +374,10 @@ class SteadyAnalysis(Timeless, Generic[P]):
     def _flip(self, frame: Frame) -> None:
         """Follow flipped edges: with the pattern and, where such edges have nodes, with the last solutions."""
         state, space = self.state, self.state.problem.space
-        state.system.operator.patch(0, space.follow(frame.changed_cells))
+        changed = space.follow(frame.changed_cells)
+        state.system.operator.patch(0, changed)
+        block = state.problem.blocks()[0]
+        self.solver.flip(np.unique((block[1] if isinstance(block, tuple) else block)[changed]))
         if frame.interpolations:
 
             def interpolate(field: np.ndarray) -> np.ndarray:

@@ -71,14 +71,15 @@ class MeshJumps:
             raise scene.located(UserError(what, "solve.jumps", "leave it out"))
         self._last: tuple[Scene | None, dict[str, float]] = (None, {})
         self._before: State[Problem] | None = None
-        self._others: tuple[OtherMesh, ...] = ()
+        self._changed: tuple[Follower, MeshUpdate] | None = None
         self._topology: tuple[int, ...] = ()
         self._incomparable = self._rebuilt = False
 
     def note(self, moving: Follower, mesh_update: MeshUpdate) -> None:
-        """Keep what a frame's mesh is to be compared with, before the next frame changes it."""
-        self._others = moving.other_meshes(mesh_update.old_mesh) if self.wanted and mesh_update.level > 1 else ()
-        self._before, self._rebuilt = self.analysis.state if self._others else None, mesh_update.old_mesh is not None
+        """Keep what a frame's mesh is to be compared with, before the frame is solved."""
+        self._changed = (moving, mesh_update) if self.wanted and mesh_update.level > 1 else None
+        self._before = self.analysis.state if self._changed else None
+        self._rebuilt = mesh_update.old_mesh is not None
         known, self._topology = self._topology, _topology(moving) if self.wanted else ()
         self._incomparable = mesh_update.level > 2 and bool(known) and known != self._topology
 
@@ -92,20 +93,28 @@ class MeshJumps:
         if not self.wanted:
             return {}
         if not compare:
-            self._others = ()
+            self._changed = None
         values = {name: number(row, f"q_{name}") for name in edit.scene.quantities}
         found = dict.fromkeys(values, np.nan)
-        if self._others:
+        others = self._others()
+        if others:
             log.info("%4d Mesh jump: the same shape is solved on the other mesh, with nothing kept", edit.index)
-        for other in self._others:
+        for other in others:
             before = self._last[1] if self._last[0] is edit.scene else {}
             if not other.before or before:
                 found |= self._jumps(edit.scene, other, before if other.before else values)
-        self._last, self._others = (edit.scene, values), ()
+        self._last, self._changed = (edit.scene, values), None
         jumps: RowValues = {jump_column(name): value for name, value in found.items()}
         if self._incomparable and np.isnan(list(found.values())).all():
             jumps["note"] = "; ".join(filter(None, (text(row, "note"), OTHER_EDGES)))
         return jumps
+
+    def _others(self) -> tuple[OtherMesh, ...]:
+        """The meshes beside which the frame's is seen; made of what the next frame will have changed."""
+        if self._changed is None:
+            return ()
+        moving, mesh_update = self._changed
+        return moving.other_meshes(mesh_update.old_mesh)
 
     def _jumps(self, scene: Scene, other: OtherMesh, known: dict[str, float]) -> dict[str, float]:
         """Quantities on the new mesh less those on the old one, of the same shape."""
