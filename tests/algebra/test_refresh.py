@@ -102,7 +102,7 @@ def counted_work(scene, name, frames):
 def test_auto_does_no_more_work_than_the_best_policy(scene, frames, counted_log):
     """With idle frames, and those of all three levels; `thesis` does several times as much on each of the scenes."""
     spent = {name: counted_work(scene, name, frames)[0] for name in ("auto", "refactor", "rebuild")}
-    assert spent["auto"] <= 1.06 * min(spent.values()), spent
+    assert spent["auto"] <= 1.05 * min(spent.values()), spent
 
 
 @pytest.mark.slow
