@@ -194,12 +194,34 @@ def test_added_boundary_nodes_lie_on_the_curve_at_their_parameters(monkeypatch):
             assert len(np.unique(mesh.node_param[on])) == len(on)
 
 
+@needs_cgal
+def test_a_moved_hole_leaves_the_mesh_away_from_it():
+    before, after = (generate(plate(x=x), MeshSpec(size=0.02, mesher="cgal")) for x in (0.6, 0.613))
+    own = {tuple(np.round(row, 9)) for row in before.X}
+    same = np.array([tuple(np.round(row, 9)) in own for row in after.X])
+    # Refinement alone leaves a tenth of the nodes.
+    assert same.mean() > 0.7
+    from_hole = np.linalg.norm(after.X - (0.613, 0.5), axis=1) - 0.2
+    assert same[from_hole > 0.2].mean() > 0.95
+
+
+@needs_cgal
+def test_nodes_in_stock_keep_away_from_everything_on_the_outline():
+    """A boundary that winds through a square, and embedded points: nodes inside keep their distance from all of it."""
+    teeth = [(0.1 * i, 0.45 + 0.3 * (i % 2)) for i in range(9, 0, -1)]
+    comb = polygon([(0, 0), (1, 0), (1, 1), *teeth, (0, 1)], points={"pin": [0.503, 0.207]})
+    mesh = generate(comb, MeshSpec(size=0.012, mesher="cgal"))
+    assert fault(mesh) is None
+    assert least_angle(mesh) > 18.0
+    assert np.min(np.delete(np.linalg.norm(mesh.X - (0.503, 0.207), axis=1), mesh.nodes_of("pin"))) > 0.5 * 0.012
+
+
 HASH = """
 import hashlib, sys
 sys.path.insert(0, {here!r})
 import test_mesher as t
 junk = [bytearray(i * int(sys.argv[1])) for i in range(1, 400)]
-print(t.digest(t.generate(t.inlaid(), t.MeshSpec(size=0.03, near={{"pin": 0.01}}))))
+print(t.digest(t.generate(t.inlaid(), t.MeshSpec(size=0.02, near={{"pin": 0.01}}))))
 """
 
 
@@ -214,7 +236,7 @@ def digest(mesh: Mesh) -> str:
 @pytest.mark.slow
 @pytest.mark.cli
 def test_meshes_do_not_depend_on_addresses_or_on_meshes_before():
-    spec = MeshSpec(size=0.03, near={"pin": 0.01})
+    spec = MeshSpec(size=0.02, near={"pin": 0.01})
     own = digest(generate(inlaid(), spec))
     generate(plate(), MeshSpec(size=0.04))
     assert digest(generate(inlaid(), spec)) == own

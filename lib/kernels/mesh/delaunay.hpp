@@ -19,26 +19,21 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "mesh/relaxation.hpp"
 #include "mesh/size.hpp"
+#include "mesh/stock.hpp"
 
 namespace restshape {
 
 // The boundary cannot be meshed, or only with too many triangles.
 struct MesherFailure : std::runtime_error {
     using std::runtime_error::runtime_error;
-};
-
-struct MeshInput {
-    const double* points;  // (point_count, 2), boundary and embedded points
-    std::ptrdiff_t point_count;
-    const std::int32_t* segments;  // (segment_count, 2), material on the left of border segments
-    const std::uint8_t* border;    // whether a segment bounds the material, else it lies inside
-    std::ptrdiff_t segment_count;
 };
 
 // Points keep their numbers; then come those that split segments, by segment and along it; then those inside.
@@ -340,28 +335,103 @@ inline MeshOutput read_mesh(Triangulation& mesh, const MeshInput& input, const s
     return output;
 }
 
+inline MeshOutput refine(const MeshInput& input, const SizeField& field, double stretch, double sine_bound,
+                         std::size_t patience) {
+    Triangulation mesh;
+    const auto vertices = insert_boundary(mesh, input);
+    const double wanted = 0.5 * doubled_area(input), area = mark_domain(mesh, input, vertices);
+    if (!(std::abs(area - wanted) <= 1e-9 * std::abs(wanted))) throw MesherFailure("the boundary is not closed");
+    Criteria criteria(field, stretch, sine_bound, patience);
+    CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(mesh, criteria);
+    mesher.init(true);
+    mesher.refine_mesh();
+    return read_mesh(mesh, input, vertices);
+}
+
+// Halves the triangle in stock on whose side the mesher has put a node; returns false where it has put two.
+inline bool halve(std::vector<std::int32_t>& cells, std::size_t cell, std::int32_t corner, std::int32_t node,
+                  std::vector<std::uint8_t>& halved) {
+    if (halved[cell]) return false;
+    halved[cell] = 1;
+    const std::int32_t opposite = cells[3 * cell + corner], last = cells[3 * cell + (corner + 2) % 3];
+    cells[3 * cell + (corner + 2) % 3] = node;
+    cells.insert(cells.end(), {opposite, node, last});
+    return true;
+}
+
+// Puts the nodes in stock behind those of the boundary, and the triangles into the mesh of what is around them, whose
+// given nodes are those of the boundary and the outer ones in stock. Returns whether the sides of the triangles agree.
+inline bool join(MeshOutput& mesh, const MeshInput& input, const Stock& stock) {
+    const auto given = static_cast<std::int32_t>(input.point_count), outer = stock.outer;
+    const auto own = std::lower_bound(mesh.split_segment.begin(), mesh.split_segment.end(), input.segment_count);
+    const auto split = static_cast<std::int32_t>(own - mesh.split_segment.begin());
+    const auto all = static_cast<std::int32_t>(mesh.X.size() / 2);
+    std::rotate(mesh.X.begin() + 2 * given, mesh.X.begin() + 2 * (given + outer),
+                mesh.X.begin() + 2 * (given + outer + split));
+    for (std::int32_t& node : mesh.cells)
+        if (node >= given && node < given + outer + split) node += node < given + outer ? split : -outer;
+    mesh.X.insert(mesh.X.end(), stock.X.begin() + 2 * outer, stock.X.end());
+    std::vector<std::int32_t> cells;
+    for (const std::int32_t row : stock.cells) cells.push_back(row < outer ? given + split + row : all + row - outer);
+    std::vector<std::uint8_t> halved(cells.size() / 3, 0);
+    for (std::size_t k = split; k < mesh.split_segment.size(); ++k) {
+        const auto [cell, corner] = stock.behind[mesh.split_segment[k] - input.segment_count];
+        if (!halve(cells, cell, corner, given + outer + static_cast<std::int32_t>(k), halved)) return false;
+    }
+    mesh.cells.insert(mesh.cells.end(), cells.begin(), cells.end());
+    mesh.split_segment.resize(split), mesh.split_fraction.resize(split);
+    return true;
+}
+
+constexpr int SWEEPS = 3;  // of smoothing
+
+// The tile of which sides are at most `stretch`; without cells where refinement would split its sides.
+inline Tile make_tile(double stretch, double sine_bound) {
+    constexpr std::int32_t side = Tile::SIDE, count = 4 * side;
+    std::vector<double> points;
+    std::vector<std::int32_t> segments;
+    for (std::int32_t i = 0; i < count; ++i) {
+        const double along = i % side, far = side;
+        const double corners[4][2] = {{along, 0.0}, {far, along}, {far - along, far}, {0.0, far - along}};
+        points.insert(points.end(), corners[i / side], corners[i / side] + 2);
+        segments.push_back(i), segments.push_back((i + 1) % count);
+    }
+    const std::vector<std::uint8_t> border(count, 1);
+    MeshOutput mesh = refine({points.data(), count, segments.data(), border.data(), count},
+                             SizeField(1.0, 0.0, {}, points.data(), count), stretch, sine_bound, 100000);
+    const auto nodes = static_cast<std::int32_t>(mesh.X.size() / 2),
+               cells = static_cast<std::int32_t>(mesh.cells.size() / 3);
+    smooth_fresh(mesh.X.data(), nodes, mesh.cells.data(), cells, count, SWEEPS);
+    return mesh.split_segment.empty() ? Tile(mesh.X, mesh.cells) : Tile({}, {});
+}
+
+// The same, made once for each pair of bounds.
+inline const Tile& tile(double stretch, double sine_bound) {
+    static std::map<std::pair<double, double>, Tile> known;
+    const std::pair bounds(stretch, sine_bound);
+    auto found = known.find(bounds);
+    if (found == known.end()) found = known.emplace(bounds, make_tile(stretch, sine_bound)).first;
+    return found->second;
+}
+
 }  // namespace cgal
 
 // Triangles of at most `stretch` x the local size whose angles are at least asin(sqrt(sine_bound)) away from small
 // angles of the boundary. Throws MesherFailure.
 inline MeshOutput refine_delaunay(const MeshInput& input, const SizeField& field, double stretch, double sine_bound,
                                   std::size_t patience) {
-    cgal::Triangulation mesh;
-    const auto vertices = cgal::insert_boundary(mesh, input);
-    double wanted = 0.0;
-    for (std::ptrdiff_t i = 0; i < input.segment_count; ++i) {
-        if (!input.border[i]) continue;
-        const double *a = input.points + 2 * input.segments[2 * i], *b = input.points + 2 * input.segments[2 * i + 1];
-        wanted += 0.5 * ((a[0] - input.points[0]) * (b[1] - input.points[1]) -
-                         (b[0] - input.points[0]) * (a[1] - input.points[1]));
-    }
-    const double area = cgal::mark_domain(mesh, input, vertices);
-    if (!(std::abs(area - wanted) <= 1e-9 * std::abs(wanted))) throw MesherFailure("the boundary is not closed");
-    cgal::Criteria criteria(field, stretch, sine_bound, patience);
-    CGAL::Delaunay_mesher_2<cgal::Triangulation, cgal::Criteria> mesher(mesh, criteria);
-    mesher.init(true);
-    mesher.refine_mesh();
-    return cgal::read_mesh(mesh, input, vertices);
+    const Stock stock(cgal::tile(stretch, sine_bound), input, field);
+    if (stock.X.empty()) return cgal::refine(input, field, stretch, sine_bound, patience);
+    std::vector<double> points(input.points, input.points + 2 * input.point_count);
+    points.insert(points.end(), stock.X.begin(), stock.X.begin() + 2 * stock.outer);
+    std::vector<std::int32_t> segments(input.segments, input.segments + 2 * input.segment_count);
+    for (const std::int32_t row : stock.border) segments.push_back(static_cast<std::int32_t>(input.point_count) + row);
+    const auto count = static_cast<std::ptrdiff_t>(segments.size() / 2);
+    std::vector<std::uint8_t> border(input.border, input.border + input.segment_count);
+    border.resize(count, 1);
+    const MeshInput around{points.data(), input.point_count + stock.outer, segments.data(), border.data(), count};
+    MeshOutput mesh = cgal::refine(around, field, stretch, sine_bound, patience);
+    return cgal::join(mesh, input, stock) ? mesh : cgal::refine(input, field, stretch, sine_bound, patience);
 }
 
 }  // namespace restshape

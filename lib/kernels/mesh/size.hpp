@@ -43,6 +43,8 @@ class SizeField {
         return least;
     }
 
+    double background() const { return background_; }
+
     bool uniform() const { return sources_.empty(); }
 
  private:

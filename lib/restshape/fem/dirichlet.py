@@ -55,6 +55,7 @@ class Dirichlet:
         for condition in self.conditions:
             self.mask[condition.nodes, condition.component] = 1
         self.constrained = np.flatnonzero(self.mask.ravel())
+        self._once = sum(len(condition.nodes) for condition in self.conditions) == len(self.constrained)
         self.varies = any(varies(condition.value) for condition in self.conditions)
         self.nonzero = False
 
@@ -65,6 +66,13 @@ class Dirichlet:
             UserError: two conditions prescribe different values at one node.
             ReplayProblem: an expression has no number somewhere.
         """
+        if self._once:
+            self.nonzero = False
+            for condition in self.conditions:
+                values = Nodal(condition.value, self.parameters, condition.where)(X[condition.nodes])
+                self.values[condition.nodes, condition.component] = values
+                self.nonzero = self.nonzero or bool(np.any(values))
+            return
         given = np.full_like(self.values, np.nan)
         for condition in self.conditions:
             nodes, column = condition.nodes, condition.component

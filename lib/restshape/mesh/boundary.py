@@ -60,6 +60,7 @@ class Samples:
     Args:
         s: (m,) parameters; points: (m, 2) [m]; arc: (m,) length from the start [m]; size: (m,) [m].
         radius: (m,) of the curve [m], infinite where it is straight.
+        straight: whether it is infinite everywhere.
     """
 
     s: np.ndarray
@@ -67,6 +68,7 @@ class Samples:
     arc: np.ndarray
     size: np.ndarray
     radius: np.ndarray
+    straight: bool = False
 
     def bend(self, turn: float, finest: float) -> np.ndarray:
         """Lengths (m,) [m] of mesh edges that span the angle `turn` of the bend, and are no shorter than `finest`."""
@@ -78,7 +80,8 @@ def discretise(outline: Outline, sizing: Sizing) -> Boundary:
     samples = [_sample(outline, i, sizing) for i in range(len(outline.edges))]
     turn, finest = turn_in_bends(outline, samples, sizing), FINEST_IN_BENDS * sizing.size
     for sample in samples:
-        np.minimum(sample.size, sample.bend(turn, finest), out=sample.size)
+        if not sample.straight:
+            np.minimum(sample.size, sample.bend(turn, finest), out=sample.size)
     _grade(outline, samples, sizing.size)
     count = len(outline.vertex_names)
     edge, param = np.full(count, -1, dtype=np.int32), np.zeros(count)
@@ -117,7 +120,7 @@ def _sample(outline: Outline, index: int, sizing: Sizing) -> Samples:
         turn = 4.0 * abs(math.atan(outline.bulges[index]))
         if turn > 0.0:
             radius[:] = length / turn
-        return Samples(s, points, s * length, size, radius)
+        return Samples(s, points, s * length, size, radius, turn == 0.0)
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     arc *= length / arc[-1] if arc[-1] > 0.0 else 1.0
     if edge.kind == "spline":
@@ -139,7 +142,8 @@ def turn_in_bends(outline: Outline, samples: list[Samples], sizing: Sizing) -> f
     turn = 2.0 * math.pi / sizing.per_circle
     if sizing.per_circle_fixed:
         return turn
-    added = sum(_triangles_added(sample, sample.bend(turn, FINEST_IN_BENDS * sizing.size)) for sample in samples)
+    finest = FINEST_IN_BENDS * sizing.size
+    added = sum(_triangles_added(sample, sample.bend(turn, finest)) for sample in samples if not sample.straight)
     room = max(outline.area() / (EQUILATERAL * sizing.size**2), AFFORDABLE)
     return min(max(turn, turn * added / room), 2.0 * math.pi / FEWEST_PER_CIRCLE)
 
