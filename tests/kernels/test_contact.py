@@ -327,3 +327,30 @@ def test_a_point_on_an_incline_sticks_up_to_the_friction_angle(friction):
     """tan(slope) = mu, within 1 %."""
     assert block_on_incline(friction, np.arctan(0.99 * friction))[0]
     assert not block_on_incline(friction, np.arctan(1.01 * friction))[0]
+
+
+def test_what_is_known_of_a_potential_is_that_of_the_place_and_of_all_that_it_depends_on():
+    body, x = k.Body.sphere(np.zeros(3), 0.4), np.array([[0.4, 0.0, 0.0], [0.0, 0.399, 0.0]])
+
+    def fresh() -> Contact:
+        made = Contact(contact.bodies, contact.area, contact.stiffness, contact.thickness, 0.3, contact.slip)
+        made.history = contact.history
+        return made
+
+    contact = Contact([body], np.ones(2), STIFFNESS, THICKNESS, 0.3, slip=1e-3)
+    changes = (
+        lambda: None,
+        lambda: contact.update_friction(x),
+        lambda: x.__setitem__((1, 1), 0.3985),
+        lambda: setattr(contact, "bodies", [k.Body.sphere(np.zeros(3), 0.401)]),
+        lambda: setattr(contact, "area", 2.0 * np.ones(2)),
+        lambda: setattr(contact, "stiffness", 3.0 * STIFFNESS),
+        lambda: setattr(contact, "slip", 2e-3),
+    )
+    for change in changes:
+        change()
+        for curved in (True, False, True):
+            energy, table = contact.potential(x, curved)
+            expected = fresh().potential(x, curved)
+            assert energy == expected[0] > 0.0 and np.array_equal(table, expected[1])
+            assert contact.energy(x) == energy and np.array_equal(contact.forces(x), table[:, 3:6])
