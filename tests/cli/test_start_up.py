@@ -12,6 +12,7 @@ from restshape.surroundings import POINT_TO_POINT, start_petsc
 
 BRACKET = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bracket.toml"
 UNNEEDED = ("scipy", "gmsh", "meshio", "rich.progress", "matplotlib", "numpy.typing", "h5py", "ezdxf")
+UNNEEDED += ("slepc4py", "multiprocessing", "asyncio", "http", "restshape.replay.vtkhdf")
 
 
 @pytest.fixture
@@ -35,6 +36,23 @@ def test_the_first_frame_of_the_bracket_needs_no_large_library(imported):
     assert not modules.intersection(UNNEEDED)
     # Analyses that the scene does not call for.
     assert not {name for name in modules if name.endswith((".buckling", ".transient", ".nonlinear"))}
+
+
+@pytest.mark.slow
+def test_a_recording_is_written_without_its_library_in_the_process_that_solves(imported, tmp_path):
+    modules = imported("replay", BRACKET, "--out", "a.vtkhdf")
+    assert (tmp_path / "a.vtkhdf").stat().st_size > 0
+    assert not modules.intersection(UNNEEDED)
+
+
+@pytest.mark.slow
+def test_the_machine_is_asked_for_its_name_only_where_results_say_it(outside, tmp_path):
+    program = "import sys\nfrom restshape.cli.main import main\nimport restshape.replay.request as request\n"
+    program += "request.cpu_model = lambda: print('asked') or 'a machine'\nsys.exit(main(sys.argv[1:]))"
+    for more, count in (([], 0), (["--json", "a.json"], 1)):
+        command = [sys.executable, "-c", program, "replay", str(BRACKET), *more]
+        done = subprocess.run(command, env=outside, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0 and done.stdout.count("asked") == count, done.stderr
 
 
 @pytest.mark.parametrize(
