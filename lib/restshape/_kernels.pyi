@@ -329,6 +329,7 @@ class PatchRecovery:
         rows: numpy.typing.NDArray[numpy.int32],
         count: typing.SupportsInt | typing.SupportsIndex,
     ) -> None: ...
+    def follow(self, cells: numpy.typing.NDArray[numpy.int32], rows: numpy.typing.NDArray[numpy.int32]) -> None: ...
 
 def add_friction(
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

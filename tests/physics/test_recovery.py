@@ -72,3 +72,18 @@ def test_patches_of_cells_that_do_not_fit_are_refused():
             _kernels.PatchRecovery(wrong, rows, 3)
     with pytest.raises(ValueError, match="all nodes"):
         _kernels.PatchRecovery(cells, cells, 3)(X, np.zeros((1, 4)), np.zeros((3, 4)))
+
+
+def test_patches_follow_a_flip_as_new_ones_do():
+    X = np.array([[0.0, 0.0], [2.0, 0.1], [2.2, 2.0], [-0.1, 1.9], [0.9, 0.8], [1.2, 1.3]])
+    before = np.array([[0, 1, 4], [1, 5, 4], [1, 2, 5], [2, 3, 5], [3, 4, 5], [3, 0, 4]], dtype=np.int32)
+    after = np.array([[0, 1, 4], [1, 2, 4], [2, 5, 4], [2, 3, 5], [3, 4, 5], [3, 0, 4]], dtype=np.int32)
+    stress = np.random.default_rng(2).normal(size=(6, 4))
+    patches, found, expected = _kernels.PatchRecovery(before, before, 6), np.empty((6, 4)), np.empty((6, 4))
+    patches(X, stress, found)
+    patches.follow(after, after)
+    patches(X, stress, found)
+    _kernels.PatchRecovery(after, after, 6)(X, stress, expected)
+    np.testing.assert_array_equal(found, expected)
+    with pytest.raises(ValueError, match="as many cells"):
+        patches.follow(after[:5], after[:5])

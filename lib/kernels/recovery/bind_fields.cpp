@@ -24,11 +24,21 @@ double area(const double* X, const int* cell) {
     return 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
 }
 
-restshape::PatchRecovery patch_recovery(const Ints& cells, const Ints& rows, int count) {
+void require_corners(const Ints& cells, const Ints& rows) {
     if (cells.ndim() != 2 || cells.shape(1) != 3 || rows.ndim() != 2 || rows.shape(1) != 3 ||
         rows.shape(0) != cells.shape(0))
         throw std::invalid_argument("cells and rows must be (ne, 3)");
+}
+
+restshape::PatchRecovery patch_recovery(const Ints& cells, const Ints& rows, int count) {
+    require_corners(cells, rows);
     return {cells.data(), rows.data(), static_cast<int>(cells.shape(0)), count};
+}
+
+void follow(restshape::PatchRecovery& patches, const Ints& cells, const Ints& rows) {
+    require_corners(cells, rows);
+    if (cells.shape(0) != patches.cells()) throw std::invalid_argument("there must be as many cells as before");
+    patches.follow(cells.data(), rows.data());
 }
 
 void recover(restshape::PatchRecovery& patches, const Reals& X, const Reals& stress, Reals out) {
@@ -130,8 +140,10 @@ void bind_fields(py::module_& m) {
         "Recovers nodal stresses from those of triangles by fits over patches (Zienkiewicz and Zhu 1992). Cells (ne, "
         "3) "
         "name the nodes of corners, rows (ne, 3) the rows, `count` of them, in which these have their stresses: the "
-        "nodes themselves, or one a side of a border. Made once a topology.")
+        "nodes themselves, or one a side of a border.")
         .def(py::init(&patch_recovery), py::arg("cells").noconvert(), py::arg("rows").noconvert(), py::arg("count"))
+        .def("follow", &follow, py::arg("cells").noconvert(), py::arg("rows").noconvert(),
+             "Takes as many cells and rows (ne, 3) that are others after flips.")
         .def("__call__", &recover, py::arg("X").noconvert(), py::arg("stress").noconvert(), py::arg("out").noconvert(),
              "Writes stresses out (count, 4) recovered from those of the cells (ne, 4), on nodes X (n, 2).");
     m.def("same_bits", &same_bits, py::arg("a"), py::arg("b"),

@@ -21,25 +21,26 @@ class PatchRecovery {
 
     // cells (ne, 3): nodes of the corners; rows (ne, 3): where each cell has them in what is recovered, `count` rows.
     PatchRecovery(const int32_t* cells, const int32_t* rows, int ne, int count)
-        : corners_(rows, rows + 3 * static_cast<size_t>(ne)),
-          nodes_(cells, cells + corners_.size()),
-          first_(count + 1, 0),
+        : corners_(3 * static_cast<size_t>(ne)),
+          nodes_(corners_.size()),
+          first_(count + 1),
           around_(corners_.size()),
           patches_(count),
           centres_(ne) {
-        for (const int32_t row : corners_) {
+        follow(cells, rows);
+    }
+
+    // Takes as many cells with other corners: memory that was used before is found sooner than new one.
+    void follow(const int32_t* cells, const int32_t* rows) {
+        std::copy_n(rows, corners_.size(), corners_.begin());
+        std::copy_n(cells, nodes_.size(), nodes_.begin());
+        const int count = static_cast<int>(patches_.size());
+        for (const int32_t row : corners_)
             if (row < 0 || row >= count) throw std::invalid_argument("cells have rows that do not exist");
-            ++first_[row + 1];
-        }
-        for (const int32_t node : nodes_) {
-            if (node < 0) throw std::invalid_argument("cells name nodes that do not exist");
-            least_ = std::max(least_, node + 1);
-        }
-        for (int row = 0; row < count; ++row) first_[row + 1] += first_[row];
-        // Backwards, each row's cells fill its place from the end, and are in ascending order.
-        std::vector<int> next(first_.begin() + 1, first_.end());
-        for (int k = static_cast<int>(corners_.size()) - 1; k >= 0; --k) around_[--next[corners_[k]]] = k;
-        for (int row = 0; row < count; ++row) patches_[row].inner = inner(row);
+        const auto [least, most] = std::minmax_element(nodes_.begin(), nodes_.end());
+        if (!nodes_.empty() && *least < 0) throw std::invalid_argument("cells name nodes that do not exist");
+        least_ = nodes_.empty() ? 0 : *most + 1;
+        find_around();
     }
 
     int cells() const { return static_cast<int>(centres_.size()); }
@@ -72,15 +73,27 @@ class PatchRecovery {
 
     size_t node(int corner) const { return static_cast<size_t>(nodes_[corner]); }
 
-    // Whether three or more triangles go all the way around: each neighbour follows and precedes one.
-    bool inner(int row) const {
-        int64_t balance = 0;
-        for (int k = first_[row]; k < first_[row + 1]; ++k) {
-            const int e = around_[k] / 3, i = around_[k] % 3;
-            const int64_t after = nodes_[3 * e + (i + 1) % 3], before = nodes_[3 * e + (i + 2) % 3];
-            balance += after * (after + 1) - before * (before + 1);
+    // The corners of each row, and whether three or more triangles go all the way around: each neighbour follows and
+    // precedes one.
+    void find_around() {
+        std::fill(first_.begin(), first_.end(), 0);
+        balance_.assign(patches_.size(), 0);
+        for (size_t k = 0; k < corners_.size(); k += 3) {
+            const int32_t *row = corners_.data() + k, *node = nodes_.data() + k;
+            int64_t square[3];
+            for (int i = 0; i < 3; ++i) square[i] = static_cast<int64_t>(node[i]) * (node[i] + 1);
+            for (int i = 0; i < 3; ++i) {
+                balance_[row[i]] += square[(i + 1) % 3] - square[(i + 2) % 3];
+                ++first_[row[i] + 1];
+            }
         }
-        return balance == 0 && first_[row + 1] - first_[row] >= 3;
+        for (size_t row = 0; row < patches_.size(); ++row) {
+            patches_[row].inner = balance_[row] == 0 && first_[row + 1] >= 3;
+            first_[row + 1] += first_[row];
+        }
+        // Backwards, each row's cells fill its place from the end, and are in ascending order.
+        next_.assign(first_.begin() + 1, first_.end());
+        for (int k = static_cast<int>(corners_.size()) - 1; k >= 0; --k) around_[--next_[corners_[k]]] = k;
     }
 
     // Least squares by the normal equations of the polynomial 1, x, y.
@@ -130,9 +143,10 @@ class PatchRecovery {
     }
 
     std::vector<int32_t> corners_, nodes_;  // (ne, 3) rows, and nodes
-    std::vector<int> first_, around_;       // corners k = 3 e + i of each row, from first to next first
-    std::vector<Patch> patches_;            // of each row
-    std::vector<Place> centres_;            // of each cell
+    std::vector<int64_t> balance_;
+    std::vector<int> next_, first_, around_;  // corners k = 3 e + i of each row, from first to next first
+    std::vector<Patch> patches_;              // of each row
+    std::vector<Place> centres_;              // of each cell
     int32_t least_ = 0;
 };
 

@@ -153,9 +153,9 @@ class KeptPreconditioner:
                 _kernels.solve_by_panels(part.getFactorMatrix().handle, iterates and self.single)
 
     def flip(self, nodes: Indices) -> None:
-        """Take in that edges have been flipped around nodes (k,)."""
+        """Take in that edges of cells with these nodes (m, k) have been flipped."""
         if self.kind == "cholesky" and self.ranks == 1:
-            self.flipped = np.union1d(self.flipped, nodes)
+            self.flipped = np.unique(np.concatenate([self.flipped, nodes.ravel()]))
 
     def correct(self, mat: PETSc.Mat) -> None:
         """Let an old factor in blocks solve besides for the unknowns around flips, with the matrix as it is now.

@@ -231,7 +231,7 @@ class LinearSolver:
         return report
 
     def flip(self, nodes: Indices) -> None:
-        """Take in that edges have been flipped around nodes (k,), before the next matrix is solved with."""
+        """Take in that edges of cells with these nodes (m, k) were flipped, before the next matrix is solved with."""
         self.kept.flip(nodes)
 
     def interpolate(self, interpolate: Callable[[Reals], Reals]) -> None:

@@ -377,7 +377,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         changed = space.follow(frame.changed_cells)
         state.system.operator.patch(0, changed)
         block = state.problem.blocks()[0]
-        self.solver.flip(np.unique((block[1] if isinstance(block, tuple) else block)[changed]))
+        self.solver.flip((block[1] if isinstance(block, tuple) else block)[changed])
         if frame.interpolations:
 
             def interpolate(field: np.ndarray) -> np.ndarray:

@@ -73,9 +73,11 @@ class NodalFlux:
     def _linear(self, flux: np.ndarray) -> np.ndarray:
         space, out = self.space, np.empty((len(self.nodes), 4))
         topology, patches = self._patches
-        if patches is None or topology != space.topology:
+        if patches is None:
             patches = _kernels.PatchRecovery(space.cells, self.cell_rows(), len(self.nodes))
-            self._patches = (space.topology, patches)
+        elif topology != space.topology:
+            patches.follow(space.cells, self.cell_rows())
+        self._patches = (space.topology, patches)
         patches(space.X, flux, out)
         return out
 

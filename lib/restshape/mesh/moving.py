@@ -420,7 +420,7 @@ class MovingMesh:
                 break
             self._reconnect(cells)
             placement = self._place(frame)
-            flips, changed = flips + more, np.union1d(changed, cells)
+            flips, changed = flips + more, np.union1d(changed, cells) if flips else cells
         stages["flip"] = perf_counter() - start
         return flips, changed, placement
 
