@@ -197,14 +197,19 @@ LIST = (
         ("restshape_apps.furniture.pictures",),
         ("furniture/*/*",),
     ),
+    bench("reuse", f"reuse {PLATE} {BEAM} --out results --json results/bench-reuse.json", ["bench-reuse.*"]),
     bench(
         "reuse",
-        f"reuse {PLATE} {BEAM} {BUILDING} {BAR} --out results --json results/bench-reuse.json",
-        ["bench-reuse.*"],
+        f"reuse {BUILDING} {BAR} --policies rebuild,refactor,auto --frames 50 --repeat 2 --out results "
+        "--json results/bench-scenes.json",
+        ["bench-scenes.json"],
     ),
     Result(
         ("bench-stages.png",),
-        ("restshape bench reuse --redraw results/bench-reuse.json --before results/bench-before.json --out results",),
+        (
+            "restshape bench reuse --redraw results/bench-reuse.json --redraw results/bench-scenes.json "
+            "--before results/bench-before.json --out results",
+        ),
         ("restshape_studies.pictures.stages",),
     ),
     bench("limit", "limit --out results --json results/bench-limit.json", ["bench-limit.*"], "solid/*/plate.*"),

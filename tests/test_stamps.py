@@ -63,6 +63,12 @@ def test_every_committed_file_belongs_to_one_result():
     assert len({result.name for result in LIST}) == len(LIST)
 
 
+def test_a_picture_of_other_results_depends_on_these():
+    stages = next(result for result in LIST if result.name == "bench-stages")
+    assert [path.name for path in stages.data] == ["bench-before.json", "bench-reuse.json", "bench-scenes.json"]
+    assert all(path.parent == RESULTS for path in stages.data)
+
+
 @pytest.mark.slow
 def test_all_that_results_depend_on_is_there():
     for result in LIST:

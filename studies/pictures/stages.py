@@ -75,7 +75,7 @@ def draw_stages(before: Scenes, after: Scenes, titles: tuple[str, str], path: Pa
         size = f"{after[name][policies[0]]['elements']:,} elements"
         new = "" if name in before else " (not measured before: parts of the frame itself)"
         line[0].set_title(f"{name}, {size}{new}", loc="left", fontweight="bold", pad=19)
-    for axes in grid[-1]:
+    for axes in (axes for axes in grid[-1] if len(axes.get_yticks())):
         axes.set_xlabel("time over that of the frame before [%]")
     order = [name for name in COLOURS if name in drawn]
     figure.legend(
