@@ -1,8 +1,6 @@
 // Solids: a law on a shape. x is the displacement u.
 #pragma once
 
-#include <type_traits>
-
 #include "elasticity/solid_parts.hpp"
 
 namespace restshape {
@@ -31,15 +29,8 @@ struct SolidElement : SolidParts<Shape> {
         for (int q = 0; q < Shape::points; ++q) {
             double G[nodes][dim], H[dim][dim];
             const double volume = Shape::gradients(q, X, G) * Parts::thickness(p);
-            Parts::displacement_gradient(G, x, H);
-            if constexpr (std::is_same_v<Law, LinearElastic<dim>>) {
-                double stress[dim][dim];
-                stress_of(H, p, stress);
-                Parts::add_forces(q, G, volume, stress, Parts::body(p), r);
-                Parts::add_linear_tangent(q, G, volume * p[0], volume * p[1], K);
-                continue;
-            }
             typename Parts::Modulus Hd[dim][dim], P[dim][dim];
+            Parts::displacement_gradient(G, x, H);
             Parts::seed(H, Hd);
             stress_of(Hd, p, P);
             Parts::add_forces_and_tangent(q, G, volume, P, Parts::body(p), r, K);

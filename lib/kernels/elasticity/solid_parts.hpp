@@ -81,40 +81,19 @@ struct SolidParts {
                 stress[k] = (volume * P[a][k].d[0]) * gradient[0][0];
                 for (int m = 1; m < moduli; ++m) stress[k] += (volume * P[a][k].d[m]) * gradient[m / dim][m % dim];
             }
-            add_rows(q, a, G, stress, K);
+            for (int i = 0; i < nodes; ++i) {
+                RowMap row(K + (i * dim + a) * row_stride);
+                Row sum = G[i][0] * stress[0];
+                for (int k = 1; k < dim; ++k) sum += G[i][k] * stress[k];
+                if (q == 0)
+                    row = sum;
+                else
+                    row += sum;
+            }
         }
     }
 
-    // K (+)= lambda grad N_i grad N_j' + mu (grad N_j grad N_i' + grad N_i . grad N_j I): Hooke's law needs no
-    // derivatives. Lambda and mu are times the volume.
-    static void add_linear_tangent(int q, const double (&G)[nodes][dim], double lambda, double mu, double* K) {
-        Row gradient[dim][dim], dilatation;
-        spread(G, gradient);
-        dilatation = gradient[0][0];
-        for (int c = 1; c < dim; ++c) dilatation += gradient[c][c];
-        dilatation *= lambda;
-        for (int a = 0; a < dim; ++a) {
-            Row stress[dim];
-            for (int k = 0; k < dim; ++k) stress[k] = mu * (gradient[a][k] + gradient[k][a]);
-            stress[a] += dilatation;
-            add_rows(q, a, G, stress, K);
-        }
-    }
-
-    // The rows of component a: grad N_i . stress, set at the first point.
-    static void add_rows(int q, int a, const double (&G)[nodes][dim], const Row (&stress)[dim], double* K) {
-        for (int i = 0; i < nodes; ++i) {
-            RowMap row(K + (i * dim + a) * row_stride);
-            Row sum = G[i][0] * stress[0];
-            for (int k = 1; k < dim; ++k) sum += G[i][k] * stress[k];
-            if (q == 0)
-                row = sum;
-            else
-                row += sum;
-        }
-    }
-
-    // Forces and tangent of several elements, of one point each.
+    // The same of several elements, of one point each.
     static void set_forces_and_tangent(const Pack (&G)[nodes][dim], const Pack& volume,
                                        const PackDual<moduli> (&P)[dim][dim], const Pack* b, Pack* r, Pack* K) {
         Pack value[dim][dim];
