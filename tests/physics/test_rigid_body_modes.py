@@ -13,10 +13,11 @@ SQUARE = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=float)
 
 
 @pytest.mark.parametrize("chosen", list(itertools.product([0, 1], repeat=4)))
+@pytest.mark.parametrize("kind", [np.uint8, float])
 @pytest.mark.parametrize("axes", [(1, 1), (1, 0), (0, 1)])
-def test_a_body_is_refused_where_translations_or_the_rotation_stay_free(chosen, axes):
+def test_a_body_is_refused_where_translations_or_the_rotation_stay_free(chosen, axes, kind):
     """Against the rank of the three motions at the constrained unknowns, wherever the body is."""
-    mask = np.outer(chosen, axes).astype(np.uint8)
+    mask = np.outer(chosen, axes).astype(kind)
     x, y = SQUARE.T
     motions = np.stack([np.stack([x**0, 0 * x, -y]), np.stack([0 * x, x**0, x])], axis=1).transpose(2, 1, 0)
     free = not any(chosen) or np.linalg.matrix_rank(motions[mask.astype(bool)].reshape(-1, 3)) < 3

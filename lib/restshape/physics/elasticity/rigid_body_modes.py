@@ -18,7 +18,7 @@ def check_rigid_body_modes(X: np.ndarray, mask: np.ndarray, scene: Scene) -> Non
         UserError: the body can move or turn as a whole.
     """
     # Two points that are constrained in both directions are enough.
-    both = X[np.flatnonzero(mask[:, 0] & mask[:, 1])]
+    both = X[np.flatnonzero(np.logical_and(mask[:, 0], mask[:, 1]))]
     if len(both) > 1 and np.ptp(both, axis=0).max() > 1e-3 * (X.max() - X.min()):
         return
     X = X - X.mean(axis=0)
