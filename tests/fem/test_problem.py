@@ -15,6 +15,7 @@ from restshape.physics.elasticity.vibrating_solid import VibratingSolid
 from restshape.physics.plates.vibrating_plate import VibratingPlate
 
 DEFAULTS = {
+    "backend",
     "load_steps",
     "loaded",
     "add_nodal_loads",

@@ -22,8 +22,8 @@ namespace {
 enum class Advection { none, own, relative, given };
 
 // The square of the largest rate 2 / dt that counts in tau, over that of convection and viscosity: with a tau that goes
-// to 0 with the step nothing would be left of what keeps the pressure smooth.
-constexpr double most_stepping = 100.0;
+// to 0 with the step, nothing would keep the pressure smooth.
+constexpr double most_stepping = 1.0;
 
 // The square of the length h of a cell in tau, over its area. Linear triangles have no viscous force inside, so that
 // their strong residual lacks it, and a larger h costs accuracy: that of the circle of the same area, 4 / pi, gives the

@@ -10,7 +10,9 @@ COMPLETE = ("cholesky", "lu")
 FACTORS = (*COMPLETE, "icc", "ilu")
 
 
-def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = False, blocks: bool = True) -> list[str]:
+def set_preconditioner(
+    ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = False, blocks: bool = True, shifts: bool = True
+) -> list[str]:
     """Give a solver a preconditioner; what PETSc's options say of it goes first.
 
     On several ranks a factor is that of the ranks' own rows (block Jacobi), so that the bits repeat; one with exchanges
@@ -22,6 +24,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
         levels: of fill, where incomplete.
         pivots: a complete factor exchanges rows: MUMPS makes it, for PETSc's own do not.
         blocks: a complete Cholesky factor is made in blocks of a node.
+        shifts: incomplete factors are made positive definite; matrices in blocks of a node (BAIJ) cannot be shifted so.
 
     Returns: names of options that were put into PETSc's database, to be taken out after the set-up.
     """
@@ -32,7 +35,7 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
         # Block Jacobi as additive Schwarz without overlap: petsc4py 3.18 gives the blocks' solvers for that only.
         pc.setType("asm")
         pc.setASMOverlap(0)
-        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels, blocks)}
+        wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels, blocks, shifts)}
         _kernels.register_node_cholesky()
     else:
         pc.setType(kind)
@@ -44,8 +47,9 @@ def set_preconditioner(ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = Fa
             order_factor(pc, blocks)
         elif kind in FACTORS:
             pc.setFactorLevels(levels)
-            # Slender parts make incomplete factors indefinite, for which CG has no use.
-            pc.setFactorShift(PETSc.Mat.FactorShiftType.POSITIVE_DEFINITE)
+            if shifts:
+                # Slender parts make incomplete factors indefinite, for which CG has no use.
+                pc.setFactorShift(PETSc.Mat.FactorShiftType.POSITIVE_DEFINITE)
     options = PETSc.Options(ksp.getOptionsPrefix() or "")
     given = [key for key in wanted if not options.hasName(key)]
     for key in given:
@@ -71,12 +75,13 @@ def order_factor(pc: PETSc.PC, blocks: bool = True) -> None:
         pc.setFactorOrdering("amd")
 
 
-def _factor_options(kind: str, levels: int, blocks: bool) -> dict[str, object]:
+def _factor_options(kind: str, levels: int, blocks: bool, shifts: bool) -> dict[str, object]:
     if kind == "cholesky" and blocks:
         return {"sub_pc_factor_mat_solver_type": _kernels.node_blocks}
     if kind in COMPLETE:
         return {"sub_pc_factor_mat_ordering_type": "amd"}
-    return {"sub_pc_factor_levels": levels, "sub_pc_factor_shift_type": "positive_definite"}
+    shift = {"sub_pc_factor_shift_type": "positive_definite"} if shifts else {}
+    return {"sub_pc_factor_levels": levels, **shift}
 
 
 def set_rigid_motions(mat: PETSc.Mat, X: Reals) -> None:

@@ -161,7 +161,8 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
     def _make_system(self, problem: SteadyProblem) -> NonlinearSystem:  # type: ignore[override]
         context = self.context
         prefix = f"{self.make.name}_newton_"
-        system = NonlinearSystem(context.comm, problem, context.policy.backend, self.solver, prefix)
+        backend = context.policy.backend or (self.make.backend if context.comm.size == 1 else None)
+        system = NonlinearSystem(context.comm, problem, backend, self.solver, prefix)
         self._made.append(system.newton)
         return system
 

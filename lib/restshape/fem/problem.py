@@ -91,6 +91,7 @@ class SteadyProblem(Problem, Protocol):
         linear: whether the integrals are linear in the unknowns.
         varies: whether `update` has anything to do when nodes move.
         stiffest: of all coefficients of the stiffness, integrated over the thickness, the largest.
+        backend: of operators of nonlinear problems on one rank, where the policy names none; None: the usual one.
     """
 
     name: str
@@ -98,6 +99,7 @@ class SteadyProblem(Problem, Protocol):
     cell_scalars: tuple[str, ...] = ()
     definite: bool = True
     rigid_motions: bool = False
+    backend: str | None = None
     linear: bool
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None: ...

@@ -28,6 +28,10 @@ from restshape.policy import policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
+LONGER = 1.0 + 2.0**0.5
+"""A step that is longer than the one before by more than this factor is one of first order: the difference of second
+order is not stable there. Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, III.5."""
+
 log = logging.getLogger("restshape.analysis")
 
 
@@ -39,12 +43,14 @@ class Past:
         time: of the last one [s].
         velocity, places: (n, 2) of the nodes then [m/s] and [m].
         before: both at the end of the step before, on the same nodes; None: there was none.
+        dt: between the two [s].
     """
 
     time: float
     velocity: np.ndarray
     places: np.ndarray
     before: tuple[np.ndarray, np.ndarray] | None = None
+    dt: float = 0.0
 
     def step(self, X: np.ndarray, settings: FlowSettings) -> TimeStep:
         """What the next step adds to the equations, whose nodes are at X (n, 2) [m] then.
@@ -52,20 +58,21 @@ class Past:
         The velocity of the mesh is the difference by which the rate of the velocity is taken: with another one, steady
         fields that are linear in space would change where the mesh moves.
         """
-        dt = settings.time_step
-        if self.before is None or settings.scheme == "backward_euler":
-            past, mesh, rate = -self.velocity / dt, (X - self.places) / dt, 1.0 / dt
+        dt, moved = settings.time_step, X - self.places
+        if self.before is None or settings.scheme == "backward_euler" or dt > LONGER * self.dt:
+            past, mesh, rate = -self.velocity / dt, moved / dt, 1.0 / dt
         else:
             velocity, places = self.before
-            past = (velocity - 4.0 * self.velocity) / (2.0 * dt)
+            ratio = dt / self.dt
+            older, rate = ratio**2 / (1.0 + ratio) / dt, (1.0 + 2.0 * ratio) / (1.0 + ratio) / dt
+            past = older * velocity - (1.0 + ratio) / dt * self.velocity
             # By differences: nodes that have not moved have none to the last bit.
-            mesh = (3.0 * (X - self.places) - (self.places - places)) / (2.0 * dt)
-            rate = 1.5 / dt
+            mesh = rate * moved - older * (self.places - places)
         return TimeStep(self.time + dt, rate, dt, past, mesh if np.any(mesh) else None)
 
     def after(self, step: TimeStep, velocity: np.ndarray, X: np.ndarray) -> Past:
         """The flow after a step to a velocity (n, 2), with nodes at X (n, 2)."""
-        return Past(step.time, velocity.copy(), X.copy(), (self.velocity, self.places))
+        return Past(step.time, velocity.copy(), X.copy(), (self.velocity, self.places), step.dt)
 
 
 @dataclass(frozen=True, eq=False)

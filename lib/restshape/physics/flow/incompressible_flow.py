@@ -72,6 +72,7 @@ class IncompressibleFlow(SteadyProblem):
     unknowns = (Unknown("velocity", "m/s", ("x", "y")), Unknown("pressure", "Pa", ("p",)))
     symmetric = definite = linear = False
     varies = loaded_inside = True
+    backend = "bcsr"
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         self.scene, self.plan, self.space, self.fluid = scene, plan, space, scene.fluid

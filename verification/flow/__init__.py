@@ -1,0 +1,8 @@
+"""What verifies incompressible flow."""
+
+from restshape_studies.verification import Verification
+
+verification = Verification(
+    validation="restshape_verification.flow.validation:CASES",
+    hard_cases="restshape_verification.flow.stability:CASES",
+)
