@@ -216,6 +216,21 @@ def test_nodes_in_stock_keep_away_from_everything_on_the_outline():
     assert np.min(np.delete(np.linalg.norm(mesh.X - (0.503, 0.207), axis=1), mesh.nodes_of("pin"))) > 0.5 * 0.012
 
 
+@needs_cgal
+def test_triangles_in_stock_leave_regions_and_small_features_as_they_are():
+    radius, size = 0.3, 0.015
+    mesh = generate(inlaid(), MeshSpec(size=size, near={"pin": 0.004}, mesher="cgal"))
+    assert fault(mesh) is None and least_angle(mesh) > 18.0
+    areas = np.bincount(mesh.cell_region, weights=0.5 * doubled_areas(mesh))
+    # The disc is a polygon whose sides are about the size: its area is smaller by sides^2 / (6 radius^2).
+    disc = np.pi * radius**2
+    np.testing.assert_allclose(areas, [1.0 - disc, disc - 0.04, 0.04], atol=disc * (size / radius) ** 2 / 3)
+    from_pin = np.linalg.norm(mesh.X[mesh.edge_nodes].mean(axis=1) - (0.1, 0.15), axis=1)
+    assert lengths(mesh)[from_pin < 0.004].max() < 2.0 * 0.004
+    tiny = generate(plate(radius=0.004), MeshSpec(size=0.02, mesher="cgal"))
+    assert fault(tiny) is None and least_angle(tiny) > 18.0 and len(tiny.nodes_of("hole")) >= 24
+
+
 HASH = """
 import hashlib, sys
 sys.path.insert(0, {here!r})

@@ -1,7 +1,7 @@
 """Solvers of implicit steps on the same systems: by counted iterations, for times are not held."""
 
 import pytest
-from restshape_verification.couture.thesis import WARM, Falling
+from restshape_verification.couture.thesis import Falling
 
 
 @pytest.mark.slow
@@ -23,6 +23,6 @@ def test_solvers_of_steps_are_compared_on_the_same_systems():
 
 
 @pytest.mark.slow
-def test_steps_to_a_tight_tolerance_go_the_same_way():
+def test_steps_are_timed_at_either_tolerance():
     cloth = Falling("60 mm")
-    assert all(cloth.stepped(1.0 / 200.0, tolerance, steps=3) > 0.0 for tolerance in (1e-2, 1e-6)) and WARM > 0
+    assert all(cloth.stepped(1.0 / 200.0, tolerance, steps=3) > 0.0 for tolerance in (1e-2, 1e-6))

@@ -56,12 +56,24 @@ inline void split(const Floats& all, int64_t (&pair)[4]) {
     for (int l = 0; l < 4; ++l) pair[l] = pairs[l];
 }
 
+// What holds a row's values and a pair of them; no std::conditional_t, whose arguments lose their alignment.
+template <class Value>
+struct Registers {
+    using Values = Doubles;
+    using Pair = TwoDoubles;
+};
+template <>
+struct Registers<float> {
+    using Values = Floats;
+    using Pair = int64_t;
+};
+
 // Values of a row that meet the unknowns of some columns; of two unknowns a node a column is that of both.
 template <class Value, int S>
 struct Lanes {
     static constexpr int count = 32 / sizeof(Value), step = S == 2 ? 2 : 1, columns = count / step;
-    using Values = std::conditional_t<sizeof(Value) == 4, Floats, Doubles>;
-    using Pair = std::conditional_t<sizeof(Value) == 4, int64_t, TwoDoubles>;
+    using Values = typename Registers<Value>::Values;
+    using Pair = typename Registers<Value>::Pair;
 
     static Values read(const Value* from) { return *reinterpret_cast<const Values*>(from); }
 

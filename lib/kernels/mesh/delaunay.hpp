@@ -417,7 +417,7 @@ inline const Tile& tile(double stretch, double sine_bound) {
 }  // namespace cgal
 
 // Triangles of at most `stretch` x the local size whose angles are at least asin(sqrt(sine_bound)) away from small
-// angles of the boundary. Throws MesherFailure.
+// angles of the boundary; those in stock are larger by their spacing, and smoothed already. Throws MesherFailure.
 inline MeshOutput refine_delaunay(const MeshInput& input, const SizeField& field, double stretch, double sine_bound,
                                   std::size_t patience) {
     const Stock stock(cgal::tile(stretch, sine_bound), input, field);

@@ -6,8 +6,8 @@ from restshape.algebra.choice import Prices
 
 MOST_AHEAD = 15
 """Refreshes ahead in a row, before an old preconditioner is tried again."""
-SLACK = 0.01
-"""Part that old preconditioners may cost beyond a new one for each solve, and half a refresh, before none is tried."""
+SLACK, TRIAL = 0.01, 1.5
+"""Part, and refreshes, that old preconditioners may cost beyond a new one for each solve before none is tried."""
 
 
 class RefreshCriterion:
@@ -18,7 +18,7 @@ class RefreshCriterion:
 
     Where matrices change so much that already the next one costs as much as a refresh, some are made ahead: 1 after
     such a trial, then 3, 7 and `MOST_AHEAD` after as many in a row. Nor is an old one tried as long as solves of one
-    use have cost more than `SLACK` beyond what a new one for each would have.
+    use, of the whole replay, have cost more than `SLACK` and `TRIAL` refreshes beyond what a new one for each would.
 
     Args:
         most: iterations of a solve.
@@ -64,7 +64,7 @@ class RefreshCriterion:
                 them one iteration at least, for a fresh factor is applied without any.
         """
         expected = known * max(1, self.last_extra) if known > 1 else self.last_extra / 2
-        behind = known == 1 and self.spent > (1.0 + SLACK) * self.fresh + 1.5 * self.break_even
+        behind = known == 1 and self.spent > (1.0 + SLACK) * self.fresh + TRIAL * self.break_even
         return behind or self.ahead > 0 or self.extra_iterations + expected >= self.break_even
 
     def limit(self, complete: bool, known: int = 1) -> int:
