@@ -12,6 +12,7 @@ from restshape.cli.main import main
 from restshape.replay.constraints import HOLDS, UNCERTAIN
 from restshape.replay.estimated_frames import estimated
 from restshape.replay.step_errors import StepErrors
+from restshape.replay.uncertain_limits import BY_VALUES
 
 EDITS = [{"do": "idle", "frames": 2}, *drag("window", (0.5, 0.5), across((0.5, 0.5), (1.2, 0.5), 12))]
 LIMITED = plate(0.08) + 'held = { reaction = "x", at = "left" }\nsag = { displacement = "x", at = "c", max = 1 }\n'
@@ -102,6 +103,8 @@ def test_of_a_limit_the_last_known_error_counts(tmp_path, whole):
         seen |= {(isnan(one["sag_error"]), status)}
     assert (True, UNCERTAIN) in seen and (True, HOLDS) in seen
     assert {one["constraint_status"] for one in found["none"]} == {HOLDS}
+    told = {when: [one["index"] for one in rows if BY_VALUES in one["note"]] for when, rows in found.items()}
+    assert told == {"idle": [], "none": [0]}
 
 
 def test_a_frame_without_an_estimate_does_not_count_as_one_without_an_error():

@@ -39,6 +39,8 @@ BY_PLACE = "at a singular place, finer meshes give more"
 BY_PREDICTION, BY_STEPS = "the error of the prediction", "the errors of its time steps"
 UNESTIMATED = {BY_PREDICTION: "a prediction of unknown error", BY_STEPS: "less than ten time steps a period"}
 """What is said where nothing gives the size of an error."""
+BY_VALUES = "limits are judged by values alone: solve.estimate leaves out the errors of quantities"
+"""Note of the first frame whose limits count without any error known."""
 
 
 class UncertainLimits:
@@ -59,10 +61,11 @@ class UncertainLimits:
         own_row: Callable[[], Mapping[str, RowValue]] = dict,
         exact: Collection[str] = (),
     ) -> None:
-        self.singular, self.own_row, self.exact = singular, own_row, exact
+        self.singular, self.own_row, self.exact = singular, own_row, frozenset(exact)
         self._jumps: dict[str, float] = {}
         self._errors: dict[str, float] = {}
         self._steps = StepErrors()
+        self._judged = False
 
     def __call__(self, row: RowValues, limits: Limits, wanted: WantedErrors = EVERYTHING) -> RowValues:
         """The columns of a frame that was solved which change, with its errors and jumps in the row.
@@ -85,8 +88,10 @@ class UncertainLimits:
         known = {(one.detail, one.subjects) for one in uncertain}
         certain = {one.subjects for one in violated if (one.detail, one.subjects) not in known}
         uncertain = tuple(one for one in uncertain if one.subjects not in certain)
+        unjudged, self._judged = not (self._judged or wanted.solves or self.exact >= limits.keys()), True
+        told = (BY_VALUES,) if unjudged else ()
         if not uncertain:
-            return {}
+            return {"note": "; ".join(filter(None, (text(row, "note"), *told)))} if told else {}
         beyond = [one for one in violated if one.subjects not in certain]
         others = [one for one in decode_findings(text(row, "findings")) if one not in beyond]
         own, left = self.own_row(), [formatted_constraint(one) for one in others if one.kind == LIMIT]
@@ -95,7 +100,7 @@ class UncertainLimits:
         return {
             "constraint_status": FAILS if fails else UNCERTAIN,
             "violated_constraints": "; ".join(filter(None, (text(own, "violated_constraints"), *left))),
-            "note": "; ".join(filter(None, (text(row, "note"), *notes))),
+            "note": "; ".join(filter(None, (text(row, "note"), *told, *notes))),
             "findings": encode_findings((*others, *uncertain)),
         }
 
