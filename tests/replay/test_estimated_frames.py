@@ -103,8 +103,8 @@ def test_of_a_limit_the_last_known_error_counts(tmp_path, whole):
         seen |= {(isnan(one["sag_error"]), status)}
     assert (True, UNCERTAIN) in seen and (True, HOLDS) in seen
     assert {one["constraint_status"] for one in found["none"]} == {HOLDS}
-    told = {when: [one["index"] for one in rows if BY_VALUES in one["note"]] for when, rows in found.items()}
-    assert told == {"idle": [], "none": [0]}
+    said = {when: [one["index"] for one in rows if BY_VALUES in one["note"]] for when, rows in found.items()}
+    assert said == {"idle": [], "none": [0]}
 
 
 def test_a_frame_without_an_estimate_does_not_count_as_one_without_an_error():

@@ -89,9 +89,9 @@ class UncertainLimits:
         certain = {one.subjects for one in violated if (one.detail, one.subjects) not in known}
         uncertain = tuple(one for one in uncertain if one.subjects not in certain)
         unjudged, self._judged = not (self._judged or wanted.solves or self.exact >= limits.keys()), True
-        told = (BY_VALUES,) if unjudged else ()
+        said = (BY_VALUES,) if unjudged else ()
         if not uncertain:
-            return {"note": "; ".join(filter(None, (text(row, "note"), *told)))} if told else {}
+            return {"note": "; ".join(filter(None, (text(row, "note"), *said)))} if said else {}
         beyond = [one for one in violated if one.subjects not in certain]
         others = [one for one in decode_findings(text(row, "findings")) if one not in beyond]
         own, left = self.own_row(), [formatted_constraint(one) for one in others if one.kind == LIMIT]
@@ -100,7 +100,7 @@ class UncertainLimits:
         return {
             "constraint_status": FAILS if fails else UNCERTAIN,
             "violated_constraints": "; ".join(filter(None, (text(own, "violated_constraints"), *left))),
-            "note": "; ".join(filter(None, (text(row, "note"), *told, *notes))),
+            "note": "; ".join(filter(None, (text(row, "note"), *said, *notes))),
             "findings": encode_findings((*others, *uncertain)),
         }
 
