@@ -5,9 +5,12 @@ from flow_scenes import CHANNEL, CYLINDER, HEAD, SQUARE, STEADY, everywhere, in_
 from restshape_studies.stability.scenery import make_replay, set_value, write_scene, write_script
 from thermal_scenes import solved
 
+from restshape.application import application
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
+from restshape.scene.plan import plan
 
+BOTH = {"mesh_velocity", "pressure_datum"}
 MESH = "[mesh]\nsize = 0.2\n"
 DRAG = '[quantities]\ndrag = { drag = true, at = "top" }\n'
 VESSEL = HEAD + SQUARE + "[fluid]\nrho = 1\nmu = 1\n" + STEADY + MESH
@@ -83,6 +86,14 @@ def test_conditions_can_be_set_during_an_edit(tmp_path):
     script = write_script(tmp_path, set_value("boundary.inlet.velocity", ["8*y*(1 - y)", 0]))
     first, *_, last = [dict(row) for row in make_replay(write_scene(tmp_path, text), script).frames()]
     assert last["q_drag"] > 1.9 * first["q_drag"]
+
+
+@pytest.mark.parametrize(("effects", "closed", "on"), [(STEADY, False, set()), (in_time(), True, BOTH)])
+def test_what_follows_from_a_scene(tmp_path, effects, closed, on):
+    """The velocity of the mesh counts in time, and the pressure has no datum in a closed vessel."""
+    text = everywhere("[1, 0]", effects) if closed else CHANNEL + effects + MESH
+    planned = plan(load_scene(write_scene(tmp_path, text)), application("flow"))
+    assert {one.name for one in planned.derived if one.on} == on
 
 
 def test_a_steady_flow_cannot_become_one_in_time(tmp_path):

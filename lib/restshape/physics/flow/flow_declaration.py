@@ -189,6 +189,14 @@ def _closed(scene: Scene, _: On) -> str:
     return "there is no outflow: only differences of pressure matter, and its mean is 0"
 
 
+def _moving(scene: Scene, on: On) -> str:
+    return (
+        "a flow in time, whose frames move nodes: velocities are relative to the mesh there"
+        if in_time(scene, on)
+        else ""
+    )
+
+
 PLACE = "of the fluid on it, by the residual of the equations"
 FLOW = Physics(
     name="flow",
@@ -218,6 +226,9 @@ FLOW = Physics(
         "convection": Effect(Advection, "the fluid's inertia", kernels=("flow_tri3", "unsteady_flow")),
     },
     derived={
+        "mesh_velocity": DerivedEffect(
+            "velocity of the mesh", _moving, "steady flow does not know how nodes came there"
+        ),
         "pressure_datum": DerivedEffect("pressure without a datum", _closed, "the pressure at outflows is 0"),
     },
     invariants=(Invariant(in_time, "a flow cannot become steady, or unsteady, during an edit", "make it two scenes"),),
