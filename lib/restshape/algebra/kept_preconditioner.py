@@ -240,9 +240,9 @@ class KeptPreconditioner:
 
     def _set(self, levels: int) -> None:
         self._forget_options()
-        self._given = set_preconditioner(
-            self.ksp, self.kind, levels, self.traits.pivots, self.blocks, self.traits.definite
-        )
+        traits = self.traits
+        shifts = traits.symmetric or traits.definite
+        self._given = set_preconditioner(self.ksp, self.kind, levels, traits.pivots, self.blocks, shifts)
 
     def _forget_options(self) -> None:
         """Take out of PETSc's database what was put there for a set-up: it is not what the user said."""
