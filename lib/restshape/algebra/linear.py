@@ -96,7 +96,7 @@ class LinearSolver:
         self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool, Reals | None], None] | None = None
         self.on_solved: Callable[[LinearReport | None], None] | None = None
         self.age = -1
-        self._begun = self._current = False
+        self._begun = self._new = self._current = False
         self._rounding = math.inf
         self.scale: float | None = None
         self._aimed: tuple[float | None, float] = (None, tolerance)
@@ -254,7 +254,7 @@ class LinearSolver:
         if self.comm.size > 1 or self.method == "ilu":
             return
         self._begin(mat, new_system, False, False)
-        self._begun = True
+        self._begun, self._new = True, new_system
         if self.kind == "cholesky" and (
             self.method == "direct" or not self.kept.ready or self.refresh.worth_refreshing(uses)
         ):
@@ -269,9 +269,9 @@ class LinearSolver:
 
     def apply(self, b: PETSc.Vec, x: PETSc.Vec) -> LinearReport:
         """Solve with the factor that there is (`factored`): no guess, no iteration."""
-        self._begun = False
+        new_system, self._begun = self._begun and self._new, False
         if self.on_solve:
-            self.on_solve(self.ksp.getOperators()[0], b, x, False, None)
+            self.on_solve(self.ksp.getOperators()[0], b, x, new_system, None)
         with self.stages("krylov"):
             self.ksp.getPC().apply(b, x)
         if not math.isfinite(x.norm()):

@@ -1,0 +1,50 @@
+"""Counted work of a motion whose mesh is made anew, beside the best schedule of refreshes."""
+
+import json
+
+import pytest
+from petsc4py import PETSc
+from small_scenes import across, drag, write_scene, write_script
+
+pytestmark = pytest.mark.skipif(PETSc.COMM_WORLD.size > 1, reason="one rank")
+MAST = """
+format = "restshape-scene"
+version = 1
+app = "vibration"
+[shape]
+outline = ["foot", "right", "tip", "left"]
+vertices = { a = [0, 0], b = [0.06, 0], c = [0.05, 0.4], d = [0.01, 0.4] }
+holes = { bore = { circle = { center = [0.03, 0.15], radius = 0.01 } } }
+[shape.edges]
+foot = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+tip = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[material.polymer]
+E = "3 GPa"
+nu = 0.35
+rho = 1150
+thickness = 0.01
+[effects]
+solid = { model = "plane_stress" }
+dynamics = { time_step = 5e-4, steps = 5 }
+ground = { frequency = 50, acceleration = 5 }
+[supports.foot]
+on = "foot"
+fix = ["x", "y"]
+[mesh]
+size = 0.02
+"""
+
+
+def test_new_meshes_in_motion_begin_a_schedule(tmp_path, command):
+    """The first step on a new mesh applies a factor that was made for all steps of the frame."""
+    scene = write_scene(tmp_path, MAST)
+    script = write_script(tmp_path, drag("bore", (0.03, 0.15), across((0.03, 0.15), (0.03, 0.32), 6)))
+    done = command("replay", scene, script, "--regret", "--json", "a.json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())["regret"]
+    schedule, refactor = found["hindsight"], found["policies"]["refactor"]
+    # A factor a matrix, and five steps a frame, of which each applies it once: the first frame has none.
+    assert refactor["factors"] == schedule["matrices"] and refactor["iterations"] % 5 == 0
+    assert schedule["run"] >= schedule["best"] * (1 - 1e-9)
