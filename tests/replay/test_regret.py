@@ -36,7 +36,18 @@ def test_a_replay_prints_its_regret(files, tmp_path, command):
     assert refactor["factors"] == refactor["iterations"] == schedule["matrices"]
 
 
-@pytest.mark.parametrize("word", [("--out", "a.vtkhdf"), ("--policy", "auto"), ("--parity",)])
+@pytest.mark.parametrize(
+    "word",
+    [
+        ("--out", "a.vtkhdf"),
+        ("--policy", "auto"),
+        ("--parity",),
+        ("--strict",),
+        ("--predict", "linear"),
+        ("--fields", "stress"),
+        ("--estimate", "5"),
+    ],
+)
 def test_regret_keeps_no_replay(files, command, word):
     done = command("replay", *files, "--regret", *word)
     assert done.returncode == 2 and f"leave {word[0]} out" in done.stderr

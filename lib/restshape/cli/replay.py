@@ -161,11 +161,15 @@ def _note_start(args: argparse.Namespace, scene: Scene, script: Script) -> None:
         print(f"note: the first shape only; its edits: {', '.join(map(str, known))}", file=sys.stderr)
 
 
+BESIDE_REGRET = ("out", "fields", "csv", "parity", "policy", "guess", "predict", "estimate", "strict")
+"""Options of one replay, which --regret refuses."""
+
+
 def _check_regret(args: argparse.Namespace) -> None:
     """Refuse options of one replay beside --regret."""
-    given = [name for name in ("out", "csv", "parity", "policy", "guess") if getattr(args, name)]
+    given = [name for name in BESIDE_REGRET if getattr(args, name) not in (None, False, "none")]
     if args.regret and given:
-        what = "replays of all policies are counted, and none of them is kept"
+        what = "replays of all policies are counted, without estimates and predictions, and none of them is kept"
         raise UserError(what, f"--regret --{given[0]}", f"leave --{given[0]} out")
 
 
