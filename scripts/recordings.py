@@ -52,8 +52,8 @@ THINNED: dict[str, int] = {"couture/pins": 4, "couture/sphere-drag": 4}
 """By how much events of scripts are made shorter where each frame is slow: all are kept, in fewer frames each.
 
 Keys are an application, application/script, application/script policy, or a whole name."""
-QUICK = ("bridge/bridge", "cantilever/cantilever", "couture/cylinder", "furniture/table", "metallophone/fish")
-QUICK += ("solid/plate", "thermal/fins", "vibration/building")
+QUICK = ("bridge/bridge", "cantilever/cantilever", "couture/cylinder", "flow/flow", "furniture/table")
+QUICK += ("metallophone/fish", "solid/plate", "thermal/fins", "vibration/building")
 """One script of each application: for --quick, and on two ranks too."""
 PREDICTED = ("bridge/bridge", "cantilever/cantilever", "metallophone/fish", "solid/plate")
 """Scripts that are predicted too."""

@@ -51,7 +51,8 @@ def test_verbose_names_levels_and_rebuilt_preconditioners(replayed):
 def test_very_verbose_counts_the_iterations_of_each_frame(replayed):
     rows, log = replayed("-vv", "--set", "solve.jumps=false")
     counted = re.findall(r"^algebra: +Linear \S+ solve .* iterations (\d+)$", log, re.MULTILINE)
-    assert sum(map(int, counted)) == sum(int(row["iterations"]) for row in rows)
+    # Before an iteration that takes no step a new factor has been applied once.
+    assert sum(max(1, int(one)) for one in counted) == sum(int(row["iterations"]) for row in rows)
 
 
 def test_nothing_is_logged_unasked(replayed):

@@ -381,6 +381,7 @@ class LinearSolver:
         goal = self.aim * (b.norm() if self.scale is None else self.scale)
         if math.isfinite(size) and MARGIN * self._rounding * size <= goal:
             self.ksp.setConvergedReason(Reason.CONVERGED_ITS)
+            self._log_solve(1)
             return 1
         iterations = self._iterate(b, x)
         self._rounding = self.ksp.getResidualNorm() / size if not iterations and size else math.inf
@@ -395,6 +396,11 @@ class LinearSolver:
         with self.stages("krylov"):
             self.ksp.solve(b, x)
         iterations: int = self.ksp.getIterationNumber()
+        self._log_solve(iterations)
+        return iterations
+
+    def _log_solve(self, iterations: int) -> None:
+        """Log how a solve ended, in PETSc's words."""
         if log.isEnabledFor(logging.DEBUG):
             reason = self.ksp.getConvergedReason()
             log.debug(
@@ -404,7 +410,6 @@ class LinearSolver:
                 REASONS.get(reason, reason),
                 iterations,
             )
-        return iterations
 
     def _try_again(self, stale: bool) -> bool:
         """Whether, after a failure, another preconditioner is left: a fresh one, or one of another kind."""
