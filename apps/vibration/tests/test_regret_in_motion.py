@@ -1,4 +1,4 @@
-"""Counted work of a motion whose mesh is made anew, beside the best schedule of refreshes."""
+"""Counted work of a motion with new meshes, beside the best schedule of refreshes."""
 
 import json
 
