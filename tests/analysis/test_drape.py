@@ -290,7 +290,12 @@ def test_steps_know_of_new_supports_bending_and_nodes(tmp_path, bending):
 
     def matrices():
         new = ClothEquations(sheet, PETSc.COMM_SELF, Stages(), "csr")
-        blocks, rows = kept.step_matrix(x, inertia, True), new.step_matrix(x, inertia, False)
+        forces, expected = np.empty_like(x), np.empty_like(x)
+        blocks, rows = kept.step_matrix(x, inertia, True, forces), new.step_matrix(x, inertia, False)
+        # In the same pass, and without what inertia and stabilisation add to the matrix.
+        new.residual(x, expected)
+        off = np.abs(forces - expected)[sheet.boundary.mask == 0]
+        assert off.max() < 1e-12 * np.abs(expected).max()
         assert blocks.getType() == "seqbaij" and rows.getType() == "seqaij"
         return blocks.convert("dense", PETSc.Mat()).getDenseArray().copy(), rows[:, :]
 
