@@ -87,8 +87,10 @@ def read_results(path: Path, option: str) -> tuple[Any, str]:
     """
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UserError(f"this is no JSON that can be read: {error}", f"{option} {path}", "name another") from error
+    except OSError as error:
+        raise UserError(f"this cannot be read: {error.strerror}", f"{option} {path}", "name another file") from error
+    except ValueError as error:
+        raise UserError(f"this is no JSON: {error}", f"{option} {path}", "name another file") from error
     stamp = data.pop(STAMP, "") if isinstance(data, dict) else ""
     return data, stamp.partition(",")[0] or path.name
 

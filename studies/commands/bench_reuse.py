@@ -62,7 +62,7 @@ def check(args: argparse.Namespace) -> None:
     """Refuse what measures nothing, and policies that do not exist."""
     check_runs(args)
     if args.before:
-        read_results(args.before, "--before")
+        _earlier(args.before)
     for asked in policies(args):
         name, _, guess = asked.partition(":")
         if name not in POLICIES:
@@ -90,27 +90,33 @@ def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
 
     draw_policies(found, path)
     if args.before:
-        before, title = read_results(args.before, "--before")
+        from restshape_studies.pictures.stages import draw_stages
+
+        before, title = _earlier(args.before)
         stamps = [read_results(path, "--redraw")[1] for path in args.redraw or ()]
         after = ", ".join(dict.fromkeys(stamps)) or "this code"
         with drawn_from(fingerprint({"before": before, "after": found})):
-            draw_before_and_after(before, found, (title, after), path.with_name(STAGES_PICTURE))
+            draw_stages(before, found, (title, after), path.with_name(STAGES_PICTURE))
+        print(f"wrote {one_line(path.with_name(STAGES_PICTURE))}")
 
 
-def draw_before_and_after(before: Any, found: Any, titles: tuple[str, str], path: Path) -> None:
-    """Draw stages beside those of an earlier run.
+def _earlier(path: Path) -> tuple[Any, str]:
+    """What an earlier run wrote after --json, and what it names as its commit.
 
     Raises:
-        UserError: the earlier file holds no such results.
+        UserError: the file cannot be read, or holds no such results.
     """
-    from restshape_studies.pictures.stages import draw_stages
+    from restshape_studies.pictures.stages import LEVELS, stage_parts
 
+    data, title = read_results(path, "--before")
     try:
-        draw_stages(before, found, titles, path)
-    except (KeyError, TypeError, AttributeError) as error:
+        parts = [stage_parts(one, level) for scene in data.values() for one in scene.values() for level in LEVELS]
+    except (KeyError, TypeError, AttributeError):
+        parts = []
+    if not any(parts):
         what = "this holds no results of restshape bench reuse"
-        raise UserError(what, "--before", "name what bench reuse --json wrote") from error
-    print(f"wrote {one_line(path)}")
+        raise UserError(what, f"--before {path}", "name what bench reuse --json wrote")
+    return data, title
 
 
 def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:

@@ -90,7 +90,8 @@ def test_size_for_programs_and_people(tmp_path, command):
         (("reuse", "small.toml", "--repeat", 0), ("--repeat",)),
         (("reuse", "strip"), ("3 installed scenes have this name", "/strip, ")),
         (("reuse", "plait"), ("no such scene", "plait")),
-        (("reuse", "small.toml", "--before", "nowhere.json"), ("--before", "nowhere.json")),
+        (("reuse", "small.toml", "--before", "nowhere.json"), ("--before nowhere.json: this cannot be read: No such",)),
+        (("reuse", "small.toml", "--before", "small.toml"), ("--before small.toml: this is no JSON",)),
         (("reuse", "small.toml", "--frames", 1), ("--frames",)),
         (("reuse", "--edits", "small.jsonl"), ("--edits", "one scene")),
         (("size", "--from", 1e6, "--to", 1e3), ("--from",)),
@@ -104,6 +105,14 @@ def test_bad_input(command, scene, words, reported):
     assert " try: " in done.stderr
     for word in reported:
         assert word in done.stderr
+
+
+@pytest.mark.parametrize("other", [[], {}, {"a": {"problem": "none"}}, {"sizes": [1.0]}, {"small": {"auto": 1}}])
+def test_results_of_another_study_are_refused_before_anything_is_measured(tmp_path, command, scene, other):
+    (tmp_path / "other.json").write_text(json.dumps(other))
+    done = command("bench", "reuse", scene, "--before", "other.json")
+    assert done.returncode == 2 and done.stdout == ""
+    assert "--before other.json: this holds no results of restshape bench reuse" in done.stderr
 
 
 TIMED = ("reuse", "limit", "size", "order", "eigen", "drape", "predict", "derivative")
