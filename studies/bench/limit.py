@@ -32,6 +32,8 @@ ANSWER = ("relocate", "values", "krylov", "observe")
 """Stages until the answer is known."""
 BESIDE = ("residual", "estimate", "record")
 """What is done beside it."""
+UNKNOWN = "the limit is known of linear steady problems on triangles alone"
+INSTEAD = "take a linear scene of a solid in the plane or of heat, without motion and storage"
 
 
 @dataclass(frozen=True)
@@ -212,7 +214,7 @@ def sizes_of(analysis: SteadyAnalysis[Any]) -> Sizes:
     nodes, fields = shape[0], shape[1] if len(shape) > 1 else 1
     cells, corners = space.cells.shape
     if not problem.linear or corners not in (3, 6) or space.X.shape[1] != 2 or analysis.context.comm.size > 1:
-        raise UserError("the limit is known of linear problems on triangles alone", str(analysis.state.scene.path))
+        raise UserError(UNKNOWN, str(analysis.state.scene.path), INSTEAD)
     points, constants = analysis.fields()
     arrays = [space.X, *points.values(), *constants.values()]
     return Sizes(
@@ -263,7 +265,7 @@ def measure(request: Request, frames: int) -> dict[str, Any]:
     replay.errors.estimating = replay.measuring = False
     analysis = replay.analysis
     if not isinstance(analysis, SteadyAnalysis):
-        raise UserError("the limit is known of linear steady problems alone", str(request.scene.path))
+        raise UserError(UNKNOWN, str(request.scene.path), INSTEAD)
     rows, refreshed = [], 0
     for row in replay.frames():
         if row["level"] == 1 and not row["refused"]:

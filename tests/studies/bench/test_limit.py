@@ -210,6 +210,16 @@ def test_bad_input(command, words):
     assert done.returncode == 2 and words[0] in done.stderr and " try: " in done.stderr
 
 
+@pytest.mark.cli
+@pytest.mark.usefixtures("jobs_here")
+def test_a_scene_whose_limit_is_not_known_is_refused_with_those_it_is_known_of(command):
+    scenes = Path(__file__).parents[2] / "scenes"
+    words = (scenes / "building.toml", "--edits", scenes / "building.jsonl", "--triangles", 300)
+    done = command("bench", "limit", *words)
+    assert done.returncode == 2 and "building.toml: the limit is known of linear steady problems" in done.stderr
+    assert " try: take a linear scene" in done.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.cli
 @pytest.mark.usefixtures("jobs_here")
