@@ -69,7 +69,7 @@ def cavity(comm: PETSc.Comm) -> list[Check]:
 
 def cylinder(comm: PETSc.Comm) -> list[Check]:
     """A cylinder in a channel at Re = 20: drag, lift, and what the pressure drops by."""
-    mesh = "[mesh]\nsize = 0.012\nnear = { cylinder = 0.001 }\n"
+    mesh = "[mesh]\nsize = 0.006\nnear = { cylinder = 0.0007 }\n"
     row = shown(CHANNEL + STEADY + forces(0.2) + mesh, comm).row
     return [
         Check("drag coefficient", row["q_drag"], 5.57953523384, 0.01, NABH, PUBLISHED),
