@@ -148,7 +148,8 @@ def measure(request: Request) -> Row:
         UserError: it does not, or nothing is dragged.
     """
     if plan(request.scene, request.application).solver.equations != "eigenvalues":
-        raise UserError("the scene has no eigenproblem", str(request.scene.path), "choose one with [effects.modal]")
+        what = "the scene has no eigenproblem of frequencies alone"
+        raise UserError(what, str(request.scene.path), "take a scene of metallophone")
     replay = Replay(request, PETSc.COMM_WORLD)
     contest, size = Contest(request), None
     for row in replay.frames():

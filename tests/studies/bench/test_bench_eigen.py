@@ -32,4 +32,4 @@ def test_all_solvers_find_the_same(tmp_path, command):
 @pytest.mark.usefixtures("jobs_here")
 def test_what_has_no_modes_is_refused(command):
     done = command("bench", "eigen", SCENES / "plate.toml", "--edits", EDITS / "plate.jsonl")
-    assert done.returncode == 2 and "no eigenproblem" in done.stderr
+    assert done.returncode == 2 and "no eigenproblem" in done.stderr and "take a scene of" in done.stderr
