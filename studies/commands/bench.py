@@ -1,5 +1,7 @@
 """`restshape bench`: what reuse gains, and how time grows with size; one runner of all kinds."""
 
+# More than 15 modules: the command joins all studies, their scenes, pictures and files.
+
 import argparse
 import sys
 import time
@@ -24,6 +26,7 @@ from restshape_studies.commands.bench_kind import Kind, read_results
 
 from restshape.application import applications
 from restshape.cli.options import add_json, add_set, require_mesh, write_json
+from restshape.cli.ranks import launched
 from restshape.cli.shipped import named_scenes, refuse_shared_script, script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, one_line
@@ -80,10 +83,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure; 0 when it is done, 2 on bad input."""
+    """Measure; 0 when it is done, 2 on bad input, or on ranks of MPI."""
     kind = KINDS[args.study]
     if getattr(args, "redraw", None):
         return redraw(kind, args)
+    if launched():
+        raise UserError("replays are measured on one core each", "mpiexec", "start it without mpiexec")
     kind.check(args)
     cases = cases_of(kind, args)
     picture = _picture(args.out, kind.picture) if kind.picture else getattr(args, "picture", None)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from restshape.cli.options import add_json, print_table, write_json
+from restshape.cli.ranks import launched
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import write_whole
@@ -43,6 +44,8 @@ def run(args: argparse.Namespace) -> int:
     """Measure and write, or check; 0 when written or equal, 1 when the file no longer matches."""
     if args.check and not args.out.is_file():
         raise UserError("there is no such file", str(args.out), "restshape tables writes it")
+    if launched():
+        raise UserError("frames are counted on one core", "mpiexec", "start it without mpiexec")
     start_petsc(args.petsc)
     from restshape_studies.thesis import thesis_table
     from restshape_studies.verification import verifications

@@ -5,6 +5,8 @@ import json
 import pytest
 from small_scenes import across, drag, plate, write_scene, write_script
 
+from restshape.cli.main import main
+
 pytestmark = pytest.mark.cli
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -124,6 +126,14 @@ def test_each_study_of_times_says_what_they_include():
     # Errors, jumps and counted work are no times.
     assert {name for name, kind in KINDS.items() if kind.times} == set(TIMED)
     assert set(KINDS) - set(TIMED) == {"effectivity", "jumps", "regret"}
+
+
+@pytest.mark.parametrize("words", [("bench", "reuse"), ("bench", "regret"), ("tables",)])
+def test_ranks_are_refused(monkeypatch, capsys, words):
+    """Each would measure all for itself."""
+    monkeypatch.setenv("PMI_RANK", "0")
+    assert main(list(words)) == 2
+    assert "mpiexec: " in (reported := capsys.readouterr().err) and "start it without mpiexec" in reported
 
 
 def test_a_scene_without_a_script(tmp_path, command, scene):
