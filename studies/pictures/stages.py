@@ -49,8 +49,8 @@ def stage_parts(entry: Mapping[str, Any], level: str) -> dict[str, float]:
 def draw_stages(before: Scenes, after: Scenes, titles: tuple[str, str], path: Path) -> None:
     """Writes the picture as a PNG: a row of panels a scene, a panel a level, two bars a policy.
 
-    Bars are in parts of the frame before; where there is none, of the frame itself. Policies with another initial guess
-    than their own are left out, as are levels that no scene has frames of.
+    Bars are in parts of the median frame of the earlier run; where there is none, of the frame itself. Policies with
+    another initial guess than their own are left out, as are levels that no scene has frames of.
 
     Args:
         before, after: what was measured; scenes of `after` are shown.
@@ -76,7 +76,7 @@ def draw_stages(before: Scenes, after: Scenes, titles: tuple[str, str], path: Pa
         new = "" if name in before else " (not measured before: parts of the frame itself)"
         line[0].set_title(f"{name}, {size}{new}", loc="left", fontweight="bold", pad=19)
     for axes in (axes for axes in grid[-1] if len(axes.get_yticks())):
-        axes.set_xlabel("time over that of the frame before [%]")
+        axes.set_xlabel("time over that of the earlier run [%]")
     order = [name for name in COLOURS if name in drawn]
     figure.legend(
         [drawn[name] for name in order],

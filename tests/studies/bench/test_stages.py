@@ -63,6 +63,7 @@ def test_bars_are_in_parts_of_the_frame_before_and_nothing_is_clipped(tmp_path, 
     figure.draw_without_rendering()
     first = figure.axes[0]
     assert [label.get_text() for label in first.get_yticklabels()] == ["auto before", "after"]
+    assert {axes.get_xlabel() for axes in figure.axes} == {"", "time over that of the earlier run [%]"}
     # Two bars from the left edge: of 2 ms and of 1 ms in units of the first.
     ends = {}
     for bar in first.patches:
