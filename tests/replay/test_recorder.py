@@ -13,6 +13,7 @@ import pytest
 
 from restshape.errors import UserError
 from restshape.replay.recorder import Recorder
+from restshape.replay.recorder_start import begun
 from restshape.replay.recording import Recording
 from restshape.replay.rows import encode_text, row_dtype
 
@@ -251,3 +252,9 @@ def test_before_large_libraries_the_process_is_a_copy(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert done.stdout.split("\n") == ["Copy", "recorder True", "True", "done", "Popen", ""], done.stderr
+
+
+def test_a_process_that_has_nothing_to_write_ends():
+    process = begun()
+    process.abandon()
+    assert process.process.poll() is not None

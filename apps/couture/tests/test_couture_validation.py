@@ -128,5 +128,5 @@ def test_counting_steps_and_slopes():
             return x + inertia
 
     counted = Counted(Matrices())
-    assert counted.step_matrix(1, 2) == 3 and counted.constrained == 7 and counted.solves == 1
+    assert counted.step_matrix(1, 2) == 3 and counted.constrained == 7 and counted.matrices == 1
     assert slope([0.4, 0.1]) == pytest.approx(2.0)

@@ -88,7 +88,13 @@ def run(args: argparse.Namespace) -> int:
     _check_regret(args)
     process = _begin_recorder() if args.out and first_rank() else None
     with limited(args) as begin_frame:
-        return _replayed(args, begin_frame, process)
+        try:
+            request = _request(args)
+        except BaseException:
+            if process:
+                process.abandon()
+            raise
+        return _regret(args, request) if args.regret else _replayed(args, request, begin_frame, process)
 
 
 def _begin_recorder() -> Begun:
@@ -100,8 +106,12 @@ def _begin_recorder() -> Begun:
     return begun()
 
 
-def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None], process: Begun | None) -> int:
-    """The exit code of a replay that says when each frame begins, with the process that will record it."""
+def _request(args: argparse.Namespace) -> Request:
+    """What is asked for, its scene and script read.
+
+    Raises:
+        UserError: it cannot be replayed, or not be recorded there.
+    """
     from restshape.calibration import Calibration
     from restshape.replay.request import Request
     from restshape.scene.edit_script import Script, load_script
@@ -118,16 +128,24 @@ def _replayed(args: argparse.Namespace, begin_frame: Callable[[], None], process
     script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)
     chosen = policy(args.policy or scene.solve.policy, args.guess)
     calibration, given = Calibration.load(args.calibration), (tuple(args.petsc), args.predict, tuple(args.set))
-    request = Request(scene, script, app, chosen, calibration, *given)
-    if args.regret:
-        return _regret(args, request)
+    if args.out and first_rank():
+        from restshape.replay.recorder import refuse_other_files
+
+        refuse_other_files(args.out)
+    return Request(scene, script, app, chosen, calibration, *given)
+
+
+def _replayed(
+    args: argparse.Namespace, request: Request, begin_frame: Callable[[], None], process: Begun | None
+) -> int:
+    """The exit code of a replay that says when each frame begins, with the process that will record it."""
     first = first_rank()
     recorder = _start_recorder(args.out, request, process) if process else None
     try:
         if recorder:
             keep_frames(recorder)
         if first:
-            _note_start(args, scene, script)
+            _note_start(args, request.scene, request.script)
         summary = _run(args, request, recorder, begin_frame)
         lift_limits()
     except BaseException as error:

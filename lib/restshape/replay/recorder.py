@@ -92,7 +92,7 @@ class Recorder:
             UserError: the file cannot be written.
         """
         path = Path(path)
-        _refuse_other_files(path)
+        refuse_other_files(path)
         dtype = row_dtype(columns)
         opening = {
             "path": str(path.resolve()),
@@ -314,8 +314,12 @@ class Recorder:
             self.close("done" if kind is None else "interrupted")
 
 
-def _refuse_other_files(path: Path) -> None:
-    """Keeps a slip of the keyboard from overwriting a scene with a recording."""
+def refuse_other_files(path: Path) -> None:
+    """Keeps a slip of the keyboard from overwriting a scene with a recording.
+
+    Raises:
+        UserError: there is no such folder, or what is there is no recording.
+    """
     folder = path.resolve().parent
     if not folder.is_dir():
         raise UserError("the folder of the recording does not exist", str(path), f"mkdir -p {folder}")

@@ -31,6 +31,12 @@ class Begun(NamedTuple):
     process: Copy | subprocess.Popen[bytes]
     pipes: tuple[int, int, int]
 
+    def abandon(self) -> None:
+        """Let the process end that has nothing to write."""
+        for fd in (*self.pipes, self.ring.fd):
+            os.close(fd)
+        self.process.wait()
+
 
 class Copy:
     """A process that is a copy of this one: what `Recorder` needs of `subprocess.Popen`.
