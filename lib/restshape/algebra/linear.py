@@ -191,39 +191,16 @@ class LinearSolver:
         again = not self._current and (self.method == "direct" or (self.keeps and self.refresh.worth_refreshing(uses)))
         stale = self.kept.ready and not again
         if stale:
-            if self.refresh.uses == 0:
-                self.kept.substitute_by_panels(iterates=self.takes_guess)
-            self.ksp.setOperators(mat)
-            if not same_matrix:
-                with self.stages("krylov"):
-                    self.kept.correct(mat)
+            self._take_old(mat, same_matrix)
         else:
             self._factor(mat, places, self._why(again), uses)
         self._use()
-        if not stale and self.keeps and self.kept.inverts:
-            iterations = last = self._apply_new(b, x)
-        else:
-            iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0)
-        while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
-            self._clean(x)
-            if stale:
-                self.refresh.give_up(last, uses)
-                # Whether the matrix has changed or single precision was not enough for it, is not known.
-                self.kept.single = False
-            else:
-                # What a fresh one has failed with is no guess.
-                x.set(0.0)
-            stale = False
-            self._factor(mat, places, f"no convergence in {last} iterations with the old one", uses, rebuild=True)
-            self._use()
-            last = self._iterate(b, x)
-            iterations += last
-        self._check()
+        iterations, last, refreshed = self._converge(mat, b, x, places, uses, stale)
         if self.keeps:
-            self._count(last, not stale, new_system, uses)
+            self._count(last, refreshed, new_system, uses)
         if self.projection and self.projection.pays and not auxiliary:
             self.projection.keep(x)
-        return self._reported(LinearReport(iterations, not stale, self.age, self.name))
+        return self._reported(LinearReport(iterations, refreshed, self.age, self.name))
 
     def _reported(self, report: LinearReport) -> LinearReport:
         if self.on_solved:
@@ -354,6 +331,27 @@ class LinearSolver:
         more, worth = self.refresh.extra_iterations, self.refresh.break_even
         return f"refactorisation criterion: {more} extra iterations, a refresh is worth {worth:.3g}"
 
+    def _take_old(self, mat: PETSc.Mat, same_matrix: bool) -> None:
+        """Go on with the preconditioner of an old matrix."""
+        if self.refresh.uses == 0:
+            self.kept.substitute_by_panels(iterates=self.takes_guess)
+        self.ksp.setOperators(mat)
+        if not same_matrix:
+            with self.stages("krylov"):
+                self.kept.correct(mat)
+
+    def _give_up(self, x: PETSc.Vec, iterations: int, uses: int, stale: bool) -> None:
+        """Take in that a solve has failed, and leave a guess for the next preconditioner."""
+        if not stale:
+            # What a fresh one has failed with is no guess.
+            x.set(0.0)
+            return
+        if not math.isfinite(x.norm()):
+            x.set(0.0)
+        self.refresh.give_up(iterations, uses)
+        # Whether the matrix has changed or single precision was not enough for it, is not known.
+        self.kept.single = False
+
     def _use(self) -> None:
         self.age, self.refresh.uses = self.age + 1, self.refresh.uses + 1
 
@@ -387,6 +385,27 @@ class LinearSolver:
         self._rounding = self.ksp.getResidualNorm() / size if not iterations and size else math.inf
         return max(1, iterations)
 
+    def _converge(
+        self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, places: Reals | None, uses: int, stale: bool
+    ) -> tuple[int, int, bool]:
+        """Iterations of a solve, those with its last preconditioner, and whether that was made for it.
+
+        A `stale` one that is worth no more iterations is made again in mid-solve. Arguments as in `solve`.
+        """
+        if not stale and self.keeps and self.kept.inverts:
+            iterations = last = self._apply_new(b, x)
+        else:
+            iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0)
+        while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
+            self._give_up(x, last, uses, stale)
+            stale = False
+            self._factor(mat, places, f"no convergence in {last} iterations with the old one", uses, rebuild=True)
+            self._use()
+            last = self._iterate(b, x)
+            iterations += last
+        self._check()
+        return iterations, last, not stale
+
     def _iterate(self, b: PETSc.Vec, x: PETSc.Vec, uses: int = 0) -> int:
         """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper for the uses."""
         if self.keeps:
@@ -414,11 +433,6 @@ class LinearSolver:
     def _try_again(self, stale: bool) -> bool:
         """Whether, after a failure, another preconditioner is left: a fresh one, or one of another kind."""
         return self.keeps and (stale or self.kept.replace_failed())
-
-    def _clean(self, x: PETSc.Vec) -> None:
-        """Leave a guess that is a number everywhere."""
-        if not math.isfinite(x.norm()):
-            x.set(0.0)
 
     def _count(self, iterations: int, refreshed: bool, new_system: bool, uses: int) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now."""
