@@ -50,9 +50,8 @@ def run_replay(
     comm = PETSc.COMM_WORLD
     first = comm.rank == 0
     replay = _replay(request, recorder)
-    singular = replay.errors.singular.ever
     if recorder:
-        recorder.add_header(_surroundings(comm) | {"singular": dict(singular)})
+        recorder.add_header(_surroundings(comm) | {"singular": dict(replay.errors.singular.ever)})
     check = Parity(replay) if parity else None
     units = {name: quantity.unit for name, quantity in request.scene.quantities.items()}
     tally, rows, interrupted = Tally(units, load_scales(request.scene)), [], False
@@ -76,14 +75,17 @@ def run_replay(
             if (comm.size > 1 and not isinstance(interrupt, AgreedInterrupt)) or not tally.frames:
                 raise
             interrupted = True
-    summary = tally.summary(request.policy.name, comm.size, replay.analysis.estimated_quantity)
-    summary |= {"reasons": tally.reasons, "largest_residual": tally.largest_residual, "ends": ends}
-    summary |= {"guess": request.policy.guess, "interrupted": interrupted, "rows": rows, "singular": singular}
-    summary |= replay.errors.linear_theory.summary()
+    summary = _summary(replay, request, tally, rows) | {"ends": ends, "interrupted": interrupted, "rows": rows}
+    return summary | {"parity": check.summary()} if check else summary
+
+
+def _summary(replay: Replay, request: Request, tally: Tally, rows: list[RowValues]) -> Summary:
+    """What is said of all frames of a replay; `rows` are those that the report of the application needs."""
+    summary = tally.summary(request.policy.name, replay.comm.size, replay.analysis.estimated_quantity)
+    summary |= {"reasons": tally.reasons, "largest_residual": tally.largest_residual, "guess": request.policy.guess}
+    summary |= {"singular": replay.errors.singular.ever} | replay.errors.linear_theory.summary()
     if request.application.report:
         summary |= request.application.report.summarised(rows)
-    if check:
-        summary["parity"] = check.summary()
     return summary
 
 

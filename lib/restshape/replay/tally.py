@@ -198,27 +198,7 @@ class Tally:
             "refused": counts["refused"],
             "ranks": ranks,
             "policy": policy,
-            "levels": {str(k): counts[f"level {k}"] for k in (1, 2, 3)},
-            "still": self._samples["ms still"].count,
-            "idle": counts["level 0"],
-            "predicted": counts["predicted"],
-            "predicted_ms": self._percentiles("ms predicted"),
-            "ms": {name: self._percentiles(f"ms {name}") for name in ("all", "1", "2", "3", "still")},
-            "python_ms": {
-                "p50": self._percentiles("python all")["p50"],
-                "1": self._percentiles("python 1")["p50"],
-            },
-            "beside_ms": {
-                "p50": self._percentiles("beside all")["p50"],
-                "1": self._percentiles("beside 1")["p50"],
-            },
-            "stages": dict(self._stages),
-            "iterations": counts["iterations"],
-            "newton": counts["newton"],
-            "refreshes": counts["pc_rebuilt"],
-            "iterations_by_level": {name: counts[f"iterations {name}"] for name in ("1", "2", "3", "still")},
-            "refreshes_by_level": {name: counts[f"pc_rebuilt {name}"] for name in ("1", "2", "3", "still")},
-            "preconditioners": dict(self._preconditioners),
+            **self._work(),
             "unknowns": self._size[0],
             "elements": self._size[1],
             "constraint_status": {
@@ -241,6 +221,33 @@ class Tally:
             "scales": sizes,
             **{key: values for key, values in series.items() if key == SIMULATED},
             **self._rest(),
+        }
+
+    def _work(self) -> Summary:
+        """Levels, times and counted work of the frames."""
+        counts = self._counts
+        return {
+            "levels": {str(k): counts[f"level {k}"] for k in (1, 2, 3)},
+            "still": self._samples["ms still"].count,
+            "idle": counts["level 0"],
+            "predicted": counts["predicted"],
+            "predicted_ms": self._percentiles("ms predicted"),
+            "ms": {name: self._percentiles(f"ms {name}") for name in ("all", "1", "2", "3", "still")},
+            "python_ms": {
+                "p50": self._percentiles("python all")["p50"],
+                "1": self._percentiles("python 1")["p50"],
+            },
+            "beside_ms": {
+                "p50": self._percentiles("beside all")["p50"],
+                "1": self._percentiles("beside 1")["p50"],
+            },
+            "stages": dict(self._stages),
+            "iterations": counts["iterations"],
+            "newton": counts["newton"],
+            "refreshes": counts["pc_rebuilt"],
+            "iterations_by_level": {name: counts[f"iterations {name}"] for name in ("1", "2", "3", "still")},
+            "refreshes_by_level": {name: counts[f"pc_rebuilt {name}"] for name in ("1", "2", "3", "still")},
+            "preconditioners": dict(self._preconditioners),
         }
 
 
