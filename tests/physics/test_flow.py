@@ -13,7 +13,7 @@ from restshape.analysis.frame import Frame
 from restshape.fem.elements import MASS
 from restshape.fem.residuals import design_rates, tangent_product
 from restshape.physics.flow.flow_declaration import FlowSettings
-from restshape.physics.flow.flow_in_time import Past
+from restshape.physics.flow.history import Past
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
 

@@ -23,56 +23,13 @@ from restshape.first_use import made
 from restshape.mesh.transfer import Transfer
 from restshape.physics.flow.flow_declaration import FlowSettings
 from restshape.physics.flow.flow_search import FlowSearch
+from restshape.physics.flow.history import Past
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow, TimeStep
 from restshape.policy import policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
-LONGER = 1.0 + 2.0**0.5
-"""A step that is longer than the one before by more than this factor is one of first order: the difference of second
-order is not stable there. Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, III.5."""
-
 log = logging.getLogger("restshape.analysis")
-
-
-@dataclass(frozen=True, eq=False)
-class Past:
-    """The flow at the end of the last time step, and at the end of that before.
-
-    Args:
-        time: of the last one [s].
-        velocity, places: (n, 2) of the nodes then [m/s] and [m].
-        before: both at the end of the step before, on the same nodes; None: there was none.
-        dt: between the two [s].
-    """
-
-    time: float
-    velocity: np.ndarray
-    places: np.ndarray
-    before: tuple[np.ndarray, np.ndarray] | None = None
-    dt: float = 0.0
-
-    def step(self, X: np.ndarray, settings: FlowSettings) -> TimeStep:
-        """What the next step adds to the equations, whose nodes are at X (n, 2) [m] then.
-
-        The velocity of the mesh is the difference by which the rate of the velocity is taken: with another one, steady
-        fields that are linear in space would change where the mesh moves.
-        """
-        dt, moved = settings.time_step, X - self.places
-        if self.before is None or settings.scheme == "backward_euler" or dt > LONGER * self.dt:
-            past, mesh, rate = -self.velocity / dt, moved / dt, 1.0 / dt
-        else:
-            velocity, places = self.before
-            ratio = dt / self.dt
-            older, rate = ratio**2 / (1.0 + ratio) / dt, (1.0 + 2.0 * ratio) / (1.0 + ratio) / dt
-            past = older * velocity - (1.0 + ratio) / dt * self.velocity
-            # By differences: nodes that have not moved have none to the last bit.
-            mesh = rate * moved - older * (self.places - places)
-        return TimeStep(self.time + dt, rate, dt, past, mesh if np.any(mesh) else None)
-
-    def after(self, step: TimeStep, velocity: np.ndarray, X: np.ndarray) -> Past:
-        """The flow after a step to a velocity (n, 2), with nodes at X (n, 2)."""
-        return Past(step.time, velocity.copy(), X.copy(), (self.velocity, self.places), step.dt)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,9 +98,9 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             self._destroy_unused()
 
     def begin(self, x: np.ndarray, time: float = 0.0) -> None:
-        """Let the flow go on from unknowns x (n, 3) at a time [s], as if it had not been there before."""
-        space = self.state.problem.space
-        self.state = replace(self.state, x=x, past=Past(time, x[:, :2].copy(), space.X.copy()))
+        """Let the flow go on from unknowns x (n, f) at a time [s], as if it had not been there before."""
+        problem = self.state.problem
+        self.state = replace(self.state, x=x, past=Past(time, problem.remembered(x), problem.space.X.copy()))
 
     @property
     def settings(self) -> FlowSettings:
@@ -175,7 +132,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
         problem, past = self.state.problem, before.past
         if past is None:
             x = problem.boundary.values.copy()
-            past = Past(0.0, x[:, :2].copy(), problem.space.X.copy())
+            past = Past(0.0, problem.remembered(x), problem.space.X.copy())
         else:
             with self.context.stages("map"):
                 x, past = self._transferred(before.x, past, before.problem.space)
@@ -187,11 +144,11 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
         Nodes of the mesh before lie where they could follow the shape: there fields are taken first, along their
         gradients, so that those that are linear in space stay what they are.
         """
-        X, moved = self.state.problem.space.X, old.X - past.places
+        problem, moved = self.state.problem, old.X - past.places
         here = x + np.einsum("nfd,nd->nf", nodal_gradients(past.places, old.cells, x), moved)
-        found = Transfer(old, X)(here)
+        found = Transfer(old, problem.space.X)(here)
         log.info("Velocities interpolated to %d nodes", len(found))
-        return found, Past(past.time, found[:, :2].copy(), X.copy())
+        return found, Past(past.time, problem.remembered(found), problem.space.X.copy())
 
     def _run(self, frame: Frame, new_mesh: bool, before: FlowState) -> LinearReport:
         """Take the time steps of a frame; the first one takes none."""
@@ -206,7 +163,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
         for _ in range(0 if before.bound is None else self.settings.steps):
             step = past.step(problem.space.X, self.settings)
             outcome, x, scale = self._step(equations, step, x, past)
-            past = past.after(step, x[:, :2], problem.space.X)
+            past = past.after(step, problem.remembered(x), problem.space.X)
             residual = max(residual, outcome.norm / (scale or 1.0))
             total = outcome if total is None else outcome.after(total)
         total = total or Outcome(True, 0, 0, False, True)
@@ -251,7 +208,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             return np.zeros_like(x)
         guess = x.copy()
         if self.context.policy.extrapolate and past.before is not None:
-            guess[:, :2] = 2.0 * past.velocity - past.before[0]
+            guess[:, list(self.make.history)] = 2.0 * past.values - past.before[0]
         return guess
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------------

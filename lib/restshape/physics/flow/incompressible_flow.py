@@ -39,7 +39,7 @@ class TimeStep:
     Args:
         time: at its end [s].
         rate: the factor of the velocity in its rate [1/s]; dt: of the step [s].
-        past: (n, 2) what older velocities add to the rate [m/s^2].
+        past: (n, h) what older values add to the rates of the fields with a history: [m/s^2] of velocities.
         mesh_velocity: (n, 2) [m/s]; None: the mesh stands still.
     """
 
@@ -73,6 +73,8 @@ class IncompressibleFlow(SteadyProblem):
     symmetric = definite = linear = False
     varies = loaded_inside = True
     backend = "bcsr"
+    history: tuple[int, ...] = (0, 1)
+    """Columns of the unknowns that have rates, so that a flow in time goes on from their past; the velocity's first."""
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         self.scene, self.plan, self.space, self.fluid = scene, plan, space, scene.fluid
@@ -98,7 +100,7 @@ class IncompressibleFlow(SteadyProblem):
     def speed(self) -> float:
         """The largest velocity that is prescribed, or was there before the step [m/s]."""
         given = float(np.abs(self.boundary.values[:, :2]).max(initial=0.0))
-        before = 0.0 if self.step is None else float(np.abs(self.step.past).max(initial=0.0)) / self.step.rate
+        before = 0.0 if self.step is None else float(np.abs(self.step.past[:, :2]).max(initial=0.0)) / self.step.rate
         return max(given, before)
 
     @property
@@ -106,6 +108,10 @@ class IncompressibleFlow(SteadyProblem):
         """The factor of continuity [kg/(m^2 s)] that makes its residual one of forces."""
         inertia = self.fluid.rho * self.speed if self.inertia else 0.0
         return inertia + self.fluid.mu / self.size
+
+    def remembered(self, x: np.ndarray) -> np.ndarray:
+        """The fields (n, h) with a history, of unknowns x (n, f); a copy."""
+        return x[:, list(self.history)]
 
     def take(self, step: TimeStep) -> None:
         """Take up another time step; `update` evaluates what depends on the time."""
@@ -130,7 +136,7 @@ class IncompressibleFlow(SteadyProblem):
             family = {"none": SLOW_FLOW, "own": FLOW, "given": OSEEN_FLOW}[advecting]
         else:
             parameters += [self.step.rate, 2.0 / self.step.dt]
-            given = [*given, self.step.past]
+            given = [*given, self.step.past[:, :2]]
             family = {
                 "none": UNSTEADY_SLOW_FLOW,
                 "own": UNSTEADY_FLOW,
