@@ -5,8 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from counted_replays import begin_log, kernels, watched
-from flow_scenes import CHANNEL, CYLINDER, HEAD, SLOW, SQUARE, STEADY, everywhere, in_time
+from flow_scenes import CHANNEL, CYLINDER
 from restshape_studies.stability.scenery import across, drag, make_replay, write_scene, write_script
+from restshape_verification.flow.scenes import HEAD, SLOW, SQUARE, STEADY, everywhere, in_time, kovasznay
 from thermal_scenes import solved
 
 from restshape.analysis.frame import Frame
@@ -61,17 +62,10 @@ def test_a_steady_shear_stays_one_while_a_body_is_dragged(tmp_path, effects, scr
 
 RE = 40
 DECAY = RE / 2 - np.sqrt(RE**2 / 4 + 4 * np.pi**2)
-KOVASZNAY = (
-    HEAD
-    + SQUARE
-    + f"[parameters]\nl = {float(DECAY)!r}\n[fluid]\nrho = 1\nmu = {1 / RE!r}\n"
-    + '[boundary.sides]\non = "outline"\nvelocity = ["1 - exp(l*x)*cos(2*pi*y)", "l/(2*pi)*exp(l*x)*sin(2*pi*y)"]\n'
-    + STEADY
-    + "[solve]\ntolerance = 1e-10\n"
-)
+KOVASZNAY = kovasznay(float(DECAY), 1 / RE) + "[solve]\ntolerance = 1e-10\n"
 
 
-def kovasznay(X):
+def behind_a_grid(X):
     """Velocity and pressure (n, 3), of mean 0. Source: Kovasznay, Proc. Camb. Phil. Soc. 44 (1948) 58."""
     x, y = X.T
     e = np.exp(DECAY * x)
@@ -88,7 +82,7 @@ def test_rates_of_kovasznays_flow(tmp_path):
         analysis = solved(tmp_path, KOVASZNAY + f"[mesh]\nsize = {size}\n").analysis
         x, space = analysis.x.copy(), analysis.space
         x[:, 2] = analysis.problem.pressure(x)
-        found.append((len(space.cells) ** -0.5, *l2_errors(space, x - kovasznay(space.X))))
+        found.append((len(space.cells) ** -0.5, *l2_errors(space, x - behind_a_grid(space.X))))
     h, velocity, pressure = np.log(np.array(found)).T
     assert (velocity[-1] - velocity[0]) / (h[-1] - h[0]) > 1.9
     assert (pressure[-1] - pressure[0]) / (h[-1] - h[0]) > 1.4

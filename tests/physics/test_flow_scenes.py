@@ -1,8 +1,9 @@
 """What scenes of flow may say, and the messages for those that make no sense."""
 
 import pytest
-from flow_scenes import CHANNEL, CYLINDER, HEAD, SQUARE, STEADY, everywhere, in_time
+from flow_scenes import CHANNEL, CYLINDER
 from restshape_studies.stability.scenery import make_replay, set_value, write_scene, write_script
+from restshape_verification.flow.scenes import HEAD, SQUARE, STEADY, everywhere, in_time
 from thermal_scenes import solved
 
 from restshape.application import application

@@ -1,62 +1,49 @@
 """Scenes of published flows, whose numbers are known."""
 
-HEAD = 'format = "restshape-scene"\nversion = 1\napp = "flow"\n'
-STEADY = "[effects]\nflow = { steady = true }\nconvection = {}\n"
+from restshape_studies.stability.scenery import block, head
+
+HEAD = head("flow")
+STEADY, SLOW = "[effects]\nflow = { steady = true }\nconvection = {}\n", "[effects]\nflow = { steady = true }\n"
+SQUARE = block()
+"""A square of 1 m x 1 m with the edges bottom, right, top and left."""
 
 
-def in_time(time_step: float, scheme: str = "bdf2") -> str:
+def in_time(time_step: float = 0.05, scheme: str = "bdf2", steps: int = 1, convection: bool = True) -> str:
     """The [effects] of a flow in time."""
-    return f'[effects]\nflow = {{ time_step = {time_step!r}, scheme = "{scheme}" }}\nconvection = {{}}\n'
+    flow = f'[effects]\nflow = {{ time_step = {time_step!r}, steps = {steps}, scheme = "{scheme}" }}\n'
+    return flow + ("convection = {}\n" if convection else "")
+
+
+def channel(length: float, height: float, fluid: str, entering: str = "4*y*(1 - y)", holes: str = "") -> str:
+    """A channel whose fluid enters by its edge `inlet` and leaves by `outlet`.
+
+    Args:
+        length, height: of the channel, whose other edges are bottom and top [m].
+        fluid: lines of [fluid].
+        entering: the velocity along x where it enters [m/s].
+        holes: tables of what stands in it, and of parameters.
+    """
+    shape = block(length, height).replace("right", "outlet").replace("left", "inlet")
+    return (
+        f"{HEAD}{shape}{holes}[fluid]\n{fluid}"
+        + f'[boundary.inlet]\non = "inlet"\nvelocity = ["{entering}", 0]\n'
+        + '[boundary.outlet]\non = "outlet"\noutflow = true\n'
+    )
+
+
+def disc(name: str, center: tuple[float, float], radius: float) -> str:
+    """The table of a round hole [m]."""
+    return f"[shape.holes.{name}]\ncircle = {{ center = {list(center)}, radius = {radius!r} }}\n"
 
 
 CAVITY = (
-    HEAD
-    + """
-[parameters]
-Re = 100
-[shape]
-outline = ["bottom", "right", "top", "left"]
-vertices = { a = [0, 0], b = [1, 0], c = [1, 1], d = [0, 1] }
-[shape.edges]
-bottom = { line = ["a", "b"] }
-right = { line = ["b", "c"] }
-top = { line = ["c", "d"] }
-left = { line = ["d", "a"] }
-[fluid]
-rho = 1
-mu = "1/Re"
-[boundary.lid]
-on = "top"
-velocity = [1, 0]
-"""
+    f'{HEAD}[parameters]\nRe = 100\n{SQUARE}[fluid]\nrho = 1\nmu = "1/Re"\n'
+    '[boundary.lid]\non = "top"\nvelocity = [1, 0]\n'
 )
 """A square whose lid moves at 1 m/s; its corners stand still."""
 
-CHANNEL = (
-    HEAD
-    + """
-[parameters]
-U = 0.3
-[shape]
-outline = ["bottom", "outlet", "top", "inlet"]
-vertices = { a = [0, 0], b = [2.2, 0], c = [2.2, 0.41], d = [0, 0.41] }
-holes = { cylinder = { circle = { center = [0.2, 0.2], radius = 0.05 } } }
-[shape.edges]
-bottom = { line = ["a", "b"] }
-outlet = { line = ["b", "c"] }
-top = { line = ["c", "d"] }
-inlet = { line = ["d", "a"] }
-[fluid]
-rho = 1
-mu = 1e-3
-[boundary.inlet]
-on = "inlet"
-velocity = ["4*U*y*(0.41 - y)/0.41^2", 0]
-[boundary.outlet]
-on = "outlet"
-outflow = true
-"""
-)
+CYLINDER = disc("cylinder", (0.2, 0.2), 0.05)
+CHANNEL = channel(2.2, 0.41, "rho = 1\nmu = 1e-3\n", "4*U*y*(0.41 - y)/0.41^2", "[parameters]\nU = 0.3\n" + CYLINDER)
 """A cylinder in a channel, of the priority research programme of the DFG: velocity U in the middle of the inlet."""
 
 ZONE = "[shape.regions.zone]\npolygon = [[0.05, 0.05], [0.6, 0.05], [0.6, 0.36], [0.05, 0.36]]\n"
@@ -75,22 +62,18 @@ def forces(speed: float) -> str:
 
 def kovasznay(decay: float, mu: float) -> str:
     """Kovasznay's flow in a square, by its velocity on all sides."""
-    shape = CAVITY[: CAVITY.index("[fluid]")].replace("Re = 100", f"l = {decay!r}")
     return (
-        shape
-        + f"[fluid]\nrho = 1\nmu = {mu!r}\n"
+        f"{HEAD}[parameters]\nl = {decay!r}\n{SQUARE}[fluid]\nrho = 1\nmu = {mu!r}\n"
         + '[boundary.sides]\non = "outline"\nvelocity = ["1 - exp(l*x)*cos(2*pi*y)", "l/(2*pi)*exp(l*x)*sin(2*pi*y)"]\n'
         + STEADY
     )
 
 
-def dragged(velocity: str, effects: str) -> str:
+def everywhere(velocity: str, rest: str, mu: float = 0.05, tolerance: float = 1e-11, size: float = 0.1) -> str:
     """A square with a round window in it, the same velocity prescribed on both."""
-    shape = CAVITY[: CAVITY.index("[fluid]")].replace("[parameters]\nRe = 100\n", "")
     return (
-        shape
-        + "[shape.holes.window]\ncircle = { center = [0.4, 0.5], radius = 0.15 }\n[fluid]\nrho = 1.2\nmu = 0.05\n"
+        f"{HEAD}{SQUARE}{disc('window', (0.4, 0.5), 0.15)}[fluid]\nrho = 1.2\nmu = {mu!r}\n"
         + f'[boundary.sides]\non = ["outline", "window"]\nvelocity = {velocity}\n'
-        + effects
-        + "[solve]\ntolerance = 1e-11\n[mesh]\nsize = 0.1\n"
+        + rest
+        + f"[solve]\ntolerance = {tolerance!r}\n[mesh]\nsize = {size!r}\n"
     )

@@ -7,15 +7,11 @@ import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, below, near, valid
 from restshape_studies.stability.known_bounds import EXACT
 from restshape_studies.stability.scenery import across, block, drag, head, rows_of, set_value
-from restshape_verification.flow.scenes import STEADY, in_time
+from restshape_verification.flow.scenes import STEADY, channel, disc, in_time
 
 from restshape.policy import POLICIES
 
 EVERY = tuple(POLICIES)
-CALM = (
-    '[boundary.inlet]\non = "left"\nvelocity = ["4*U*y*(1 - y)", 0]\n[boundary.outlet]\non = "right"\noutflow = true\n'
-)
-BODY = "[shape.holes.body]\ncircle = { center = [0.8, 0.48], radius = 0.12 }\n"
 ASKED = (
     '[quantities]\ndrag = { drag = true, at = "body" }\nlift = { lift = true, at = "body" }\n'
     "kinetic = { kinetic = true }\nfast = { speed = true }\n"
@@ -27,10 +23,10 @@ STREAM = 0.5 * 3.0
 """Kinetic energy [J] of the channel's fluid at 1 m/s."""
 
 
-def channel(mu: float, effects: str) -> str:
+def stream(mu: float, effects: str) -> str:
     """A channel of 3 m x 1 m with a body in it, through which a fluid of density 1 flows at 1 m/s at most."""
-    fluid = f"[fluid]\nrho = 1\nmu = {mu!r}\n[parameters]\nU = 1\n"
-    return head("flow") + block(3.0, 1.0) + BODY + fluid + CALM + effects + MESH + ASKED
+    holes = "[parameters]\nU = 1\n" + disc("body", (0.8, 0.48), 0.12)
+    return channel(3.0, 1.0, f"rho = 1\nmu = {mu!r}\n", "4*U*y*(1 - y)", holes) + effects + MESH + ASKED
 
 
 def idle(frames: int) -> dict[str, Any]:
@@ -53,7 +49,7 @@ def jump(trial: Trial) -> Iterator[Statement]:
         *drag("body", (2.2, 0.52), [(0.8, 0.48)]),
         idle(6),
     ]
-    rows, same = trial.compared(channel(0.01, in_time(0.1)), events, every=3)
+    rows, same = trial.compared(stream(0.01, in_time(0.1)), events, every=3)
     yield from bounded(rows)
     yield from same
 
@@ -61,21 +57,21 @@ def jump(trial: Trial) -> Iterator[Statement]:
 def coarse(trial: Trial) -> Iterator[Statement]:
     """A Reynolds number of 10,000 on a coarse mesh, while the body is dragged."""
     events = [idle(trial.count(40, 10)), *drag("body", (0.8, 0.48), across((0.8, 0.48), (1.1, 0.55), 10)), idle(10)]
-    yield from bounded(trial.rows(channel(1e-4, in_time(0.05)), events))
+    yield from bounded(trial.rows(stream(1e-4, in_time(0.05)), events))
 
 
 def long_steps(trial: Trial) -> Iterator[Statement]:
     """Steps in which the fluid passes fifty elements."""
     events = [idle(10), *drag("body", (0.8, 0.48), across((0.8, 0.48), (1.0, 0.5), 4)), idle(4)]
-    yield from bounded(trial.rows(channel(0.01, in_time(6.0)), events))
+    yield from bounded(trial.rows(stream(0.01, in_time(6.0)), events))
 
 
 def tiny_steps(trial: Trial) -> Iterator[Statement]:
     """Steps of a microsecond after such of two milliseconds: a flow that has settled stays what it is."""
-    steady = trial.replay(channel(0.02, STEADY))
+    steady = trial.replay(stream(0.02, STEADY))
     rows_of(steady)
     events = [idle(60), *set_value("effects.flow.time_step", 1e-6), idle(5)]
-    made, rows, settled = trial.replay(channel(0.02, in_time(2e-3)), events), [], steady.analysis.x
+    made, rows, settled = trial.replay(stream(0.02, in_time(2e-3)), events), [], steady.analysis.x
     for row in made.frames():
         if row["index"] == 0:
             made.analysis.begin(settled)
@@ -91,7 +87,7 @@ def tiny_steps(trial: Trial) -> Iterator[Statement]:
 def gap(trial: Trial) -> Iterator[Statement]:
     """A gap beside a wall that closes to two elements and opens again."""
     path = [*across((0.8, 0.48), (0.8, 0.2), 8), *across((0.8, 0.2), (0.8, 0.48), 8)]
-    rows, same = trial.compared(channel(0.02, in_time(0.1)), [idle(4), *drag("body", (0.8, 0.48), path)], every=4)
+    rows, same = trial.compared(stream(0.02, in_time(0.1)), [idle(4), *drag("body", (0.8, 0.48), path)], every=4)
     yield from bounded(rows)
     yield from same
 
@@ -109,7 +105,7 @@ def squeezed(trial: Trial) -> Iterator[Statement]:
 def switched_off(trial: Trial) -> Iterator[Statement]:
     """An inflow that is switched off: what moves comes to rest."""
     events = [idle(10), *set_value("parameters.U", 0.0), idle(8)]
-    rows = trial.rows(channel(0.1, in_time(0.5)), events)
+    rows = trial.rows(stream(0.1, in_time(0.5)), events)
     yield from bounded(rows)
     yield below("energy that is left over that of the stream", rows[-1]["q_kinetic"] / STREAM, 1e-9)
 
@@ -117,7 +113,7 @@ def switched_off(trial: Trial) -> Iterator[Statement]:
 def rest(trial: Trial) -> Iterator[Statement]:
     """A fluid that nothing moves, steady and in time, while a body in it is dragged."""
     for effects in (STEADY, in_time(0.1)):
-        text = channel(0.01, effects).replace("U = 1", "U = 0")
+        text = stream(0.01, effects).replace("U = 1", "U = 0")
         rows = trial.rows(text, [idle(2), *drag("body", (0.8, 0.48), across((0.8, 0.48), (1.0, 0.5), 4))])
         yield from valid(rows)
         yield below("largest speed [m/s]", max(row["q_fast"] for row in rows), 0.0)
