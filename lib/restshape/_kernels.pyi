@@ -45,6 +45,7 @@ __all__: list[str] = [
     "matrix_products",
     "mean_at",
     "move_and_check",
+    "multiply_in_registers",
     "narrow_widths",
     "node_blocks",
     "node_order",
@@ -491,6 +492,7 @@ def move_and_check(
     area_floor: typing.SupportsFloat | typing.SupportsIndex,
     quality_floor: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple: ...
+def multiply_in_registers(mat: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def narrow_widths(
     points: numpy.typing.NDArray[numpy.float64],
     arc: numpy.typing.NDArray[numpy.float64],

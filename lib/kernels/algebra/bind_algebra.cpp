@@ -1,6 +1,7 @@
 // Bindings of what PETSc is extended by.
 #include <pybind11/pybind11.h>
 
+#include "algebra/block_product.hpp"
 #include "algebra/node_cholesky.hpp"
 #include "algebra/node_relaxation.hpp"
 #include "fem/operator.hpp"
@@ -19,4 +20,13 @@ void bind_algebra(py::module_& m) {
         "Make PETSc know the KSP type NODE_SSOR: conjugate gradients with symmetric over-relaxation, in blocks of "
         "three "
         "unknowns a node, which read the matrix once an iteration.");
+    m.def(
+        "multiply_in_registers",
+        [](intptr_t mat) {
+            restshape::check(restshape::multiply_in_registers(reinterpret_cast<Mat>(mat)), "MatSetOperation");
+        },
+        py::arg("mat"),
+        "Have products of the matrix with this handle, of type seqbaij in blocks of three or four unknowns a node, "
+        "made "
+        "with a column of a block in one register. Matrices of other types or sizes stay as they are.");
 }

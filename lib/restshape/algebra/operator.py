@@ -88,7 +88,10 @@ class Operator:
             self._generation = self.core.generation
             self.mat = self.core.mat
             self.mat.setOption(PETSc.Mat.Option.SPD, self.definite)
-            if self.symmetric and not self.definite:
+            if not self.symmetric:
+                # Relaxation takes the place of products of symmetric ones.
+                _kernels.multiply_in_registers(self.mat.handle)
+            elif not self.definite:
                 self.mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return self.mat
 
