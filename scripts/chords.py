@@ -16,7 +16,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.analysis.equilibrium_search import EquilibriumSearch
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
@@ -114,7 +114,7 @@ def main(words: list[str]) -> None:
     nonlinear.EquilibriumSearch = Watched  # type: ignore[misc]
     Watched.oldest = int(words[2]) if len(words) > 2 else Watched.oldest
     scene = load_scene(words[0], ("solve.jumps=false",))
-    asked = Request(scene, load_script(words[1], scene), application(scene.app), policy("auto"), Calibration.load())
+    asked = Request(scene, load_script(words[1], scene), application_of(scene), policy("auto"), Calibration.load())
     for _ in Replay(asked, PETSc.COMM_WORLD).frames():
         pass
     names = ("chord", "Anderson", "Anderson, kept differences", "Newton's steps", "iterations of these")

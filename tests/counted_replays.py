@@ -14,7 +14,7 @@ from restshape import _kernels
 from restshape.algebra.counted_work import counted_seconds
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import LOGGED, log_stage
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.event_counts import EventCounts
@@ -108,7 +108,7 @@ def watched(
     """
     read = load_scene(scene, overrides)
     edits = load_script(script, read) if script else Script.empty(read)
-    asked = Request(read, edits, application(read.app), policy(name), Calibration.load(), (), predict)
+    asked = Request(read, edits, application_of(read), policy(name), Calibration.load(), (), predict)
     replay = Watched(asked, PETSc.COMM_WORLD)
     replay.events = EventCounts(EVENTS)
     replay.events.since_last()

@@ -6,7 +6,7 @@ from pathlib import Path
 from petsc4py import PETSc
 
 from restshape.analysis.modal import ModalAnalysis
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.first_frame import first_frame
@@ -43,6 +43,6 @@ def replay(
     """A replay that has not begun."""
     read = load_scene(SCENES / scene, overrides)
     script = load_script(edits, read)
-    app = application(read.app)
+    app = application_of(read)
     request = Request(read, script, app, policy(name, guess), Calibration.load(), predict=predict)
     return Replay(request, PETSc.COMM_WORLD)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -236,6 +236,19 @@ class Command:
 
 
 @dataclass(frozen=True)
+class SceneKind:
+    """What is different in scenes of an application that have a table of their own, such as ``[fluid]``.
+
+    Args:
+        physics, analysis, needs: in place of the application's.
+    """
+
+    physics: Sequence[Physics]
+    analysis: str
+    needs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Application:
     """A kind of object: its physics, its analysis, and the folder of its scenes.
 
@@ -252,6 +265,7 @@ class Application:
         takes: names of the effects of its physics that its scenes may name; None: all of them.
         needs: those among them without which it makes no sense, besides those that its physics require.
         commands: that it adds to `restshape`.
+        kinds: by a table of their own, its scenes of another kind, with other physics: `for_scene`.
     """
 
     name: str
@@ -266,6 +280,24 @@ class Application:
     takes: tuple[str, ...] | None = None
     needs: tuple[str, ...] = ()
     commands: tuple[Command, ...] = ()
+    kinds: Mapping[str, SceneKind] = field(default_factory=dict)
+
+    @cached_property
+    def _of_kinds(self) -> dict[str, Application]:
+        """The application as its scenes with a table see it, by that table."""
+        return {
+            table: replace(self, kinds={}, physics=kind.physics, analysis=kind.analysis, needs=kind.needs)
+            for table, kind in self.kinds.items()
+        }
+
+    @property
+    def as_seen(self) -> tuple[Application, ...]:
+        """The application as each kind of its scenes sees it, the usual one first."""
+        return (self, *self._of_kinds.values())
+
+    def for_scene(self, tables: Collection[str]) -> Application:
+        """The application as a scene with these tables at its top sees it."""
+        return next((one for table, one in self._of_kinds.items() if table in tables), self)
 
     @cached_property
     def effects(self) -> dict[str, Effect]:
@@ -382,3 +414,17 @@ def application(name: str, where: str = "app") -> Application:
         do = f"use one of: {', '.join(known)}, or install the one that it is for"
         raise UserError(f"no application is installed that is named {name!r}", where, do)
     return known[name]
+
+
+def application_of(scene: Scene) -> Application:
+    """The installed application of a scene, as scenes of its kind see it.
+
+    Raises:
+        UserError: there is none.
+    """
+    return application(scene.app).for_scene(type(scene).model_fields)
+
+
+def as_scenes_see(known: Iterable[Application]) -> list[Application]:
+    """Applications as each kind of their scenes sees them."""
+    return [seen for one in known for seen in one.as_seen]

@@ -22,7 +22,7 @@ from restshape_studies.accuracy.study import Case, Deadline, Play, Study, one, r
 from restshape_studies.bench.job import run
 from tomlkit.exceptions import TOMLKitError
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.claims import refuse_foreign
@@ -117,7 +117,7 @@ def rerun(
     """
     case, asked = replace(study.case, scene=path, overrides=()), replace(study.asked, frames=0)
     scene = load_scene(path)
-    app, script = application(scene.app), case.script(scene)
+    app, script = application_of(scene), case.script(scene)
     limit = study.total if app.transient(scene) else None
     sampling = sampled(scene, script, limit, study.asked.samples, app.transient(scene))
     setting = Setting(1.0, scene.mesh.order or 1, scene.solve.policy, scene.solve.tolerance)

@@ -11,7 +11,7 @@ from restshape_studies.accuracy.record import PARTS
 from restshape_studies.accuracy.setting import present, shown
 from restshape_studies.accuracy.study import Study
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.outputs.si_numbers import counted, si
 from restshape.scene.model import Scene
 from restshape.shape.build import outline_from_spec
@@ -111,10 +111,10 @@ def _without_limit(study: Study) -> Facts:
 
 def singular_quantities(scene: Scene) -> dict[str, float]:
     """Quantities of a scene's first shape at singular places, with the exponent of displacements there."""
-    if not any(physics.inspect_shape for physics in application(scene.app).physics):
+    if not any(physics.inspect_shape for physics in application_of(scene).physics):
         return {}
     outline = outline_from_spec(scene.shape, scene.folder)
-    seen = (physics.inspected(scene, outline).singular for physics in application(scene.app).physics)
+    seen = (physics.inspected(scene, outline).singular for physics in application_of(scene).physics)
     return {name: exponent for found in seen for name, exponent in found.items()}
 
 
@@ -122,7 +122,7 @@ def compared_values(study: Study) -> Facts:
     """Errors of the values of each key that was tried with several mesh sizes, the most accurate first."""
     lines = []
     for key, found in rivals(study.records).items():
-        own = present(study.scene, application(study.scene.app), key)
+        own = present(study.scene, application_of(study.scene), key)
         finest = sorted(found.finest.items(), key=lambda pair: pair[1][0])
         then = sorted(found.then.items(), key=lambda pair: pair[1])
         names = {value: shown(own if value is None else value) for value in found.finest}

@@ -16,7 +16,7 @@ from restshape_studies.accuracy.sampling import begun, sampled
 from restshape_studies.accuracy.setting import Choice, Omission, Setting, scale_of, settings
 from restshape_studies.bench.job import STOPPED, Job, Outcome, run
 
-from restshape.application import Application, application
+from restshape.application import Application, application_of
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import counted
 from restshape.scene.edit_script import Script, load_script
@@ -119,7 +119,7 @@ class Study:
     @property
     def transient(self) -> bool:
         """Whether it is of motion."""
-        return application(self.scene.app).transient(self.scene)
+        return application_of(self.scene).transient(self.scene)
 
     @property
     def measure(self) -> str:
@@ -154,7 +154,7 @@ def study(
     """
     start = monotonic()
     scene = load_scene(case.scene, case.overrides)
-    app, script = application(scene.app), case.script(scene)
+    app, script = application_of(scene), case.script(scene)
     _refuse_senseless(case, asked, scene, app, script)
     tried, omitted = settings(case.scene, case.overrides, app, asked.choice)
     frames, total = sampled(scene, script, asked.limit(scene, app, script), asked.samples, app.transient(scene))

@@ -9,7 +9,7 @@ from typing import Any
 from restshape_studies.accuracy.reference import Plan
 from restshape_studies.accuracy.setting import refusal, scale_of, scaled, unknowns
 
-from restshape.application import Application, application
+from restshape.application import Application, application_of
 from restshape.errors import UserError
 from restshape.physics.elasticity.thickness_layers import layers_of
 from restshape.replay.columns import error_column
@@ -65,7 +65,7 @@ def study(path: Path, given: Sequence[str], sizes: Sequence[float], announce: Ca
         UserError: the scene has no quantity whose error can be estimated, or its mesh cannot be made finer.
     """
     scene = load_scene(path, given)
-    app = application(scene.app)
+    app = application_of(scene)
     if scene.mesh.file:
         raise UserError("a mesh from a file cannot be made finer", f"{path}: mesh.file", "give the scene a [shape]")
     names = [name for name, quantity in scene.quantities.items() if quantity.kind != "area"]

@@ -8,7 +8,7 @@ from statistics import mean, median
 from restshape_studies.bench.job import Job, Row, run
 from restshape_studies.bench.turns import Announce, Play, in_turns, median_ratio
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
 from restshape.scene.load import load_scene
@@ -34,7 +34,7 @@ def outline_of(scene: Scene, path: str) -> Outline:
     Raises:
         UserError: the scene's mesh is not one that restshape makes of plane triangles.
     """
-    if scene.mesh.file or "layers" in application(scene.app).mesh_keys:
+    if scene.mesh.file or "layers" in application_of(scene).mesh_keys:
         what = "only meshes in the plane that are made here can be as fine as wanted"
         raise UserError(what, path, "choose another scene")
     return outline_from_spec(scene.shape, scene.folder)

@@ -27,7 +27,7 @@ def pin() -> None:
 
 def request(job: Job) -> Any:
     """The replay that the job asks for."""
-    from restshape.application import application
+    from restshape.application import application_of
     from restshape.calibration import Calibration
     from restshape.policy import policy
     from restshape.replay.request import Request
@@ -39,7 +39,7 @@ def request(job: Job) -> Any:
     script = load_script(job.edits, scene) if job.edits else Script.empty(scene)
     name, _, guess = job.policy.partition(":")
     chosen = policy(name, guess or None)
-    return Request(scene, script, application(scene.app), chosen, Calibration.load(), job.petsc, job.predict)
+    return Request(scene, script, application_of(scene), chosen, Calibration.load(), job.petsc, job.predict)
 
 
 def play(job: Job, report: Any) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from restshape_studies.bench.derivative import LinearisedScene
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 from restshape.policy import policy
@@ -66,7 +66,7 @@ def table_rows(scene: Path, edits: Path, overrides: Sequence[str] = ()) -> list[
     """
     read = load_scene(scene, overrides)
     script = load_script(edits, read)
-    found = measure(Request(read, script, application(read.app), policy("refactor"), Calibration.load()))
+    found = measure(Request(read, script, application_of(read), policy("refactor"), Calibration.load()))
     words = {
         "cold": "no displacement (A)",
         "last": "the answer before the drag (B)",

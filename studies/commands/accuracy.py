@@ -272,7 +272,7 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
     """
     from restshape_studies.accuracy.study import Case
 
-    from restshape.application import application
+    from restshape.application import application_of
     from restshape.cli.shipped import refuse_shared_script, script_of
     from restshape.scene.edit_script import load_script
     from restshape.scene.load import load_scene
@@ -283,7 +283,7 @@ def cases_of(args: argparse.Namespace) -> list[Any]:
         scene = load_scene(path, args.set)
         refuse_choices(args, scene)
         edits = args.edits or script_of(path)
-        if edits is None and application(scene.app).transient(scene):
+        if edits is None and application_of(scene).transient(scene):
             raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
         if args.of not in (None, "field", *scene.quantities):
             known = ", ".join(["field", *scene.quantities])

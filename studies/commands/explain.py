@@ -7,7 +7,7 @@ from typing import Any
 
 from restshape_studies.bench.job import note_words
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parser import add_edits
 from restshape.cli.ranks import launched
@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
         note_script(scene, script, edits)
     asked = Asked(args.scene, edits, tuple(args.set), tuple(args.petsc), args.frames or None, args.seconds)
     with tempfile.TemporaryDirectory(prefix="restshape-explain-") as folder:
-        rows = explain(asked, scene, application(scene.app), Path(folder))
+        rows = explain(asked, scene, application_of(scene), Path(folder))
     first = rows[0]
     total = sum(row["ms"] for row in rows)
     of = f"{counted(first['frames'], 'frame')} of {edits.name}" if edits else "the first frame, for there is no script"

@@ -24,7 +24,7 @@ from restshape_studies.stability.example import (
 )
 from restshape_studies.verification import FrameCheck, verification
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.policy import policy
@@ -120,7 +120,7 @@ def play(folder: Path, example: Example) -> Played:
 
 def _play(folder: Path, example: Example, played: Played) -> None:
     scene = load_scene(folder / SCENE)
-    app = application(scene.app)
+    app = application_of(scene)
     script = load_script(folder / EDITS, scene, keep_good=True)
     chosen, known = policy(example.policy), Calibration.load()
     replay = Replay(Request(scene, script, app, chosen, known, predict=example.predict), PETSc.COMM_WORLD)

@@ -8,7 +8,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import Policy, policy
 from restshape.replay.loop import Replay
@@ -141,7 +141,7 @@ def make_replay(
     edits = load_script(script, read) if script else Script.empty(read)
     chosen: Policy = replace(policy(name), **changed)
     known = calibration or Calibration.load()
-    request = Request(read, edits, application(read.app), chosen, known, predict=predict)
+    request = Request(read, edits, application_of(read), chosen, known, predict=predict)
     return Replay(request, PETSc.COMM_WORLD, recorder)
 
 

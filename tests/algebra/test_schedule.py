@@ -8,7 +8,7 @@ from petsc4py import PETSc
 from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.algebra.schedule import best_schedule
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.hindsight import measure
@@ -67,7 +67,7 @@ def test_equal_steps_are_refreshed_equally_often():
 def test_cost_in_hindsight_of_a_drag_that_goes_one_way(tmp_path):
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (1.2, 0.5), 60)))
     scene = load_scene(write_scene(tmp_path, plate(0.08)))
-    request = Request(scene, load_script(script, scene), application(scene.app), policy("auto"), Calibration.load())
+    request = Request(scene, load_script(script, scene), application_of(scene), policy("auto"), Calibration.load())
     replay = Replay(request, PETSc.COMM_WORLD)
     found = measure(replay, replay.analysis.solver)
     # All frames but press and release are solved, with a matrix each.

@@ -8,7 +8,7 @@ from petsc4py import PETSc
 from small_scenes import PATCH, across, drag, write_scene, write_script
 from stokes import flow
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
@@ -25,7 +25,7 @@ DRAG = drag("window", (0.5, 0.5), PATH)
 
 def replay_of(folder, events, name="auto", predict="none", settings=()):
     scene = load_scene(write_scene(folder, PATCH), [*SETTINGS, *settings])
-    flowing = replace(application(scene.app), analysis="stokes:stokes_analysis")
+    flowing = replace(application_of(scene), analysis="stokes:stokes_analysis")
     script = load_script(write_script(folder, events), scene)
     request = Request(scene, script, flowing, policy(name), Calibration.load(), predict=predict)
     return Replay(request, PETSc.COMM_SELF)

@@ -88,7 +88,7 @@ def test_a_fine_first_frame_says_what_it_is_at(tmp_path, capsys):
 def test_a_coarse_first_frame_is_silent_unless_it_takes_long(tmp_path):
     from petsc4py import PETSc
 
-    from restshape.application import application
+    from restshape.application import application_of
     from restshape.calibration import Calibration
     from restshape.policy import policy
     from restshape.replay.first_steps import FirstSteps
@@ -100,7 +100,7 @@ def test_a_coarse_first_frame_is_silent_unless_it_takes_long(tmp_path):
     scene = load_scene(write_scene(tmp_path, plate(0.3)), [])
     for now, said in ((0.0, 0), (3.0, 3)):
         found, clock = [], Clock()
-        request = Request(scene, Script.empty(scene), application(scene.app), policy("auto"), Calibration.load())
+        request = Request(scene, Script.empty(scene), application_of(scene), policy("auto"), Calibration.load())
         replay = Replay(request, PETSc.COMM_WORLD)
         FirstSteps(replay, found.append, clock)
         clock.now = now

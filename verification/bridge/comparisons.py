@@ -13,7 +13,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.made_analysis import made_analysis
-from restshape.application import application
+from restshape.application import application, application_of
 from restshape.calibration import Calibration
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import policy
@@ -39,7 +39,7 @@ def designs() -> Iterator[tuple[Scene, Outline]]:
 
 def solved(scene: Scene, outline: Outline, comm: PETSc.Comm) -> dict[str, float]:
     """The quantities of a scene with another outline, on a mesh of its own."""
-    app = application(scene.app)
+    app = application_of(scene)
     moving = MovingMesh(outline, scene.mesh, ranks=comm.size)
     moving.update(EditFrame(0, 0.0, 0, "start", "start", None, (0.0, 0.0), scene, None, outline))
     context = Context(comm, policy("auto"), Calibration.load(), Stages())

@@ -21,7 +21,7 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
-from restshape.application import application
+from restshape.application import application, application_of
 from restshape.calibration import Calibration
 from restshape.cli.options import add_json, write_json
 from restshape.errors import one_line
@@ -100,7 +100,7 @@ class Cloth:
 
     def __init__(self, overrides: Sequence[str] = ()) -> None:
         self.scene = load_scene(SCENE, (HINGES, *overrides))
-        chosen = plan(self.scene, application(self.scene.app))
+        chosen = plan(self.scene, application_of(self.scene))
         self.mesh = generate(outline_from_spec(self.scene.shape, self.scene.folder), self.scene.mesh)
         self.arguments: ClothArguments = cloth_arguments(self.scene, chosen, self.mesh)
 

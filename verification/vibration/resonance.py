@@ -12,7 +12,7 @@ from petsc4py import PETSc
 from restshape.analysis.frequencies import lowest_modes
 from restshape.analysis.harmonic import harmonic_response
 from restshape.analysis.transient import TransientAnalysis
-from restshape.application import application
+from restshape.application import application, application_of
 from restshape.calibration import Calibration
 from restshape.cli.options import add_json, write_json
 from restshape.errors import one_line
@@ -83,7 +83,7 @@ def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), na
     """
     scene = load_scene(SCENE, overrides)
     script = load_script(EDITS, scene)
-    replay = Replay(Request(scene, script, application(scene.app), policy(name), Calibration.load()), comm)
+    replay = Replay(Request(scene, script, application_of(scene), policy(name), Calibration.load()), comm)
     start, path, amplitude, slow = None, [], [], []
     for row in replay.frames():
         outline = replay.moving.mesh.outline

@@ -16,7 +16,7 @@ from restshape_apps.furniture.report.piece_sheet import BAR, finish_sheet
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 from restshape_apps.furniture.shape.plank_scene import piece_of
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import LIMIT
 from restshape.report.style import INK, REFUSED, new_figure
@@ -42,7 +42,7 @@ def draw_scene(scene: Scene, path: Path) -> None:
         OSError: it cannot be written.
     """
     furniture = Furniture(Furniture(piece_of(scene)).moved())
-    bending = plan(scene, application(scene.app)).on("bending")
+    bending = plan(scene, application_of(scene)).on("bending")
     result, found = furniture.test(), judged(furniture.piece, scene.quantities, bending)
     case = 0 if result.flaws & LOST else worst_case(furniture)
     words = "; ".join(phrases(found)) or "holds"

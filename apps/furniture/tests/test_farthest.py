@@ -10,7 +10,7 @@ from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.shape.planks import parts_of
 from restshape_apps.furniture.tests.furniture_scenes import PARTED_STOOL
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
@@ -50,7 +50,7 @@ def test_scenes_set_it_and_none_of_no_way_is_taken(tmp_path) -> None:
     path = tmp_path / "stool.toml"
     path.write_text(PARTED_STOOL.replace("guidance = {}", "guidance = { farthest = 0.3 }"))
     scene = load_scene(path)
-    assert plan(scene, application(scene.app)).settings("guidance").farthest == 0.3
+    assert plan(scene, application_of(scene)).settings("guidance").farthest == 0.3
     path.write_text(PARTED_STOOL.replace("guidance = {}", "guidance = { farthest = 0 }"))
     with pytest.raises(UserError, match="farthest"):
         load_scene(path)

@@ -12,7 +12,7 @@ from restshape.analysis.modal_matrices import ModalMatrices
 from restshape.analysis.modal_output import observer
 from restshape.analysis.modal_state import BoundBody, ModalState
 from restshape.analysis.settings import modal_settings
-from restshape.application import application
+from restshape.application import application_of
 from restshape.fem.eigenproblem import Eigenproblem, Maker
 from restshape.mesh.transfer import transfer
 from restshape.scene.plan import plan as planned
@@ -35,7 +35,7 @@ def bound(
     """
     old, before = state.bound, state.modes.vectors
     with context.stages("pattern"):
-        plan = planned(frame.scene, application(frame.scene.app))
+        plan = planned(frame.scene, application_of(frame.scene))
         body = make(frame.scene, plan, frame.mesh, context.policy.lumped_mass)
         # Flips change the cells in place: of the old ones nothing is left to compare with.
         flipped = frame.mesh.topology != state.topology

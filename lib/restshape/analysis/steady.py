@@ -23,7 +23,7 @@ from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
 from restshape.analysis.quantity_errors import SteadyQuantityErrors
 from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.steady_predictor import SteadyPredictor
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.error_estimate import RecoveryEstimate
@@ -339,7 +339,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         """Set up what depends on the mesh topology or on the scene's values."""
         mesh, context, before = frame.mesh, self.context, self.state
         with context.stages("pattern"):
-            plan = planned(frame.scene, application(frame.scene.app))
+            plan = planned(frame.scene, application_of(frame.scene))
             problem = self.make(frame.scene, plan, mesh)
             observer = problem.observer(self._observed_quantities(frame.scene.quantities))
             if new_mesh:

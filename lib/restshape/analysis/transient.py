@@ -25,7 +25,7 @@ from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.time_error import StepMatrix, largest_norm, local_error
 from restshape.analysis.transient_state import BoundMotion, TransientState
 from restshape.analysis.velocity_projection import project_velocity
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.problem import MASS, STIFFNESS, Fields, Problem, TransientProblem
@@ -365,7 +365,7 @@ class TransientAnalysis:
     def _read(self, scene: Scene) -> None:
         """Take the settings of a scene, whose values may be others."""
         state = self.state
-        plan = planned(scene, application(scene.app)) if state.bound is not None else state.plan
+        plan = planned(scene, application_of(scene)) if state.bound is not None else state.plan
         in_time = self.make.time_integration(plan, state.in_time, self.time)
         known = self.make.accounts_energy(scene.quantities)
         account = replace(state.account, known=known)

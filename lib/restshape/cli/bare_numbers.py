@@ -8,7 +8,7 @@ from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.scene.model import Scene
 from restshape.scene.values import annotation_of, dimension_of
 
@@ -26,7 +26,7 @@ def bare_numbers(scene: Scene, size: float) -> list[str]:
         scene: with its tables as they were written.
         size: of its shape [m].
     """
-    app = application(scene.app)
+    app = application_of(scene)
     found = [*_of(scene, scene.raw, "", size)]
     for name, keys in scene.raw.get("effects", {}).items():
         if name in app.effects and isinstance(keys, Mapping):

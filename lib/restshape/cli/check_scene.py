@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from restshape.application import application, applications
+from restshape.application import application_of, applications
 from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.quantity_descriptions import quantity_rows
@@ -54,7 +54,7 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
         begin_frame: called after each frame of the script.
     """
     scene = read_scene(args)
-    app = application(scene.app)
+    app = application_of(scene)
     data, rows, outline = app.editing.checked(scene, plan(scene, app))
     given = given_numbers(scene)
     data["formulas"] = {".".join(one.key): {"formula": one.formula.text, "value": one.value} for one in given}
@@ -74,7 +74,7 @@ def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:
     Raises:
         UserError: nothing draws it, or the picture cannot be written.
     """
-    editing = application(scene.app).editing
+    editing = application_of(scene).editing
     if outline is None and not editing.drawn:
         what = f"a scene of {scene.app!r} has no outline to draw"
         raise UserError(what, "--picture", "leave --picture out; restshape report draws its recordings")
@@ -99,14 +99,14 @@ def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Ou
         UserError: the outline or the mesh makes no sense.
     """
     outline = starting_outline(scene)
-    for physics in application(scene.app).physics:
+    for physics in application_of(scene).physics:
         physics.checked_shape(scene, outline)
     if scene.mesh.size and not scene.mesh.file:
         try:
             refuse_endless(outline, scene.mesh.size, scene.mesh.near)
         except UserError as error:
             raise with_bare_lengths(scene.located(error), scene) from error
-    found = [physics.inspected(scene, outline) for physics in application(scene.app).physics]
+    found = [physics.inspected(scene, outline) for physics in application_of(scene).physics]
     seen = [warning for one in found for warning in one.warnings]
     effects = replace(effects, warnings=(*effects.warnings, *doubts(scene, outline), *seen))
     data, rows = scene_contents(scene, effects, outline), described(scene, effects, outline)
@@ -211,7 +211,7 @@ def scene_contents(scene: Scene, effects: Plan, outline: Outline) -> dict[str, A
         "warnings": list(effects.warnings),
         "quantities": list(scene.quantities),
         "mesh": scene.mesh.model_dump(),
-        "order_why": plan(as_written(scene), application(scene.app)).order_why,
+        "order_why": plan(as_written(scene), application_of(scene)).order_why,
         "curves": [asdict(one) for one in scene_curves(scene, outline)],
         "solve": scene.solve.model_dump(),
     }
@@ -227,7 +227,7 @@ def plain(value: Any) -> Any:
 def summed(scene: Scene, effects: Plan, outline: Outline) -> tuple[dict[str, Any], Rows]:
     """What the physics of a scene say besides: for programs, and as rows for people."""
     data, rows = {}, []
-    for physics in application(scene.app).physics:
+    for physics in application_of(scene).physics:
         if physics.summed:
             more, summed_rows = physics.summed(scene, effects, float(outline.area()))
             data, rows = data | more, rows + summed_rows
@@ -284,7 +284,7 @@ def _symbol(scene: Scene, key: Key) -> str:
     if len(key) == 3 and key[0] == "quantities" and key[2] in VALUES:
         return unit_of(scene.quantities[key[1]].unit)
     if len(key) == 4 and key[0] == "supports" and key[2] == "fix":
-        dimensions = (one.boundary.get(key[3]) for one in application(scene.app).physics)
+        dimensions = (one.boundary.get(key[3]) for one in application_of(scene).physics)
         return next((SYMBOLS[dimension] for dimension in dimensions if dimension), "")
     return ""
 
@@ -306,7 +306,7 @@ def _parameter(scene: Scene, name: str) -> str:
 
 def element_words(scene: Scene) -> str:
     """The order of the elements, the reason, and how to get another."""
-    app = application(scene.app)
+    app = application_of(scene)
     planned = plan(as_written(scene), app)
     names = {1: "first", 2: "second"}
     others = app.orders[1:] if planned.order_why == app.order_why else ()
@@ -322,7 +322,7 @@ def scene_curves(scene: Scene, outline: Outline) -> list[CurveEdges]:
 def section_rows(scene: Scene) -> list[tuple[str, str]]:
     """A row for each table that the physics of a scene add, and that it has."""
     rows = []
-    for key, section in joined_sections(application(scene.app).physics).items():
+    for key, section in joined_sections(application_of(scene).physics).items():
         value, words = getattr(scene, key), section.words or keys_in_words
         if section.named:
             rows += [(f"{key} {name}", words(one)) for name, one in value.items()]

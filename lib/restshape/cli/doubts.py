@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.cli.bare_numbers import FULL_TURN, bare_numbers
 from restshape.errors import UserError
 from restshape.mesh.curve_edges import curve_edges
@@ -65,7 +65,7 @@ def script_doubts(scene: Scene, outline: Outline, script: Script) -> list[str]:
 
 def _seen(scene: Scene, outline: Outline) -> list[str]:
     """What is odd about values of a scene, also for its physics."""
-    physics = application(scene.app).physics
+    physics = application_of(scene).physics
     return [*_values(scene, outline), *(one for each in physics for one in each.inspected(scene, outline).warnings)]
 
 
@@ -159,7 +159,7 @@ def _strong_gravity(scene: Scene) -> Iterator[str]:
 
 def _limits_in_time(scene: Scene) -> Iterator[str]:
     """Limits that are compared with the end of each frame alone."""
-    effects = application(scene.app).effects
+    effects = application_of(scene).effects
     steps = [found.get("steps", 1) for name, found in scene.effects.items() if effects[name].goes_on(found)]
     if not steps or max(steps) < 2:
         return

@@ -33,7 +33,10 @@ def run(args: argparse.Namespace) -> int:
     print_table("scenes", ("application", "scene", "scripts", "title"), rows)
     if args.json:
         # Effects are the physics', whose import takes longer than all else here.
-        effects = {name: {n: e.summary for n, e in app.effects.items()} for name, app in applications().items()}
+        effects = {
+            name: {n: e.summary for seen in app.as_seen for n, e in seen.effects.items()}
+            for name, app in applications().items()
+        }
         write_json(args, {name: {**app, "effects": effects[name]} for name, app in found.items()})
     return 0
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.cli.ranks import first_rank
 from restshape.errors import UserError, printable
 from restshape.outputs.atomic_files import write_whole
@@ -97,7 +97,7 @@ def require_mesh(scene: Scene, why: str) -> None:
     Raises:
         UserError: its application needs none, and the command has no meaning for it, as `why` reports.
     """
-    if not application(scene.app).editing.has_mesh:
+    if not application_of(scene).editing.has_mesh:
         do = "name a scene of another application; restshape replay reports times and residuals of this one"
         raise UserError(f"a scene of {scene.app!r} has no mesh: {why}", str(scene.path), do)
 

@@ -13,7 +13,7 @@ from math import log2
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from restshape.application import Application, application
+from restshape.application import Application, application_of
 from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
 from restshape.cli.lone_process import set_up
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
@@ -124,7 +124,7 @@ def _request(args: argparse.Namespace) -> Request:
         args.set = [*args.set, f"solve.estimate={given}"]
     scene = read_scene(args)
     _check_name(args.out)
-    app = application(scene.app, f"{args.scene}: app")
+    app = application_of(scene)
     script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)
     chosen = policy(args.policy or scene.solve.policy, args.guess)
     calibration, given = Calibration.load(args.calibration), (tuple(args.petsc), args.predict, tuple(args.set))

@@ -6,7 +6,7 @@ from functools import reduce
 from operator import or_
 from typing import Annotated, Any
 
-from restshape.application import applications
+from restshape.application import applications, as_scenes_see
 from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import SchemaFile
@@ -51,7 +51,7 @@ def scene_schema() -> dict[str, Any]:
         "title": "App",
         "description": "the application that simulates the scene",
     }
-    effects = {name: _effect(name) for app in applications().values() for name in app.effects}
+    effects = {name: _effect(name) for app in as_scenes_see(applications().values()) for name in app.effects}
     schema["properties"]["effects"] = {
         "type": "object",
         "description": "the effects that are simulated, each with its keys",
@@ -63,7 +63,7 @@ def scene_schema() -> dict[str, Any]:
 
 def _effect(name: str) -> dict[str, Any]:
     """The JSON schema of an effect: of any of the applications that know it, where they differ in its keys."""
-    known = [app.effects[name] for app in applications().values() if name in app.effects]
+    known = [app.effects[name] for app in as_scenes_see(applications().values()) if name in app.effects]
     models = list(dict.fromkeys(effect.model for effect in known))
     schemas = [model.model_json_schema() for model in models]
     return {"description": known[0].summary, **(schemas[0] if len(schemas) == 1 else {"anyOf": schemas})}
@@ -76,7 +76,7 @@ def script_schema() -> dict[str, Any]:
     from restshape.scene.edit_script import Event, Header, events_of
 
     lines = Header | Event
-    for app in applications().values():
+    for app in as_scenes_see(applications().values()):
         if app.events:
             lines |= Annotated[reduce(or_, events_of(app).values()), Field(discriminator="do")]
     schema = TypeAdapter(lines).json_schema()

@@ -6,7 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from restshape.application import application, applications
+from restshape.application import application_of, applications
 from restshape.cli.options import add_scene, read_scene, write_json
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
@@ -62,7 +62,7 @@ def _composed(scene: Scene, args: argparse.Namespace) -> InterpretedLines:
     """The script that the lines describe."""
     from restshape.shape.script_language import interpreted, script_from_lines
 
-    app = application(scene.app)
+    app = application_of(scene)
     if app.lines:
         return interpreted(app.interpreter()(scene), args.lines)
     return script_from_lines(scene, args.lines, args.seed, _imported_outline(scene))

@@ -1,6 +1,6 @@
 """What a replay says of its scene and script before it begins."""
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.cli.doubts import script_doubts
 from restshape.errors import ReplayProblem, UserError
 from restshape.outputs.si_numbers import counted, counted_are, si
@@ -19,7 +19,7 @@ def start_notes(scene: Scene, script: Script) -> list[str]:
     Raises:
         UserError: an effect cannot be had in this scene.
     """
-    app = application(scene.app)
+    app = application_of(scene)
     effects = plan(scene, app)
     own = [*effects.warnings, *script.warnings]
     if app.transient(scene) and not script.events:

@@ -130,11 +130,11 @@ def _run_all(
 
 def _print_notes(scene: Scene) -> None:
     """Print what makes the answers of a scene bad, and names of its keys today."""
-    from restshape.application import application
+    from restshape.application import application_of
     from restshape.scene.key_aliases import notes
     from restshape.scene.plan import plan
 
-    for note in (*plan(scene, application(scene.app)).warnings, *notes(scene.raw)):
+    for note in (*plan(scene, application_of(scene)).warnings, *notes(scene.raw)):
         print(f"note: {note}", file=sys.stderr)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.mesh.importer import read_mesh
 from restshape.replay.recording import Recording
@@ -132,7 +132,7 @@ def refuse_shapeless(scene: Scene) -> None:
     Raises:
         UserError: it is one.
     """
-    if not application(scene.app).editing.has_mesh:
+    if not application_of(scene).editing.has_mesh:
         what = f"a scene of {scene.app!r} has no outline, so that there is no drawing or scene of one"
         raise UserError(what, str(scene.path), "export it as toml, or a recording of it as stl, vtu or csv")
 

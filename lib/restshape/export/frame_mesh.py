@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
@@ -74,7 +74,7 @@ def mesh_of_shape(scene: Scene, outline: Outline) -> FrameMesh:
     Raises:
         UserError: the shape cannot be meshed.
     """
-    order = 1 if scene.mesh.levels > 1 else plan(scene, application(scene.app)).order
+    order = 1 if scene.mesh.levels > 1 else plan(scene, application_of(scene)).order
     try:
         mesh = generate(outline, scene.mesh.model_copy(update={"order": order}))
     except ReplayProblem as problem:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.export.edited_frame import row_of, scene_of, script_of
 from restshape.export.toml_scene import toml_text
@@ -52,7 +52,7 @@ class RestatedFrame:
 
 def restates(scene: Scene) -> bool:
     """Whether frames of a scene are exported so."""
-    return bool(application(scene.app).editing.restated)
+    return bool(application_of(scene).editing.restated)
 
 
 def restated_of_script(scene: Scene, script: Script, number: int) -> RestatedFrame:
@@ -79,5 +79,5 @@ def restated_of_recording(recording: Recording, row: int) -> RestatedFrame:
 
 
 def _restated(frame: ScriptFrame, row: int, count: int, why: str) -> RestatedFrame:
-    tables: Mapping[str, object] = application(frame.scene.app).editing.restate(frame)
+    tables: Mapping[str, object] = application_of(frame.scene).editing.restate(frame)
     return RestatedFrame(row, count, frame.t, frame.scene, dict(tables), why or frame.refused or "")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from petsc4py import PETSc
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.policy import policy
@@ -26,7 +26,7 @@ def first_frame(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PE
     """
     scene = load_scene(path, overrides)
     chosen = policy(scene.solve.policy)
-    request = Request(scene, Script.empty(scene), application(scene.app), chosen, Calibration.load())
+    request = Request(scene, Script.empty(scene), application_of(scene), chosen, Calibration.load())
     replay = Replay(request, comm)
     list(replay.frames())
     return replay
@@ -45,7 +45,7 @@ def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
     """
     script = load_script(edits, scene) if edits else Script.empty(scene)
     chosen = policy(scene.solve.policy)
-    replay = Replay(Request(scene, script, application(scene.app), chosen, Calibration.load()), PETSc.COMM_WORLD)
+    replay = Replay(Request(scene, script, application_of(scene), chosen, Calibration.load()), PETSc.COMM_WORLD)
     last = -1
     for last, _ in enumerate(replay.frames()):
         if last == frame:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.request import Request
@@ -25,4 +25,4 @@ def replay_files(scene: Path, edits: Path, name: str, overrides: Sequence[str] =
     """
     read = load_scene(scene, overrides)
     script = load_script(edits, read)
-    return run_replay(Request(read, script, application(read.app), policy(name), Calibration.load(), predict=predict))
+    return run_replay(Request(read, script, application_of(read), policy(name), Calibration.load(), predict=predict))

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.nodal_values import Nodal, evaluate
 from restshape.report.entity_outlines import Place, place_of
@@ -63,7 +63,7 @@ def draw_loads(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: 
 
 def accelerations(scene: Scene) -> dict[str, Sequence[object]]:
     """Accelerations of all bodies, such as gravity, by the effect: vectors of numbers [m/s^2] and formulas."""
-    known = {name: effect for name, effect in application(scene.app).effects.items() if effect.acceleration}
+    known = {name: effect for name, effect in application_of(scene).effects.items() if effect.acceleration}
     named = {name: effect for name, effect in known.items() if name in scene.effects}
     return {
         name: getattr(one.model.model_validate(scene.effects[name]), one.acceleration) for name, one in named.items()

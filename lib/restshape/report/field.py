@@ -88,7 +88,7 @@ def quantities_from(recording: Recording, looks: Mapping[str, PictureField]) -> 
 def physics_of(recording: Recording) -> tuple[Physics, ...]:
     """The physics of the recorded application; none where it is not installed."""
     app = applications().get(recording.header.get("app", ""))
-    return tuple(app.physics) if app else ()
+    return tuple(app.for_scene(recording.header.get("scene_values") or {}).physics) if app else ()
 
 
 def own_pictures(recording: Recording) -> OwnPictures | None:

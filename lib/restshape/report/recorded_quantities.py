@@ -11,6 +11,7 @@ from restshape.arrays import Reals
 from restshape.outputs.si_numbers import unit_of
 from restshape.replay.columns import limit_column
 from restshape.replay.recording import Recording
+from restshape.scene.application_registry import installed_physics
 from restshape.scene.key_aliases import by_todays_names
 from restshape.scene.quantity import CORE, Quantity, QuantityKind
 from restshape.scene.units import UnitError, quantity
@@ -78,7 +79,7 @@ def recorded_kinds(header: Mapping[str, Any]) -> dict[str, QuantityKind]:
 @cache
 def known_kinds() -> dict[str, QuantityKind]:
     """The kinds of quantities that installed applications know."""
-    known = [CORE, *(one.quantities for app in applications().values() for one in app.physics)]
+    known = [CORE, *(one.quantities for one in installed_physics(applications().values()))]
     return {key: kind for kinds in known for key, kind in kinds.items()}
 
 

@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.report.conditions import (
@@ -171,7 +171,7 @@ def _part(name: str, outline: Outline) -> bool:
 
 def goals_of(scene: Scene) -> dict[str, np.ndarray]:
     """The goals (m, 2) [m] of a scene by name."""
-    sections = {key: section for one in application(scene.app).physics for key, section in one.sections.items()}
+    sections = {key: section for one in application_of(scene).physics for key, section in one.sections.items()}
     curved = ((section, scene.sections.get(key) or {}) for key, section in sections.items() if section.curve)
     return {name: section.curve_of(goal) for section, given in curved for name, goal in given.items()}
 

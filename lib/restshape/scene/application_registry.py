@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import NoReturn
 
-from restshape.application import Application
+from restshape.application import Application, as_scenes_see
 from restshape.errors import UserError
 from restshape.scene.declared_keys import core_keys, declared_keys
 from restshape.scene.edit_script import shared_events
@@ -17,13 +17,14 @@ def refuse_clashes_of(app: Application) -> None:
     Raises:
         UserError: two of its physics give one key different meanings, or one of them has a key of all scenes.
     """
-    refuse_clashes(installed_physics([app]))
-    _refuse_clashes_within(app)
+    for seen in app.as_seen:
+        refuse_clashes(seen.physics)
+        _refuse_clashes_within(seen)
 
 
 def installed_physics(applications: Iterable[Application]) -> list[Physics]:
     """The physics of applications, each once."""
-    return list(dict.fromkeys(one for app in applications for one in app.physics))
+    return list(dict.fromkeys(one for app in as_scenes_see(applications) for one in app.physics))
 
 
 def refuse_clashes(physics: Iterable[Physics]) -> None:
@@ -35,7 +36,7 @@ def refuse_clashes(physics: Iterable[Physics]) -> None:
     physics, core = list(physics), core_keys()
     for one in physics:
         for what, meanings in declared_keys(one).items():
-            if taken := core[what].intersection(meanings):
+            if taken := core.get(what, frozenset()).intersection(meanings):
                 _refuse(one.name, what, min(taken), "every scene has one")
     for (what, key), (owner, known), (name, meaning) in _clashes(physics):
         _refuse(name, what, key, f"{owner!r} does too{_dimensions((name, meaning), (owner, known))}")
@@ -43,7 +44,7 @@ def refuse_clashes(physics: Iterable[Physics]) -> None:
 
 def clashes_with(app: Application, others: Iterable[Application]) -> list[str]:
     """The keys of an application that mean another thing in scenes of others, a line each."""
-    own = {one.name for one in app.physics}
+    own = {one.name for one in installed_physics([app])}
     return [
         f"the {what} {key!r} of {owner!r} means another thing in {name!r}{_dimensions((name, meaning), (owner, known))}"
         for (what, key), (owner, known), (name, meaning) in _clashes(installed_physics([app, *others]))

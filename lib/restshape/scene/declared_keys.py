@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 
+from pydantic import BaseModel
+
 from restshape.scene.model import Load, Material, Scene, Support
 from restshape.scene.physics import Physics
 from restshape.scene.quantity import CORE, Quantity
@@ -18,7 +20,12 @@ Meanings = Mapping[str, object]
 def declared_keys(physics: Physics) -> dict[str, Meanings]:
     """The keys that a physics adds, by what they are: "table", "material key", "component", "load", "quantity"."""
     return {
-        "table": physics.sections,
+        "table": {key: "shared" if section.shared else section for key, section in physics.sections.items()},
+        **{
+            f"key of [{key}]": _keys(section.model, Strict)
+            for key, section in physics.sections.items()
+            if section.shared
+        },
         "key of materials": _keys(physics.material, Material),
         "key of supports": _keys(physics.support, Support),
         "direction": physics.boundary,
@@ -77,7 +84,7 @@ def _tables(named: object) -> Iterator[tuple[str, Mapping[str, object]]]:
     yield from ((name, keys) for name, keys in entries if isinstance(keys, dict))
 
 
-def _keys(model: type[Strict] | None, core: type[Strict]) -> Meanings:
+def _keys(model: type[BaseModel] | None, core: type[BaseModel]) -> Meanings:
     """The keys that a model adds to the core's, each with its dimension, or what else it may hold."""
     if model is None:
         return {}

@@ -9,7 +9,7 @@ from typing import Annotated, Literal, NoReturn, Self, get_args
 
 from pydantic import Field, ValidationError, model_validator
 
-from restshape.application import Application, application
+from restshape.application import Application, application_of
 from restshape.bounds import BULGE, NESTING, POLYLINE_POINTS, SCRIPT_BYTES
 from restshape.errors import UserError
 from restshape.scene.bodies import bodies_of, pins_of
@@ -266,7 +266,7 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
     lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
     if not lines:
         raise UserError("the edit script is empty", path.name, _first_line())
-    known = EVENTS if scene is None else events_of(application(scene.app))
+    known = EVENTS if scene is None else events_of(application_of(scene))
     reader = _Reader(path, text.endswith("\n"), lines[-1][0], known, names_in_space(scene))
     header = reader.header(*lines[0])
     _check_analysis(header, scene, path, lines[0][0])
@@ -320,7 +320,7 @@ def _first_line() -> str:
 
 def _check_analysis(header: Header, scene: Scene | None, path: Path, line: int) -> None:
     """Refuses analysis on demand of what is integrated in time."""
-    if header.analysis == "every frame" or scene is None or not application(scene.app).transient(scene):
+    if header.analysis == "every frame" or scene is None or not application_of(scene).transient(scene):
         return
     raise UserError(
         f"time integration goes on from frame to frame, so that none can be left out: "

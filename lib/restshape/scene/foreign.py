@@ -1,6 +1,6 @@
 """Keys of a scene that belong to the physics of other applications than its own."""
 
-from restshape.application import Application, applications
+from restshape.application import Application, applications, as_scenes_see
 from restshape.errors import UserError
 from restshape.scene.application_registry import refuse_clashes_of
 from restshape.scene.declared_keys import declared_keys, known_keys, names_of, written_keys
@@ -24,7 +24,7 @@ def check_keys(raw: Table, application: Application, source: Source) -> None:
     for what, key, place in written_keys(raw):
         if key in known[what]:
             continue
-        for other in applications().values():
+        for other in as_scenes_see(applications().values()):
             owner = next((one for one in other.physics if key in declared_keys(one)[what]), None)
             if owner is not None:
                 first = next(iter(table_in(raw, key)), None) if what == "table" and owner.sections[key].named else None
@@ -43,6 +43,8 @@ def _error(
         do = f"use some of: {', '.join(own)}"
     elif what.endswith("kind") and own:
         do = f'use one of: {", ".join(own)}, or app = "{other.name}"'
+    elif other.name == application.name:
+        do = f"leave it out, or add {' or '.join(f'[{table}]' for table in application.kinds)}"
     else:
         do = f'leave it out, or use app = "{other.name}"'
     what_is_wrong = f"knows no {what} {key!r}" if what == "direction" else f"has no {what} {key!r}"

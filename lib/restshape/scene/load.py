@@ -9,7 +9,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from restshape import bounds
-from restshape.application import Application, application
+from restshape.application import Application, application, application_of
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
 from restshape.scene.foreign import check_keys
@@ -63,7 +63,7 @@ def _following(scene: Scene, written: Table) -> Scene:
         scene: with overrides.
         written: its plain tables without them.
     """
-    for physics in application(scene.app).physics:
+    for physics in application_of(scene).physics:
         if not physics.overridden:
             continue
         try:
@@ -183,7 +183,7 @@ def _scene(raw: Table, source: Source) -> Scene:
     """The validated scene of plain tables."""
     # Which tables there may be is known from the application, where the scene names one.
     named = raw.get("app")
-    app = application(named, f"{source.path.name}: app") if isinstance(named, str) else None
+    app = application(named, f"{source.path.name}: app").for_scene(raw) if isinstance(named, str) else None
     if app:
         check_keys(raw, app, source)
     kind = scene_type(tuple(app.physics)) if app else Scene

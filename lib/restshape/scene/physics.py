@@ -49,6 +49,7 @@ class Section:
         required: a scene must have it; without it it has the defaults of its keys, or no names.
         optional: a scene without it has None.
         words: what one of its tables says, for people; None: its keys and values.
+        shared: several physics may declare it, each with keys of its own.
         curve: path ``module:attribute`` of the function that gives points (m, 2) [m] of the curve that one of its
             tables stands for, which pictures show; empty: there is none.
     """
@@ -59,6 +60,7 @@ class Section:
     required: bool = False
     optional: bool = False
     words: Callable[..., str] | None = None
+    shared: bool = False
     curve: str = ""
 
     @property

@@ -8,7 +8,7 @@ from functools import cache
 from types import GenericAlias
 from typing import Annotated, Literal, TypeVar
 
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema
 from pydantic.config import JsonDict
 
 from restshape.scene.annotations import Definition, annotated, extended, optional, table_of, union_of
@@ -22,7 +22,7 @@ ERRORS: JsonDict = {
     "properties": {ALL_ERRORS: {"type": "boolean", "description": "estimate the errors of all quantities"}}
 }
 Kind = TypeVar("Kind", LoadKind, QuantityKind)
-Core = TypeVar("Core", Material, Support)
+Core = TypeVar("Core", bound=BaseModel)
 OneMaterial = TypeVar("OneMaterial", bound=Material)
 
 
@@ -45,7 +45,17 @@ def any_scene_type(physics: Iterable[Physics]) -> type[Scene]:
 
 def joined_sections(physics: Iterable[Physics]) -> dict[str, Section]:
     """The tables of several physics by key."""
-    return {key: section for one in physics for key, section in one.sections.items()}
+    found: dict[str, list[Section]] = {}
+    for one in physics:
+        for key, section in one.sections.items():
+            found.setdefault(key, []).append(section)
+    return {key: _joined(sections) for key, sections in found.items()}
+
+
+def _joined(sections: Sequence[Section]) -> Section:
+    """One table with the keys and the checks of several; of those that share none, the last."""
+    models = [section.model for section in sections]
+    return replace(sections[-1], model=_mixed(Strict, models)) if sections[-1].shared else sections[-1]
 
 
 def known_materials(physics: Iterable[Physics]) -> dict[str, dict[str, object]]:
@@ -93,7 +103,8 @@ def _mixed(core: type[Core], models: Sequence[type[Core]]) -> type[Core]:
     own = tuple(one for one in different if not any(other is not one and issubclass(other, one) for other in different))
     if len(own) < 2:
         return own[0] if own else core
-    return extended(own[0], {}, *own[1:], name=core.__name__, doc=core.__doc__)
+    name, doc = (own[0].__name__, own[0].__doc__) if core is Strict else (core.__name__, core.__doc__)
+    return extended(own[0], {}, *own[1:], name=name, doc=doc)
 
 
 def _loosened(core: type[Core], model: type[Core]) -> type[Core]:

@@ -8,7 +8,7 @@ from time import process_time
 from petsc4py import PETSc
 
 from restshape.analysis.row_values import whole
-from restshape.application import application
+from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.policy import policy
 from restshape.replay.loop import Replay
@@ -62,10 +62,10 @@ class Sweep:
         except UserError as error:
             run.status, run.why = INVALID, _plain(error)
             return
-        self.scene, names = scene, quantity_columns(scene, application(scene.app))
+        self.scene, names = scene, quantity_columns(scene, application_of(scene))
         self.columns = self.columns or names
         run.limit(scene)
-        run.remembered = remembered(scene, application(scene.app))
+        run.remembered = remembered(scene, application_of(scene))
         last, self._replay = self._replay, None
         if last and self._follow(last, scene, script):
             run.analysis = REUSED
@@ -125,13 +125,13 @@ class Sweep:
     def _asked(self, scene: Scene, script: Script) -> Request:
         """What the replay of a run is asked for."""
         chosen = policy(self.request.policy or scene.solve.policy, self.request.guess)
-        app, calibration = application(scene.app), self.request.calibration
+        app, calibration = application_of(scene), self.request.calibration
         # No run shows what would mend it.
         return Request(scene, script, app, chosen, calibration, self.request.petsc, guided=False)
 
     def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
         """Has the replay of the last run go on to this scene; false where it cannot."""
-        app, last = application(scene.app), replay.session
+        app, last = application_of(scene), replay.session
         outline = last.outline
         if outline is None or not can_follow(last.scene, scene, app, self.request.continued):
             return False

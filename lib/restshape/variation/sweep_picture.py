@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import counted, scaled_unit
@@ -112,7 +112,7 @@ def key_unit(scene: Scene, swept: SweptKey) -> str:
     """The unit of the numbers of a key: as it was written, else the SI unit, in which plain numbers are."""
     if swept.unit or not swept.numbers:
         return swept.unit
-    app, key = application(scene.app), split_key(swept.key)
+    app, key = application_of(scene), split_key(swept.key)
     match key:
         case ("effects", name, *rest) if name in app.effects:
             found = unit_at(app.effects[name].model.model_validate(scene.effects.get(name, {})), tuple(rest))

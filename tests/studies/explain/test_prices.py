@@ -9,7 +9,7 @@ from restshape_studies.explain.price import prices
 from restshape_studies.explain.variants import ALONE, Difference, Variants, variants
 from small_scenes import plate, write_scene
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 
@@ -140,7 +140,7 @@ def test_frames_in_which_an_edit_is_refused_in_one_replay_alone_do_not_count():
 def tried(path):
     """The variants of a scene."""
     scene = load_scene(path)
-    app = application(scene.app)
+    app = application_of(scene)
     return variants(plan(scene, app), app)
 
 

@@ -33,6 +33,8 @@ class FlowConditions:
         constrained_edges: names of the edges at which the velocity is prescribed.
     """
 
+    columns = 3
+
     def __init__(self, scene: Scene, space: PlaneSpace) -> None:
         self.scene, self.space = scene, space
         outline = space.outline
@@ -42,7 +44,8 @@ class FlowConditions:
         conditions = [*self._walls(), *self._velocities(), *self._slips()]
         if self.closed:
             conditions.append(Prescribed("boundary", 2, space.facets[:1, 0], 0.0))
-        self.dirichlet = Dirichlet((len(space.X), 3), conditions, scene.parameters, "m/s")
+        conditions += self._others()
+        self.dirichlet = Dirichlet((len(space.X), self.columns), conditions, scene.parameters, "m/s")
 
     def evaluate(self, time: float) -> None:
         """Set prescribed velocities for the nodes where they lie, at a time [s].
@@ -83,6 +86,10 @@ class FlowConditions:
                 nodes = np.setdiff1d(self._nodes(name), self._wall)
                 yield from self._components(f"boundary.{name}.velocity", nodes, table.velocity)
         self._given = np.union1d(self._wall, self.facets_of("velocity"))
+
+    def _others(self) -> Iterator[Prescribed]:
+        """Conditions of columns besides those of the flow."""
+        return iter(())
 
     def _components(self, where: str, nodes: np.ndarray, values: Sequence[Value]) -> Iterator[Prescribed]:
         yield from (Prescribed(f"{where}.{k}", k, nodes, value) for k, value in enumerate(values))

@@ -131,7 +131,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             return
         problem, past = self.state.problem, before.past
         if past is None:
-            x = problem.boundary.values.copy()
+            x = problem.initial()
             past = Past(0.0, problem.remembered(x), problem.space.X.copy())
         else:
             with self.context.stages("map"):

@@ -3,7 +3,7 @@
 # More than 15 modules: conditions, elements and quantities make one problem here.
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from restshape.fem.elements import (
     UNSTEADY_OSEEN_FLOW,
     UNSTEADY_SLOW_FLOW,
 )
+from restshape.fem.family import Family
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Observer
 from restshape.fem.problem import Fields, SteadyProblem, Unknown
@@ -28,6 +29,14 @@ from restshape.physics.flow.flow_quantities import flow_quantity
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
+STEADY = {"none": SLOW_FLOW, "own": FLOW, "given": OSEEN_FLOW}
+IN_TIME = {
+    "none": UNSTEADY_SLOW_FLOW,
+    "own": UNSTEADY_FLOW,
+    "relative": UNSTEADY_FLOW_ON_MOVING_MESH,
+    "given": UNSTEADY_OSEEN_FLOW,
+}
+"""Elements by what advects the velocity."""
 ROUNDING = 1e-13
 """Residual over the largest terms in it below which it is rounding."""
 
@@ -81,7 +90,7 @@ class IncompressibleFlow(SteadyProblem):
         self.inertia = plan.on("convection")
         self.step: TimeStep | None = None
         self.thickening, self.advecting = 1.0, None
-        self.conditions = FlowConditions(scene, space)
+        self.conditions = self._conditions()
         self.boundary = self.conditions.dirichlet
         self.update()
 
@@ -113,6 +122,10 @@ class IncompressibleFlow(SteadyProblem):
         """The fields (n, h) with a history, of unknowns x (n, f); a copy."""
         return x[:, list(self.history)]
 
+    def initial(self) -> np.ndarray:
+        """The unknowns (n, f) at time 0: the fluid is at rest, but where it is driven."""
+        return self.boundary.values.copy()
+
     def take(self, step: TimeStep) -> None:
         """Take up another time step; `update` evaluates what depends on the time."""
         self.step = step
@@ -130,22 +143,26 @@ class IncompressibleFlow(SteadyProblem):
         """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
         if kind in (kinds.LOADS, kinds.FOLLOWERS):
             return []
-        parameters = [self.fluid.rho, self.fluid.mu * self.thickening, 0.0, 0.0, self.continuity]
         advecting, given = self._advecting()
-        if self.step is None:
-            family = {"none": SLOW_FLOW, "own": FLOW, "given": OSEEN_FLOW}[advecting]
-        else:
-            parameters += [self.step.rate, 2.0 / self.step.dt]
+        if self.step is not None:
             given = [*given, self.step.past[:, :2]]
-            family = {
-                "none": UNSTEADY_SLOW_FLOW,
-                "own": UNSTEADY_FLOW,
-                "relative": UNSTEADY_FLOW_ON_MOVING_MESH,
-                "given": UNSTEADY_OSEEN_FLOW,
-            }[advecting]
+        family = (STEADY if self.step is None else IN_TIME)[advecting]
+        return [self._integral(family, np.array(self._parameters()), given)]
+
+    def _conditions(self) -> FlowConditions:
+        """The conditions at the border."""
+        return FlowConditions(self.scene, self.space)
+
+    def _parameters(self) -> list[float]:
+        """Those that all elements of flow begin with."""
+        step, always = self.step, [self.fluid.rho, self.fluid.mu * self.thickening, 0.0, 0.0, self.continuity]
+        return always if step is None else [*always, step.rate, 2.0 / step.dt]
+
+    def _integral(self, family: Family, parameters: np.ndarray, given: Sequence[np.ndarray]) -> Integral:
+        """Of all cells, with parameters (p,) or (ne, p), and nodal coefficients that are given (n, c)."""
         coefficients = np.ascontiguousarray(np.hstack(given)) if given else None
-        element = family[self.space.cell_type]
-        return [Integral(element, self.space.X, self.space.cells, np.array(parameters), coefficients=coefficients)]
+        space = self.space
+        return Integral(family[space.cell_type], space.X, space.cells, parameters, coefficients=coefficients)
 
     def _advecting(self) -> tuple[str, list[np.ndarray]]:
         """How the velocity is advected, and by which nodal velocity (n, 2) where that is no unknown."""

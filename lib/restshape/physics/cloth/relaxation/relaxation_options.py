@@ -11,7 +11,7 @@ import numpy as np
 from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.analysis.analysis import Context
-from restshape.application import application
+from restshape.application import application_of
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
@@ -54,7 +54,7 @@ class RelaxationOptions:
     @classmethod
     def of(cls, context: Context, scene: Scene, known: Plan | None, watch: Watch) -> RelaxationOptions:
         """The options of a scene, whose plan may be known already."""
-        plan = known or planned(scene, application(scene.app))
+        plan = known or planned(scene, application_of(scene))
         bodies = tuple(body.evaluated(scene.parameters) for body in scene.bodies.values())
         return cls(context, plan, scene, bodies, watch)
 
