@@ -22,12 +22,12 @@ class FlowCase(ElementCase):
         return w if element.coefficients else None
 
     def residual(self, element, X, x, w=None):
-        out = np.zeros((3, 3))
+        out = np.zeros((3, element.fields))
         element.residual(X, x, self.cells, self.p, out, coefficients=self.coefficients(element) if w is None else w)
         return out
 
     def design(self, element, dX, x, **directions):
-        out = np.zeros((3, 3))
+        out = np.zeros((3, element.fields))
         w = self.coefficients(element)
         element.design(self.X, dX, x, self.cells, self.p, out, coefficients=w, **directions)
         return out
@@ -36,7 +36,7 @@ class FlowCase(ElementCase):
         return element.tangent_block(self.X, x, self.p, self.coefficients(element))
 
     def test_tangent_is_the_derivative_of_the_residual(self, element):
-        x, v = self.sample(element, 3), self.direction((3, 3), 4)
+        x, v = self.sample(element, 3), self.direction((3, element.fields), 4)
         slope = taylor_slope(
             lambda h: self.residual(element, self.X, x + h * v).ravel(), self.tangent(element, x) @ v.ravel()
         )
@@ -53,7 +53,7 @@ class FlowCase(ElementCase):
         assert taylor_slope(moved, derivative.ravel(), step=2e-3) > 1.9
 
     def test_design_takes_in_moving_unknowns(self, element):
-        x, dX, dx = self.sample(element, 6), self.direction(self.X.shape, 7), self.direction((3, 3), 13)
+        x, dX, dx = self.sample(element, 6), self.direction(self.X.shape, 7), self.direction((3, element.fields), 13)
         expected = self.design(element, dX, x).ravel() + self.tangent(element, x) @ dx.ravel()
         np.testing.assert_allclose(self.design(element, dX, x, dx=dx).ravel(), expected, atol=1e-12)
 
