@@ -120,7 +120,7 @@ class Between(Strict):
 
 
 class Coefficient(Strict):
-    """``{ speed = ..., length = ... }``: the force F as 2 F / (rho speed^2 length depth).
+    """``{ speed = ..., length = ... }``: a force F as 2 F / (rho speed^2 length depth), or f length / speed.
 
     Args:
         speed: of the flow far away [m/s].
@@ -211,6 +211,9 @@ FLOW = Physics(
         "lift": QuantityKind(Literal[True], "force", "sum", summary=f"force along y {PLACE}", on=CURVES),
         "drag_coefficient": QuantityKind(Coefficient, "number", "sum", summary="of the force along x", on=CURVES),
         "lift_coefficient": QuantityKind(Coefficient, "number", "sum", summary="of the force along y", on=CURVES),
+        "strouhal": QuantityKind(
+            Coefficient, "number", "sum", summary="frequency of the lift over its last full cycles", on=CURVES
+        ),
         "pressure": QuantityKind(Literal[True], "pressure", "mean", summary="pressure of an entity"),
         "pressure_drop": QuantityKind(
             Between, "pressure", "mean", whole=True, summary="pressure of one place less that of another"

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 import numpy as np
@@ -22,9 +22,11 @@ from restshape.fem.problem import Problem
 from restshape.first_use import made
 from restshape.mesh.transfer import Transfer
 from restshape.physics.flow.flow_declaration import FlowSettings
+from restshape.physics.flow.flow_quantities import swinging_lifts
 from restshape.physics.flow.flow_search import FlowSearch
 from restshape.physics.flow.history import Past
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow, TimeStep
+from restshape.physics.flow.swing import Swings, still_note
 from restshape.policy import policy
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -38,9 +40,11 @@ class FlowState(NonlinearState):
 
     Args:
         past: what the next step goes on from.
+        swings: of lifts, over all time steps, where the scene asks for them.
     """
 
     past: Past | None = None
+    swings: Swings = field(default_factory=Swings)
 
 
 def nodal_gradients(X: np.ndarray, cells: np.ndarray, field: np.ndarray) -> np.ndarray:
@@ -100,7 +104,8 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     def begin(self, x: np.ndarray, time: float = 0.0) -> None:
         """Let the flow go on from unknowns x (n, f) at a time [s], as if it had not been there before."""
         problem = self.state.problem
-        self.state = replace(self.state, x=x, past=Past(time, problem.remembered(x), problem.space.X.copy()))
+        past, swings = Past(time, problem.remembered(x), problem.space.X.copy()), Swings(self.state.swings.lifts)
+        self.state = replace(self.state, x=x, past=past, swings=swings)
 
     @property
     def settings(self) -> FlowSettings:
@@ -114,7 +119,14 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
 
     def row(self) -> RowValues:
         """What the frame's row reports besides: the simulated time [s]."""
-        return super().row() | {"time": self.time}
+        return still_note(self._strouhal()) | super().row() | {"time": self.time}
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest at the last solution; Strouhal numbers of all steps until then."""
+        return super().observe() | self._strouhal()
+
+    def _strouhal(self) -> dict[str, float]:
+        return self.state.swings.numbers(self.state.scene.quantities)
 
     def observed_on(
         self, frame: Frame, before: State[Problem] | None, solved: State[Problem], earlier: bool
@@ -127,9 +139,11 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     def _bind(self, frame: Frame, new_mesh: bool) -> None:
         before = self.state
         super()._bind(frame, new_mesh)
+        problem, past = self.state.problem, before.past
+        swings = replace(before.swings, lifts=swinging_lifts(problem, frame.scene.quantities))
+        self.state = replace(self.state, swings=swings)
         if not new_mesh:
             return
-        problem, past = self.state.problem, before.past
         if past is None:
             x = problem.initial()
             past = Past(0.0, problem.remembered(x), problem.space.X.copy())
@@ -159,11 +173,11 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             system.newton.set_equations(equations)
         again = new_mesh or before.interrupted
         system.newton.begin(again, not again and frame.mesh.topology != before.topology, None)
-        x, past, residual, total = state.x, made(state.past), 0.0, None
+        x, past, swings, residual, total = state.x, made(state.past), state.swings, 0.0, None
         for _ in range(0 if before.bound is None else self.settings.steps):
             step = past.step(problem.space.X, self.settings)
             outcome, x, scale = self._step(equations, step, x, past)
-            past = past.after(step, problem.remembered(x), problem.space.X)
+            past, swings = past.after(step, problem.remembered(x), problem.space.X), swings.after(step.time, x)
             residual = max(residual, outcome.norm / (scale or 1.0))
             total = outcome if total is None else outcome.after(total)
         total = total or Outcome(True, 0, 0, False, True)
@@ -173,6 +187,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             equations=equations,
             x=x,
             past=past,
+            swings=swings,
             topology=frame.mesh.topology,
             geometry=frame.mesh.geometry,
             residual=residual,

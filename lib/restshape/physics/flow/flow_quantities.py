@@ -1,6 +1,6 @@
 """Quantities of interest of flow: forces on edges, pressures, speeds, discharges and energy."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -56,6 +56,9 @@ def flow_quantity(problem: ObservedFlow, name: str, quantity: Quantity) -> Funct
     axis = AXES.get(kind.removesuffix("_coefficient"))
     if axis is not None:
         return _force(problem, quantity.at, axis, _unit(problem, quantity))
+    if kind == "strouhal":
+        # Of one state there is none: `FlowInTimeAnalysis` knows how the lift has swung.
+        return lambda x: np.nan
     nodes = observed_nodes(space, name, quantity)
     reduce = reduction(space, quantity, nodes)
     if kind == "pressure":
@@ -63,9 +66,22 @@ def flow_quantity(problem: ObservedFlow, name: str, quantity: Quantity) -> Funct
     return lambda x: reduce(np.linalg.norm(x[nodes, :2], axis=1))
 
 
+def swinging_lifts(problem: ObservedFlow, quantities: Mapping[str, Quantity]) -> dict[str, Function]:
+    """The coefficients of lift, functions of the unknowns x (n, 3), by the names of quantities that count its swings.
+
+    Raises:
+        UserError: there is nothing where one is asked for.
+    """
+    return {
+        name: _force(problem, one.at, AXES["lift"], _unit(problem, one))
+        for name, one in quantities.items()
+        if one.kind == "strouhal"
+    }
+
+
 def _unit(problem: ObservedFlow, quantity: Quantity) -> float:
     """What a force is counted in [N]: 1, or of a coefficient rho speed^2 length depth / 2."""
-    if not quantity.kind.endswith("_coefficient"):
+    if quantity.kind in AXES:
         return 1.0
     of = getattr(quantity, quantity.kind)
     return 0.5 * problem.fluid.rho * of.speed**2 * of.length * problem.fluid.depth

@@ -1,8 +1,10 @@
 """The steady flow of each frame."""
 
+from restshape.analysis.analysis import RowValues
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.residual_equations import ResidualEquations
 from restshape.physics.flow.flow_search import FlowSearch
+from restshape.physics.flow.swing import STEADY_NOTE
 
 
 class SteadyFlowAnalysis(NonlinearSteadyAnalysis):
@@ -12,6 +14,11 @@ class SteadyFlowAnalysis(NonlinearSteadyAnalysis):
 
     Source: docs/theory/flow.md.
     """
+
+    def row(self) -> RowValues:
+        """What the frame's row reports besides: that there is no Strouhal number where one is asked for."""
+        wanted = any(one.kind == "strouhal" for one in self.state.scene.quantities.values())
+        return ({"note": STEADY_NOTE} if wanted else {}) | super().row()
 
     def _search(self, equations: ResidualEquations) -> FlowSearch:
         return FlowSearch(equations.problem, equations, self.state.system.newton, lambda: self.solver.aim)
