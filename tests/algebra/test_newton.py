@@ -20,9 +20,12 @@ class System:
 
     def __init__(self, r, jacobian, energy=None):
         self.r, self.jacobian, self.of = r, jacobian, energy
-        self.potential, self.constrained = energy is not None, np.empty(0, dtype=np.int64)
+        self.potential = energy is not None
         self.mat: PETSc.Mat | None = None
         self.tangents = self.residuals = self.version = 0
+
+    def constrain(self, rows):
+        pass
 
     def residual(self, x, out):
         self.residuals += 1

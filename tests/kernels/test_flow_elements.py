@@ -22,12 +22,12 @@ class FlowCase(ElementCase):
         return w if element.coefficients else None
 
     def residual(self, element, X, x, w=None):
-        out = np.zeros((3, element.fields))
+        out = np.zeros((len(self.X), element.fields))
         element.residual(X, x, self.cells, self.p, out, coefficients=self.coefficients(element) if w is None else w)
         return out
 
     def design(self, element, dX, x, **directions):
-        out = np.zeros((3, element.fields))
+        out = np.zeros((len(self.X), element.fields))
         w = self.coefficients(element)
         element.design(self.X, dX, x, self.cells, self.p, out, coefficients=w, **directions)
         return out
@@ -36,7 +36,7 @@ class FlowCase(ElementCase):
         return element.tangent_block(self.X, x, self.p, self.coefficients(element))
 
     def test_tangent_is_the_derivative_of_the_residual(self, element):
-        x, v = self.sample(element, 3), self.direction((3, element.fields), 4)
+        x, v = self.sample(element, 3), self.direction((len(self.X), element.fields), 4)
         slope = taylor_slope(
             lambda h: self.residual(element, self.X, x + h * v).ravel(), self.tangent(element, x) @ v.ravel()
         )
@@ -53,7 +53,8 @@ class FlowCase(ElementCase):
         assert taylor_slope(moved, derivative.ravel(), step=2e-3) > 1.9
 
     def test_design_takes_in_moving_unknowns(self, element):
-        x, dX, dx = self.sample(element, 6), self.direction(self.X.shape, 7), self.direction((3, element.fields), 13)
+        x, dX = self.sample(element, 6), self.direction(self.X.shape, 7)
+        dx = self.direction(x.shape, 13)
         expected = self.design(element, dX, x).ravel() + self.tangent(element, x) @ dx.ravel()
         np.testing.assert_allclose(self.design(element, dX, x, dx=dx).ravel(), expected, atol=1e-12)
 
@@ -97,6 +98,29 @@ class TestUnsteadyFlowOnMovingMesh(FlowCase):
 
 class TestUnsteadyOseenFlow(FlowCase):
     name, params = "unsteady_oseen_flow_tri3", IN_TIME
+
+
+class TestCurvedSlip(FlowCase):
+    name, params, X = "curved_slip_edge2", (MU,), TRI3[:2].copy()
+
+    def test_a_chord_of_a_circle_has_the_friction_of_its_curvature(self, element):
+        """mu u / r along the way of the fluid, on the side that it is outside of: here clockwise around it."""
+        angle, radius, speed = 0.02, 2.0, 3.0
+        at = np.array([angle, -angle])
+        x = np.zeros((2, element.fields))
+        x[:, :2] = speed * np.column_stack([np.sin(at), -np.cos(at)])
+        out = self.residual(element, radius * np.column_stack([np.cos(at), np.sin(at)]), x)
+        friction = MU * speed / radius * 2 * radius * np.sin(angle)
+        np.testing.assert_allclose(out[:, :2].sum(axis=0), [0.0, -friction], rtol=1e-3, atol=1e-12)
+
+    def test_a_straight_edge_has_none(self, element):
+        x = np.zeros((2, element.fields))
+        x[:, :2] = np.outer([1.0, 2.5], self.X[1] - self.X[0])
+        np.testing.assert_allclose(self.residual(element, self.X, x), 0.0, atol=1e-14)
+
+
+class TestCurvedSlipWithHeat(TestCurvedSlip):
+    name = "curved_slip_with_heat_edge2"
 
 
 def assembled(name, x, params, w=None):

@@ -64,12 +64,6 @@ def test_an_edge_inside_has_no_condition(tmp_path):
         solved(tmp_path, text)
 
 
-def test_a_round_edge_cannot_slip(tmp_path):
-    text = everywhere("[1, 0]", STEADY).replace("[fluid]", '[boundary.w]\non = "window"\nslip = true\n[fluid]')
-    with pytest.raises(UserError, match="parallel to the x or the y axis"):
-        solved(tmp_path, text.replace('["outline", "window"]', '"outline"'))
-
-
 def test_a_channel_with_slip_is_a_uniform_stream(tmp_path):
     text = CHANNEL.replace('["4*y*(1 - y)", 0]', "[1, 0]") + STEADY + MESH
     row = solved(tmp_path, text + '[boundary.sides]\non = ["top", "bottom"]\nslip = true\n' + DRAG).row

@@ -65,6 +65,11 @@ void set_constraints(Operator& op, const py::array_t<uint8_t, py::array::c_style
     op.set_constraints(mask.data());
 }
 
+void set_sliding(Operator& op, const Indices& list, const Doubles& kept) {
+    require(kept.size() == 3 * list.size(), "sliding nodes need xx, xy and yy of a projection each");
+    op.set_sliding(list.data(), static_cast<int>(list.size()), kept.data());
+}
+
 // A term as Python gives it: its arrays stay alive through the tuple.
 restshape::Term term_of(const Operator& op, const Block& b, const Element& e, const Doubles& x, const Doubles& params,
                         double coef, double residual_coef, const Doubles& coefficients, py::ssize_t rows) {
@@ -152,6 +157,10 @@ void bind_operator(py::module_& m) {
              "until the next set_topology, and the matrix is another one only if there were new pairs.")
         .def("set_constraints", &set_constraints, py::arg("mask"),
              "Marks constrained unknowns: mask uint8 (n*fields,) is 1 there.")
+        .def("set_sliding", &set_sliding, py::arg("nodes"), py::arg("kept"),
+             "Nodes int32 (k,) whose first two unknowns have only what symmetric projections keep of them, (k, 3) of "
+             "xx, "
+             "xy and yy: rows and columns of the rest are left out, its diagonal gets a sum of |coef * K_ii|.")
         .def("begin", &Operator::begin, py::arg("kept") = false,
              "Starts new values at zero, or at those that `keep` has noted.")
         .def("keep", &Operator::keep,

@@ -162,6 +162,21 @@ void Operator::set_constraints(const uint8_t* mask) {
     for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
 }
 
+// Nodes whose first two unknowns are kept only as far as a symmetric projection keeps them.
+void Operator::set_sliding(const int32_t* list, int count, const double* kept) {
+    if (fields_ < 2) throw std::invalid_argument("unknowns slide in two directions, and the operator has one");
+    for (int k = 0; k < count; ++k)
+        if (list[k] < 0 || list[k] >= nodes())
+            throw std::invalid_argument("node " + std::to_string(list[k]) + " slides and does not exist");
+    kept_.clear();
+    slides_.assign(kept, kept + static_cast<size_t>(count) * 3);
+    if (static_cast<size_t>(count) == sliding_.size() && std::equal(list, list + count, sliding_.begin())) return;
+    sliding_.assign(list, list + count);
+    slide_of_.assign(count ? static_cast<size_t>(nodes()) : 0, -1);
+    for (int k = 0; k < count; ++k) slide_of_[list[k]] = k;
+    for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
+}
+
 void Operator::flag_constrained(int k, const int32_t* list, int count) {
     const Block& b = blocks_[k];
     flagged_[k].resize(b.count);
@@ -170,6 +185,8 @@ void Operator::flag_constrained(int k, const int32_t* list, int count) {
         uint8_t any = 0;
         for (int i = 0; i < b.dof_nodes; ++i)
             for (int a = 0; a < fields_; ++a) any |= mask_[static_cast<size_t>(b.dofs_of(e)[i]) * fields_ + a];
+        if (!slide_of_.empty())
+            for (int i = 0; i < b.dof_nodes; ++i) any |= slide_of_[b.dofs_of(e)[i]] >= 0;
         flagged_[k][e] = any;
     }
 }
@@ -243,6 +260,30 @@ void Operator::constrain(const Element& element, const int32_t* dofs, double coe
         K[i * stride + i] = coef < 0 ? -kept : kept;
         diagonal_[dof] += std::fabs(coef) * kept;
     }
+    if (slide_of_.empty()) return;
+    for (int i = 0; i < element.dof_nodes; ++i)
+        if (slide_of_[dofs[i]] >= 0) slide(element, i, slides_.data() + slide_of_[dofs[i]] * 3, coef, r, K);
+}
+
+// With P = {{xx, xy}, {xy, yy}}: P r, and P K P with what the diagonal lacks times I - P.
+void Operator::slide(const Element& element, int node, const double* kept, double coef, double* r, double* K) const {
+    const int n = element.unknowns(), stride = element.tangent_stride, x = node * fields_, y = x + 1;
+    const double xx = kept[0], xy = kept[1], yy = kept[2];
+    const auto project = [=](double& a, double& b) {
+        const double first = xx * a + xy * b;
+        b = xy * a + yy * b;
+        a = first;
+    };
+    project(r[x], r[y]);
+    if (!element.has_tangent()) return;
+    double *rx = K + static_cast<size_t>(x) * stride, *ry = K + static_cast<size_t>(y) * stride;
+    const double size = (std::fabs(rx[x]) + std::fabs(ry[y])) * (coef < 0 ? -0.5 : 0.5);
+    for (int j = 0; j < n; ++j) project(rx[j], ry[j]);
+    for (int i = 0; i < n; ++i) project(K[i * stride + x], K[i * stride + y]);
+    rx[x] += size * (1.0 - xx);
+    ry[y] += size * (1.0 - yy);
+    rx[y] -= size * xy;
+    ry[x] -= size * xy;
 }
 
 Mat Operator::mat() const {

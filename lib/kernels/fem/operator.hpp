@@ -51,6 +51,7 @@ class Operator {
     void set_topology(std::vector<Block> blocks);
     void patch(int block, const int32_t* changed, int count);
     void set_constraints(const uint8_t* mask);
+    void set_sliding(const int32_t* list, int count, const double* kept);
     void begin(bool kept);
     void keep();
     void add(int block, const Terms& terms);
@@ -106,12 +107,16 @@ class Operator {
     void release_retired();
     void stop_filling();
     void constrain(const Element& element, const int32_t* dofs, double coef, double* r, double* K);
+    void slide(const Element& element, int node, const double* kept, double coef, double* r, double* K) const;
 
     Mat mat_ = nullptr;
     std::vector<Mat> retired_;
     int64_t generation_ = 0;
     bool filling_ = false;
     std::vector<uint8_t> mask_;                  // (nodes * fields), 1 where constrained
+    std::vector<int32_t> sliding_;               // nodes whose first two unknowns are projected
+    std::vector<int32_t> slide_of_;              // (nodes), index among those, or -1; empty without any
+    std::vector<double> slides_;                 // xx, xy, yy of each projection
     std::vector<int32_t> constrained_;           // own constrained unknowns
     std::vector<double> diagonal_;               // (nodes * fields), what constrained diagonals have got
     std::vector<double> kept_, kept_diagonal_;   // values and diagonal_ of `keep`; empty where there are none

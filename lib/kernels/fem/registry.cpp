@@ -14,6 +14,7 @@
     file(stokes_elements) \
     file(stabilised_flow_elements) \
     file(carried_heat_elements) \
+    file(curved_slip_elements) \
     file(heat_elements)
 // clang-format on
 

@@ -4,7 +4,7 @@ from typing import Protocol
 
 from petsc4py import PETSc
 
-from restshape.arrays import Integers, Reals
+from restshape.arrays import Reals
 
 
 class Equations(Protocol):
@@ -16,9 +16,8 @@ class Equations(Protocol):
 
     potential: bool
 
-    @property
-    def constrained(self) -> Integers:
-        """Unknowns, of all n f, that are constrained."""
+    def constrain(self, rows: Reals) -> None:
+        """Set to 0 what is constrained of this rank's rows (k,) of a step."""
 
     @property
     def version(self) -> object:

@@ -73,10 +73,6 @@ class Newton:
         if before:
             # The two SNES carry it until there is another one.
             self._taken.mat = before.mat
-        start, stop = self.nodal.rows.start, self.nodal.rows.stop
-        self._step.constrained = (
-            equations.constrained[(equations.constrained >= start) & (equations.constrained < stop)] - start
-        )
 
     def tangent(self, x: Reals) -> PETSc.Mat:
         """The tangent at x (n, f), assembled unless it is there."""

@@ -1,6 +1,5 @@
 """The linear solve of one Newton step, with a shift where the tangent is not positive definite."""
 
-import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.forcing_terms import COARSE
@@ -21,7 +20,6 @@ class NewtonStep:
         linear: keeps its preconditioner over matrices and frames.
 
     Attributes:
-        constrained: this rank's constrained unknowns, counted from its first one.
         iterations, refreshed, why: of this run: of the linear solver; a preconditioner was made; what went wrong.
     """
 
@@ -29,7 +27,6 @@ class NewtonStep:
         self.linear = linear
         self.places: Reals | None = None
         self.new_system, self.patched = True, False
-        self.constrained = np.empty(0, dtype=np.int64)
         self.begin_run()
 
     def begin_run(self) -> None:
@@ -53,8 +50,9 @@ class NewtonStep:
         With `shifts` an indefinite tangent gets a multiple of the unit matrix: the step goes down in energy.
         """
         good = self._solve(tangent.mat, b, y, target) or (shifts and self._solve_shifted(tangent, b, y))
-        # A preconditioner of several grids moves constrained unknowns too, as far as its tolerance lets it.
-        y.getArray()[self.constrained] = 0.0
+        # A preconditioner of several grids, or of another place of edges, moves constrained unknowns too, as far as its
+        # tolerance lets it.
+        tangent.equations.constrain(y.getArray())
         return good
 
     def _solve(self, mat: PETSc.Mat, b: PETSc.Vec, y: PETSc.Vec, target: float) -> bool:

@@ -62,6 +62,16 @@ class Operator:
         self.version += 1
         self.core.set_constraints(np.ascontiguousarray(mask, dtype=np.uint8).ravel())
 
+    def set_sliding(self, nodes: Indices, kept: Reals) -> None:
+        """Keep of the first two unknowns of nodes (k,) what symmetric projections do; the pattern stays.
+
+        Args:
+            nodes: int32.
+            kept: (k, 3) components xx, xy and yy of each projection.
+        """
+        self.version += 1
+        self.core.set_sliding(nodes, kept)
+
     def patch(self, block: int, changed: Indices) -> None:
         """Add to the pattern what the flipped cells `changed` of a block need; nothing else is set up again."""
         self.version += 1

@@ -30,8 +30,9 @@ class ResidualEquations:
     def __init__(self, problem: SteadyProblem, operator: Operator, stages: Stages) -> None:
         self.problem, self.operator, self.stages = problem, operator, stages
         self.potential = problem.symmetric and problem.definite
-        self.constrained = problem.boundary.constrained
-        mask = problem.boundary.mask
+        mask, constrained = problem.boundary.mask, problem.boundary.constrained
+        start, stop = operator.rows.start, operator.rows.stop
+        self._own_constrained = constrained[(constrained >= start) & (constrained < stop)] - start
         self.dead, self.undeformed = np.zeros(mask.shape), np.zeros(mask.shape)
         self.free = np.where(mask, 0.0, 1.0)
         # The part of the followers that is on: no dead load takes them away.
@@ -57,7 +58,16 @@ class ResidualEquations:
         """Evaluate the dead loads on the mesh as it lies now."""
         self._changes += 1
         self._evaluated += self.problem.varies
+        if sliding := self.problem.boundary.sliding:
+            self.operator.set_sliding(sliding.nodes, sliding.kept)
         dead_loads(self.problem, self.dead)
+
+    def constrain(self, rows: np.ndarray) -> None:
+        """Set to 0 what is constrained of this rank's rows (k,) of a step."""
+        rows[self._own_constrained] = 0.0
+        if sliding := self.problem.boundary.sliding:
+            fields = self.free.shape[1]
+            sliding.project(rows.reshape(-1, fields), self.operator.rows.start // fields)
 
     def load(self) -> np.ndarray:
         """All loads (n, f) where the unknowns are 0, and with them what the body itself brings forth."""
@@ -65,7 +75,7 @@ class ResidualEquations:
             return -self.full_residual(self.undeformed)
         out = np.negative(self.dead)
         Assembled(self.problem.integrals(FOLLOWERS, self.part)).residual(self.undeformed, out)
-        out *= self.free
+        self.problem.boundary.zero(out)
         return np.negative(out, out=out)
 
     def residual(self, x: np.ndarray, out: np.ndarray) -> None:
@@ -102,7 +112,7 @@ class ResidualEquations:
     def _residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None) -> None:
         np.negative(self.dead, out=out)
         self._assembled().residual(x, out, subset)
-        out *= self.free
+        self.problem.boundary.zero(out)
 
     def _own_cells(self) -> np.ndarray | None:
         """The cells around this rank's nodes; None where these are all."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.fem.nodal_values import Nodal, varies
+from restshape.fem.sliding import Sliding
 from restshape.scene.expressions import Value
 
 AGREES = 1e-9
@@ -38,6 +39,7 @@ class Dirichlet:
         conditions: in the order of the scene.
         parameters: of the scene, for expressions.
         unit: of the values, for messages.
+        sliding: nodes at which the first two unknowns are those of a vector along edges; None: there are none.
 
     Attributes:
         mask: (n, f) uint8, 1 where an unknown is prescribed.
@@ -48,9 +50,14 @@ class Dirichlet:
     """
 
     def __init__(
-        self, shape: tuple[int, int], conditions: Sequence[Prescribed], parameters: dict[str, float], unit: str = "m"
+        self,
+        shape: tuple[int, int],
+        conditions: Sequence[Prescribed],
+        parameters: dict[str, float],
+        unit: str = "m",
+        sliding: Sliding | None = None,
     ) -> None:
-        self.conditions, self.parameters, self.unit = tuple(conditions), parameters, unit
+        self.conditions, self.parameters, self.unit, self.sliding = tuple(conditions), parameters, unit, sliding
         self.mask, self.values = np.zeros(shape, dtype=np.uint8), np.zeros(shape)
         for condition in self.conditions:
             self.mask[condition.nodes, condition.component] = 1
@@ -66,6 +73,8 @@ class Dirichlet:
             UserError: two conditions prescribe different values at one node.
             ReplayProblem: an expression has no number somewhere.
         """
+        if self.sliding:
+            self.sliding.update(X)
         if self._once:
             self.nonzero = False
             for condition in self.conditions:
@@ -93,10 +102,14 @@ class Dirichlet:
     def apply(self, x: np.ndarray) -> None:
         """Set the prescribed unknowns of x (n, f)."""
         x.ravel()[self.constrained] = self.values.ravel()[self.constrained]
+        if self.sliding:
+            self.sliding.project(x)
 
     def zero(self, out: np.ndarray) -> None:
         """Set `out` (n, f) to 0 at prescribed unknowns."""
         out.ravel()[self.constrained] = 0.0
+        if self.sliding:
+            self.sliding.project(out)
 
     def _check_agreement(self, condition: Prescribed, values: np.ndarray, before: np.ndarray, X: np.ndarray) -> None:
         clash = np.flatnonzero(np.abs(values - before) > AGREES * np.maximum(np.abs(values), np.abs(before)))

@@ -5,6 +5,8 @@ def families() -> dict[str, Family]: ...
 ANISOTROPIC: Family
 CARRIED_HEAT: Family
 CONDUCTION: Family
+CURVED_SLIP: Family
+CURVED_SLIP_WITH_HEAT: Family
 FLOW: Family
 GEOMETRIC: Family
 GEOMETRIC_DILATATION: Family

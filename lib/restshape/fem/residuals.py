@@ -88,10 +88,14 @@ def design_rates(problem: SteadyProblem, x: np.ndarray, dX: np.ndarray) -> tuple
     """
     space = problem.space
     prescribed = problem.boundary.rate(space.dof_X, space.at_dofs(dX))
+    if sliding := problem.boundary.sliding:
+        prescribed += sliding.across(x, dX)
     moved = prescribed if np.any(prescribed) else None
     out = np.zeros_like(x)
     for kind in (INTERNAL, LOADS, FOLLOWERS):
         for integral in problem.integrals(kind):
             integral.add_design_product(x, dX, out, None if kind == LOADS else moved)
     problem.add_nodal_load_rates(dX, out)
+    if sliding:
+        out += sliding.turned(unconstrained_residual(problem, x), dX)
     return out, prescribed

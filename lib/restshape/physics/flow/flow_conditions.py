@@ -1,5 +1,6 @@
 """What a flow does at the edges of its shape: prescribed velocities, walls, outflow, and the datum of the pressure."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -7,13 +8,12 @@ import numpy as np
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.fem.nodal_values import evaluate
+from restshape.fem.sliding import Sliding
 from restshape.fem.space import PlaneSpace
 from restshape.scene.expressions import Value
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 
-PARALLEL = 1e-6
-"""An edge is parallel to an axis if its direction is, up to this angle."""
 UNBALANCED = 0.02
 """Part of what flows through a vessel without outflow by which what comes in may differ from what goes out."""
 PIECES = 50
@@ -31,6 +31,7 @@ class FlowConditions:
         dirichlet: of velocity and pressure, columns x, y, p.
         closed: there is no outflow: the pressure has a datum at one node.
         constrained_edges: names of the edges at which the velocity is prescribed.
+        curved_slip: (k, 2) int32 facets with slip of edges that turn, or go on in others with slip.
     """
 
     columns = 3
@@ -41,21 +42,21 @@ class FlowConditions:
         self._kinds = edge_kinds(scene, outline)
         self.closed = not any(table.kind == "outflow" for table in scene.boundary.values())
         self.constrained_edges = [outline.edges[k].name for k, (kind, _) in self._kinds.items() if kind != "outflow"]
-        conditions = [*self._walls(), *self._velocities(), *self._slips()]
+        conditions = [*self._walls(), *self._velocities()]
         if self.closed:
             conditions.append(Prescribed("boundary", 2, space.facets[:1, 0], 0.0))
         conditions += self._others()
-        self.dirichlet = Dirichlet((len(space.X), self.columns), conditions, scene.parameters, "m/s")
+        self.curved_slip = np.ascontiguousarray(space.facets[self._slips(curved=True)])
+        shape = (len(space.X), self.columns)
+        self.dirichlet = Dirichlet(shape, conditions, scene.parameters, "m/s", self._sliding())
 
     def evaluate(self, time: float) -> None:
         """Set prescribed velocities for the nodes where they lie, at a time [s].
 
         Raises:
-            UserError: an edge on which the fluid slips is parallel to no axis, or two velocities meet at a node.
+            UserError: two velocities meet at a node.
             ReplayProblem: a formula has no number somewhere, or more flows into a closed vessel than out of it.
         """
-        for name in self._slipping():
-            self._components_across(name)
         self.dirichlet.parameters = {**self.scene.parameters, "t": time}
         self.dirichlet.evaluate(self.space.X)
         if self.closed:
@@ -76,6 +77,23 @@ class FlowConditions:
         mean = 0.5 * (velocity[facets[:, 0]] + velocity[facets[:, 1]])
         return mean[:, 0] * along[:, 1] - mean[:, 1] * along[:, 0]
 
+    def slips_at(self, edge: str) -> bool:
+        """Whether the fluid slips on an entity of the border."""
+        return bool(np.any(self._slips()[self.space.facets_of(edge)]))
+
+    def normal_friction(self, edge: str, x: np.ndarray) -> np.ndarray:
+        """The sum (2,) of normals times what velocities x (n, >=2) grow by along each facet with slip of an entity.
+
+        Times the viscosity it is the part n du_n/dn of the stress that the Laplace form lacks, in a flow without
+        divergence.
+        """
+        of = self.space.facets_of(edge)
+        facets = self.space.facets[of[self._slips()[of]]]
+        along = self.space.X[facets[:, 1]] - self.space.X[facets[:, 0]]
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        growth = ((x[facets[:, 1], :2] - x[facets[:, 0], :2]) * along).sum(axis=1)
+        return growth @ np.column_stack([along[:, 1], -along[:, 0]])
+
     def _walls(self) -> Iterator[Prescribed]:
         self._wall = np.unique(self.facets_of("wall"))
         yield from (Prescribed("boundary", k, self._wall, 0.0) for k in range(2))
@@ -94,21 +112,27 @@ class FlowConditions:
     def _components(self, where: str, nodes: np.ndarray, values: Sequence[Value]) -> Iterator[Prescribed]:
         yield from (Prescribed(f"{where}.{k}", k, nodes, value) for k, value in enumerate(values))
 
-    def _slips(self) -> Iterator[Prescribed]:
-        for name in self._slipping():
-            facets = self.space.facets[self._facets(name)]
-            components = self._components_across(name)
-            for k in range(2):
-                yield Prescribed(f"boundary.{name}", k, np.setdiff1d(facets[components == k], self._given), 0.0)
+    def _sliding(self) -> Sliding | None:
+        """The nodes at which the fluid slips; None where it does nowhere."""
+        slips = self._slips()
+        if not slips.any():
+            return None
+        edges = self.space.facet_edge[slips]
+        rounded = np.array([self.space.outline.edges[edge].kind in ("arc", "spline") for edge in edges])
+        return Sliding(self.space.facets[slips], np.where(rounded, edges, -1 - np.arange(len(edges))), self._given)
 
-    def _slipping(self) -> list[str]:
-        """Names of the tables of edges along which the fluid slips."""
-        return [name for name, table in self.scene.boundary.items() if table.kind == "slip"]
-
-    def _components_across(self, name: str) -> np.ndarray:
-        """The components (k,) of the velocity across the facets of such a table."""
-        ends = self.space.X[self.space.facets[self._facets(name)]]
-        return across(ends[:, 1] - ends[:, 0], f"boundary.{name}")
+    def _slips(self, curved: bool = False) -> np.ndarray:
+        """On which facets (k,) the fluid slips; only those whose edge turns or goes on in another, where asked for."""
+        outline = self.space.outline
+        edges = [edge for edge, (kind, _) in self._kinds.items() if kind == "slip"]
+        if curved:
+            ends = Counter(end for k in edges for end in (outline.edges[k].start, outline.edges[k].end))
+            edges = [
+                k
+                for k in edges
+                if outline.edges[k].kind != "line" or ends[outline.edges[k].start] > 1 or ends[outline.edges[k].end] > 1
+            ]
+        return np.isin(self.space.facet_edge, edges)
 
     def _facets(self, name: str) -> np.ndarray:
         return np.unique(np.concatenate([self.space.facets_of(on) for on in self.scene.boundary[name].on]))
@@ -120,19 +144,6 @@ class FlowConditions:
         fluxes = self.fluxes(self.facets_of("velocity"), self.dirichlet.values[:, :2])
         if unbalanced(float(fluxes.sum()), float(np.abs(fluxes).sum())):
             raise ReplayProblem(unequal(fluxes))
-
-
-def across(along: np.ndarray, key: str) -> np.ndarray:
-    """The components (k,) of velocities across directions (k, 2), each parallel to an axis.
-
-    Raises:
-        UserError: one is parallel to none.
-    """
-    size = np.abs(along)
-    if (size.min(axis=1) > PARALLEL * size.max(axis=1)).any():
-        what = "the fluid slips along edges that are parallel to the x or the y axis only, and one here is not"
-        raise UserError(what, key, "turn the edge, or make it a wall")
-    return (size[:, 0] > size[:, 1]).astype(int)
 
 
 def unbalanced(net: float, through: float) -> bool:
@@ -180,9 +191,6 @@ def check_shape(scene: Scene, outline: Outline) -> None:
     """
     try:
         kinds = edge_kinds(scene, outline)
-        for edge, (kind, name) in kinds.items():
-            if kind == "slip":
-                across(np.diff(outline.polyline(edge), axis=0), f"boundary.{name}")
         fluxes = np.array([*_fluxes(scene, outline, kinds)])
         closed = not any(kind == "outflow" for kind, _ in kinds.values())
         if closed and unbalanced(float(fluxes.sum()), float(np.abs(fluxes).sum())):

@@ -57,7 +57,8 @@ class EdgeCondition(Strict):
         on: the edges.
         velocity: of the fluid [m/s], two formulas of x, y and the time t.
         wall: the fluid sticks to it; it stands still, also while it is edited.
-        slip: the fluid goes along it without friction; the edge is parallel to the x or to the y axis.
+        slip: the fluid goes along it without friction, whatever its direction; where two such edges meet at more than
+            20 degrees, it stands still.
         outflow: mu du/dn = p n, so that the fluid leaves as it will, at a pressure of 0.
     """
 

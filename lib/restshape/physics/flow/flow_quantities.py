@@ -96,11 +96,12 @@ def _force(problem: ObservedFlow, edge: str, axis: int, unit: float) -> Callable
     if any(problem.conditions.is_outflow(k) for k in problem.space.outline.entity(edge).edges):
         raise UserError(f"the fluid leaves by {edge!r}, so that there is no force on it", "at", "name a wall")
     on = EdgeReactions(problem.space, edge, problem.conditions.constrained_edges)
-    factor = -problem.fluid.depth / unit
+    factor, slips = -problem.fluid.depth / unit, problem.conditions.slips_at(edge)
 
     def force(x: np.ndarray) -> float:
         rest = unconstrained_residual(problem, x, cells_around(problem.space, on.nodes))
-        return factor * float(on.parts() @ rest[on.nodes, axis])
+        slip = problem.conditions.normal_friction(edge, x)[axis] if slips else 0.0
+        return factor * (float(on.parts() @ rest[on.nodes, axis]) - problem.fluid.mu * slip)
 
     return force
 

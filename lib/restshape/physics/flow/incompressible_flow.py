@@ -11,6 +11,8 @@ import numpy as np
 from restshape.fem import problem as kinds
 from restshape.fem.averages import node_weights
 from restshape.fem.elements import (
+    CURVED_SLIP,
+    CURVED_SLIP_WITH_HEAT,
     FLOW,
     OSEEN_FLOW,
     SLOW_FLOW,
@@ -136,8 +138,9 @@ class IncompressibleFlow(SteadyProblem):
         self.conditions.evaluate(0.0 if self.step is None else self.step.time)
 
     def blocks(self) -> list[np.ndarray]:
-        """Entities (m, 3) int32 that have a tangent: the cells."""
-        return [self.space.cells]
+        """Entities (m, k) int32 that have a tangent: the cells, and facets along which slip turns."""
+        curved = self.conditions.curved_slip
+        return [self.space.cells, *([curved] if len(curved) else [])]
 
     def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
         """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
@@ -147,7 +150,7 @@ class IncompressibleFlow(SteadyProblem):
         if self.step is not None:
             given = [*given, self.step.past[:, :2]]
         family = (STEADY if self.step is None else IN_TIME)[advecting]
-        return [self._integral(family, np.array(self._parameters()), given)]
+        return [self._integral(family, np.array(self._parameters()), given), *self._slip()]
 
     def _conditions(self) -> FlowConditions:
         """The conditions at the border."""
@@ -163,6 +166,14 @@ class IncompressibleFlow(SteadyProblem):
         coefficients = np.ascontiguousarray(np.hstack(given)) if given else None
         space = self.space
         return Integral(family[space.cell_type], space.X, space.cells, parameters, coefficients=coefficients)
+
+    def _slip(self) -> list[Integral]:
+        """What friction lacks on edges with slip that turn."""
+        curved = self.conditions.curved_slip
+        if not len(curved):
+            return []
+        family = CURVED_SLIP if self.conditions.columns == 3 else CURVED_SLIP_WITH_HEAT
+        return [Integral(family["edge2"], self.space.X, curved, np.array([self.fluid.mu * self.thickening]), block=1)]
 
     def _advecting(self) -> tuple[str, list[np.ndarray]]:
         """How the velocity is advected, and by which nodal velocity (n, 2) where that is no unknown."""

@@ -115,6 +115,11 @@ class ClothEquations:
         """Unknowns, of all 3 n, that are constrained."""
         return self.problem.boundary.constrained
 
+    def constrain(self, rows: np.ndarray) -> None:
+        """Set to 0 what is constrained of this rank's rows (k,) of a step."""
+        own, constrained = self.rows, self.constrained
+        rows[constrained[(constrained >= own.start) & (constrained < own.stop)] - own.start] = 0.0
+
     @property
     def mass(self) -> np.ndarray:
         """Of the nodes (n,) [kg]."""
