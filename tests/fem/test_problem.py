@@ -31,6 +31,7 @@ DEFAULTS = {
     "cell_scalars",
     "definite",
     "rigid_motions",
+    "start",
 }
 """What a problem may inherit from the protocol as it stands there."""
 

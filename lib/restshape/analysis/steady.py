@@ -359,7 +359,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
                     last = before.space.interpolate(x, frame.interpolations)
                     projected = problem.space.project(before.space, last)
             log.info("%s", "Cold start" if projected is None else f"Unknowns interpolated to {len(projected)} nodes")
-            x = projected if projected is not None else np.zeros(problem.boundary.mask.shape)
+            x = projected if projected is not None else problem.start()
             self.guess.restart()
         self.state = replace(before, plan=plan, bound=BoundProblem(mesh, problem, system, observer), x=x)
 

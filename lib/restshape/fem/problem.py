@@ -135,6 +135,10 @@ class SteadyProblem(Problem, Protocol):
     def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
         """Take the rates of the loads of `add_nodal_loads`, when nodes move with dX (n, d), from `out` (n, f)."""
 
+    def start(self) -> np.ndarray:
+        """The unknowns (n, f) from which a search begins that knows nothing of the solution."""
+        return np.zeros(self.boundary.mask.shape)
+
     def objection(self, x: np.ndarray) -> str:
         """What speaks against unknowns x (n, f) that solve the equations, for people; empty where nothing does."""
         return ""

@@ -164,7 +164,7 @@ class Physics:
         name: for people.
         summary: one line for people.
         solver: which equations there are and how they are solved, of a scene, the names of the effects that are on, and
-            the settings of each effect by name.
+            the settings of each effect by name; it gives None where the physics makes none.
         material: model of the keys of ``[material.NAME]``; None: it wants none.
         materials: values that it knows of materials by their names, as a scene would hold them.
         boundary: the dimension of each component that ``fix`` of a support may prescribe.
@@ -203,7 +203,7 @@ class Physics:
 
     name: str
     summary: str
-    solver: Callable[[Scene, frozenset[str], Mapping[str, object]], SolverPlan]
+    solver: Callable[[Scene, frozenset[str], Mapping[str, object]], SolverPlan | None]
     material: type[Material] | None = None
     materials: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
     boundary: Mapping[str, str] = field(default_factory=dict)

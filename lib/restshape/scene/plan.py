@@ -87,7 +87,7 @@ def plan(scene: Scene, application: Application) -> Plan:
     on = frozenset(effect.name for effect in planned if effect.on)
     derived = tuple(_derived(name, effect, scene, on) for name, effect in application.derived.items())
     settings = {effect.name: effect.settings for effect in planned}
-    solver = joint([physics.solver(scene, on, settings) for physics in application.physics])
+    solver = joint([made for one in application.physics if (made := one.solver(scene, on, settings))])
     usual = (application.orders[0], application.order_why)
     possible = ((order, why) for order, why in orders if order is not None and order in application.orders)
     order, order_why = next(possible, usual)

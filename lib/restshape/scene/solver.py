@@ -50,6 +50,8 @@ class SolverPlan:
 
 def joint(plans: Sequence[SolverPlan]) -> SolverPlan:
     """The plan of several physics at once: as hard as the hardest of them."""
+    if not plans:
+        return SolverPlan("linear", (), "nothing is looked for")
     if len(plans) == 1:
         return plans[0]
     equations = max((plan.equations for plan in plans), key=HARDNESS.index)

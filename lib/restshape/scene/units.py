@@ -144,7 +144,7 @@ KNOWN_UNITS = (
 
 NUMBER_UNIT = re.compile(
     r"\s*([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
-    r"\s*((?![eE][+-]?\d)[A-Za-zµ°%](?:[\w\sµ°%^*/.²³·-]|/\s*\([A-Za-zµ°%][\w\sµ°%^*.²³·-]*\))*)?\s*$"
+    r"\s*((?:(?<=\s)1/)?(?![eE][+-]?\d)[A-Za-zµ°%](?:[\w\sµ°%^*/.²³·-]|/\s*\([A-Za-zµ°%][\w\sµ°%^*.²³·-]*\))*)?\s*$"
 )
 MEASURE = re.compile(r"(?<![\w.])((?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµ°%]+)(?!\w)(\s*(?:\^|\*\*))?")
 FACTOR = re.compile(r"([*/·\s]*)([A-Za-zµ°%]+)(?:\^?(-?\d+))?\s*")
@@ -211,7 +211,7 @@ def unit(text: str) -> tuple[float, Powers]:
     Raises:
         UnitError: a unit that is not known.
     """
-    plain = text.strip().replace("²", "^2").replace("³", "^3")
+    plain = text.strip().replace("²", "^2").replace("³", "^3").removeprefix("1")
     factor, powers = 1.0, NONE
     for group in GROUP.findall(plain):
         scale, own = _product(group, text)
@@ -323,6 +323,9 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
         if match[2]:
             zero = ZEROS.get(match[2].strip(), 0.0)
             factor, powers = UNITS["K"] if zero else _unit_of(value, match[2])
+            if zero and dimension not in (None, "temperature") and powers == DIMENSIONS[dimension]:
+                what = f"{value!r} is a temperature on a scale, but {article(dimension)} is wanted"
+                raise UnitError(what, f"write the difference in K: {example}")
             if dimension is not None and powers != DIMENSIONS[dimension]:
                 if dimension == "density" and powers == MASS_BY_AREA:
                     by_area = float(match[1]) * factor

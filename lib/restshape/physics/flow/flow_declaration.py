@@ -132,8 +132,10 @@ class Coefficient(Strict):
     length: Annotated[number_of("length"), Field(gt=0)]
 
 
-def flow_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
-    """Which equations flow makes, and which solver they get."""
+def flow_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan | None:
+    """Which equations flow makes, and which solver they get; None where it is off."""
+    if "flow" not in on:
+        return None
     why = "velocity and pressure together, stabilised: no pivot of a complete factor need be exchanged"
     system = System("velocity and pressure", UNSYMMETRIC, "gmres", "lu", why)
     if "convection" in on:
@@ -184,8 +186,8 @@ def _refuse_time(name: str, table: EdgeCondition, source: Source) -> None:
             raise source.error(("boundary", name, "velocity", str(k)), what, "add a time_step to [effects.flow]")
 
 
-def _closed(scene: Scene, _: On) -> str:
-    if any(table.kind == "outflow" for table in scene.boundary.values()):
+def _closed(scene: Scene, on: On) -> str:
+    if "flow" not in on or any(table.kind == "outflow" for table in scene.boundary.values()):
         return ""
     return "there is no outflow: only differences of pressure matter, and its mean is 0"
 
@@ -204,8 +206,8 @@ FLOW = Physics(
     summary="incompressible flow in the plane, steady and in time",
     solver=flow_plan,
     sections={
-        "fluid": Section(Fluid, "what flows", required=True),
-        "boundary": Section(EdgeCondition, "what the flow does at edges", named=True),
+        "fluid": Section(Fluid, "what flows", required=True, shared=True),
+        "boundary": Section(EdgeCondition, "what the flow does at edges", named=True, shared=True),
     },
     quantities={
         "drag": QuantityKind(Literal[True], "force", "sum", summary=f"force along x {PLACE}", on=CURVES),
@@ -226,7 +228,9 @@ FLOW = Physics(
         "kinetic": QuantityKind(Literal[True], "moment", "sum", whole=True, summary="kinetic energy of the fluid"),
     },
     effects={
-        "flow": Effect(FlowSettings, "velocity and pressure of a fluid", drives=True, transient="time_step"),
+        "flow": Effect(
+            FlowSettings, "velocity and pressure of a fluid", fixed=True, drives=True, transient="time_step"
+        ),
         "convection": Effect(Advection, "the fluid's inertia", kernels=("flow_tri3", "unsteady_flow")),
     },
     derived={

@@ -220,7 +220,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     def _guess(self, x: np.ndarray, past: Past) -> np.ndarray:
         """Unknowns (n, 3) after a step, at the rate of change of the step before."""
         if not self.context.policy.warm:
-            return np.zeros_like(x)
+            return made(self.state.bound).problem.start()
         guess = x.copy()
         if self.context.policy.extrapolate and past.before is not None:
             guess[:, list(self.make.history)] = 2.0 * past.values - past.before[0]

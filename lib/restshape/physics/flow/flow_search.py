@@ -75,7 +75,7 @@ class FlowSearch:
 
     def _thinned(self, before: Outcome) -> tuple[Outcome, np.ndarray]:
         """The flow from that of a fluid with a large viscosity, which is made smaller in steps."""
-        x = np.zeros_like(self.problem.boundary.values)
+        x = self.problem.start()
         try:
             for factor in THICKER:
                 self._change(thickening=factor)

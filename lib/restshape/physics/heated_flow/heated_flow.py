@@ -1,0 +1,194 @@
+"""Incompressible flow with heat as a problem: velocity, pressure and temperature of a scene on one space."""
+
+# More than 15 modules: conditions, elements, sources and quantities make one problem here.
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from restshape.fem import problem as kinds
+from restshape.fem.cell_samples import CellValues, Given
+from restshape.fem.elements import (
+    HEATED_FLOW,
+    HEATED_OSEEN_FLOW,
+    HEATED_SLOW_FLOW,
+    UNSTEADY_HEATED_FLOW,
+    UNSTEADY_HEATED_FLOW_ON_MOVING_MESH,
+    UNSTEADY_HEATED_OSEEN_FLOW,
+    UNSTEADY_HEATED_SLOW_FLOW,
+    UNSTEADY_HEATED_SLOW_FLOW_ON_MOVING_MESH,
+)
+from restshape.fem.integral import Integral
+from restshape.fem.observer import Observer
+from restshape.fem.problem import Fields, Unknown
+from restshape.fem.space import Space
+from restshape.physics.flow.incompressible_flow import IncompressibleFlow
+from restshape.physics.heated_flow.border_heat import BorderHeat
+from restshape.physics.heated_flow.fluid_heat import heat_properties
+from restshape.physics.heated_flow.heated_flow_conditions import HeatedFlowConditions
+from restshape.physics.heated_flow.heated_flow_quantities import heated_flow_quantity
+from restshape.physics.heated_flow.temperature_differences import initial
+from restshape.scene.model import Quantity, Scene
+from restshape.scene.plan import Plan
+
+STEADY = {"none": HEATED_SLOW_FLOW, "own": HEATED_FLOW, "given": HEATED_OSEEN_FLOW}
+IN_TIME = {
+    "none": UNSTEADY_HEATED_SLOW_FLOW,
+    "own": UNSTEADY_HEATED_FLOW,
+    "relative": UNSTEADY_HEATED_FLOW_ON_MOVING_MESH,
+    "given": UNSTEADY_HEATED_OSEEN_FLOW,
+    "mesh": UNSTEADY_HEATED_SLOW_FLOW_ON_MOVING_MESH,
+}
+"""Elements by what advects the velocity."""
+
+
+class HeatedFlow(IncompressibleFlow):
+    """Flow with a temperature T that it carries and that may lift it: the equations of Boussinesq.
+
+    Those of `IncompressibleFlow` with the force -rho beta (T - T0) g, and C (dT/dt + u . grad T) = k laplace T + s.
+    Arguments as there.
+
+    Attributes:
+        capacity: C [J/(m^3 K)]; conductivity: k [W/(m K)].
+        lift: (2,) force by temperature, -rho beta g [N/(m^3 K)]; 0 without buoyancy.
+        border: given heat fluxes.
+
+    Source: docs/theory/flow.md.
+    """
+
+    name = "heated_flow"
+    unknowns = (*IncompressibleFlow.unknowns, Unknown("temperature", "K", ("temperature",)))
+    history = (0, 1, 3)
+
+    def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
+        self.capacity, self.conductivity = heat_properties(scene)
+        given = [Given(f"heat.{name}.source", one.on, one.source) for name, one in scene.heat.items()]
+        self.sources, self.border = CellValues(space, given, scene.parameters), BorderHeat(scene, space)
+        self.lift, self.neutral = np.zeros(2), initial(scene)
+        if plan.on("buoyancy"):
+            g = np.array(plan.settings("gravity").g)
+            self.lift, self.neutral = -scene.fluid.rho * scene.fluid.expansion * g, scene.fluid.reference
+        super().__init__(scene, plan, space)
+
+    def start(self) -> np.ndarray:
+        """The unknowns (n, 4) from which a search begins that knows nothing: at rest, at the temperature at time 0."""
+        x = np.zeros_like(self.boundary.values)
+        x[:, 3] = initial(self.scene)
+        self.boundary.apply(x)
+        return x
+
+    initial = start
+
+    def update(self) -> None:
+        """Evaluate again what depends on the place of the nodes, and on the time."""
+        super().update()
+        self.border.time = 0.0 if self.step is None else self.step.time
+        self._source = self.sources() if self.sources.given else np.zeros((1, 1))
+        self._entering = self.size * self.border.largest + self.size**2 * float(np.abs(self._source).max())
+        self.heat_factor = self._heat_factor()
+
+    @property
+    def span(self) -> float:
+        """The difference of temperatures that drives the flow, as far as it is known before a solution [K]."""
+        mask = self.boundary.mask[:, 3] > 0
+        known = [self.boundary.values[mask, 3]]
+        if np.any(self.lift):
+            known.append(np.array([self.neutral]))
+        if self.step is not None:
+            known.append(-self.step.past[:, 2] / self.step.rate)
+        values = np.concatenate(known)
+        width = float(np.sqrt(self._area))
+        entering = width * self.border.largest + width**2 * float(np.abs(self._source).max())
+        return float(np.ptp(values)) + entering / self.conductivity if len(values) else entering / self.conductivity
+
+    @property
+    def speed(self) -> float:
+        """The largest velocity that is prescribed, was there before the step, or buoyancy may bring about [m/s]."""
+        pull, width = float(np.linalg.norm(self.lift)) / self.fluid.rho * self.span, float(np.sqrt(self._area))
+        return max(super().speed, min(np.sqrt(pull * width), pull * width**2 * self.fluid.rho / self.fluid.mu))
+
+    @property
+    def stiffest(self) -> float:
+        """The largest of the coefficients of momentum and of heat [Pa s], with those of a step."""
+        stored = 0.0 if self.step is None else self.capacity * self.step.rate * self.size**2
+        return max(super().stiffest, self.heat_factor * (self.conductivity + stored))
+
+    def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
+        """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
+        if kind in (kinds.LOADS, kinds.FOLLOWERS):
+            return []
+        advecting, given = self._advecting()
+        if self.step is not None:
+            given = [*given, self.step.past]
+        family = (STEADY if self.step is None else IN_TIME)[advecting]
+        return [self._integral(family, self._with_sources(), given)]
+
+    def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
+        """Add `sign` times the heat that enters by the border to `out` (n, 4); see `fem.problem.SteadyProblem`."""
+        out[:, 3] += sign * self.heat_factor * self.border.loads(cells)
+
+    def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
+        """Take the rates of this heat, when nodes move with rates dX (n, 2), from `out` (n, 4)."""
+        out[:, 3] -= self.heat_factor * self.border.rates(dX)
+
+    def force_scale(self, x: np.ndarray) -> float:
+        """What residuals at x (n, 4) are measured against [N/m]: the least of the scales of momentum and of heat."""
+        return min(self._momentum_scale(x), self.heat_factor * self._heat_scale(x))
+
+    def fields(self, x: np.ndarray) -> Fields:
+        """Velocity [m/s], pressure [Pa], speed [m/s] and temperature [K] of the nodes, at x (n, 4)."""
+        points, cells = super().fields(x)
+        return {**points, "temperature": x[:, 3]}, cells
+
+    @classmethod
+    def blank_fields(cls, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+        points, cells = super().blank_fields(space)
+        return {**points, "temperature": np.full(len(space.X), np.nan)}, cells
+
+    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
+        """What evaluates quantities of the unknowns x (n, 4)."""
+        return Observer({name: heated_flow_quantity(self, name, quantity) for name, quantity in quantities.items()})
+
+    def heat_residual(self, rest: np.ndarray) -> np.ndarray:
+        """The heat (n,) [W/m] that a residual (n, 4) of the equations lacks at the nodes."""
+        return rest[:, 3] / self.heat_factor
+
+    # --- parts --------------------------------------------------------------------------------------------------------
+
+    def _conditions(self) -> HeatedFlowConditions:
+        return HeatedFlowConditions(self.scene, self.space)
+
+    def _advecting(self) -> tuple[str, list[np.ndarray]]:
+        """How the velocity is advected, and by which nodal velocity (n, 2) where that is no unknown."""
+        moving = None if self.step is None else self.step.mesh_velocity
+        return super()._advecting() if self.inertia or moving is None else ("mesh", [moving])
+
+    def _with_sources(self) -> np.ndarray:
+        """Parameters (p,) of all cells, or (ne, p) with sources."""
+        heat = [self.capacity, self.conductivity, self.heat_factor]
+        always = np.array([*self._parameters(), *self.lift, self.neutral, *heat])
+        rows = np.hstack([np.broadcast_to(always, (len(self._source), len(always))), self._source])
+        return rows if len(rows) > 1 else rows[0]
+
+    def _momentum_scale(self, x: np.ndarray) -> float:
+        speed = np.linalg.norm(x[:, :2], axis=1)
+        dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
+        lifted = np.linalg.norm(self.lift) * np.abs(x[:, 3] - self.neutral) * self.size
+        return self.size * float(np.sqrt(np.mean((dynamic + self.fluid.mu / self.size * speed + lifted) ** 2)))
+
+    def _heat_scale(self, x: np.ndarray) -> float:
+        """What residuals of heat at x (n, 4) are measured against [W/m]: what is carried and conducted at a node."""
+        speed, span = np.linalg.norm(x[:, :2], axis=1), float(np.ptp(x[:, 3]))
+        carried = self.capacity * speed + self.conductivity / self.size
+        return self.size * span * float(np.sqrt(np.mean(carried**2))) + self._entering
+
+    def _heat_factor(self) -> float:
+        """The factor of the equation of heat [Pa m/(W/m)] that makes its residual one of forces."""
+        speed, span, size = self.speed, self.span, self.size
+        dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
+        lifted = float(np.linalg.norm(self.lift)) * span * size
+        force = size * (dynamic + self.fluid.mu / size * speed + lifted)
+        heat = size * span * (self.capacity * speed + self.conductivity / size) + self._entering
+        return force / heat if force > 0.0 and heat > 0.0 else self.fluid.mu / self.conductivity

@@ -1,0 +1,101 @@
+"""The analyses of fluids with heat: of flow, with heat where temperatures differ, or of conduction alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from restshape.algebra.linear_report import LinearReport
+from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.frame import Frame
+from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
+from restshape.analysis.steady import SteadyAnalysis
+from restshape.application import application_of
+from restshape.fem.problem import SteadyProblem
+from restshape.first_use import made
+from restshape.physics.flow.flow_in_time import FlowInTimeAnalysis
+from restshape.physics.flow.history import Past
+from restshape.physics.flow.incompressible_flow import IncompressibleFlow
+from restshape.physics.flow.steady_flow import SteadyFlowAnalysis
+from restshape.physics.heated_flow.heated_flow import HeatedFlow
+from restshape.physics.heated_flow.isothermal_flow import IsothermalFlow
+from restshape.physics.heated_flow.still_fluid import StillFluid
+from restshape.physics.heated_flow.temperature_differences import initial
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+from restshape.scene.plan import plan as planned
+
+UNIFORM = 1e-9
+"""Difference of temperatures, over the largest, below which there is none."""
+
+
+def fluid_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis[SteadyProblem]:
+    """Of a fluid with or without heat, steady or in time; arguments as of any `Analysis`."""
+    if not plan.on("flow"):
+        return SteadyAnalysis(scene, plan, context, StillFluid)
+    in_time = plan.settings("flow").time_step is not None
+    make = HeatedFlowInTime if in_time else SteadyHeatedFlow
+    return make(scene, plan, context, _equations(plan))
+
+
+def _equations(plan: Plan) -> type[IncompressibleFlow]:
+    """Those of flow alone where no temperature differs from another."""
+    return HeatedFlow if plan.on("temperature_difference") else IsothermalFlow
+
+
+class Switching(NonlinearSteadyAnalysis):
+    """An analysis whose equations are others as soon as temperatures differ; arguments as of its bases."""
+
+    def solve(self, frame: Frame) -> LinearReport:
+        """Bring the unknowns up to date with a frame; see its bases."""
+        if self.state.bound is not None and frame.scene is not self.state.scene:
+            wanted = self._wanted(frame.scene)
+            if wanted is not type(self.state.problem):
+                self._switch(frame.scene, wanted)
+        return super().solve(frame)
+
+    def _wanted(self, scene: Scene) -> type[IncompressibleFlow]:
+        """The equations of a scene."""
+        return _equations(planned(scene, application_of(scene)))
+
+    def _switch(self, scene: Scene, wanted: type[IncompressibleFlow]) -> None:
+        """Go on with other equations, whose unknowns are those of before, as on a new mesh."""
+        x, bound = self._with_temperature(self.state.x, wanted, scene), self.state.bound
+        self.make = wanted
+        self.solver = self._make_solver(scene)
+        # A mesh that is none of the frame's: it is set up anew, from the unknowns of before.
+        self.state = replace(self.state, x=x, bound=replace(bound, mesh=None), interrupted=True)
+
+    def _with_temperature(self, x: np.ndarray, wanted: type[IncompressibleFlow], scene: Scene) -> np.ndarray:
+        """Unknowns (n, 3) or (n, 4) as those of the wanted equations."""
+        if wanted is IsothermalFlow:
+            return x[:, :3].copy()
+        return np.column_stack([x[:, :3], np.full(len(x), initial(scene))])
+
+
+class SteadyHeatedFlow(Switching, SteadyFlowAnalysis):
+    """Steady flow, with heat where temperatures differ; arguments as `analysis.steady.SteadyAnalysis`.
+
+    Source: docs/theory/flow.md.
+    """
+
+
+class HeatedFlowInTime(Switching, FlowInTimeAnalysis):
+    """Flow in time, with heat as soon as temperatures differ; arguments as `analysis.steady.SteadyAnalysis`.
+
+    Source: docs/theory/flow.md.
+    """
+
+    def _wanted(self, scene: Scene) -> type[IncompressibleFlow]:
+        """The equations of a scene; a fluid whose temperatures differ keeps them until they do not."""
+        wanted, x = super()._wanted(scene), self.state.x
+        if wanted is IsothermalFlow and x.shape[1] == 4:
+            even = np.abs(x[:, 3] - initial(scene)).max() <= UNIFORM * np.abs(x[:, 3]).max()
+            return wanted if even else HeatedFlow
+        return wanted
+
+    def _switch(self, scene: Scene, wanted: type[IncompressibleFlow]) -> None:
+        super()._switch(scene, wanted)
+        past, x = made(self.state.past), self.state.x
+        self.state = replace(self.state, past=Past(past.time, x[:, list(wanted.history)], past.places))

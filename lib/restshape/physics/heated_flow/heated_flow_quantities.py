@@ -1,0 +1,114 @@
+"""Quantities of interest of heat in a fluid: temperatures, heat that passes edges, Nusselt numbers."""
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from restshape.fem.edge_reactions import EdgeReactions
+from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.observer import Function, reduction
+from restshape.fem.problem import SteadyProblem
+from restshape.fem.residuals import unconstrained_residual
+from restshape.physics.flow.flow_quantities import ObservedFlow, flow_quantity
+from restshape.physics.heated_flow.border_heat import BorderHeat
+from restshape.physics.heated_flow.heated_flow_conditions import warm_edges
+from restshape.scene.model import Quantity
+
+KINDS = ("temperature", "heat_flow", "nusselt")
+
+
+class ObservedHeat(SteadyProblem, Protocol):
+    """What quantities see of heat in a fluid, whose temperature is the last column of the unknowns.
+
+    Attributes:
+        capacity: by volume [J/(m^3 K)]; conductivity: [W/(m K)]; neutral: temperature from which carried heat counts.
+        border: given heat fluxes.
+    """
+
+    capacity: float
+    conductivity: float
+    neutral: float
+    border: BorderHeat
+
+    def heat_residual(self, rest: np.ndarray) -> np.ndarray:
+        """The heat (n,) [W/m] that a residual (n, f) of the equations lacks at the nodes."""
+
+
+class ObservedHeatedFlow(ObservedHeat, ObservedFlow, Protocol):
+    """What quantities see of a flow that carries heat."""
+
+
+def heated_flow_quantity(problem: ObservedHeatedFlow, name: str, quantity: Quantity) -> Function:
+    """The function of the unknowns x (n, 4) that a quantity of this name is; arguments as of `flow_quantity`.
+
+    Raises:
+        UserError: there is nothing where it is asked for.
+    """
+    if quantity.kind not in KINDS:
+        return flow_quantity(problem, name, quantity)
+    if quantity.kind != "heat_flow":
+        return heat_quantity(problem, name, quantity)
+    conducted, carried = heat_quantity(problem, name, quantity), _carried(problem, quantity.at)
+    return lambda x: conducted(x) + carried(x)
+
+
+def heat_quantity(problem: ObservedHeat, name: str, quantity: Quantity) -> Function:
+    """Likewise, of the temperature in the last column of x, and of heat that is conducted alone."""
+    space = problem.space
+    if quantity.kind == "temperature":
+        nodes = observed_nodes(space, name, quantity)
+        reduce = reduction(space, quantity, nodes)
+        return lambda x: reduce(x[nodes, -1])
+    if quantity.kind == "heat_flow":
+        return _conducted(problem, quantity.at, problem.scene.fluid.depth)
+    of, facets = quantity.nusselt, space.facets[space.facets_of(quantity.at)]
+    leaving, factor = _conducted(problem, quantity.at, 1.0), -of.length / (problem.conductivity * of.difference)
+    return lambda x: factor * leaving(x) / _length(space.X, facets)
+
+
+def isothermal_quantity(temperature: float, name: str, quantity: Quantity) -> Function:
+    """The value of a quantity of heat where no temperature differs from another."""
+    value = temperature if quantity.kind == "temperature" else 0.0
+    return lambda x: value
+
+
+def _length(X: np.ndarray, facets: np.ndarray) -> float:
+    return float(np.linalg.norm(X[facets[:, 1]] - X[facets[:, 0]], axis=1).sum())
+
+
+def _conducted(problem: ObservedHeat, edge: str, depth: float) -> Callable[[np.ndarray], float]:
+    """Heat [W] that leaves by an edge into what is beyond: by its fluxes, and where its temperature is prescribed.
+
+    Source: P. M. Gresho, R. L. Lee, R. L. Sani, M. K. Maslanik and B. E. Eaton, Int. J. Numer. Methods Fluids 7 (1987)
+    1111: the consistent flux.
+    """
+    space = problem.space
+    on, facets = EdgeReactions(space, edge, _on_border(problem, warm_edges(problem.scene))), space.facets_of(edge)
+
+    def leaving(x: np.ndarray) -> float:
+        given = float(problem.border.loads(facets=facets).sum())
+        if not len(on.nodes):
+            return -depth * given
+        rest = problem.heat_residual(unconstrained_residual(problem, x, cells_around(space, on.nodes)))
+        return -depth * (given + float(on.parts() @ rest[on.nodes]))
+
+    return leaving
+
+
+def _on_border(problem: ObservedHeat, edges: Sequence[str]) -> list[str]:
+    """Edges that have facets on this space."""
+    return [edge for edge in edges if len(problem.space.facets_of(edge))]
+
+
+def _carried(problem: ObservedHeatedFlow, edge: str) -> Callable[[np.ndarray], float]:
+    """Heat [W] that fluid carries out by an edge, counted from the neutral temperature."""
+    space, depth = problem.space, problem.fluid.depth
+    facets = space.facets[space.facets_of(edge)]
+
+    def leaving(x: np.ndarray) -> float:
+        out = problem.conditions.fluxes(facets, x[:, :2])
+        warmer = x[facets, -1].mean(axis=1) - problem.neutral
+        return depth * problem.capacity * float(out @ warmer)
+
+    return leaving

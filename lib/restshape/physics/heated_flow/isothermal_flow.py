@@ -1,0 +1,41 @@
+"""Flow in which no temperature differs from another: that of `physics.flow`, and one temperature everywhere."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from restshape.fem.observer import Observer
+from restshape.fem.problem import Fields
+from restshape.fem.space import Space
+from restshape.physics.flow.flow_quantities import flow_quantity
+from restshape.physics.flow.incompressible_flow import IncompressibleFlow
+from restshape.physics.heated_flow.heated_flow_quantities import KINDS, isothermal_quantity
+from restshape.physics.heated_flow.temperature_differences import initial
+from restshape.scene.model import Quantity
+
+
+class IsothermalFlow(IncompressibleFlow):
+    """A flow without heat, which shows the one temperature of its scene; arguments as `IncompressibleFlow`."""
+
+    def fields(self, x: np.ndarray) -> Fields:
+        """Those of a flow at x (n, 3), and the temperature [K] of the nodes."""
+        points, cells = super().fields(x)
+        return {**points, "temperature": np.full(len(x), initial(self.scene))}, cells
+
+    @classmethod
+    def blank_fields(cls, space: Space) -> Fields:
+        """The same fields, all NaN, on a space that has not been solved on."""
+        points, cells = super().blank_fields(space)
+        return {**points, "temperature": np.full(len(space.X), np.nan)}, cells
+
+    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
+        """What evaluates quantities of the unknowns x (n, 3)."""
+        temperature = initial(self.scene)
+        return Observer(
+            {
+                name: isothermal_quantity(temperature, name, one)
+                if one.kind in KINDS
+                else flow_quantity(self, name, one)
+                for name, one in quantities.items()
+            }
+        )

@@ -1,0 +1,106 @@
+"""Heat in a fluid that does not flow: conduction as a problem of a scene on one space."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from restshape.fem import problem as kinds
+from restshape.fem.cell_samples import CellValues, Given
+from restshape.fem.dirichlet import Dirichlet
+from restshape.fem.elements import CONDUCTION
+from restshape.fem.integral import Integral
+from restshape.fem.observer import Observer, area_at
+from restshape.fem.problem import Fields, SteadyProblem, Unknown
+from restshape.fem.space import Space
+from restshape.physics.heated_flow.border_heat import BorderHeat
+from restshape.physics.heated_flow.fluid_heat import heat_properties
+from restshape.physics.heated_flow.heated_flow_conditions import prescribed_temperatures
+from restshape.physics.heated_flow.heated_flow_quantities import heat_quantity
+from restshape.physics.heated_flow.temperature_differences import initial
+from restshape.scene.model import Quantity, Scene
+from restshape.scene.plan import Plan
+
+
+class StillFluid(SteadyProblem):
+    """-k laplace T = s of the fluid of one scene on one space; a `fem.problem.SteadyProblem`.
+
+    Args:
+        scene: fluid, boundaries and sources.
+        plan: which effects are on.
+        space: kept by reference; its nodes may move and its edges may flip, its nodes and cells keep their number.
+
+    Source: docs/theory/heat.md.
+    """
+
+    name = "still_fluid"
+    unknowns = (Unknown("temperature", "K", ("temperature",)),)
+    symmetric = linear = varies = True
+
+    def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
+        self.scene, self.plan, self.space, self.neutral = scene, plan, space, initial(scene)
+        self.capacity, self.conductivity = heat_properties(scene)
+        given = [Given(f"heat.{name}.source", one.on, one.source) for name, one in scene.heat.items()]
+        self.sources, self.border = CellValues(space, given, scene.parameters), BorderHeat(scene, space)
+        conditions = [*prescribed_temperatures(scene, space, 0)]
+        self.boundary = Dirichlet((len(space.X), 1), conditions, scene.parameters | {"t": 0.0}, "K")
+        self.update()
+
+    @property
+    def stiffest(self) -> float:
+        """The conductivity [W/(m K)]."""
+        return self.conductivity
+
+    @property
+    def loaded_inside(self) -> bool:
+        """Whether heat enters by a source, or by the border."""
+        return bool(self.sources.given) or self.border.largest > 0.0
+
+    def update(self) -> None:
+        """Evaluate again what depends on the place of the nodes."""
+        self.boundary.evaluate(self.space.X)
+        self._source = self.sources() if self.sources.given else np.zeros((1, 1))
+
+    def blocks(self) -> list[np.ndarray]:
+        """Entities (m, 3) int32 that have a tangent: the cells."""
+        return [self.space.cells]
+
+    def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
+        """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
+        if kind in (kinds.LOADS, kinds.FOLLOWERS):
+            return []
+        inside = kind == kinds.INTERNAL
+        source = self._source if inside else np.zeros((1, 1))
+        parameters = np.insert(source, 0, [[self.conductivity], [1.0]], axis=1)
+        if len(parameters) == 1:
+            parameters = parameters[0]
+        rate = self._source_rate if inside and self.sources.varies else None
+        space = self.space
+        return [Integral(CONDUCTION[space.cell_type], space.X, space.cells, parameters, rate=rate)]
+
+    def _source_rate(self, dX: np.ndarray) -> np.ndarray:
+        return np.insert(self.sources.rates(dX), 0, [[0.0], [1.0]], axis=1)
+
+    def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
+        """Add `sign` times the heat that enters by the border to `out` (n, 1); see `fem.problem.SteadyProblem`."""
+        out[:, 0] += sign * self.border.loads(cells)
+
+    def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
+        """Take the rates of this heat, when nodes move with rates dX (n, 2), from `out` (n, 1)."""
+        out[:, 0] -= self.border.rates(dX)
+
+    def fields(self, x: np.ndarray) -> Fields:
+        """Temperature [K] of the nodes at x (n, 1)."""
+        return {"temperature": x[:, 0]}, {}
+
+    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
+        """What evaluates quantities of a temperature x (n, 1)."""
+        return Observer(
+            {
+                name: area_at(self.space, name, one) if one.kind == "area" else heat_quantity(self, name, one)
+                for name, one in quantities.items()
+            }
+        )
+
+    def heat_residual(self, rest: np.ndarray) -> np.ndarray:
+        """The heat (n,) [W/m] that a residual (n, 1) of the equation lacks at the nodes."""
+        return rest[:, 0]

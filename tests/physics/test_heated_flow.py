@@ -1,0 +1,163 @@
+"""Heat and buoyancy in fluids: exact temperatures on moving meshes, balances, derivatives, reuse beside cold solves."""
+
+import numpy as np
+import pytest
+from counted_replays import begin_log, kernels, watched
+from restshape_studies.stability.scenery import across, drag, make_replay, set_value, write_scene, write_script
+from restshape_verification.flow.heated_scenes import (
+    BUOYANT,
+    CAVITY,
+    HEAD,
+    SQUARE,
+    STEADY,
+    in_time,
+    warm_everywhere,
+)
+from thermal_scenes import solved
+
+from restshape.analysis.frame import Frame
+from restshape.fem.residuals import design_rates
+from restshape.policy import POLICIES
+from restshape.replay.parity import Parity
+
+DRAG = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.6, 0.55), 8))
+FAR = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.7, 0.6), 3))
+MOVED = drag("c", (1.0, 1.0), across((1.0, 1.0), (1.2, 1.1), 5))
+COARSE = "[mesh]\nsize = 0.16\n"
+
+
+@pytest.mark.parametrize("script", [DRAG, FAR])
+@pytest.mark.parametrize(
+    "effects",
+    [STEADY, in_time(), in_time(scheme="backward_euler"), in_time(steps=3), in_time().replace("convection = {}", "")],
+)
+def test_a_steady_linear_temperature_stays_one_while_a_body_is_dragged(tmp_path, effects, script):
+    """u = (y, 0) and T = 300 + 2 y, along which nothing is carried, are no others for any motion of the mesh."""
+    text = warm_everywhere('["y", 0]', '"300 + 2*y"', effects)
+    made, worst, levels = make_replay(write_scene(tmp_path, text), write_script(tmp_path, script)), 0.0, set()
+    for row in made.frames():
+        analysis = made.analysis
+        X = analysis.space.X
+        exact = np.column_stack([X[:, 1], 0 * X[:, 0], 0 * X[:, 0], 300 + 2 * X[:, 1]])
+        if row["index"] == 0 and "time_step" in text:
+            analysis.begin(exact)
+        worst = max(worst, float(np.abs(analysis.x - exact)[:, [0, 1, 3]].max()))
+        levels.add(row["level"])
+    assert worst < 1e-7 and 3 in levels
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("effects", [STEADY, in_time(0.02)])
+def test_reuse_gives_what_cold_solves_give(tmp_path, effects, policy):
+    made = make_replay(
+        write_scene(tmp_path, CAVITY + effects + BUOYANT + COARSE), write_script(tmp_path, MOVED), policy
+    )
+    check = Parity(made)
+    for _ in made.frames():
+        check()
+    assert check.summary()["holds"], check.summary()
+
+
+def test_warm_fluid_rises(tmp_path):
+    """Beside the hot wall upwards, beside the cold one downwards; with gravity the other way, the other way."""
+    for gravity, sign in (("-1 m/s^2", 1), ("1 m/s^2", -1)):
+        analysis = solved(tmp_path, CAVITY + STEADY + BUOYANT.replace("-1 m/s^2", gravity) + COARSE).analysis
+        X, v = analysis.space.X, analysis.x[:, 1]
+        middle = np.abs(X[:, 1] - 0.5) < 0.2
+        assert sign * v[middle & (X[:, 0] < 0.3)].mean() > 1.0
+        assert sign * v[middle & (X[:, 0] > 0.7)].mean() < -1.0
+
+
+def test_what_enters_leaves(tmp_path):
+    row = solved(tmp_path, CAVITY + STEADY + BUOYANT + "[mesh]\nsize = 0.06\n").row
+    assert row["q_hot"] == pytest.approx(row["q_cold"], rel=1e-3) and row["q_hot"] == pytest.approx(2.2448, rel=0.02)
+    assert row["q_mean"] == pytest.approx(300.0, abs=0.01)
+
+
+def test_a_fluid_at_rest_conducts(tmp_path):
+    """Across a square of 1 m the Nusselt number is 1, with flow off and with flow that nothing drives."""
+    for effects in ("[effects]\nheat = {}\n", STEADY):
+        row = solved(tmp_path, CAVITY + effects + COARSE).row
+        assert row["q_hot"] == pytest.approx(1.0, abs=1e-9) and row["q_cold"] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_without_a_difference_no_heat_is_followed_until_an_edit_brings_one(tmp_path):
+    begin_log()
+    text = (CAVITY + in_time(0.02) + BUOYANT + COARSE).replace("299.5 K", "300 K")
+    even = write_scene(tmp_path, text.replace("300.5 K", "300 K"))
+    called = kernels(watched(even, write_script(tmp_path, [{"do": "idle", "frames": 2}]))[0])
+    assert {name for name in called if "flow" in name or "heat" in name} == {"unsteady_flow_tri3"}
+    events = [{"do": "idle", "frames": 2}, *set_value("boundary.hot.temperature", "301 K"), {"do": "idle", "frames": 3}]
+    rows = [dict(row) for row in make_replay(even, write_script(tmp_path, events)).frames()]
+    assert [row["q_hot"] for row in rows[:3]] == [0.0] * 3 and rows[0]["q_mean"] == 300.0
+    assert all(row["q_hot"] > 1.0 for row in rows[3:])
+    assert rows[-1]["q_mean"] > 300.01
+
+
+def test_heat_of_all_edges_and_sources_balances(tmp_path):
+    """A stream that enters cold is warmed by a wall with a flux and by a source: what enters leaves."""
+    text = (
+        f"{HEAD}{SQUARE}[fluid]\nrho = 1\nmu = 0.1\nconductivity = 0.3\nheat_capacity = 2\ndepth = 0.5\n"
+        '[boundary.inlet]\non = "left"\nvelocity = ["4*y*(1 - y)", 0]\ntemperature = "290 K"\n'
+        '[boundary.wall]\non = "bottom"\nwall = true\nheat_flux = "3 + x"\n'
+        '[boundary.out]\non = "right"\noutflow = true\n'
+        f'[heat.inside]\non = "all"\nsource = 2\n{STEADY}[mesh]\nsize = 0.05\n[solve]\ntolerance = 1e-10\n'
+        "[quantities]\n"
+        + "".join(f'{name} = {{ heat_flow = true, at = "{name}" }}\n' for name in ("left", "bottom", "right", "top"))
+    )
+    row = solved(tmp_path, text).row
+    assert row["q_bottom"] == pytest.approx(-0.5 * 3.5, rel=1e-12) and row["q_top"] == pytest.approx(0.0, abs=1e-12)
+    assert row["q_left"] + row["q_bottom"] + row["q_right"] == pytest.approx(0.5 * 2.0, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scheme", "order"), [("bdf2", 2.0), ("backward_euler", 1.0)])
+def test_a_closed_vessel_keeps_its_heat_on_a_moving_mesh(tmp_path, scheme, order):
+    """Insulated, at rest, warm on one side: its heat changes by what the scheme leaves, which falls with its order."""
+    found = []
+    for steps in (8, 16, 32):
+        text = f"{HEAD}{SQUARE}[fluid]\nrho = 1\nmu = 1\nconductivity = 0.05\nheat_capacity = 1\n"
+        text += 'expansion = 1\nreference = 301\n[boundary.walls]\non = "outline"\nwall = true\n'
+        text += in_time(1.0 / steps, scheme, heat="initial = 300") + "buoyancy = {}\ngravity = { g = [0, 0] }\n"
+        analysis = solved(tmp_path, text + "[mesh]\nsize = 0.08\n[solve]\ntolerance = 1e-10\n").analysis
+        space, scene = analysis.space, analysis.state.scene
+        X = space.X.copy()
+        x = np.zeros((len(X), 4))
+        x[:, 3] = 300 + np.cos(np.pi * X[:, 0])
+        analysis.begin(x)
+        before = heat(space, analysis.x[:, 3])
+        for k in range(steps):
+            bump = np.sin(np.pi * X[:, 0]) * np.sin(np.pi * X[:, 1]) * np.sin(np.pi * (k + 1) / steps) ** 2
+            space.X[:] = X + 0.1 * bump[:, None]
+            space.geometry += 1
+            analysis.solve(Frame(space, np.empty(0, np.int32), None, scene, (None, (0.0, 0.0))))
+        found.append(abs(heat(space, analysis.x[:, 3]) - before))
+    assert np.log2(found[0] / found[2]) / 2 > order - 0.3
+
+
+def heat(space, T):
+    """The integral of a temperature less 300 K."""
+    corners = space.X[space.cells]
+    sides = corners[:, 1:] - corners[:, :1]
+    return float((0.5 * np.linalg.det(sides) * (T[space.cells].mean(axis=1) - 300)).sum())
+
+
+@pytest.mark.slow
+def test_the_solution_follows_its_derivative_by_the_design(tmp_path):
+    """The remainder of first order, when nodes move, is of second order."""
+    text = CAVITY + STEADY + BUOYANT + "[solve]\ntolerance = 1e-12\n" + COARSE
+    analysis = solved(tmp_path, text).analysis
+    problem, space, x = analysis.problem, analysis.space, analysis.x
+    X = space.X.copy()
+    dX = 0.02 * np.stack([np.sin(np.pi * X[:, 1]) * X[:, 0], 0 * X[:, 0]], axis=1)
+    rates, _ = design_rates(problem, x, dX)
+    problem.boundary.zero(rates)
+    dx = -analysis.linear_solve(rates, 1e-12)
+    frame = Frame(space, np.empty(0, np.int32), None, analysis.state.scene, (None, (0.0, 0.0)))
+    remainders = []
+    for h in (1.0, 0.5):
+        space.X[:] = X + h * dX
+        space.geometry += 1
+        analysis.solve(frame)
+        remainders.append(np.linalg.norm(analysis.x - x - h * dx))
+    assert np.log2(remainders[0] / remainders[1]) > 1.9
