@@ -84,6 +84,7 @@ class IncompressibleFlow(SteadyProblem):
     symmetric = definite = linear = False
     varies = loaded_inside = True
     backend = "bcsr"
+    steady, in_time = STEADY, IN_TIME
     history: tuple[int, ...] = (0, 1)
     """Columns of the unknowns that have rates, so that a flow in time goes on from their past; the velocity's first."""
 
@@ -148,18 +149,22 @@ class IncompressibleFlow(SteadyProblem):
             return []
         advecting, given = self._advecting()
         if self.step is not None:
-            given = [*given, self.step.past[:, :2]]
-        family = (STEADY if self.step is None else IN_TIME)[advecting]
-        return [self._integral(family, np.array(self._parameters()), given), *self._slip()]
+            given = [*given, self.step.past[:, : len(self.history)]]
+        family = (self.steady if self.step is None else self.in_time)[advecting]
+        return [self._integral(family, self._parameters(), [*given, *self._given()]), *self._slip()]
 
     def _conditions(self) -> FlowConditions:
         """The conditions at the border."""
         return FlowConditions(self.scene, self.space)
 
-    def _parameters(self) -> list[float]:
-        """Those that all elements of flow begin with."""
+    def _parameters(self) -> np.ndarray:
+        """Those (p,) of all cells, or (ne, p); those of flow come first."""
         step, always = self.step, [self.fluid.rho, self.fluid.mu * self.thickening, 0.0, 0.0, self.continuity]
-        return always if step is None else [*always, step.rate, 2.0 / step.dt]
+        return np.array(always if step is None else [*always, step.rate, 2.0 / step.dt])
+
+    def _given(self) -> list[np.ndarray]:
+        """Further nodal coefficients (n, c) of the elements."""
+        return []
 
     def _integral(self, family: Family, parameters: np.ndarray, given: Sequence[np.ndarray]) -> Integral:
         """Of all cells, with parameters (p,) or (ne, p), and nodal coefficients that are given (n, c)."""

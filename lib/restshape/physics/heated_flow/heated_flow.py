@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from restshape.fem import problem as kinds
 from restshape.fem.cell_samples import CellValues, Given
 from restshape.fem.elements import (
     HEATED_FLOW,
@@ -19,7 +18,6 @@ from restshape.fem.elements import (
     UNSTEADY_HEATED_SLOW_FLOW,
     UNSTEADY_HEATED_SLOW_FLOW_ON_MOVING_MESH,
 )
-from restshape.fem.integral import Integral
 from restshape.fem.observer import Observer
 from restshape.fem.problem import Fields, Unknown
 from restshape.fem.space import Space
@@ -60,6 +58,7 @@ class HeatedFlow(IncompressibleFlow):
     name = "heated_flow"
     unknowns = (*IncompressibleFlow.unknowns, Unknown("temperature", "K", ("temperature",)))
     history = (0, 1, 3)
+    steady, in_time = STEADY, IN_TIME
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         self.capacity, self.conductivity = heat_properties(scene)
@@ -114,16 +113,6 @@ class HeatedFlow(IncompressibleFlow):
         stored = 0.0 if self.step is None else self.capacity * self.step.rate * self.size**2
         return max(super().stiffest, self.heat_factor * (self.conductivity + stored))
 
-    def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
-        """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
-        if kind in (kinds.LOADS, kinds.FOLLOWERS):
-            return []
-        advecting, given = self._advecting()
-        if self.step is not None:
-            given = [*given, self.step.past]
-        family = (STEADY if self.step is None else IN_TIME)[advecting]
-        return [self._integral(family, self._with_sources(), given)]
-
     def add_nodal_loads(self, out: np.ndarray, sign: float, cells: np.ndarray | None = None) -> None:
         """Add `sign` times the heat that enters by the border to `out` (n, 4); see `fem.problem.SteadyProblem`."""
         out[:, 3] += sign * self.heat_factor * self.border.loads(cells)
@@ -165,10 +154,9 @@ class HeatedFlow(IncompressibleFlow):
         moving = None if self.step is None else self.step.mesh_velocity
         return super()._advecting() if self.inertia or moving is None else ("mesh", [moving])
 
-    def _with_sources(self) -> np.ndarray:
-        """Parameters (p,) of all cells, or (ne, p) with sources."""
+    def _parameters(self) -> np.ndarray:
         heat = [self.capacity, self.conductivity, self.heat_factor]
-        always = np.array([*self._parameters(), *self.lift, self.neutral, *heat])
+        always = np.array([*super()._parameters(), *self.lift, self.neutral, *heat])
         rows = np.hstack([np.broadcast_to(always, (len(self._source), len(always))), self._source])
         return rows if len(rows) > 1 else rows[0]
 

@@ -1,5 +1,7 @@
 """The analyses of fluids with heat: of flow, with heat where temperatures differ, or of conduction alone."""
 
+# More than 15 modules: each kind of analysis, and the equations that it may have.
+
 from __future__ import annotations
 
 from dataclasses import replace

@@ -35,6 +35,7 @@ class ObservedHeat(SteadyProblem, Protocol):
         """The heat (n,) [W/m] that a residual (n, f) of the equations lacks at the nodes."""
 
 
+# More than 15 attributes: a flow has its own, and those of heat.
 class ObservedHeatedFlow(ObservedHeat, ObservedFlow, Protocol):
     """What quantities see of a flow that carries heat."""
 

@@ -1,5 +1,7 @@
 """Heat in a fluid that does not flow: conduction as a problem of a scene on one space."""
 
+# More than 15 modules: conditions, sources, border and quantities make one problem here.
+
 from collections.abc import Mapping
 
 import numpy as np
