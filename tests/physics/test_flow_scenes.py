@@ -21,7 +21,7 @@ VESSEL = HEAD + SQUARE + "[fluid]\nrho = 1\nmu = 1\n" + STEADY + MESH
     ("change", "message"),
     [
         (("mu = 0.1", "mu = 0"), "fluid.mu .*greater than 0"),
-        (("mu = 0.1", ""), "the key 'mu' is missing"),
+        (("mu = 0.1", ""), "the fluid has no viscosity mu"),
         (("mu = 0.1", 'mu = "0.1 Pa"'), "viscosity is wanted"),
         (('on = "inlet"', 'on = "outlet"'), "the edge 'outlet' has two conditions"),
         (('on = "inlet"', 'on = "inlat"'), "there is no entity 'inlat'"),
@@ -60,7 +60,7 @@ def test_a_scene_without_a_condition_is_refused(tmp_path):
 def test_an_edge_inside_has_no_condition(tmp_path):
     region = "[shape.regions.core]\ncircle = { center = [0.5, 0.5], radius = 0.2 }\n"
     text = VESSEL.replace("[fluid]", region + '[boundary.b]\non = "core"\nwall = true\n[fluid]')
-    with pytest.raises(UserError, match="is not on the border of the fluid"):
+    with pytest.raises(UserError, match="of 'core' lies inside: it is of no border of the fluid"):
         solved(tmp_path, text)
 
 

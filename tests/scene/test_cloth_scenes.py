@@ -77,7 +77,7 @@ def test_a_body_is_of_one_kind(keys):
         ((PIN, "[start]\nmove = [0, 0, 'tall']"), "title=a", "start.move", "names 'tall'"),
         ((PIN, CONTACT), "title=a", "effects.contact", "no body that could be touched"),
         ((), "title=a", "effects.gravity", "falls for ever"),
-        ((PIN, "[loads.l]\non = 'a'\nforce = [0, 1]"), "title=a", "loads.l.force (line", "no load of the kind"),
+        ((PIN, "[loads.l]\non = 'a'\nforce = [0, 1]"), "title=a", "loads.l (line", "no [loads.NAME]"),
         (
             (PIN, "[quantities]\nq = { stress = 'xx' }"),
             "title=a",

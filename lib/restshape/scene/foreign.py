@@ -20,6 +20,7 @@ def check_keys(raw: Table, application: Application, source: Source) -> None:
         UserError: the first of them; it names an application that has it.
     """
     refuse_clashes_of(application)
+    _check_instead(raw, application, source)
     known = known_keys(tuple(application.physics))
     for what, key, place in written_keys(raw):
         if key in known[what]:
@@ -31,15 +32,20 @@ def check_keys(raw: Table, application: Application, source: Source) -> None:
                 raise _error(what, key, (*place, first) if first else place, application, other, source)
 
 
+def _check_instead(raw: Table, application: Application, source: Source) -> None:
+    """Refuses tables in place of which the application has others."""
+    for physics in application.physics:
+        for table, do in physics.instead.items():
+            for name in table_in(raw, table):
+                raise source.error((table, name), f"the application {application.name!r} has no [{table}.NAME]", do)
+
+
 def _error(
     what: str, key: str, place: tuple[str, ...], application: Application, other: Application, source: Source
 ) -> UserError:
     """The error of a key that another application has."""
-    instead = [one.instead[place[0]] for one in application.physics if place[0] in one.instead]
     own = names_of(application.physics, what)
-    if instead:
-        do = instead[0]
-    elif what == "direction":
+    if what == "direction":
         do = f"use some of: {', '.join(own)}"
     elif what.endswith("kind") and own:
         do = f'use one of: {", ".join(own)}, or app = "{other.name}"'

@@ -198,7 +198,7 @@ class Physics:
         columns: names and types of columns of a replay that only it has, for a scene.
         summed: of a scene, its plan and the area [m^2] of its shape, what `restshape check` says besides: for programs,
             and as rows for people.
-        instead: what to write in place of a key that it does not have, by the table: "loads".
+        instead: what to write in place of tables by name that it does not have, such as "loads".
     """
 
     name: str

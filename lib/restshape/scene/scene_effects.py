@@ -2,7 +2,7 @@
 
 from pydantic import ValidationError
 
-from restshape.application import Application
+from restshape.application import Application, applications, as_scenes_see
 from restshape.scene.formula_checks import check_formulas, check_units
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table
@@ -28,7 +28,7 @@ def read_effects(scene: Scene, application: Application, parameters: Parameters,
         key = ("effects", name)
         if name not in application.effects:
             what = f"{application.name!r} has no effect {name!r}"
-            raise source.error(key, what, suggestion(name, sorted(application.effects)))
+            raise source.error(key, what, _instead(name, scene, application))
         model = application.effects[name].model
         try:
             effect = model.model_validate(settings, context={"parameters": parameters})
@@ -38,3 +38,10 @@ def read_effects(scene: Scene, application: Application, parameters: Parameters,
         check_units(effect, parameters, source, key)
         found[name] = effect.model_dump()
     return found
+
+
+def _instead(name: str, scene: Scene, application: Application) -> str:
+    """What to do about an effect that there is not: a near one, or an application that has all of the scene's."""
+    do = suggestion(name, sorted(application.effects))
+    others = [one.name for one in as_scenes_see(applications().values()) if scene.effects.keys() <= one.effects.keys()]
+    return f'{do}, or app = "{others[0]}"' if others and do.startswith("use") else do

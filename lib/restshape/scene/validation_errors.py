@@ -113,6 +113,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
             return (error.what, error.do) if isinstance(error, ValueProblem) else (str(error), "")
         case "kind":
             return f"{details['msg']}, {shown}", ""
+        case "literal_error" if context["expected"] == "True" and given is False:
+            return "true is wanted here, not false", "leave the key out where it is not so"
         case "literal_error":
             return f"{context['expected']} is wanted here, {shown}", ""
         case "finite_number":

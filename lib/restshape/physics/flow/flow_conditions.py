@@ -16,6 +16,8 @@ from restshape.shape.outline import Outline
 
 UNBALANCED = 0.02
 """Part of what flows through a vessel without outflow by which what comes in may differ from what goes out."""
+FORCES = ("drag", "lift", "drag_coefficient", "lift_coefficient", "strouhal")
+"""Quantities that are taken from the force on edges."""
 PIECES = 50
 """Parts of each straight piece of an edge, on which the flow through it is summed up before there is a mesh."""
 
@@ -173,8 +175,11 @@ def edge_kinds(scene: Scene, outline: Outline) -> dict[int, tuple[str, str]]:
         for on in table.on:
             for edge in outline.entity(on).edges:
                 if edge not in found:
-                    what = f"{outline.edges[edge].name!r} is not on the border of the fluid"
-                    raise UserError(what, f"boundary.{name}.on", "name an edge of the outline, or of a hole")
+                    what = (
+                        f"the edge {outline.edges[edge].name!r} of {on!r} lies inside: it is of no border of the fluid"
+                    )
+                    do = "name an edge of the outline, or of a hole; a solid in a fluid is a hole"
+                    raise UserError(what, f"boundary.{name}.on", do)
                 before = found[edge][1]
                 if before not in ("", name):
                     what = f"the edge {outline.edges[edge].name!r} has two conditions, [boundary.{before}] and this one"
@@ -184,33 +189,64 @@ def edge_kinds(scene: Scene, outline: Outline) -> dict[int, tuple[str, str]]:
 
 
 def check_shape(scene: Scene, outline: Outline) -> None:
-    """Makes sure that edges have one condition each, and that what flows into a closed vessel flows out of it.
+    """Makes sure that edges have one condition each, that what flows into a closed vessel flows out of it, and that
+    forces are asked for where there are some.
 
     Raises:
-        UserError: they do not.
+        UserError: they are not.
     """
     try:
         kinds = edge_kinds(scene, outline)
-        fluxes = np.array([*_fluxes(scene, outline, kinds)])
+        _check_forces(scene, outline, kinds)
+        fluxes = np.array([flux for edge in border(outline) for flux in _fluxes(scene, outline, kinds, edge)])
         closed = not any(kind == "outflow" for kind, _ in kinds.values())
         if closed and unbalanced(float(fluxes.sum()), float(np.abs(fluxes).sum())):
-            raise UserError(unequal(fluxes), "boundary", "add one, such as [boundary.outlet] with outflow = true")
+            first = next(name for kind, name in kinds.values() if kind == "velocity")
+            do = "add one, such as [boundary.outlet] with on and outflow = true, or let velocities agree"
+            raise UserError(unequal(fluxes), f"boundary.{first}.velocity", do)
     except UserError as error:
         raise scene.located(error) from error
-    except ReplayProblem as error:
-        raise scene.located(UserError(str(error), "boundary", "change the formula")) from error
 
 
-def _fluxes(scene: Scene, outline: Outline, kinds: dict[int, tuple[str, str]]) -> Iterator[float]:
-    """What flows out by short parts of the edges with a velocity [m^2/s], at time 0."""
-    parameters = {**scene.parameters, "t": 0.0}
-    for edge, forward in border(outline).items():
-        kind, name = kinds[edge]
-        if kind != "velocity":
+def _check_forces(scene: Scene, outline: Outline, kinds: dict[int, tuple[str, str]]) -> None:
+    for name, quantity in scene.quantities.items():
+        if quantity.kind not in FORCES or quantity.at is None:
             continue
-        corners = outline.polyline(edge)[:: 1 if forward else -1]
-        places = (np.arange(PIECES) + 0.5) / PIECES
-        table, where = scene.boundary[name], f"boundary.{name}.velocity"
-        for start, along in zip(corners, np.diff(corners, axis=0)):
-            velocity = evaluate(table.velocity, start + places[:, None] * along, parameters, where)
-            yield from ((velocity[:, 0] * along[1] - velocity[:, 1] * along[0]) / PIECES).tolist()
+        for edge in outline.entity(quantity.at).edges:
+            if kinds.get(edge, ("", ""))[0] == "outflow":
+                what = f"the fluid leaves by {outline.edges[edge].name!r}, so that there is no force on it"
+                raise UserError(what, f"quantities.{name}.at", "name edges that hold the fluid, such as a body")
+
+
+def border_velocities(scene: Scene, outline: Outline, time: float) -> Iterator[np.ndarray]:
+    """Velocities (k, 2) [m/s] on short parts of each edge that has some, at a time [s].
+
+    Raises:
+        UserError: a formula has no number somewhere.
+    """
+    kinds = edge_kinds(scene, outline)
+    for edge in border(outline):
+        yield from (velocity for velocity, _ in _parts(scene, outline, kinds, edge, time))
+
+
+def _fluxes(scene: Scene, outline: Outline, kinds: dict[int, tuple[str, str]], edge: int) -> Iterator[float]:
+    """What flows out by short parts of an edge with a velocity [m^2/s], at time 0."""
+    for velocity, along in _parts(scene, outline, kinds, edge, 0.0):
+        yield from ((velocity[:, 0] * along[1] - velocity[:, 1] * along[0]) / PIECES).tolist()
+
+
+def _parts(
+    scene: Scene, outline: Outline, kinds: dict[int, tuple[str, str]], edge: int, time: float
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Velocities (k, 2) [m/s] on parts of each straight piece of an edge, and the piece (2,) [m]."""
+    kind, name = kinds[edge]
+    if kind != "velocity":
+        return
+    corners = outline.polyline(edge)[:: 1 if border(outline)[edge] else -1]
+    places, where = (np.arange(PIECES) + 0.5) / PIECES, f"boundary.{name}.velocity"
+    for start, along in zip(corners, np.diff(corners, axis=0)):
+        at = start + places[:, None] * along
+        try:
+            yield evaluate(scene.boundary[name].velocity, at, {**scene.parameters, "t": time}, where), along
+        except ReplayProblem as error:
+            raise UserError(str(error).removeprefix(f"{where}: "), where, "change the formula") from error

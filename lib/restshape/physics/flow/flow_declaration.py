@@ -24,6 +24,7 @@ DISCHARGE = declare_dimension("discharge", "m^3/s", "0.2 m^3/s")
 FLUIDS: dict[str, dict[str, object]] = tomllib.loads((files(__package__) / "fluids.toml").read_text("utf-8"))
 """Keys of a fluid by its name, as a scene would hold them, and the source of their values."""
 CONDITIONS = ("velocity", "wall", "slip", "outflow")
+LACKING = {"rho": "density", "mu": "viscosity"}
 
 
 class Fluid(Strict):
@@ -44,7 +45,25 @@ class Fluid(Strict):
     @model_validator(mode="before")
     @classmethod
     def _take_the_named(cls, raw: object) -> object:
+        if isinstance(raw, dict):
+            _refuse_lacking(raw)
         return named(raw, FLUIDS, cls.model_fields)
+
+
+def _refuse_lacking(raw: dict[str, Any]) -> None:
+    """Refuses a fluid without values, and one with another viscosity than its model wants.
+
+    Raises:
+        UnitError: what it lacks, and what to write.
+    """
+    for key in ("nu", "kinematic_viscosity"):
+        if key in raw and "mu" not in raw:
+            raise UnitError(f"{key} is no key of a fluid, which has its dynamic viscosity mu", f"write mu = rho {key}")
+    lacking = [] if "name" in raw else [key for key in ("rho", "mu") if key not in raw]
+    if lacking:
+        what = " and ".join(f"{LACKING[key]} {key}" for key in lacking)
+        known = ", ".join(f'"{name}"' for name in FLUIDS)
+        raise UnitError(f"the fluid has no {what}", f"give it, or the name of one that is known: {known}")
 
 
 class EdgeCondition(Strict):
@@ -200,6 +219,7 @@ def _moving(scene: Scene, on: On) -> str:
     )
 
 
+CONDITION = "say in [boundary.NAME] what the fluid does at an edge: velocity, wall, slip or outflow"
 PLACE = "of the fluid on it, by the residual of the equations"
 FLOW = Physics(
     name="flow",
@@ -247,4 +267,6 @@ FLOW = Physics(
     orders=(1,),
     check=check_flow,
     check_shape="restshape.physics.flow.flow_conditions:check_shape",
+    inspect_shape="restshape.physics.flow.flow_inspection:inspect_flow",
+    instead=dict.fromkeys(("supports", "loads"), CONDITION) | {"material": "a fluid has its values in [fluid]"},
 )
