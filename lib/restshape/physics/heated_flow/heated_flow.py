@@ -41,6 +41,7 @@ IN_TIME = {
 """Elements by what advects the velocity."""
 
 
+# More than 15 attributes: a problem holds what its integrals, conditions and quantities share.
 class HeatedFlow(IncompressibleFlow):
     """Flow with a temperature T that it carries and that may lift it: the equations of Boussinesq.
 

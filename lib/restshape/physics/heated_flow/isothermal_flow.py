@@ -14,6 +14,7 @@ from restshape.physics.heated_flow.temperature_differences import initial
 from restshape.scene.model import Quantity
 
 
+# More than 15 attributes: those of any flow.
 class IsothermalFlow(IncompressibleFlow):
     """A flow without heat, which shows the one temperature of its scene; arguments as `IncompressibleFlow`."""
 

@@ -23,6 +23,7 @@ from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
 
+# More than 15 attributes: a problem holds what its integrals, conditions and quantities share.
 class StillFluid(SteadyProblem):
     """-k laplace T = s of the fluid of one scene on one space; a `fem.problem.SteadyProblem`.
 
