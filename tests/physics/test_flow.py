@@ -14,7 +14,7 @@ from restshape.analysis.frame import Frame
 from restshape.fem.elements import MASS
 from restshape.fem.residuals import design_rates, tangent_product
 from restshape.physics.flow.flow_declaration import FlowSettings
-from restshape.physics.flow.history import Past
+from restshape.physics.flow.history import Level, Past
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
 
@@ -201,7 +201,9 @@ def vortices(X, t):
 
 def test_a_difference_of_two_lengths_is_exact_for_parabolas():
     """u = t^2 and X = t^2 at 0, 0.1 and 0.3 s have the rates 0.6."""
-    past = Past(0.1, np.full((1, 2), 0.01), np.full((1, 2), 0.01), (np.zeros((1, 2)), np.zeros((1, 2))), 0.1)
+    cells = np.zeros((1, 3), np.int32)
+    first, second = (Level(np.full((1, 2), t**2), np.full((1, 2), t**2), cells) for t in (0.0, 0.1))
+    past = Past(0.1, second, first, 0.1)
     step = past.step(np.full((1, 2), 0.09), FlowSettings(time_step=0.2))
     assert step.time == pytest.approx(0.3)
     np.testing.assert_allclose(step.rate * 0.09 + step.past, 0.6)

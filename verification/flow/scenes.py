@@ -8,9 +8,13 @@ SQUARE = block()
 """A square of 1 m x 1 m with the edges bottom, right, top and left."""
 
 
-def in_time(time_step: float = 0.05, scheme: str = "bdf2", steps: int = 1, convection: bool = True) -> str:
+def in_time(
+    time_step: float = 0.05, scheme: str = "bdf2", steps: int = 1, convection: bool = True, carry: str = "auto"
+) -> str:
     """The [effects] of a flow in time."""
-    flow = f'[effects]\nflow = {{ time_step = {time_step!r}, steps = {steps}, scheme = "{scheme}" }}\n'
+    flow = (
+        f'[effects]\nflow = {{ time_step = {time_step!r}, steps = {steps}, scheme = "{scheme}", carry = "{carry}" }}\n'
+    )
     return flow + ("convection = {}\n" if convection else "")
 
 

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from restshape_apps.flow import application
+from restshape_studies.stability.scenery import make_replay, set_value, write_script
 
 SCENE = application.folder / "scenes" / "flow.toml"
 EDITS = application.folder / "edits" / "flow.jsonl"
@@ -61,3 +62,25 @@ def test_the_scene_that_new_writes_runs(command, tmp_path):
     assert done.returncode == 0, done.stderr
     drag = json.loads((tmp_path / "out.json").read_text())["quantities"]["drag"]
     assert all(value > 0 for value in drag)
+
+
+def rows(folder, events):
+    """The rows of a replay."""
+    return [dict(row) for row in make_replay(SCENE, write_script(folder, events)).frames()]
+
+
+@pytest.mark.slow
+def test_forces_do_not_jump_where_the_mesh_is_new(tmp_path):
+    """Eddies leave behind the blunt body; a mesh of another size changes its forces by a twentieth of their amplitude
+    at most."""
+    idle = {"do": "idle", "frames": 85}
+    kept = rows(tmp_path, [idle | {"frames": 98}])
+    remade = rows(tmp_path, [idle, *set_value("mesh.size", "10.4 mm"), idle | {"frames": 10}])
+    new = next(k for k in range(80, 95) if remade[k]["level"] == 3)
+    for name, amplitude in (("q_drag", np.max), ("q_lift", np.ptp)):
+        was, now = (np.array([row[name] for row in found[:95]]) for found in (kept, remade))
+        np.testing.assert_allclose(now[:new], was[:new], rtol=1e-9)
+        off, most = (now - was)[new : new + 4], 0.05 * amplitude(was[70:])
+        assert abs(off[0]) < most
+        # What stays is the error of the one mesh less that of the other.
+        assert np.abs(off[:3] - off[3]).max() < most

@@ -106,19 +106,25 @@ class FlowSettings(Strict):
         time_step: of one step [s].
         steps: time steps a frame.
         scheme: backward differences of second order, or of first.
+        carry: what nodes that move take along: what they had, with the velocity of the mesh in the equations (ale);
+            what was at their new places (remap); or the one or the other, by how far they go in a step (auto).
     """
 
     steady: Literal[True] | None = None
     time_step: Annotated[number_of("time"), Field(gt=0)] | None = None
     steps: Annotated[Whole, Field(ge=1)] = 1
     scheme: Literal["bdf2", "backward_euler"] = "bdf2"
+    carry: Literal["auto", "ale", "remap"] = "auto"
 
     @model_validator(mode="after")
     def _is_one_of_both(self) -> Self:
         if self.steady and self.time_step is not None:
             raise UnitError("a steady flow has no time_step", "take out one of steady and time_step")
-        if self.time_step is None and (self.steps != 1 or self.scheme != "bdf2"):
-            key = "steps" if self.steps != 1 else "scheme"
+        key = next(
+            (one for one in ("steps", "scheme", "carry") if getattr(self, one) != type(self).model_fields[one].default),
+            None,
+        )
+        if self.time_step is None and key:
             raise UnitError(f"{key} is of a flow in time, and there is no time_step", "give one, or take it out")
         return self
 

@@ -20,11 +20,11 @@ from restshape.analysis.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.first_use import made
-from restshape.mesh.transfer import Transfer
+from restshape.physics.flow.carry import Carrier
 from restshape.physics.flow.flow_declaration import FlowSettings
 from restshape.physics.flow.flow_quantities import swinging_lifts
 from restshape.physics.flow.flow_search import FlowSearch
-from restshape.physics.flow.history import Past
+from restshape.physics.flow.history import Level, Past
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow, TimeStep
 from restshape.physics.flow.swing import Swings, still_note
 from restshape.policy import policy
@@ -45,19 +45,6 @@ class FlowState(NonlinearState):
 
     past: Past | None = None
     swings: Swings = field(default_factory=Swings)
-
-
-def nodal_gradients(X: np.ndarray, cells: np.ndarray, field: np.ndarray) -> np.ndarray:
-    """Gradients (n, f, 2) at nodes X (n, 2) of a field (n, f) that is linear in each of the triangles, by area."""
-    corners, values = X[cells], field[cells]
-    sides, rises = corners[:, 1:] - corners[:, :1], values[:, 1:] - values[:, :1]
-    area = np.abs(np.linalg.det(sides))
-    slopes = np.linalg.solve(sides, rises).transpose(0, 2, 1) * area[:, None, None]
-    found, weights = np.zeros((len(X), *slopes.shape[1:])), np.zeros(len(X))
-    for k in range(3):
-        np.add.at(found, cells[:, k], slopes)
-        np.add.at(weights, cells[:, k], area)
-    return found / weights[:, None, None]
 
 
 class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
@@ -103,8 +90,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
 
     def begin(self, x: np.ndarray, time: float = 0.0) -> None:
         """Let the flow go on from unknowns x (n, f) at a time [s], as if it had not been there before."""
-        problem = self.state.problem
-        past, swings = Past(time, problem.remembered(x), problem.space.X.copy()), Swings(self.state.swings.lifts)
+        past, swings = Past(time, Level.of(self.state.problem, x)), Swings(self.state.swings.lifts)
         self.state = replace(self.state, x=x, past=past, swings=swings)
 
     @property
@@ -139,30 +125,27 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     def _bind(self, frame: Frame, new_mesh: bool) -> None:
         before = self.state
         super()._bind(frame, new_mesh)
-        problem, past = self.state.problem, before.past
+        problem = self.state.problem
         swings = replace(before.swings, lifts=swinging_lifts(problem, frame.scene.quantities))
         self.state = replace(self.state, swings=swings)
         if not new_mesh:
             return
-        if past is None:
+        if before.past is None:
             x = problem.initial()
-            past = Past(0.0, problem.remembered(x), problem.space.X.copy())
-        else:
-            with self.context.stages("map"):
-                x, past = self._transferred(before.x, past, before.problem.space)
-        self.state = replace(self.state, x=x, past=past)
+            self.state = replace(self.state, x=x, past=Past(0.0, Level.of(problem, x)))
 
-    def _transferred(self, x: np.ndarray, past: Past, old: Problem) -> tuple[np.ndarray, Past]:
-        """Unknowns and past at the nodes of a new mesh.
-
-        Nodes of the mesh before lie where they could follow the shape: there fields are taken first, along their
-        gradients, so that those that are linear in space stay what they are.
-        """
-        problem, moved = self.state.problem, old.X - past.places
-        here = x + np.einsum("nfd,nd->nf", nodal_gradients(past.places, old.cells, x), moved)
-        found = Transfer(old, problem.space.X)(here)
-        log.info("Velocities interpolated to %d nodes", len(found))
-        return found, Past(past.time, problem.remembered(found), problem.space.X.copy())
+    def _goes_on_from(
+        self, equations: ResidualEquations, frame: Frame, before: FlowState
+    ) -> tuple[np.ndarray, Past, Outcome | None]:
+        """Unknowns and past on the mesh as it lies, and what it took to take them there."""
+        past, old = made(self.state.past), None
+        if before.bound is None:
+            return self.state.x, past, None
+        if frame.mesh is not before.mesh:
+            old = frame.old_mesh or before.problem.space
+        carrier = Carrier(equations, self.state.system.newton, self.settings, self.solver.aim)
+        with self.context.stages("map"):
+            return carrier(before.x, past, old)
 
     def _run(self, frame: Frame, new_mesh: bool, before: FlowState) -> LinearReport:
         """Take the time steps of a frame; the first one takes none."""
@@ -173,11 +156,12 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             system.newton.set_equations(equations)
         again = new_mesh or before.interrupted
         system.newton.begin(again, not again and frame.mesh.topology != before.topology, None)
-        x, past, swings, residual, total = state.x, made(state.past), state.swings, 0.0, None
+        x, past, total = self._goes_on_from(equations, frame, before)
+        swings, residual = state.swings, 0.0
         for _ in range(0 if before.bound is None else self.settings.steps):
             step = past.step(problem.space.X, self.settings)
             outcome, x, scale = self._step(equations, step, x, past)
-            past, swings = past.after(step, problem.remembered(x), problem.space.X), swings.after(step.time, x)
+            past, swings = past.after(step, problem, x), swings.after(step.time, x)
             residual = max(residual, outcome.norm / (scale or 1.0))
             total = outcome if total is None else outcome.after(total)
         total = total or Outcome(True, 0, 0, False, True)
@@ -223,7 +207,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             return made(self.state.bound).problem.start()
         guess = x.copy()
         if self.context.policy.extrapolate and past.before is not None:
-            guess[:, list(self.make.history)] = 2.0 * past.values - past.before[0]
+            guess[:, list(self.make.history)] = 2.0 * past.last.values - past.before.values
         return guess
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------------

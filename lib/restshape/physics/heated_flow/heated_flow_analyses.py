@@ -100,4 +100,4 @@ class HeatedFlowInTime(Switching, FlowInTimeAnalysis):
     def _switch(self, scene: Scene, wanted: type[IncompressibleFlow]) -> None:
         super()._switch(scene, wanted)
         past, x = made(self.state.past), self.state.x
-        self.state = replace(self.state, past=Past(past.time, x[:, list(wanted.history)], past.places))
+        self.state = replace(self.state, past=Past(past.time, replace(past.last, values=x[:, list(wanted.history)])))
