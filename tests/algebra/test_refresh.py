@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from counted_replays import begin_log, watched
+from whole_schedules import best_schedule
 
 from restshape.algebra import kept_preconditioner
 from restshape.algebra.choice import Prices
 from restshape.algebra.kept_preconditioner import KeptPreconditioner
 from restshape.algebra.refresh import MOST_AHEAD, RefreshCriterion
-from restshape.algebra.schedule import best_schedule
 
 APPS = Path(__file__).parents[2] / "apps"
 MOST = 10_000

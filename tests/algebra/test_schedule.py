@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 from small_scenes import across, drag, plate, write_scene, write_script
+from whole_schedules import best_schedule
 
-from restshape.algebra.schedule import best_schedule
 from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
-from restshape.replay.hindsight import measure
+from restshape.replay.hindsight import Watch
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
@@ -62,6 +62,18 @@ def test_equal_steps_are_refreshed_equally_often():
     assert refreshes == list(range(0, 36, 6)) and cost == 6 * (18 + 15)
 
 
+@pytest.mark.parametrize("window", [1, 3, 36])
+@pytest.mark.parametrize("refresh", [0.5, 4.0, 18.0])
+def test_old_preconditioners_that_a_younger_one_replaces_need_no_look(window, refresh):
+    """Where a younger one never takes more iterations, the best schedule stays the best without the oldest."""
+    rng = np.random.default_rng(window)
+    moved = rng.uniform(0.0, 2.0, 36).cumsum()
+    frame = 1.0 + np.floor(np.abs(moved[None, :] - moved[:, None]))
+    whole, costs = best_schedule(np.full(36, refresh), frame, window), []
+    assert best_schedule(np.full(36, refresh), frame, window, slack=refresh, looked=costs) == whole
+    assert len(costs) < 36 * window or window == 1
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(PETSc.COMM_WORLD.size > 1, reason="one rank")
 def test_cost_in_hindsight_of_a_drag_that_goes_one_way(tmp_path):
@@ -69,7 +81,10 @@ def test_cost_in_hindsight_of_a_drag_that_goes_one_way(tmp_path):
     scene = load_scene(write_scene(tmp_path, plate(0.08)))
     request = Request(scene, load_script(script, scene), application_of(scene), policy("auto"), Calibration.load())
     replay = Replay(request, PETSc.COMM_WORLD)
-    found = measure(replay, replay.analysis.solver)
+    watch = Watch(replay.analysis.solver)
+    for _ in replay.frames():
+        watch.settle()
+    found = watch.found()
     # All frames but press and release are solved, with a matrix each.
     assert found["matrices"] == 61
     # The guesses are those of the run: within an iteration in a few frames, the run is a schedule like any other.

@@ -7,6 +7,14 @@ import pytest
 from petsc4py import PETSc
 from small_scenes import across, drag, plate, write_scene, write_script
 
+from restshape.application import application
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.regret import measure
+from restshape.replay.request import Request
+from restshape.scene.edit_script import load_script
+from restshape.scene.load import load_scene
+
 pytestmark = pytest.mark.skipif(PETSc.COMM_WORLD.size > 1, reason="one rank")
 APPS = Path(__file__).parents[2] / "apps"
 SCENES = Path(__file__).parents[1] / "scenes"
@@ -31,9 +39,22 @@ def test_a_replay_prints_its_regret(files, tmp_path, command):
     assert schedule["run"] >= schedule["best"] * (1 - 1e-9)
     assert found["over_schedule"] == schedule["ratio"] == pytest.approx(schedule["run"] / schedule["best"])
     assert f"{found['over_policy']:.3f} times the best policy, {found['best']}" in done.stdout
+    # The policy of the thesis solves with an incomplete factor, which costs more than twice as much: it was ended.
+    assert work["thesis"] > 2 * min(work.values()) and found["policies"]["thesis"]["ended"] is not None
+    assert "thesis was ended after frame" in done.stdout
     # A direct solver makes a factor a matrix, and applies it once.
     refactor = found["policies"]["refactor"]
     assert refactor["factors"] == refactor["iterations"] == schedule["matrices"]
+
+
+def test_each_frame_of_each_policy_has_its_limit(files):
+    """Who looks after the limit of a frame hears of every one, those of `refactor` as those of `auto` at least."""
+    scene = load_scene(files[0])
+    script = load_script(files[1], scene)
+    request = Request(scene, script, application(scene.app), policy("auto"), Calibration.load())
+    frames: list[None] = []
+    measure(request, lambda: frames.append(None))
+    assert len(frames) >= 2 * 9
 
 
 @pytest.mark.parametrize(

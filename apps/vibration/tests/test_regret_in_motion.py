@@ -35,6 +35,11 @@ fix = ["x", "y"]
 [mesh]
 size = 0.02
 """
+MODES = """[effects.modal]
+modes = 2
+[quantities]
+first = { frequency = 1 }
+"""
 
 
 def test_new_meshes_in_motion_begin_a_schedule(tmp_path, command):
@@ -48,3 +53,17 @@ def test_new_meshes_in_motion_begin_a_schedule(tmp_path, command):
     # A factor a matrix, and five steps a frame, of which each applies it once: the first frame has none.
     assert refactor["factors"] == schedule["matrices"] and refactor["iterations"] % 5 == 0
     assert schedule["run"] >= schedule["best"] * (1 - 1e-9)
+
+
+@pytest.mark.slow
+def test_modes_beside_a_motion_are_none_of_its_work(tmp_path, command):
+    """The same motion with its modes and without: factors, iterations and seconds of its steps are the same."""
+    found = []
+    script = write_script(tmp_path, drag("bore", (0.03, 0.15), across((0.03, 0.15), (0.03, 0.2), 3)))
+    for text in (MAST, MAST + MODES):
+        scene = write_scene(tmp_path, text)
+        done = command("replay", scene, script, "--regret", "--json", "a.json")
+        assert done.returncode == 0, done.stderr
+        found.append(json.loads((tmp_path / "a.json").read_text())["regret"])
+    alone, beside = found
+    assert beside["policies"] == alone["policies"] and beside["hindsight"] == alone["hindsight"]

@@ -11,23 +11,29 @@ LOGGED = ("pattern", "values", "factor", "krylov")
 NAMES = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe")
 
 
-def log_stage(name: str) -> PETSc.LogStage:
-    """PETSc's log stage of a stage."""
-    return PETSc.Log.Stage(f"restshape {name}")
+OWNER = "restshape"
+
+
+def log_stage(name: str, owner: str = OWNER) -> PETSc.LogStage:
+    """PETSc's log stage of a stage, of that owner."""
+    return PETSc.Log.Stage(f"{owner} {name}")
 
 
 class Stages:
     """Seconds spent in each stage since the last `reset`; a stage within another one is not counted in that one too.
 
+    Args:
+        owner: of PETSc's log stages, by which events are told apart from those of others.
+
     Attributes:
         listener: is given the name of each stage before its block; None: nobody listens.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, owner: str = OWNER) -> None:
         self.listener: Callable[[str], None] | None = None
         self.seconds = dict.fromkeys(NAMES, 0.0)
         self._within: list[float] = []
-        logged = {name: log_stage(name) for name in LOGGED}
+        logged = {name: log_stage(name, owner) for name in LOGGED}
         self._stages = {name: Stage(name, self.seconds, self._within, logged.get(name)) for name in NAMES}
 
     def reset(self) -> None:

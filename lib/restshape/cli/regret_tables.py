@@ -7,29 +7,29 @@ from typing import TYPE_CHECKING
 from restshape.cli.options import print_table
 
 if TYPE_CHECKING:
-    from restshape.replay.regret import Regret
+    from restshape.replay.regret import Regret, Work
 
-HEADS = ("scene", "auto, ms", "best policy", "ms", "auto over it", "best schedule, ms", "auto's over it")
+HEADS = ("scene", "auto, ms", "best policy", "ms", "auto over it", "its schedule, ms", "the best, ms", "over it")
 """Heads of a row of a scene."""
 
 
 def row(name: str, found: Regret) -> list[str]:
     """One scene's row of the table of scenes, from what `replay.regret.measure` found."""
     policies, best, schedule = found["policies"], found["best"], found["hindsight"]
-    least, ahead = policies[best]["seconds"], schedule["best"]
+    least = policies[best]["seconds"]
     work = [f"{1e3 * policies['auto']['seconds']:.4g}", best, f"{1e3 * least:.4g}", f"{found['over_policy']:.3f}"]
-    return [name, *work, f"{1e3 * ahead:.4g}", f"{found['over_schedule']:.3f}"]
+    return [name, *work, *(f"{1e3 * schedule[way]:.4g}" for way in ("run", "best")), f"{found['over_schedule']:.3f}"]
 
 
 def print_regret(found: Regret) -> None:
     """Print the table of a replay: what each policy costs, and the best schedule."""
     auto, schedule = found["policies"]["auto"]["seconds"], found["hindsight"]
-    rows = [
-        [name, f"{1e3 * one['seconds']:.4g}", str(one["iterations"]), str(one["factors"]), _ratio(auto, one["seconds"])]
-        for name, one in found["policies"].items()
-    ]
+    rows = [_work_row(name, one, auto) for name, one in found["policies"].items()]
     heads = ("policy", "counted work, ms", "iterations", "factors", "auto over it")
     print_table("counted work of linear solves, by the calibration", heads, rows, right=heads[1:])
+    for name, one in found["policies"].items():
+        if one["ended"] is not None:
+            print(f"{name} was ended after frame {one['ended']}: it cannot be the best any more")
     rows = [
         [label, f"{1e3 * seconds:.4g}", str(schedule["iterations"][key]), str(schedule["refreshes"][key])]
         for label, key, seconds in (
@@ -43,6 +43,13 @@ def print_regret(found: Regret) -> None:
         f"auto: {found['over_policy']:.3f} times the best policy, {found['best']}; "
         f"{found['over_schedule']:.3f} times the best schedule in hindsight"
     )
+
+
+def _work_row(name: str, one: Work, auto: float) -> list[str]:
+    """A policy's row: of one that was ended, what it had cost by then is a bound."""
+    more, less = ("", "") if one["ended"] is None else ("more than ", "less than ")
+    work = f"{more}{1e3 * one['seconds']:.4g}"
+    return [name, work, str(one["iterations"]), str(one["factors"]), f"{less}{_ratio(auto, one['seconds'])}"]
 
 
 def _ratio(one: float, other: float) -> str:

@@ -94,7 +94,7 @@ def run(args: argparse.Namespace) -> int:
             if process:
                 process.abandon()
             raise
-        return _regret(args, request) if args.regret else _replayed(args, request, begin_frame, process)
+        return _regret(args, request, begin_frame) if args.regret else _replayed(args, request, begin_frame, process)
 
 
 def _begin_recorder() -> Begun:
@@ -191,13 +191,13 @@ def _check_regret(args: argparse.Namespace) -> None:
         raise UserError(what, f"--regret --{given[0]}", f"leave --{given[0]} out")
 
 
-def _regret(args: argparse.Namespace, request: Request) -> int:
+def _regret(args: argparse.Namespace, request: Request, begin_frame: Callable[[], None]) -> int:
     """Print the counted work of a replay beside the best that could have been done; 0."""
     start_petsc(args.petsc)
     from restshape.cli.regret_tables import print_regret
     from restshape.replay.regret import measure
 
-    found = measure(request)
+    found = measure(request, begin_frame)
     print_regret(found)
     write_json(args, {"origin": request.origin(), "regret": found})
     return 0

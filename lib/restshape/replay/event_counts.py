@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from petsc4py import PETSc
 
-from restshape.algebra.stages import LOGGED, log_stage
+from restshape.algebra.stages import LOGGED, OWNER, log_stage
 
 NAMES = (
     "MatCholFctrSym",
@@ -27,11 +27,13 @@ class EventCounts:
 
     Args:
         names: of events.
+        owner: of `Stages`, in whose log stages alone they are counted.
     """
 
-    def __init__(self, names: Sequence[str] = NAMES) -> None:
+    def __init__(self, names: Sequence[str] = NAMES, owner: str = "") -> None:
         self._events = {name: PETSc.Log.Event(name) for name in names}
-        self._stages = [0, *(log_stage(name).id for name in LOGGED)]
+        own = [log_stage(name, owner or OWNER).id for name in LOGGED]
+        self._stages = own if owner else [0, *own]
         self._last = dict.fromkeys(names, 0)
 
     def since_last(self) -> dict[str, int]:

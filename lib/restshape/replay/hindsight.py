@@ -1,23 +1,23 @@
 """What the refreshes of a replay cost beside the best schedule in hindsight."""
 
+import math
 from dataclasses import dataclass, field
-from typing import TypedDict
+from typing import Self, TypedDict
 
-import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.choice import prices
+from restshape.algebra.choice import Prices, Size
 from restshape.algebra.linear import MOST_ITERATIONS, RESTART, LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.preconditioner import set_preconditioner, set_rigid_motions
-from restshape.algebra.schedule import best_schedule
-from restshape.analysis.row_values import whole
+from restshape.algebra.schedule import Schedule
 from restshape.arrays import Reals
 from restshape.first_use import made
-from restshape.replay.loop import Replay
 
 WINDOW = 40
 """Matrices that a preconditioner is looked at for, in hindsight."""
+SLACK = 1.0
+"""Set-ups that a preconditioner may have cost beyond the best schedule, and still be looked at."""
 SAMPLED = 3
 """Solves with one matrix that are repeated at most; they stand for all of these."""
 
@@ -40,6 +40,7 @@ class Train:
         flipped: its pattern is not that of the train before.
         solves: some of them; count: of all.
         iterations: spent, those before a refresh in mid-solve too; refreshed: a preconditioner was made for them.
+        applied: of the iterations, applications of its own factor, which take no product with the matrix.
     """
 
     frame: int
@@ -48,6 +49,7 @@ class Train:
     solves: list[Solve] = field(default_factory=list)
     count: int = 0
     iterations: int = 0
+    applied: int = 0
     refreshed: bool = False
 
     def destroy(self) -> None:
@@ -56,25 +58,6 @@ class Train:
         for solve in self.solves:
             solve.right.destroy()
             solve.guess.destroy()
-
-
-@dataclass
-class Segment:
-    """Trains from one new mesh, or test of stability, to the next, and the preconditioner.
-
-    Args:
-        kind, levels, blocks: of the preconditioner, as `set_preconditioner` has them.
-        iteration, refresh, setup: seconds by the calibration; first: of the first train's, 0 where a test has made it.
-    """
-
-    kind: str
-    levels: int
-    blocks: bool
-    iteration: float
-    refresh: float
-    setup: float
-    first: float
-    trains: list[Train] = field(default_factory=list)
 
 
 class Beside(TypedDict):
@@ -95,138 +78,192 @@ class Beside(TypedDict):
     matrices: int
 
 
+@dataclass(frozen=True)
+class Manner:
+    """How a solver makes its preconditioners, and what they cost.
+
+    Args:
+        kind, levels, blocks: as `set_preconditioner` has them.
+        applies: it is a complete Cholesky factor, which is applied to its own matrix, without an iteration.
+        price: of it; product: seconds of a product with the matrix.
+    """
+
+    kind: str
+    levels: int
+    blocks: bool
+    applies: bool
+    price: Prices
+    product: float
+
+    @classmethod
+    def of(cls, solver: LinearSolver) -> Self:
+        """That of the preconditioner which the solver has."""
+        kept = solver.kept
+        levels = kept.candidate.levels if kept.candidate else 0
+        product = kept.choice.calibration.matvec_nonzero * kept.size.nonzeros / kept.size.ranks
+        applies = kept.exact and kept.kind == "cholesky"
+        return cls(kept.kind, levels, kept.blocks, applies, kept.price(), product)
+
+    def seconds(self, iterations: float, applied: float) -> float:
+        """Of iterations, among them applications of a factor to its own matrix."""
+        return self.price.iteration * iterations - self.product * applied
+
+
+class Segment:
+    """Trains from one new mesh, or test of stability, to the next: what was run, and the best schedule.
+
+    Args:
+        solver: has just made the first preconditioner.
+        tested: by a test of stability, whose factor is no choice.
+        window: matrices that a preconditioner is looked at for.
+    """
+
+    def __init__(self, solver: LinearSolver, tested: bool, window: int) -> None:
+        self.solver, self.manner = solver, Manner.of(solver)
+        setup = self.manner.price.setup
+        self.first = 0.0 if tested else setup
+        self.schedule = Schedule(window, slack=SLACK * setup)
+        self.run, self.spent, self.refreshed, self.last = 0.0, 0, list[int](), 0
+        self._frames, self._flips = list[int](), list[int]()
+        self._counts: dict[int, list[float]] = {}
+        self._solvers: dict[int, PETSc.KSP] = {}
+
+    def add(self, train: Train) -> None:
+        """Take in a train that has ended, and let go of it."""
+        now = self.schedule.frames
+        self._frames.append(train.frame)
+        self._flips.append((self._flips[-1] if self._flips else 0) + train.flipped)
+        if train.refreshed:
+            self.run, self.last = self.run + self._refresh(self.last), now
+            self.refreshed.append(train.frame)
+        self.run += self.manner.seconds(train.iterations, train.applied)
+        self.spent += train.iterations
+        self._counts[now], self._solvers[now] = [], _solver_of(self.solver, self.manner, train.matrix)
+        self.schedule.add(self._refresh, lambda i: self._cost(i, train))
+        kept = {one.frame for one in self.schedule.kept}
+        for i in self._solvers.keys() - kept:
+            self._solvers.pop(i).destroy()
+        train.destroy()
+
+    def best(self) -> tuple[float, list[int], int]:
+        """Seconds of the best schedule, the frames in which it refreshes, and its iterations."""
+        least, refreshes = self.schedule.best()
+        ends = [*refreshes[1:], self.schedule.frames]
+        iterations = sum(sum(self._counts[i][: end - i]) for i, end in zip(refreshes, ends))
+        return least, [self._frames[i] for i in refreshes], int(iterations)
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        for ksp in self._solvers.values():
+            ksp.destroy()
+        self._solvers.clear()
+
+    def _refresh(self, i: int) -> float:
+        """Seconds of a refresh now, after one at train i: a patch between the two asks for a new analysis."""
+        if len(self._flips) == 1:
+            return self.first
+        price = self.manner.price
+        return price.setup if self._flips[-1] > self._flips[i] else price.refresh
+
+    def _cost(self, i: int, train: Train) -> float:
+        """Seconds of a train, the present one, with the preconditioner of train i; inf without convergence."""
+        applied = self.manner.applies and i == self.schedule.frames
+        count = _iterations(self._solvers[i], train, applied)
+        self._counts[i].append(count)
+        return self.manner.seconds(count, applied * count) if count >= 0 else math.inf
+
+
 class Watch:
     """Notes the solves of a linear solver, segment by segment; the iteration that a replay goes on from sees no change.
 
+    Each matrix is solved with the preconditioners of earlier ones, from the guesses that the replay has. A new mesh
+    begins a segment, whose first matrix always makes one; so does a test of stability, whose factor is no choice. In
+    hindsight a frame of level 2 may be refreshed like any other, but no preconditioner is made between two solves with
+    one matrix.
+
     Args:
         solver: keeps its preconditioner for as long as it is worth it.
+        window: matrices that a preconditioner is looked at for; 1 at least.
     """
 
-    def __init__(self, solver: LinearSolver) -> None:
-        self.solver, self.segments = solver, list[Segment]()
-        self.frame, self._state, self._new = 0, (0, -1), True
+    def __init__(self, solver: LinearSolver, window: int = WINDOW) -> None:
+        self.solver, self.window = solver, window
+        self.frame, self._state, self._size, self._new = 0, (0, -1), Size(0, 0.0), True
         self._pending: tuple[Train, Solve] | None = None
+        self._segments, self._trains = list[Segment](), list[tuple[Segment, Train]]()
         solver.on_solve, solver.on_solved = self._before, self._after
 
     def _before(self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, new: bool, places: Reals | None) -> None:
         self._new |= new
         state = mat.handle, mat.stateGet()
-        if state != self._state or new or not self.segments:
+        if state != self._state or new or not self._trains:
             copy = mat.copy()
             if places is not None and copy.getBlockSize() == places.shape[1]:
                 set_rigid_motions(copy, places)
-            flipped = mat.handle != self._state[0]
-            self._state = state
-            train = Train(self.frame, copy, flipped)
+            # Patterns only grow until the next mesh.
+            size = self.solver.kept.size
+            train = Train(self.frame, copy, flipped=size != self._size)
+            self._state, self._size = state, size
         else:
-            train = self.segments[-1].trains[-1]
+            train = self._trains[-1][1]
         self._pending = train, Solve(b.copy(), x.copy())
 
     def _after(self, report: LinearReport | None) -> None:
         train, solve = made(self._pending)
-        if self._new or report is None or not self.segments:
-            self.segments.append(_segment(self.solver, tested=report is None))
+        if self._new or report is None or not self._segments:
+            self._segments.append(Segment(self.solver, report is None, self.window))
         self._new = False
-        trains = self.segments[-1].trains
-        if not trains or trains[-1] is not train:
-            trains.append(train)
+        segment, known = self._segments[-1], self._trains[-1] if self._trains else (None, None)
+        if known[1] is train and known[0] is not segment:
+            train = Train(self.frame, train.matrix.copy())
+        if known[1] is not train:
+            self._trains.append((segment, train))
         solve.aim = self.solver.ksp.getTolerances()[:2]
         if report is None:
             train.refreshed = True
             return
         train.count += 1
         train.iterations += report.iterations
+        train.applied += segment.manner.applies and self.solver.factored
         train.refreshed |= report.refreshed
         if len(train.solves) < SAMPLED:
             train.solves.append(solve)
 
+    def settle(self, ended: bool = False) -> None:
+        """Look at the trains that have ended, all of them where the replay has; between two frames."""
+        self.frame += 1
+        ready = self._trains if ended else self._trains[:-1]
+        for segment, train in ready:
+            segment.add(train)
+        self._trains = self._trains[len(ready) :]
+        for segment in self._segments if ended else self._segments[:-1]:
+            segment.destroy()
 
-def measure(replay: Replay, solver: LinearSolver, window: int = WINDOW) -> Beside:
-    """The schedule of refreshes that is run, and the best one.
-
-    The replay runs to its end; each matrix is then solved with the preconditioners of all matrices up to `window`
-    before it, from the guesses that the replay had. A new mesh begins a segment, whose first matrix always makes one;
-    so does a test of stability, whose factor is no choice. In hindsight a frame of level 2 may be refreshed like any
-    other, but no preconditioner is made between two solves with one matrix.
-
-    Args:
-        replay: under a policy that refreshes; solver: of its analysis.
-        window: matrices; 1 at least.
-    """
-    watch = Watch(solver)
-    for row in replay.frames():
-        watch.frame = whole(row, "index") + 1
-    solver.on_solve = solver.on_solved = None
-    run = best = 0.0
-    schedule: dict[str, list[int]] = {"run": [], "best": []}
-    iterations = {"run": 0, "best": 0}
-    for segment in watch.segments:
-        trains = segment.trains
-        counts = _table(segment, solver, window)
-        refresh = _refresh_costs(segment)
-        # A schedule that was run may keep a preconditioner for longer than the window.
-        cost, spent = _cost_of_run(segment, refresh)
-        costs = np.where(counts < 0, np.inf, segment.iteration * counts)
-        least, refreshes = best_schedule(refresh, costs)
-        run, best = run + cost, best + least
-        schedule["run"] += [train.frame for train in trains if train.refreshed]
-        schedule["best"] += [trains[k].frame for k in refreshes]
-        iterations["run"] += spent
-        ends = [*refreshes[1:], len(trains)]
-        iterations["best"] += int(sum(counts[i, i:end].sum() for i, end in zip(refreshes, ends)))
-        for train in trains:
-            train.destroy()
-    return {
-        "run": run,
-        "best": best,
-        "ratio": run / best if best > 0 else 1.0,
-        "schedule": schedule,
-        "iterations": iterations,
-        "refreshes": {name: len(frames) for name, frames in schedule.items()},
-        "matrices": sum(len(segment.trains) for segment in watch.segments),
-    }
+    def found(self) -> Beside:
+        """The schedule of refreshes that was run, and the best one; the replay has ended."""
+        self.solver.on_solve = self.solver.on_solved = None
+        self.settle(ended=True)
+        segments = [(one, *one.best()) for one in self._segments]
+        run, best = sum(one.run for one in self._segments), sum(least for _, least, _, _ in segments)
+        schedule = {
+            "run": [frame for one in self._segments for frame in one.refreshed],
+            "best": [frame for _, _, frames, _ in segments for frame in frames],
+        }
+        return {
+            "run": run,
+            "best": best,
+            "ratio": run / best if best > 0 else 1.0,
+            "schedule": schedule,
+            "iterations": {
+                "run": sum(one.spent for one in self._segments),
+                "best": sum(spent for _, _, _, spent in segments),
+            },
+            "refreshes": {name: len(frames) for name, frames in schedule.items()},
+            "matrices": sum(one.schedule.frames for one in self._segments),
+        }
 
 
-def _segment(solver: LinearSolver, tested: bool) -> Segment:
-    """An empty segment with the preconditioner that the solver has just made; `tested`: by a test of stability."""
-    kept = solver.kept
-    price = prices(kept.kind, kept.size, kept.filled or kept.size.nonzeros, kept.choice.calibration)
-    levels = kept.candidate.levels if kept.candidate else 0
-    return Segment(kept.kind, levels, kept.blocks, *price, 0.0 if tested else price.setup)
-
-
-def _refresh_costs(segment: Segment) -> Reals:
-    """Seconds (n, n) of a refresh at train j after one at train i: a patch between the two asks for a new analysis."""
-    flips = np.cumsum([train.flipped for train in segment.trains])
-    costs = np.where(flips[None, :] > flips[:, None], segment.setup, segment.refresh)
-    costs[0, 0] = segment.first
-    return costs
-
-
-def _cost_of_run(segment: Segment, refresh: Reals) -> tuple[float, int]:
-    """Seconds and iterations of a segment as it was run."""
-    cost, spent, last = 0.0, 0, 0
-    for j, train in enumerate(segment.trains):
-        if train.refreshed:
-            cost, last = cost + refresh[last, j], j
-        cost += segment.iteration * train.iterations
-        spent += train.iterations
-    return float(cost), spent
-
-
-def _table(segment: Segment, solver: LinearSolver, window: int) -> Reals:
-    """Iterations (n, n) of train j with the preconditioner of train i; -1 beyond the window or without convergence."""
-    trains = segment.trains
-    counts = np.full((len(trains),) * 2, -1.0)
-    for i, train in enumerate(trains):
-        ksp = _solver_of(segment, solver, train.matrix)
-        for j in range(i, min(len(trains), i + window)):
-            counts[i, j] = _iterations(ksp, trains[j], solver.kept.exact and i == j)
-        ksp.destroy()
-    return counts
-
-
-def _solver_of(segment: Segment, solver: LinearSolver, matrix: PETSc.Mat) -> PETSc.KSP:
+def _solver_of(solver: LinearSolver, manner: Manner, matrix: PETSc.Mat) -> PETSc.KSP:
     """A Krylov method like the solver's, with the preconditioner of a matrix."""
     traits, ksp = solver.traits, PETSc.KSP().create(solver.comm)
     ksp.setOptionsPrefix("hindsight_")
@@ -237,7 +274,8 @@ def _solver_of(segment: Segment, solver: LinearSolver, matrix: PETSc.Mat) -> PET
     ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
     ksp.setInitialGuessNonzero(True)
     ksp.setTolerances(divtol=1e30, max_it=MOST_ITERATIONS)
-    given = set_preconditioner(ksp, segment.kind, segment.levels, traits.pivots, segment.blocks)
+    shifts = traits.symmetric or traits.definite
+    given = set_preconditioner(ksp, manner.kind, manner.levels, traits.pivots, manner.blocks, shifts)
     ksp.setOperators(matrix)
     ksp.setUp()
     if solver.comm.size > 1:
@@ -249,12 +287,12 @@ def _solver_of(segment: Segment, solver: LinearSolver, matrix: PETSc.Mat) -> PET
     return ksp
 
 
-def _iterations(ksp: PETSc.KSP, train: Train, exact: bool) -> float:
+def _iterations(ksp: PETSc.KSP, train: Train, applied: bool) -> float:
     """Iterations of all solves of a train, from those that are repeated; -1 where one does not converge.
 
-    With an exact factor of their very matrix (`exact`) it is one each, an application.
+    A complete factor of their very matrix is `applied`, once each.
     """
-    if exact or not train.solves:
+    if applied or not train.solves:
         return float(train.count)
     spent = 0
     ksp.setOperators(train.matrix)

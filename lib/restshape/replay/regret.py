@@ -1,13 +1,16 @@
 """How much more a replay costs than the best policy, and than the best schedule of refreshes, by counted work."""
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TypedDict
 
 from petsc4py import PETSc
 
-from restshape.algebra.counted_work import EVENTS, counted_seconds
+from restshape.algebra.counted_work import EVENTS, NUMERIC, counted_seconds
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.stages import LOGGED, log_stage
+from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.stages import LOGGED, Stages, log_stage
 from restshape.analysis.row_values import whole
 from restshape.errors import UserError
 from restshape.policy import POLICIES, policy
@@ -16,13 +19,24 @@ from restshape.replay.event_counts import EventCounts
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 
+ENOUGH = 2.0
+"""A policy that has cost so many times the cheapest so far is not the best, and its replay ends."""
+LINEAR = "restshape linear"
+"""Owner of the log stages of linear solves."""
+
 
 class Work(TypedDict):
-    """Counted work of the linear solves of a replay: seconds by the calibration, iterations and factors."""
+    """Counted work of the linear solves of a replay.
+
+    Args:
+        seconds: by the calibration.
+        ended: frame after which the replay was ended, having cost `ENOUGH` times the cheapest; None: it was not.
+    """
 
     seconds: float
     iterations: int
     factors: int
+    ended: int | None
 
 
 class Regret(TypedDict):
@@ -41,23 +55,28 @@ class Regret(TypedDict):
     over_schedule: float
 
 
-def measure(request: Request) -> Regret:
+def measure(request: Request, on_frame: Callable[[], None] = lambda: None) -> Regret:
     """Counted work of linear solves under each policy, and of `auto` beside the best schedule in hindsight.
 
     Args:
         request: of a steady analysis or one in time; its policy is not looked at.
+        on_frame: called after each frame of each policy.
 
     Raises:
         UserError: the analysis has no linear solver whose preconditioner is kept.
     """
     begin_log()
-    found = {name: _counted(_of(request, name)) for name in POLICIES}
-    best = min(found, key=lambda name: found[name]["seconds"])
     replay = _of(request, "auto")
-    schedule = hindsight.measure(replay, _solver(replay))
+    watch = hindsight.Watch(_solver(replay))
+    found = {"auto": _counted(replay, on_frame, watch)}
+    schedule = watch.found()
+    for name in ("refactor", "rebuild", "thesis"):
+        least = min(one["seconds"] for one in found.values())
+        found[name] = _counted(_of(request, name), on_frame, most=ENOUGH * least or math.inf)
+    best = min(found, key=lambda name: found[name]["seconds"])
     least = found[best]["seconds"]
     return {
-        "policies": found,
+        "policies": {name: found[name] for name in POLICIES},
         "best": best,
         "over_policy": found["auto"]["seconds"] / least if least else 1.0,
         "hindsight": schedule,
@@ -84,17 +103,36 @@ def _solver(replay: Replay) -> LinearSolver:
     return solver
 
 
-def _counted(replay: Replay) -> Work:
-    """Seconds by the calibration, iterations and factors of a replay."""
-    counts, solver = EventCounts(EVENTS), _solver(replay)
+def _counted(
+    replay: Replay, on_frame: Callable[[], None], watch: hindsight.Watch | None = None, most: float = math.inf
+) -> Work:
+    """Counted work of a replay, which may be watched, until it has cost so many seconds by the calibration."""
+    solver, found, made = _solver(replay), Work(seconds=0.0, iterations=0, factors=0, ended=None), 0
+    # Modes beside a motion have factors and iterations of their own, in the stages of the replay.
+    solver.stages = Stages(LINEAR)
+    counts, watched = EventCounts(EVENTS, LINEAR), solver.on_solved
+
+    def note(report: LinearReport | None) -> None:
+        nonlocal made
+        made += report.iterations if report else 0
+        if watched:
+            watched(report)
+
+    solver.on_solved = note
     counts.since_last()
-    seconds, iterations, factors = 0.0, 0, 0
     for row in replay.frames():
         events = counts.since_last()
-        seconds += counted_seconds(events, whole(row, "iterations"), solver)
-        iterations += whole(row, "iterations")
-        factors += events["MatCholFctrNum"] + events["MatLUFactorNum"]
-    return {"seconds": seconds, "iterations": iterations, "factors": factors}
+        found["seconds"] += counted_seconds(events, made, solver)
+        found["iterations"] += made
+        found["factors"] += sum(events[name] for name in NUMERIC)
+        made = 0
+        if watch:
+            watch.settle()
+        on_frame()
+        if replay.comm.tompi4py().bcast(found["seconds"] > most):
+            found["ended"] = whole(row, "index")
+            break
+    return found
 
 
 def begin_log() -> None:
