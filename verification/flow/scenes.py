@@ -28,9 +28,13 @@ def channel(length: float, height: float, fluid: str, entering: str = "4*y*(1 - 
         holes: tables of what stands in it, and of parameters.
     """
     shape = block(length, height).replace("right", "outlet").replace("left", "inlet")
+    return HEAD + shape + holes + through(fluid, entering)
+
+
+def through(fluid: str, entering: str) -> str:
+    """What flows through such a channel; arguments as of `channel`."""
     return (
-        f"{HEAD}{shape}{holes}[fluid]\n{fluid}"
-        + f'[boundary.inlet]\non = "inlet"\nvelocity = ["{entering}", 0]\n'
+        f'[fluid]\n{fluid}[boundary.inlet]\non = "inlet"\nvelocity = ["{entering}", 0]\n'
         + '[boundary.outlet]\non = "outlet"\noutflow = true\n'
     )
 
@@ -47,8 +51,12 @@ CAVITY = (
 """A square whose lid moves at 1 m/s; its corners stand still."""
 
 CYLINDER = disc("cylinder", (0.2, 0.2), 0.05)
-CHANNEL = channel(2.2, 0.41, "rho = 1\nmu = 1e-3\n", "4*U*y*(0.41 - y)/0.41^2", "[parameters]\nU = 0.3\n" + CYLINDER)
+FLUID, ENTERING = "rho = 1\nmu = 1e-3\n", "4*U*y*(0.41 - y)/0.41^2"
+SLOWLY = "[parameters]\nU = 0.3\n"
+CHANNEL = channel(2.2, 0.41, FLUID, ENTERING, SLOWLY + CYLINDER)
 """A cylinder in a channel, of the priority research programme of the DFG: velocity U in the middle of the inlet."""
+SYMMETRIC_CHANNEL = HEAD + SLOWLY + through(FLUID, ENTERING) + '[mesh]\nfile = "channel.msh"\n'
+"""The same on a mesh of a file beside the scene, that of `mirrored_channel`."""
 
 ZONE = "[shape.regions.zone]\npolygon = [[0.05, 0.05], [0.6, 0.05], [0.6, 0.36], [0.05, 0.36]]\n"
 """Around the cylinder and behind it, for a finer mesh there."""
@@ -59,7 +67,7 @@ def forces(speed: float) -> str:
     of = f'{{ speed = {speed!r}, length = 0.1 }}, at = "cylinder" }}\n'
     return (
         f"[quantities]\ndrag = {{ drag_coefficient = {of}lift = {{ lift_coefficient = {of}"
-        'drop = { pressure_drop = { from = "cylinder.v3", to = "cylinder.v1" } }\n'
+        f"street = {{ strouhal = {of}"
         'entering = { flux = true, at = "inlet" }\nleaving = { flux = true, at = "outlet" }\n'
     )
 
