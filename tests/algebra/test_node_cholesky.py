@@ -141,3 +141,10 @@ def test_fill_is_that_of_blocks(ksp):
     dense = np.kron(np.diag(np.full(N, 4.0)) - np.eye(N, k=1) - np.eye(N, k=-1), np.eye(size) + 0.1)
     error(ksp, dense, petsc(dense, size))
     assert ksp.getPC().getFactorMatrix().getInfo()["nz_used"] == pytest.approx((2 * N - 1) * size**2, abs=N)
+
+
+@pytest.mark.parametrize("size", [2, 3])
+def test_pivots_that_want_exchanges_of_rows(ksp, size):
+    # Blocks with nothing on their diagonals have inverses all the same.
+    dense = np.kron(np.eye(N), np.ones((size, size)) - np.eye(size))
+    assert error(ksp, dense, petsc(dense, size)) < 1e-14

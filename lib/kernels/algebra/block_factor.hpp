@@ -8,24 +8,55 @@
 #include <petscsys.h>
 
 #include <Eigen/Core>
-#include <Eigen/LU>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 namespace restshape {
 
-// Rows of blocks that ascend; of the matrix from the diagonal on, of the factor right of it.
+// Rows of blocks of the factor that ascend, right of the diagonal.
 struct BlockRows {
     PetscInt count;
     const PetscInt *start, *column;
     double* value;
 };
 
+// Rows of blocks of the matrix that ascend from the diagonal on, read where the matrix has stored them by rows.
+struct StoredBlocks {
+    PetscInt count;
+    const PetscInt *start, *column;
+    const PetscInt *from,
+        *length;  // where a block's first value is; values from one row to the next of a row of blocks
+    const double* value;
+};
+
+// The inverse of a block, by elimination with exchanges of rows; not finite where the block has none.
+template <int size>
+Eigen::Matrix<double, size, size> inverse_of(Eigen::Matrix<double, size, size> block) {
+    Eigen::Matrix<double, size, size> found = Eigen::Matrix<double, size, size>::Identity();
+    for (int k = 0; k < size; ++k) {
+        int pivot = k;
+        for (int i = k + 1; i < size; ++i)
+            if (std::abs(block(i, k)) > std::abs(block(pivot, k))) pivot = i;
+        if (pivot != k) block.row(k).swap(block.row(pivot)), found.row(k).swap(found.row(pivot));
+        for (int i = k + 1; i < size; ++i) {
+            const double factor = block(i, k) / block(k, k);
+            for (int c = k + 1; c < size; ++c) block(i, c) -= factor * block(k, c);
+            found.row(i) -= factor * found.row(k);
+        }
+    }
+    for (int k = size - 1; k >= 0; --k) {
+        for (int i = k + 1; i < size; ++i) found.row(k) -= block(k, i) * found.row(i);
+        found.row(k) /= block(k, k);
+    }
+    return found;
+}
+
 template <int size>
 class BlockFactor {
  public:
     // Returns how many products of two blocks it took.
-    double make(const BlockRows& a, const BlockRows& u) {
+    double make(const StoredBlocks& a, const BlockRows& u) {
         const PetscInt n = a.count;
         row_.assign(static_cast<std::size_t>(n) * size, Column::Zero());
         next_.assign(n, -1);
@@ -51,10 +82,11 @@ class BlockFactor {
     using Block = Eigen::Matrix<double, size, size>;
     using Column = Eigen::Array<double, lanes, 1>;
 
-    void load(const BlockRows& a, PetscInt k) {
+    void load(const StoredBlocks& a, PetscInt k) {
         for (PetscInt j = a.start[k]; j < a.start[k + 1]; ++j)
             for (int c = 0; c < size; ++c)
-                for (int r = 0; r < size; ++r) row_[a.column[j] * size + c][r] = a.value[j * numbers + c * size + r];
+                for (int r = 0; r < size; ++r)
+                    row_[a.column[j] * size + c][r] = a.value[a.from[j] + r * a.length[k] + c];
     }
 
     void eliminate(const BlockRows& u, PetscInt k, PetscInt i) {
@@ -84,7 +116,7 @@ class BlockFactor {
     void store(const BlockRows& u, PetscInt k) {
         Block pivot;
         for (int c = 0; c < size; ++c) pivot.col(c) = row_[k * size + c].template head<size>();
-        Eigen::Map<Block>(u.value + k * numbers) = pivot.partialPivLu().inverse();
+        Eigen::Map<Block>(u.value + k * numbers) = inverse_of<size>(pivot);
         for (int c = 0; c < size; ++c) row_[k * size + c].setZero();
         for (PetscInt j = u.start[k]; j < u.start[k + 1]; ++j) {
             Column* from = &row_[u.column[j] * size];

@@ -125,17 +125,21 @@ PetscErrorCode find_zero(Mat F) {
 }
 
 template <int size>
-PetscErrorCode make_blocks_of(NodeCholesky& c, BlockFactor<size>& maker) {
-    BlockRows own{}, from{static_cast<PetscInt>(c.blocks.starts.size()) - 1, c.blocks.starts.data(),
-                          c.blocks.columns.data(), nullptr};
+PetscErrorCode make_blocks_of(NodeCholesky& c, const double* values, BlockFactor<size>& maker) {
+    const UpperBlocks& u = c.blocks;
+    const StoredBlocks from{static_cast<PetscInt>(u.order.size()),
+                            u.starts.data(),
+                            u.columns.data(),
+                            u.from.data(),
+                            u.length.data(),
+                            values};
+    BlockRows own{};
     PetscBool done;
     PetscFunctionBegin;
     PetscCall(MatGetRowIJ(c.factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
     PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
     PetscCall(MatSeqSBAIJGetArray(c.factor, &own.value));
-    PetscCall(MatSeqSBAIJGetArray(c.upper, &from.value));
     const double products = maker.make(from, own);
-    PetscCall(MatSeqSBAIJRestoreArray(c.upper, &from.value));
     PetscCall(MatSeqSBAIJRestoreArray(c.factor, &own.value));
     PetscCall(MatRestoreRowIJ(c.factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
     PetscCall(PetscLogFlops(2.0 * size * size * size * products));
@@ -175,23 +179,31 @@ PetscErrorCode set_substitutions(Mat factor, PetscInt size) {
     PetscFunctionReturn(0);
 }
 
-PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
-    NodeCholesky* c = of(F);
-    const double* values;
+PetscErrorCode copy_single(NodeCholesky& c, const double* values) {
     double* copied;
     PetscFunctionBegin;
-    PetscCall(MatSeqAIJGetArrayRead(A, &values));
-    PetscCall(MatSeqSBAIJGetArray(c->upper, &copied));
-    copy_values(values, c->blocks, copied);
-    PetscCall(MatSeqSBAIJRestoreArray(c->upper, &copied));
-    PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
+    PetscCall(MatSeqSBAIJGetArray(c.upper, &copied));
+    copy_values(values, c.blocks, copied);
+    PetscCall(MatSeqSBAIJRestoreArray(c.upper, &copied));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
+    NodeCholesky* c = of(F);
+    const PetscInt size = c->blocks.size;
+    const double* values;
+    PetscFunctionBegin;
     c->factor->factorerrortype = MAT_FACTOR_NOERROR;
     c->zero = 0;
-    if (c->blocks.size == 1) {
+    PetscCall(MatSeqAIJGetArrayRead(A, &values));
+    if (size == 1) PetscCall(copy_single(*c, values));
+    if (size == 2) PetscCall(make_blocks_of(*c, values, c->pairs));
+    if (size == 3) PetscCall(make_blocks_of(*c, values, c->triples));
+    PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
+    if (size == 1) {
         PetscCall((*c->factor->ops->choleskyfactornumeric)(c->factor, c->upper, info));
     } else {
-        PetscCall(c->blocks.size == 2 ? make_blocks_of(*c, c->pairs) : make_blocks_of(*c, c->triples));
-        PetscCall(set_substitutions(c->factor, c->blocks.size));
+        PetscCall(set_substitutions(c->factor, size));
         PetscCall(find_zero(F));
     }
     F->factorerrortype = c->zero ? MAT_FACTOR_NUMERIC_ZEROPIVOT : c->factor->factorerrortype;

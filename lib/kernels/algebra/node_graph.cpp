@@ -59,26 +59,26 @@ PetscErrorCode elimination_order(std::vector<PetscInt>& starts, std::vector<Pets
     PetscFunctionReturn(0);
 }
 
-// The upper triangle in elimination order, and where each block of the matrix's node rows goes, -1 below the diagonal.
+// The upper triangle in elimination order, and where each block of it stands among those of the matrix's node rows.
 void lay_out(const std::vector<PetscInt>& starts, const std::vector<PetscInt>& columns, UpperBlocks* u,
-             std::vector<PetscInt>* block_of) {
+             std::vector<PetscInt>* of_block) {
     const PetscInt n = static_cast<PetscInt>(u->order.size());
-    std::vector<PetscInt> place(n);
+    std::vector<PetscInt> place(n), next(n + 1, 0), at(n);
     for (PetscInt k = 0; k < n; ++k) place[u->order[k]] = k;
-    u->starts.assign(1, 0);
-    u->columns.clear();
-    block_of->assign(columns.size(), -1);
-    std::vector<std::pair<PetscInt, PetscInt>> row;  // column, block of the node row
-    for (PetscInt k = 0; k < n; ++k) {
-        row.clear();
+    for (PetscInt i = 0; i < n; ++i)
+        for (PetscInt j = starts[i]; j < starts[i + 1]; ++j) next[place[i] + 1] += place[columns[j]] >= place[i];
+    for (PetscInt k = 0; k < n; ++k) next[k + 1] += next[k];
+    u->starts = next;
+    u->columns.resize(next[n]);
+    of_block->resize(next[n]);
+    // The pattern is symmetric: taken column by column, its rows come out sorted.
+    for (PetscInt k = 0; k < n; ++k)
         for (PetscInt j = starts[u->order[k]]; j < starts[u->order[k] + 1]; ++j)
-            if (place[columns[j]] >= k) row.emplace_back(place[columns[j]], j);
-        std::sort(row.begin(), row.end());
-        for (const auto& [column, j] : row) {
-            (*block_of)[j] = static_cast<PetscInt>(u->columns.size());
-            u->columns.push_back(column);
-        }
-        u->starts.push_back(static_cast<PetscInt>(u->columns.size()));
+            if (place[columns[j]] <= k) u->columns[next[place[columns[j]]]++] = k;
+    for (PetscInt k = 0; k < n; ++k) {
+        for (PetscInt j = u->starts[k]; j < u->starts[k + 1]; ++j) at[u->columns[j]] = j;
+        for (PetscInt j = starts[u->order[k]]; j < starts[u->order[k] + 1]; ++j)
+            if (place[columns[j]] >= k) (*of_block)[at[place[columns[j]]]] = j - starts[u->order[k]];
     }
 }
 
@@ -92,27 +92,28 @@ PetscInt block_size(const Pattern& a) {
 }
 
 PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* u) {
-    std::vector<PetscInt> starts, columns, block_of;
+    std::vector<PetscInt> starts, columns;
     PetscFunctionBegin;
     u->size = size;
     node_pattern(a, size, &starts, &columns);
     PetscCall(elimination_order(starts, columns, &u->order));
-    lay_out(starts, columns, u, &block_of);
-    u->places.assign(a.starts[a.rows], -1);
-    for (PetscInt r = 0; r < a.rows; ++r) {
-        const PetscInt node = r / size, within = r % size;
-        for (PetscInt k = a.starts[r]; k < a.starts[r + 1]; ++k) {
-            const PetscInt wide = k - a.starts[r], block = block_of[starts[node] + wide / size];
-            if (block >= 0) u->places[k] = (block * size + wide % size) * size + within;
-        }
+    lay_out(starts, columns, u, &u->from);
+    const PetscInt n = static_cast<PetscInt>(u->order.size());
+    u->length.resize(n);
+    for (PetscInt k = 0; k < n; ++k) {
+        const PetscInt row = size * u->order[k], first = a.starts[row];
+        u->length[k] = a.starts[row + 1] - first;
+        for (PetscInt j = u->starts[k]; j < u->starts[k + 1]; ++j) u->from[j] = first + size * u->from[j];
     }
     PetscFunctionReturn(0);
 }
 
 void copy_values(const double* a, const UpperBlocks& u, double* blocks) {
-    const std::size_t count = u.places.size();
-    for (std::size_t k = 0; k < count; ++k)
-        if (u.places[k] >= 0) blocks[u.places[k]] = a[k];
+    const PetscInt size = u.size, n = static_cast<PetscInt>(u.order.size());
+    for (PetscInt k = 0; k < n; ++k)
+        for (PetscInt j = u.starts[k]; j < u.starts[k + 1]; ++j)
+            for (PetscInt c = 0; c < size; ++c)
+                for (PetscInt r = 0; r < size; ++r) *blocks++ = a[u.from[j] + r * u.length[k] + c];
 }
 
 }  // namespace restshape

@@ -18,7 +18,8 @@ struct UpperBlocks {
     PetscInt size = 1;                      // unknowns a node
     std::vector<PetscInt> order;            // of nodes: the k-th to be eliminated
     std::vector<PetscInt> starts, columns;  // of block rows
-    std::vector<PetscInt> places;  // of each stored entry of A in the blocks, each by columns; -1 below the diagonal
+    std::vector<PetscInt> from;             // of each block, where its first value is stored in A
+    std::vector<PetscInt> length;           // of each block row, values from one row of A to the next
 };
 
 // The most unknowns a node, 3, 2 or 1, for which all rows of a node have the same columns, whole nodes of them.
@@ -27,7 +28,7 @@ PetscInt block_size(const Pattern& a);
 // Orders nodes by approximate minimum degree, and lays the blocks out.
 PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* blocks);
 
-// Copies the values of A, of the pattern that the blocks were made of.
+// Copies the values of A, of the pattern that the blocks were made of, each block by columns.
 void copy_values(const double* a, const UpperBlocks& u, double* blocks);
 
 }  // namespace restshape
