@@ -1,13 +1,17 @@
 """The mass, or capacity, matrix of a problem, applied element by element on all nodes."""
 
 import numpy as np
+from petsc4py import PETSc
 
+from restshape.algebra.operator import Operator
 from restshape.errors import ReplayProblem
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import CONSISTENT, LUMPED, MASS, SteadyProblem
 
 CONVERGED = 1e-15
 """Residual of a solve with the mass matrix, relative to the right side."""
+MOST = 200
+"""Iterations of it."""
 
 
 class MassMatrix:
@@ -24,6 +28,7 @@ class MassMatrix:
         self.problem, self.space = problem, problem.space
         self.integrals = problem.integrals(MASS)
         self._assembled = Assembled(self.integrals)
+        self._consistent: ConsistentMass | None = None
 
     @property
     def params(self) -> np.ndarray:
@@ -45,7 +50,7 @@ class MassMatrix:
     def solve(self, rhs: np.ndarray, consistent: bool = False, tolerance: float = CONVERGED) -> np.ndarray:
         """The w (n, f), 0 where prescribed, for which M w = rhs elsewhere.
 
-        Conjugate gradients with the lumped mass as preconditioner (its condition number is 4 at most: Wathen 1987).
+        Conjugate gradients with the diagonal as preconditioner (its condition number is 4 at most).
 
         Args:
             rhs: (n, f).
@@ -54,25 +59,53 @@ class MassMatrix:
 
         Raises:
             ReplayProblem: no convergence.
+
+        Source: A. J. Wathen, Realistic eigenvalue bounds for the Galerkin mass matrix, IMA J. Numer. Anal. 7 (1987).
         """
         free = self.problem.boundary.mask == 0
         lumped = self.problem.integrals(LUMPED)
-        inverse = free / Assembled(lumped).residual(np.ones(free.shape))
         if lumped[0].element.name == self.integrals[0].element.name and not consistent:
-            return inverse * rhs
-        whole = Assembled(self.problem.integrals(CONSISTENT))
-        r = rhs * free
-        goal = tolerance * np.linalg.norm(r)
-        w, z = np.zeros_like(r), inverse * r
-        p, rz = z.copy(), np.vdot(r, z)
-        for _ in range(200):
-            if np.linalg.norm(r) <= goal:
-                return w
-            q = whole.residual(p) * free
-            step = rz / np.vdot(p, q)
-            w += step * p
-            r -= step * q
-            z = inverse * r
-            rz, last = np.vdot(r, z), rz
-            p = z + (rz / last) * p
-        raise ReplayProblem("the solve with the mass matrix did not converge")
+            return free / Assembled(lumped).residual(np.ones(free.shape)) * rhs
+        if self._consistent is None:
+            self._consistent = ConsistentMass(self.problem)
+        return self._consistent.solve(rhs * free, tolerance)
+
+
+class ConsistentMass:
+    """The consistent mass matrix, assembled whole on each rank, and the method that solves with it.
+
+    Args:
+        problem: with integrals of the kind `CONSISTENT`, on a space whose nodes may move and whose edges may flip.
+    """
+
+    def __init__(self, problem: SteadyProblem) -> None:
+        shape = problem.boundary.mask.shape
+        self._problem, self._topology = problem, -1
+        self._operator = Operator(PETSc.COMM_SELF, shape[1], np.array([0, shape[0]], dtype=np.int32))
+        self._right, self._way = np.zeros(shape), np.zeros(shape)
+        self._b, self._x = (PETSc.Vec().createWithArray(own, comm=PETSc.COMM_SELF) for own in (self._right, self._way))
+        self._ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+        self._ksp.setType("cg")
+        self._ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        self._ksp.getPC().setType("jacobi")
+
+    def solve(self, rhs: np.ndarray, tolerance: float) -> np.ndarray:
+        """The w (n, f), 0 where prescribed, for which M w = rhs elsewhere; rhs (n, f) is 0 where prescribed.
+
+        Raises:
+            ReplayProblem: no convergence.
+        """
+        problem, ksp = self._problem, self._ksp
+        if self._topology != problem.space.topology:
+            self._operator.set_topology(problem.blocks(), problem.boundary.mask)
+            self._topology = problem.space.topology
+        terms = [part.term(self._way) for part in problem.integrals(CONSISTENT)]
+        self._right[:] = rhs
+        for vector in (self._b, self._x):
+            vector.stateIncrease()
+        ksp.setOperators(self._operator.assemble(terms, None))
+        ksp.setTolerances(rtol=tolerance, atol=0.0, max_it=MOST)
+        ksp.solve(self._b, self._x)
+        if ksp.getConvergedReason() < 0:
+            raise ReplayProblem("the solve with the mass matrix did not converge")
+        return self._way.copy()
