@@ -17,6 +17,7 @@ from small_scenes import (
     write_script,
 )
 
+from restshape.analysis import steady
 from restshape.analysis.guess import Guess
 from restshape.policy import POLICIES
 
@@ -83,3 +84,12 @@ class TestGuess:
         guess.keep(self.one, (gesture, (0.0, 0.0)))
         guess.keep(self.two, (gesture, (1.0, 0.0)))
         assert guess(self.two, (gesture, (2.0, 0.0))) is self.two
+
+
+def test_a_scene_that_stays_is_planned_once(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(steady, "planned", lambda *of: asked.append(of))
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 3)))
+    levels = [row["level"] for row in make_replay(write_scene(tmp_path, PATCH), script, "rebuild").frames()]
+    assert levels.count(3) > 2
+    assert not asked

@@ -35,7 +35,8 @@ def bound(
     """
     old, before = state.bound, state.modes.vectors
     with context.stages("pattern"):
-        plan = planned(frame.scene, application_of(frame.scene))
+        known = frame.scene is state.scene
+        plan = state.plan if known else planned(frame.scene, application_of(frame.scene))
         body = make(frame.scene, plan, frame.mesh, context.policy.lumped_mass)
         # Flips change the cells in place: of the old ones nothing is left to compare with.
         flipped = frame.mesh.topology != state.topology

@@ -339,7 +339,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
         """Set up what depends on the mesh topology or on the scene's values."""
         mesh, context, before = frame.mesh, self.context, self.state
         with context.stages("pattern"):
-            plan = planned(frame.scene, application_of(frame.scene))
+            known = frame.scene is before.scene
+            plan = before.plan if known else planned(frame.scene, application_of(frame.scene))
             problem = self.make(frame.scene, plan, mesh)
             observer = problem.observer(self._observed_quantities(frame.scene.quantities))
             if new_mesh:

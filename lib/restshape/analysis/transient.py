@@ -365,7 +365,7 @@ class TransientAnalysis:
     def _read(self, scene: Scene) -> None:
         """Take the settings of a scene, whose values may be others."""
         state = self.state
-        plan = planned(scene, application_of(scene)) if state.bound is not None else state.plan
+        plan = state.plan if scene is state.scene else planned(scene, application_of(scene))
         in_time = self.make.time_integration(plan, state.in_time, self.time)
         known = self.make.accounts_energy(scene.quantities)
         account = replace(state.account, known=known)
