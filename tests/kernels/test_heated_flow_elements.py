@@ -22,7 +22,7 @@ CASES = [case(f"heated_{way}", STEADY + LIFT + HEAT) for way in STEADY_WAYS]
 CASES += [case(f"lifted_{way}", STEADY + LIFT) for way in STEADY_WAYS]
 CASES += [case(f"unsteady_heated_{way}", IN_TIME + LIFT + HEAT) for way in (*WAYS, "slow_flow_on_moving_mesh")]
 CASES += [case(f"unsteady_lifted_{way}", IN_TIME + LIFT) for way in WAYS]
-CASES += [case("carried_heat", HEAT), case("unsteady_carried_heat", (*HEAT, 15.0, 20.0))]
+CASES += [case("advected_heat", HEAT), case("unsteady_advected_heat", (*HEAT, 15.0, 20.0))]
 globals().update({one.__name__: one for one in CASES})
 
 
@@ -35,7 +35,7 @@ def assembled(name, params, x, w=None):
     return out[inner]
 
 
-def test_a_linear_temperature_is_carried_exactly():
+def test_a_linear_temperature_is_exact_in_a_stream():
     """T = x + 2 y in the stream (0.6, -0.2): capacity times 0.2 is set free."""
     source = 1.7 * (0.6 - 0.4)
 
@@ -46,7 +46,7 @@ def test_a_linear_temperature_is_carried_exactly():
     heat = (1.7, 0.08, 3.0, source)
     found = assembled("heated_flow", (RHO, MU, 0, 0, WEIGHT, 0, 0, 0, *heat), flow)
     np.testing.assert_allclose(found, 0.0, atol=1e-13)
-    alone = assembled("carried_heat", heat, lambda X: flow(X)[:, 3:].copy(), lambda X: flow(X)[:, :2].copy())
+    alone = assembled("advected_heat", heat, lambda X: flow(X)[:, 3:].copy(), lambda X: flow(X)[:, :2].copy())
     np.testing.assert_allclose(alone, 0.0, atol=1e-13)
 
 
@@ -64,7 +64,7 @@ def test_a_pressure_bears_a_warm_fluid(name):
 
 
 def test_both_ways_have_the_same_residual():
-    """Heat and flow in one element are heat carried by the flow, and a flow that the temperature lifts."""
+    """Heat and flow in one element are heat advected by the flow, and a flow that the temperature lifts."""
     rng = np.random.default_rng(3)
     n = len(unit_box(2, 4)[0])
     x, past, mesh = rng.uniform(-1, 1, (n, 4)), rng.uniform(-1, 1, (n, 3)), rng.uniform(-1, 1, (n, 2))
@@ -81,7 +81,7 @@ def test_both_ways_have_the_same_residual():
         lambda _: np.hstack([mesh, past[:, :2], x[:, 3:]]),
     )
     heat = assembled(
-        "unsteady_carried_heat",
+        "unsteady_advected_heat",
         (*HEAT, *IN_TIME[-2:]),
         lambda _: x[:, 3:].copy(),
         lambda _: np.hstack([x[:, :2] - mesh, past[:, 2:]]),

@@ -16,9 +16,12 @@ from restshape_verification.flow.heated_scenes import (
 from thermal_scenes import solved
 
 from restshape.analysis.frame import Frame
+from restshape.application import application_of
 from restshape.fem.residuals import design_rates
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
+from restshape.scene.load import load_scene
+from restshape.shape.build import outline_from_spec
 
 DRAG = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.6, 0.55), 8))
 FAR = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.7, 0.6), 3))
@@ -66,6 +69,21 @@ def test_warm_fluid_rises(tmp_path):
         middle = np.abs(X[:, 1] - 0.5) < 0.2
         assert sign * v[middle & (X[:, 0] < 0.3)].mean() > 1.0
         assert sign * v[middle & (X[:, 0] > 0.7)].mean() < -1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("Ra", "nusselt"), [(1e6, 8.82521), (3e6, 11.9)])
+def test_a_steady_flow_is_found_from_rest(tmp_path, Ra, nusselt):
+    """Also where the linear start is far off. Source: 8.82521: P. Le Quere, Computers and Fluids 20 (1991) 29."""
+    row = solved(tmp_path, CAVITY + STEADY + BUOYANT + "[mesh]\nsize = 0.04\n", f"parameters.Ra={Ra!r}").row
+    assert row["q_hot"] == pytest.approx(nusselt, rel=0.04)
+
+
+def test_a_check_says_rayleighs_number(tmp_path):
+    scene = load_scene(write_scene(tmp_path, CAVITY + STEADY + BUOYANT + COARSE))
+    seen = [one.inspected(scene, outline_from_spec(scene.shape)) for one in application_of(scene).physics]
+    assert not any(one.warnings for one in seen)
+    assert seen[-1].data == {"rayleigh": pytest.approx(1e4), "prandtl": pytest.approx(0.71)}
 
 
 def test_what_enters_leaves(tmp_path):

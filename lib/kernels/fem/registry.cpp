@@ -13,7 +13,7 @@
     file(point_elements) \
     file(stokes_elements) \
     file(stabilised_flow_elements) \
-    file(carried_heat_elements) \
+    file(advected_heat_elements) \
     file(curved_slip_elements) \
     file(heat_elements)
 // clang-format on

@@ -13,14 +13,14 @@
 
 #include "fem/element.hpp"
 #include "fem/shapes.hpp"
-#include "flow/carried_heat.hpp"
+#include "flow/advected_heat.hpp"
 
 namespace restshape {
 
 namespace {
 
 // What advects the velocity: nothing, its own velocity, that less the mesh's, a velocity that is given, or nothing but
-// the mesh's motion, while heat is carried by both.
+// the mesh's motion, while heat is advected by both.
 enum class Advection { none, own, relative, given, mesh };
 
 // The temperature that lifts the fluid: there is none, it is given at the nodes, or it is an unknown.
@@ -160,7 +160,7 @@ struct FlowElement {
                     carries[i][k] = A(x[at(i, k)]);
             }
         }
-        carried_heat<in_time, SX, A, Sx, R>(G, third, carries, T, past, carrier, out);
+        advected_heat<in_time, SX, A, Sx, R>(G, third, carries, T, past, carrier, out);
         for (int i = 0; i < nodes; ++i) r[at(i, 3)] = out[i];
     }
 

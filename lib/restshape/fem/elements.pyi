@@ -2,8 +2,8 @@ from restshape.fem.family import Family as Family
 
 def families() -> dict[str, Family]: ...
 
+ADVECTED_HEAT: Family
 ANISOTROPIC: Family
-CARRIED_HEAT: Family
 CONDUCTION: Family
 CURVED_SLIP: Family
 CURVED_SLIP_WITH_HEAT: Family
@@ -42,7 +42,7 @@ STVK: Family
 STVK_DILATATION: Family
 SURFACE_HEAT: Family
 TRACTION: Family
-UNSTEADY_CARRIED_HEAT: Family
+UNSTEADY_ADVECTED_HEAT: Family
 UNSTEADY_FLOW: Family
 UNSTEADY_FLOW_ON_MOVING_MESH: Family
 UNSTEADY_HEATED_FLOW: Family

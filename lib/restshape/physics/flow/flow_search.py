@@ -79,8 +79,8 @@ class FlowSearch:
         try:
             for factor in THICKER:
                 self._change(thickening=factor)
-                before = self._picard(x).after(before)
-                before = self._solve(x).after(before)
+                outcome, x = self.near(x, x)
+                before = outcome.after(before)
                 if not before.converged:
                     break
         finally:
@@ -93,7 +93,7 @@ class FlowSearch:
         try:
             for _ in range(PICARD if self.problem.inertia else 0):
                 before = x[:, :2].copy()
-                self._change(advecting=before)
+                self._change(advecting=before if total is None else self._relaxed(before))
                 outcome = self._solve(x, ROUGH)
                 total = outcome if total is None else outcome.after(total)
                 moved = np.linalg.norm(x[:, :2] - before)
@@ -102,6 +102,11 @@ class FlowSearch:
         finally:
             self._change(advecting=None)
         return total or Outcome(True, 0, 0, False, True)
+
+    def _relaxed(self, velocity: np.ndarray) -> np.ndarray:
+        """The velocity (n, 2) that advects next: some of the last one, for what it carries drives it too."""
+        part = self.problem.relaxation
+        return velocity if part == 1.0 else part * velocity + (1.0 - part) * self.problem.advecting
 
     def _change(self, **values: object) -> None:
         """Change the equations, which stay those of the same unknowns."""

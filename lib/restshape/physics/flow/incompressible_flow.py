@@ -85,6 +85,8 @@ class IncompressibleFlow(SteadyProblem):
     varies = loaded_inside = True
     backend = "bcsr"
     steady, in_time = STEADY, IN_TIME
+    relaxation = 1.0
+    """Part of a velocity in the one that advects in the next step of Picard's method."""
     history: tuple[int, ...] = (0, 1)
     """Columns of the unknowns that have rates, so that a flow in time goes on from their past; the velocity's first."""
 

@@ -59,7 +59,7 @@ class HeatedFlow(IncompressibleFlow):
     name = "heated_flow"
     unknowns = (*IncompressibleFlow.unknowns, Unknown("temperature", "K", ("temperature",)))
     history = (0, 1, 3)
-    steady, in_time = STEADY, IN_TIME
+    steady, in_time, relaxation = STEADY, IN_TIME, 0.5
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         self.capacity, self.conductivity = heat_properties(scene)
@@ -168,10 +168,10 @@ class HeatedFlow(IncompressibleFlow):
         return self.size * float(np.sqrt(np.mean((dynamic + self.fluid.mu / self.size * speed + lifted) ** 2)))
 
     def _heat_scale(self, x: np.ndarray) -> float:
-        """What residuals of heat at x (n, 4) are measured against [W/m]: what is carried and conducted at a node."""
-        speed, span = np.linalg.norm(x[:, :2], axis=1), float(np.ptp(x[:, 3]))
-        carried = self.capacity * speed + self.conductivity / self.size
-        return self.size * span * float(np.sqrt(np.mean(carried**2))) + self._entering
+        """What residuals of heat at x (n, 4) are measured against [W/m]: what is advected and conducted at a node."""
+        speed, span = np.linalg.norm(x[:, :2], axis=1), max(self.span, float(np.ptp(x[:, 3])))
+        advected = self.capacity * speed + self.conductivity / self.size
+        return self.size * span * float(np.sqrt(np.mean(advected**2))) + self._entering
 
     def _heat_factor(self) -> float:
         """The factor of the equation of heat [Pa m/(W/m)] that makes its residual one of forces."""

@@ -66,7 +66,7 @@ class Switching(NonlinearSteadyAnalysis):
         x, bound = self._with_temperature(self.state.x, wanted, scene), self.state.bound
         self.make = wanted
         self.solver = self._make_solver(scene)
-        # A mesh that is none of the frame's: it is set up anew, from the unknowns of before.
+        # A mesh that is none of the frame's: it is set up again, from the unknowns of before.
         self.state = replace(self.state, x=x, bound=replace(bound, mesh=None), interrupted=True)
 
     def _with_temperature(self, x: np.ndarray, wanted: type[IncompressibleFlow], scene: Scene) -> np.ndarray:

@@ -45,8 +45,8 @@ def _check_heat(scene: Scene, source: Source) -> None:
             if isinstance(value, Expression) and "t" in value.names and not in_time:
                 what = f"{value.text!r} depends on the time t, and the temperature is steady"
                 raise source.error(("boundary", name, key), what, "add a time_step to [effects.flow]")
-    held = any(one.temperature is not None for one in scene.boundary.values())
-    if not (in_time or held) and differences(scene, frozenset(scene.effects)):
+    prescribed = any(one.temperature is not None for one in scene.boundary.values())
+    if not (in_time or prescribed) and differences(scene, frozenset(scene.effects)):
         what = "nothing holds the temperature: no edge has one, and it is steady"
         raise source.error(("boundary",), what, 'give one, as in temperature = "20 degC", or a time_step')
 

@@ -130,7 +130,7 @@ def heated_flow_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> Solve
         return SolverPlan("linear", (system,), "nothing flows: heat is conducted")
     why = "in one matrix with the flow" if settings["heat"].coupling == "monolithic" else "in turn with the flow"
     system = System("temperature", UNSYMMETRIC, "gmres", "lu", f"the flow carries heat; {why}")
-    return SolverPlan("nonlinear", (system,), "heat is carried by the velocity that is looked for")
+    return SolverPlan("nonlinear", (system,), "heat is advected by the velocity that is looked for")
 
 
 def _still(scene: Scene, on: On) -> bool:
@@ -157,7 +157,7 @@ HEATED_FLOW = Physics(
     },
     effects={
         "heat": Effect(
-            Heat, "the temperature of the fluid", kernels=("heated_", "unsteady_heated_", "carried_", "conduction")
+            Heat, "the temperature of the fluid", kernels=("heated_", "unsteady_heated_", "advected_", "conduction")
         ),
         "buoyancy": Effect(Buoyancy, "warm fluid rises", drives=True, kernels=("lifted_", "unsteady_lifted_")),
         "gravity": Effect(Gravity, "the direction in which warm fluid rises", acceleration="g"),
@@ -173,5 +173,6 @@ HEATED_FLOW = Physics(
     pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},
     orders=(1,),
     check=check_heated_flow,
+    inspect_shape="restshape.physics.heated_flow.heated_flow_inspection:inspect_heated_flow",
     instead={key: f"leave it out: {ELSEWHERE}" for key in ("material", "supports", "loads")},
 )

@@ -22,7 +22,7 @@ class ObservedHeat(SteadyProblem, Protocol):
     """What quantities see of heat in a fluid, whose temperature is the last column of the unknowns.
 
     Attributes:
-        capacity: by volume [J/(m^3 K)]; conductivity: [W/(m K)]; neutral: temperature from which carried heat counts.
+        capacity: by volume [J/(m^3 K)]; conductivity: [W/(m K)]; neutral: temperature from which advected heat counts.
         border: given heat fluxes.
     """
 
@@ -50,8 +50,8 @@ def heated_flow_quantity(problem: ObservedHeatedFlow, name: str, quantity: Quant
         return flow_quantity(problem, name, quantity)
     if quantity.kind != "heat_flow":
         return heat_quantity(problem, name, quantity)
-    conducted, carried = heat_quantity(problem, name, quantity), _carried(problem, quantity.at)
-    return lambda x: conducted(x) + carried(x)
+    conducted, advected = heat_quantity(problem, name, quantity), _advected(problem, quantity.at)
+    return lambda x: conducted(x) + advected(x)
 
 
 def heat_quantity(problem: ObservedHeat, name: str, quantity: Quantity) -> Function:
@@ -102,7 +102,7 @@ def _on_border(problem: ObservedHeat, edges: Sequence[str]) -> list[str]:
     return [edge for edge in edges if len(problem.space.facets_of(edge))]
 
 
-def _carried(problem: ObservedHeatedFlow, edge: str) -> Callable[[np.ndarray], float]:
+def _advected(problem: ObservedHeatedFlow, edge: str) -> Callable[[np.ndarray], float]:
     """Heat [W] that fluid carries out by an edge, counted from the neutral temperature."""
     space, depth = problem.space, problem.fluid.depth
     facets = space.facets[space.facets_of(edge)]

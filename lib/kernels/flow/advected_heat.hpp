@@ -18,9 +18,9 @@ struct Carrier {
 // G: gradients of the shapes; third: of the area; a: what carries, at the nodes; T: temperatures; past: what older
 // temperatures add to the rate, in time.
 template <bool in_time, class SX, class A, class ST, class R>
-[[gnu::always_inline]] inline void carried_heat(const SX (&G)[3][2], const SX& third, const A (&a)[3][2],
-                                                const ST (&T)[3], [[maybe_unused]] const SX (&past)[3],
-                                                const Carrier& p, R (&out)[3]) {
+[[gnu::always_inline]] inline void advected_heat(const SX (&G)[3][2], const SX& third, const A (&a)[3][2],
+                                                 const ST (&T)[3], [[maybe_unused]] const SX (&past)[3],
+                                                 const Carrier& p, R (&out)[3]) {
     using Shape = Solid<Linear<2>, TriRule3>;
     const SX hh = third * (3.0 * size_by_area);
     A mean[2];

@@ -1,7 +1,7 @@
 // Heat in a fluid whose velocity is given, on linear triangles.
 //
 // Source: Brooks and Hughes, Comput. Methods Appl. Mech. Engng 32 (1982) 199; docs/theory/flow.md.
-#include "flow/carried_heat.hpp"
+#include "flow/advected_heat.hpp"
 
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@ namespace restshape {
 namespace {
 
 template <bool in_time>
-struct CarriedHeatElement {
+struct AdvectedHeatElement {
     using Shape = Solid<Linear<2>, TriRule3>;
     static constexpr int nodes = 3, dim = 2, fields = 1;
     static constexpr bool symmetric = false, has_tangent = true;
@@ -48,17 +48,17 @@ struct CarriedHeatElement {
             T[i] = x[i];
             past[i] = in_time ? w[coefficient_count * i + coefficient_count - 1] : SX(0.0);
         }
-        carried_heat<in_time, SX, SX, Sx, R>(G, third, a, T, past, carrier, out);
+        advected_heat<in_time, SX, SX, Sx, R>(G, third, a, T, past, carrier, out);
         for (int i = 0; i < nodes; ++i) r[i] = out[i];
     }
 };
 
 }  // namespace
 
-std::vector<Element> carried_heat_elements() {
+std::vector<Element> advected_heat_elements() {
     return {
-        element_of<CarriedHeatElement<false>>("carried_heat", "tri3"),
-        element_of<CarriedHeatElement<true>>("unsteady_carried_heat", "tri3"),
+        element_of<AdvectedHeatElement<false>>("advected_heat", "tri3"),
+        element_of<AdvectedHeatElement<true>>("unsteady_advected_heat", "tri3"),
     };
 }
 
