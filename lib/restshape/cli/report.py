@@ -36,6 +36,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="RECORDING", type=Path, help="recording (.vtkhdf) that replay --out wrote")
     parser.add_argument("--out", metavar="DIR", type=Path, help="folder for pictures (default: beside the recording)")
     parser.add_argument("--frames", metavar="N", type=int, default=6, help="frames on the contact sheet (default 6)")
+    parser.add_argument("--at", metavar="I,J", help="frames on the contact sheet, by their numbers")
     parser.add_argument("--animation", choices=_FORMATS, default="gif", help="kind of animation (default gif)")
     parser.add_argument("--scale", metavar="S", type=float, help="exaggeration (default: 8 %% of the size)")
     add_looks(parser)
@@ -47,6 +48,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Prints the tables and draws the pictures."""
+    args.at = _numbers(args.at)
     if args.frames < 1:
         raise UserError("at least one frame must be shown", "--frames", "--frames 6")
     for app in applications().values():
@@ -68,6 +70,9 @@ def run(args: argparse.Namespace) -> int:
         folder = args.out or args.recording.with_name(f"{args.recording.stem}-report")
         if folder.exists() and not folder.is_dir():
             raise UserError("this is a file, and pictures need a folder", str(folder), "choose another --out")
+        if args.at and args.at[-1] >= recording.n:
+            what = f"there is no frame {args.at[-1]}: the recording holds {counted(recording.n, 'frame')}"
+            raise UserError(what, "--at", f"the last one is {recording.n - 1}")
         refuse_damage(recording)
         refuse_pictures(folder, looks.suffix)
         # A recording opens also where its application is not installed.
@@ -79,6 +84,21 @@ def run(args: argparse.Namespace) -> int:
         print(f"wrote {one_line(picture)}")
     write_json(args, {**data, "pictures": [str(picture) for picture in pictures]})
     return 0
+
+
+def _numbers(text: str | None) -> tuple[int, ...]:
+    """The numbers of frames that an option names, rising; none where it is not given.
+
+    Raises:
+        UserError: it names none.
+    """
+    try:
+        found = tuple(sorted({int(word) for word in (text or "").split(",") if word.strip()}))
+    except ValueError:
+        found = ()
+    if text is not None and (not found or found[0] < 0):
+        raise UserError("numbers of frames are 0, 1, ..., with commas", f"--at {text}", "--at 0,20,40")
+    return found
 
 
 def refuse_damage(recording: Recording) -> None:

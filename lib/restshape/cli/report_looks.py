@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from restshape.errors import UserError
 
 DPI, LEAST_DPI, MOST_DPI = 150, 30, 1200
-THINGS = ("mesh", "goal", "supports", "loads", "hand", "names")
+THINGS = ("mesh", "goal", "vectors", "supports", "loads", "hand", "names")
 """What frames may show besides the field."""
 USUAL = "mesh,goal"
 
@@ -18,6 +18,7 @@ class Looks:
     Args:
         field: name of the field that gives the colours; None: see `report.field.shown_field`.
         ends: values at the ends of the colours in SI units; None: those of all frames.
+        view: xmin, xmax, ymin, ymax [m] of the part that is shown; None: all.
         things: what frames show besides the field.
         dpi: pixels an inch of still pictures; suffix: of their files.
         of_plane: options that were given and count for shapes in the plane alone.
@@ -25,6 +26,7 @@ class Looks:
 
     field: str | None
     ends: tuple[float, float] | None
+    view: tuple[float, float, float, float] | None
     things: tuple[str, ...]
     dpi: int
     suffix: str
@@ -37,6 +39,8 @@ def add_looks(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--field", metavar="NAME", help=what)
     what = "values at the ends of the colours in the field's SI unit, such as 0,250e6 (default: those of all frames)"
     parser.add_argument("--range", metavar="LOW,HIGH", help=what)
+    what = "the part that frames show, in metres (default: all)"
+    parser.add_argument("--view", metavar="X,X,Y,Y", help=what)
     what = f"what frames show besides the field: of {', '.join(THINGS)} some, with commas; or none (default {USUAL})"
     parser.add_argument("--show", metavar="WHAT", help=what)
     parser.add_argument("--dpi", metavar="N", type=int, default=DPI, help=f"of still pictures (default {DPI})")
@@ -51,9 +55,10 @@ def read_looks(args: argparse.Namespace) -> Looks:
     """
     if not LEAST_DPI <= args.dpi <= MOST_DPI:
         raise UserError(f"pixels an inch must be between {LEAST_DPI} and {MOST_DPI}", f"--dpi {args.dpi}", "--dpi 300")
-    given = tuple(f"--{name}" for name in ("field", "range", "show") if getattr(args, name) is not None)
+    given = tuple(f"--{name}" for name in ("field", "range", "view", "show") if getattr(args, name) is not None)
     ends = None if args.range is None else _ends(args.range)
-    return Looks(args.field, ends, _things(args.show or USUAL), args.dpi, f".{args.format}", given)
+    view = None if args.view is None else _view(args.view)
+    return Looks(args.field, ends, view, _things(args.show or USUAL), args.dpi, f".{args.format}", given)
 
 
 def _ends(text: str) -> tuple[float, float]:
@@ -64,6 +69,17 @@ def _ends(text: str) -> tuple[float, float]:
     if not -float("inf") < low < high < float("inf"):
         raise UserError("a range is two numbers, the smaller one first", f"--range {text}", "--range 0,250e6")
     return low, high
+
+
+def _view(text: str) -> tuple[float, float, float, float]:
+    try:
+        left, right, below, above = map(float, text.split(","))
+    except ValueError:
+        left = right = below = above = float("nan")
+    if not (left < right and below < above):
+        what, do = "a view is four numbers: x from and to, y from and to", "--view -0.03,0.17,-0.045,0.045"
+        raise UserError(what, f"--view {text}", do)
+    return left, right, below, above
 
 
 def _things(text: str) -> tuple[str, ...]:

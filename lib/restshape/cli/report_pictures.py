@@ -93,6 +93,8 @@ def _draw(
 
 def _draw_plane(recording: Recording, args: argparse.Namespace, looks: Looks, still: Path, moving: Path | None) -> None:
     """Draws a shape in the plane: some frames, and an animation if it has a path."""
+    import numpy as np
+
     from restshape.report.animation import animated_frames, draw_animation
     from restshape.report.frames import draw_frames
     from restshape.report.happenings import chosen_frames
@@ -100,7 +102,8 @@ def _draw_plane(recording: Recording, args: argparse.Namespace, looks: Looks, st
     from restshape.report.scenery import MARGIN, scenery
 
     room = FOR_ARROWS if "loads" in looks.things else MARGIN
-    common = scenery(recording, args.scale, looks.field, looks.ends, room)
-    draw_frames(recording, chosen_frames(recording, args.frames), common, still, looks.things)
+    common = scenery(recording, args.scale, looks.field, looks.ends, room, looks.view, args.at)
+    chosen = np.array(args.at) if args.at else chosen_frames(recording, args.frames)
+    draw_frames(recording, chosen, common, still, looks.things)
     if moving:
         draw_animation(recording, animated_frames(recording), common, moving, looks.things)

@@ -31,7 +31,7 @@ from restshape.report.frames import (
     wrapped,
 )
 from restshape.report.happenings import failure
-from restshape.report.overlay import USUAL, overlay
+from restshape.report.overlay import USUAL, overlay, vector_segments
 from restshape.report.scenery import Scenery
 from restshape.report.style import BODY, INK, MARK, MESH, REFUSED, new_figure
 
@@ -70,7 +70,7 @@ def draw_animation(
         chosen: frames to draw.
         scenery: scale, extent and colours.
         path: ``.gif`` or ``.mp4``.
-        things: what frames show besides the field, some of mesh, goal, and `overlay.REBUILT`.
+        things: what frames show besides the field, some of mesh, goal, vectors, and `overlay.REBUILT`.
 
     Raises:
         UserError: MP4 without ffmpeg, ffmpeg failed, or a thing cannot be shown.
@@ -121,12 +121,15 @@ def _pictures(
     canvas = FigureCanvasAgg(figure)
     drawing = Drawing(axes, scenery, mesh="mesh" in things, goal="goal" in things)
     over = overlay(recording, scenery, chosen, things)
+    vectors = vector_segments(recording, scenery, chosen, things)
     for artist in drawing.artists:
         artist.set_animated(True)
     _, unit = scenery.unit
     axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
     words = axes.text(0.0, 1.02, "", transform=axes.transAxes, fontsize=9, animated=True)
     add_colour_bar(figure, bar, recording, scenery)
+    if vectors:
+        vectors.explain(figure, figure.get_figwidth() - RIGHT + 0.2, BELOW - 0.15, _inches(figure, axes, scenery))
     canvas.draw()
     still = canvas.copy_from_bbox(figure.bbox)
     room = int((figure.get_figwidth() - LEFT) / LETTER)
@@ -136,7 +139,8 @@ def _pictures(
         found = (f"frame {i}", *recording.moments(i), *findings(recording, i, scenery))
         words.set_text("\n".join(wrapped(found, room).split("\n")[:LINES]))
         words.set_color(REFUSED if failure(recording, i, bool(scenery.seen.solved[i])) else INK)
-        above = over.draw(axes, i) if over else []
+        above = vectors.draw(axes, i) if vectors and scenery.seen.solved[i] else []
+        above += over.draw(axes, i) if over else []
         for shown in (*drawing.artists, *above, words):
             axes.draw_artist(shown)
         for shown in above:
@@ -164,6 +168,12 @@ def _canvas(recording: Recording, scenery: Scenery) -> tuple[Figure, Axes, Axes]
         (1.0 - (RIGHT - 0.25) / wide, (BELOW + 0.5 * (height - length)) / high, 0.14 / wide, length / high)
     )
     return figure, axes, bar
+
+
+def _inches(figure: Figure, axes: Axes, scenery: Scenery) -> float:
+    """Length of a metre of the shape in a figure [inch]."""
+    xmin, xmax, *_ = scenery.extent
+    return float(axes.get_position().width * figure.get_figwidth() / (xmax - xmin))
 
 
 def even(canvas: FigureCanvasAgg) -> np.ndarray:

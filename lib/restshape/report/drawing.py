@@ -90,13 +90,20 @@ class Drawing:
     def _cross(self, points: np.ndarray, X: np.ndarray, x: np.ndarray) -> None:
         """Crosses singular places (k, 2) of the shape at rest, where their nodes are drawn."""
         nodes = [int(((X - point) ** 2).sum(axis=1).argmin()) for point in points]
-        self.crosses.set_data(*x[nodes].T)
+        shown = x[nodes]
+        self.crosses.set_data(*shown[self._inside(shown)].T)
+
+    def _inside(self, places: np.ndarray) -> np.ndarray:
+        """Whether places (..., 2) on the axes are in the part that is shown."""
+        xmin, xmax, ymin, ymax = (value * self.scenery.unit[0] for value in self.scenery.extent)
+        x, y = places[..., 0], places[..., 1]
+        return (xmin <= x) & (x <= xmax) & (ymin <= y) & (y <= ymax)
 
     def _put(self, found: Sequence[Mark], x: np.ndarray) -> None:
         at = {mark.marker: x[mark.node] for mark in found}
         for ring in self.marks:
             place = at.get(str(ring.get_marker()))
-            ring.set_data(([], []) if place is None else ([place[0]], [place[1]]))
+            ring.set_data(([], []) if place is None or not self._inside(place) else ([place[0]], [place[1]]))
 
 
 def _ring(axes: Axes, marker: str) -> Line2D:

@@ -15,7 +15,7 @@ from restshape.replay.recording import Recording
 from restshape.report.drawing import Drawing
 from restshape.report.happenings import failure, frame_words
 from restshape.report.marks import marks, singular_words
-from restshape.report.overlay import USUAL, overlay
+from restshape.report.overlay import USUAL, overlay, vector_segments
 from restshape.report.recorded_quantities import limit_series
 from restshape.report.scenery import Scenery
 from restshape.report.style import FAINT, INK, REFUSED, new_figure
@@ -51,18 +51,21 @@ def draw_frames(
         chosen: frames to show.
         scenery: scale, extent and colours.
         path: of the picture.
-        things: what frames show besides the field, some of mesh, goal, and `overlay.REBUILT`.
+        things: what frames show besides the field, some of mesh, goal, vectors, and `overlay.REBUILT`.
 
     Raises:
         UserError: something of it cannot be shown.
     """
     over = overlay(recording, scenery, chosen, things)
+    vectors = vector_segments(recording, scenery, chosen, things)
     xmin, xmax, ymin, ymax = scenery.extent
     sheet = layout(len(chosen), (xmax - xmin) / (ymax - ymin))
     captions = [caption(recording, int(i), scenery, int(sheet.width / LETTER)) for i in chosen]
     figure, grid, bar = _panels(sheet, captions, title_lines(recording, scenery, _wide(sheet)))
     for k, (i, axes) in enumerate(zip(map(int, chosen), grid)):
         Drawing(axes, scenery, mesh="mesh" in things, goal="goal" in things).show(recording, i)
+        if vectors and scenery.seen.solved[i]:
+            vectors.draw(axes, i)
         if over:
             over.draw(axes, i)
         why = failure(recording, i, bool(scenery.seen.solved[i]))
@@ -70,6 +73,8 @@ def draw_frames(
         below, left = k + sheet.columns >= len(chosen), k % sheet.columns == 0
         _label(axes, scenery, bottom=below, left=left, fails=bool(why))
     add_colour_bar(figure, bar, recording, scenery)
+    if vectors:
+        vectors.explain(figure, figure.get_figwidth() - RIGHT + 0.2, BELOW - 0.15, sheet.width / (xmax - xmin))
     save_picture(figure, path)
 
 

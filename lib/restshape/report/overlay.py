@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from restshape.report.scene_overlay import Overlay
+    from restshape.report.vectors import VectorSegments
 
 REBUILT = ("supports", "loads", "hand", "names")
 """What frames may show that the recording does not hold: the scene and the script of its header give it."""
@@ -36,3 +37,18 @@ def overlay(
     from restshape.report.scene_overlay import Overlay
 
     return Overlay(recording, scenery, list(map(int, wanted)), rebuilt)
+
+
+def vector_segments(
+    recording: Recording, scenery: Scenery, wanted: Sequence[int] | np.ndarray, things: Collection[str]
+) -> VectorSegments | None:
+    """What draws a field of vectors; None where it is not among what frames show.
+
+    Raises:
+        UserError: the recording has none.
+    """
+    if "vectors" not in things:
+        return None
+    from restshape.report.vectors import VectorSegments
+
+    return VectorSegments(recording, scenery, list(map(int, wanted)))

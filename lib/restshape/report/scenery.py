@@ -1,5 +1,6 @@
 """What all pictures of one recording have in common: extent, exaggeration, colours, units."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import floor, log10
@@ -117,6 +118,8 @@ def scenery(
     field: str | None = None,
     limits: tuple[float, float] | None = None,
     room: float = MARGIN,
+    view: tuple[float, float, float, float] | None = None,
+    frames: Sequence[int] = (),
 ) -> Scenery:
     """What the pictures of a recording have in common, from all its frames.
 
@@ -127,6 +130,8 @@ def scenery(
         field: name of the field that gives the colour; default: see `shown_field`.
         limits: values at the ends of the colours in the field's SI unit; default: those of all frames.
         room: around all, over its size.
+        view: xmin, xmax, ymin, ymax [m] of the part that is shown; None: all.
+        frames: of these alone colours have the values; by default of all.
 
     Raises:
         UserError: the recording is not of a shape in the plane, lacks the field, or a scale but 1 is given for a large
@@ -149,7 +154,7 @@ def scenery(
         high.append(x.max(axis=0, keepdims=True))
     (xmin, ymin), (xmax, ymax) = np.vstack(low).min(axis=0) - room * size, np.vstack(high).max(axis=0) + room * size
     known = shown if np.isfinite(seen.top).any() else None
-    bottom, top = limits or (colour_range(known, seen) if known else (0.0, 1.0))
+    bottom, top = limits or (colour_range(known, seen, frames) if known else (0.0, 1.0))
     deforms = "displacement" in recording.fields
-    extent = (float(xmin), float(xmax), float(ymin), float(ymax))
+    extent = view or (float(xmin), float(xmax), float(ymin), float(ymax))
     return Scenery(scale, exact, extent, known, bottom, top, seen, goals, deforms)

@@ -1,5 +1,6 @@
 """What all frames of a recording of a plane shape hold: their extent, their deformation, and the range of a field."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,9 +74,11 @@ def known_displacement(recording: Recording, i: int) -> np.ndarray:
     return np.zeros_like(recording.points(i)) if u is None else np.nan_to_num(u, posinf=0.0, neginf=0.0)
 
 
-def colour_range(field: ShownField, seen: Survey) -> tuple[float, float]:
-    """The values at the bottom and at the top of the colours of all frames."""
+def colour_range(field: ShownField, seen: Survey, frames: Sequence[int] = ()) -> tuple[float, float]:
+    """The values at the bottom and at the top of the colours of these frames; by default of all."""
     known = np.isfinite(seen.top)
+    if frames:
+        known &= np.isin(np.arange(len(known)), frames)
     if not known.any():
         return 0.0, 1.0
     bottom, top, usual = float(seen.bottom[known].min()), float(seen.top[known].max()), float(seen.usual[known].max())

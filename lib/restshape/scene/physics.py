@@ -179,6 +179,7 @@ class Physics:
         requested: what recordings hold besides where ``recording.fields`` names it: for people, by name.
         none_requested: why there is no such field, for people; where there is one, or nothing to say, empty.
         pictured: fields of recordings that pictures show, by name, the most important first.
+        vectors: fields of vectors that pictures show by line segments where asked to, by name.
         value_drags: events of the hand by which values change where it holds no part of a shape, such as a body.
         true_scale: names of effects under which pictures show deformations as they are, not exaggerated.
         pictures: of recordings that are not of a shape in the plane; None: there are none.
@@ -218,6 +219,7 @@ class Physics:
     requested: Mapping[str, str] = field(default_factory=dict)
     none_requested: str = ""
     pictured: Mapping[str, PictureField] = field(default_factory=dict)
+    vectors: Mapping[str, PictureField] = field(default_factory=dict)
     value_drags: tuple[str, ...] = ()
     true_scale: tuple[str, ...] = ()
     pictures: OwnPictures | None = None

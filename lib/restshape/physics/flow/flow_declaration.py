@@ -267,9 +267,10 @@ FLOW = Physics(
     },
     invariants=(Invariant(in_time, "a flow cannot become steady, or unsteady, during an edit", "make it two scenes"),),
     pictured={
-        "pressure": PictureField("pressure", "Pa", from_zero=False, quantity=("pressure", True)),
+        "pressure": PictureField("pressure", "Pa", signed=True, quantity=("pressure", True)),
         "speed": PictureField("speed", "m/s", quantity=("speed", True)),
     },
+    vectors={"velocity": PictureField("velocity", "m/s")},
     orders=(1,),
     check=check_flow,
     check_shape="restshape.physics.flow.flow_conditions:check_shape",

@@ -19,6 +19,8 @@ def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
     if speed == 0.0 and ("buoyancy" in scene.effects or "flow" not in scene.effects):
         return Inspection()
     if speed == 0.0:
+        if "buoyancy" in scene.effects:
+            return Inspection()
         given = any(kind == "velocity" for kind, _ in kinds.values())
         what = "velocities at edges are 0 in the first second" if given else "no edge has a velocity"
         return Inspection(warnings=(f"nothing moves the fluid: {what}",))

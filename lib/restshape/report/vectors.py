@@ -1,0 +1,96 @@
+"""Line segments that show a field of vectors, such as a velocity, over the colours of another one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.tri import LinearTriInterpolator, Triangulation
+
+from restshape.errors import UserError
+from restshape.outputs.si_numbers import si
+from restshape.replay.recording import Recording
+from restshape.report.field import physics_of
+from restshape.report.scenery import Scenery
+from restshape.report.segments import Segments
+from restshape.report.style import INK
+
+COUNT = 44
+"""Segments along the longer side of a picture."""
+LONGEST = 1.0
+"""Length of the longest over the distance between two: none leaves the picture."""
+ROUND = (1.0, 2.0, 5.0, 10.0)
+"""First digits of the value of the segment that is explained."""
+MOST = 1.6
+"""Of that value over the largest one."""
+
+
+class VectorSegments:
+    """The segments of all frames of a picture, of one scale, in the middle of which is the place they are of.
+
+    Args:
+        recording: of a shape in the plane.
+        scenery: common to all frames.
+        wanted: frames that will be drawn.
+
+    Raises:
+        UserError: the recording has no field of vectors that its physics shows.
+    """
+
+    def __init__(self, recording: Recording, scenery: Scenery, wanted: Sequence[int]) -> None:
+        looks = {name: look for one in physics_of(recording) for name, look in one.vectors.items()}
+        shown = [name for name in looks if name in recording.fields]
+        if not shown:
+            raise UserError("the recording has no field of vectors to show", "--show vectors", "leave vectors out")
+        self.recording, self.scenery, self.name, self.look = recording, scenery, shown[0], looks[shown[0]]
+        sizes = [np.linalg.norm(recording.field(i, self.name), axis=1) for i in wanted if scenery.seen.solved[i]]
+        self.largest = max((float(np.nanmax(size, initial=0.0)) for size in sizes), default=0.0)
+        xmin, xmax, ymin, ymax = scenery.extent
+        self.spacing = max(xmax - xmin, ymax - ymin) / COUNT
+        x, y = (np.arange(low + 0.5 * self.spacing, high, self.spacing) for low, high in ((xmin, xmax), (ymin, ymax)))
+        self._places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+    @property
+    def stretch(self) -> float:
+        """Length of a segment [m] over the size of its vector."""
+        return LONGEST * self.spacing / self.largest if self.largest else 0.0
+
+    def lines(self, i: int) -> np.ndarray:
+        """The segments (k, 2, 2) [m] of frame i: start and end."""
+        X, cells = self.recording.mesh(i)
+        plane = Triangulation(*X.T, cells[:, :3])
+        field = np.nan_to_num(self.recording.field(i, self.name))
+        vectors = np.ma.stack([LinearTriInterpolator(plane, part)(*self._places.T) for part in field.T[:2]], axis=-1)
+        inside = ~np.ma.getmaskarray(vectors).any(axis=1)
+        half = 0.5 * self.stretch * np.ma.getdata(vectors)[inside]
+        return np.stack([self._places[inside] - half, self._places[inside] + half], axis=1)
+
+    def draw(self, axes: Axes, i: int) -> list[Artist]:
+        """Draws the segments of frame i over its field, each with a dot where it starts; returns the artists."""
+        lines = self.scenery.unit[0] * self.lines(i)
+        segments = Segments(edgecolors=[INK], linewidths=0.5)
+        segments.show(lines)
+        axes.add_collection(segments, autolim=False)
+        (dots,) = axes.plot(*lines[:, 0].T, ls="", marker="o", ms=0.9, mec="none", mfc=INK)
+        return [segments, dots]
+
+    def explain(self, figure: Figure, left: float, below: float, inches: float) -> None:
+        """Puts into a figure a segment of a round value, with its meaning below.
+
+        Args:
+            figure: as large as it will be.
+            left, below: place of the segment in it [inch].
+            inches: length of a metre of the shape in it [inch].
+        """
+        if not self.largest:
+            return
+        power = 10.0 ** np.floor(np.log10(self.largest))
+        value = power * max(digit for digit in ROUND if digit * power <= MOST * self.largest)
+        wide, high = figure.get_size_inches()
+        length = inches * self.stretch * value
+        ends = [left / wide, (left + length) / wide], [below / high] * 2
+        figure.add_artist(Line2D(*ends, color=INK, lw=0.9, marker="o", ms=2.0, markevery=[0]))
+        words = f"{self.look.label}\n{si(value, self.look.unit)}"
+        figure.text(left / wide, (below - 0.06) / high, words, color=INK, fontsize=7, va="top", linespacing=1.2)
