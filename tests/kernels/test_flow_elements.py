@@ -18,7 +18,7 @@ class FlowCase(ElementCase):
     test_residual_is_the_gradient_of_the_energy = test_tangent_is_symmetric = None
 
     def coefficients(self, element):
-        w = np.random.default_rng(17).uniform(-1, 1, (3, len(element.coefficients)))
+        w = np.random.default_rng(17).uniform(-1, 1, (len(self.X), len(element.coefficients)))
         return w if element.coefficients else None
 
     def residual(self, element, X, x, w=None):
@@ -121,6 +121,43 @@ class TestCurvedSlip(FlowCase):
 
 class TestCurvedSlipWithHeat(TestCurvedSlip):
     name = "curved_slip_with_heat_edge2"
+
+
+class TestBackflow(FlowCase):
+    name, params, X = "backflow_edge2", (RHO,), TRI3[:2].copy()
+
+    def sample(self, element, seed):
+        """Unknowns by which fluid comes in, also relative to the mesh, everywhere on the side."""
+        x = super().sample(element, seed)
+        along = self.X[1] - self.X[0]
+        x[:, :2] -= 3.0 * np.array([along[1], -along[0]]) / np.linalg.norm(along)
+        return x
+
+    def test_it_takes_what_convection_brings_in(self, element):
+        """Half of rho |a . n| |u|^2 a metre; and nothing where the fluid leaves."""
+        along = self.X[1] - self.X[0]
+        length = np.linalg.norm(along)
+        n, w = np.array([along[1], -along[0]]) / length, np.zeros((2, len(element.coefficients)))
+        if w.size:
+            w[:] = 0.5 * n
+        for speed in (-2.0, 2.0):
+            x = np.zeros((2, element.fields))
+            x[:, :2] = speed * n + 0.3 * along / length
+            taken = (x * self.residual(element, self.X, x, w)).sum()
+            entering = max(0.0, -(speed - 0.5 * bool(w.size)))
+            assert taken == pytest.approx(0.5 * RHO * entering * (speed**2 + 0.09) * length)
+
+
+class TestBackflowOnMovingMesh(TestBackflow):
+    name = "backflow_on_moving_mesh_edge2"
+
+
+class TestBackflowWithHeat(TestBackflow):
+    name = "backflow_with_heat_edge2"
+
+
+class TestBackflowOnMovingMeshWithHeat(TestBackflow):
+    name = "backflow_on_moving_mesh_with_heat_edge2"
 
 
 def assembled(name, x, params, w=None):

@@ -1,4 +1,4 @@
-"""Hard cases of flow: jumps, coarse meshes, long and tiny steps, gaps, a vessel that is squeezed, fluid at rest."""
+"""Hard cases of flow: jumps, coarse meshes, long and tiny steps, gaps, vessels, outflows that draw in, rest."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -12,10 +12,8 @@ from restshape_verification.flow.scenes import STEADY, channel, disc, in_time
 from restshape.policy import POLICIES
 
 EVERY = tuple(POLICIES)
-ASKED = (
-    '[quantities]\ndrag = { drag = true, at = "body" }\nlift = { lift = true, at = "body" }\n'
-    "kinetic = { kinetic = true }\nfast = { speed = true }\n"
-)
+OBSERVED = "[quantities]\nkinetic = { kinetic = true }\nfast = { speed = true }\n"
+ASKED = OBSERVED + 'drag = { drag = true, at = "body" }\nlift = { lift = true, at = "body" }\n'
 MESH = "[mesh]\nsize = 0.12\nnear = { body = 0.05 }\nedges_per_circle = 12\n"
 SETTLED = 1e-5
 """Of a flow that changes by as much in a millisecond."""
@@ -102,6 +100,40 @@ def squeezed(trial: Trial) -> Iterator[Statement]:
     yield near("area of the vessel [m^2]", rows[-1]["q_area"], 0.5, EXACT)
 
 
+def every_carry(trial: Trial) -> Iterator[Statement]:
+    """A body that goes across half the channel in a frame, and in steps of several elements, however it is followed."""
+    far = [*drag("body", (0.8, 0.48), [(2.2, 0.52)]), idle(5)]
+    leaps = [*drag("body", (2.2, 0.52), across((2.2, 0.52), (0.8, 0.48), 5)), idle(5)]
+    for carry in ("ale", "remap", "auto"):
+        yield from bounded(trial.rows(stream(0.005, in_time(0.1, carry=carry)), [idle(8), *far, *leaps]))
+
+
+def leaving_vortex(trial: Trial) -> Iterator[Statement]:
+    """A vortex twice as fast as the stream that takes it out: the outflow draws in while it leaves."""
+    slip = '[boundary.sides]\non = ["bottom", "top"]\nslip = true\n'
+    text = channel(3.0, 1.0, "rho = 1\nmu = 1e-4\n", "1") + slip + in_time(0.05) + "[mesh]\nsize = 0.1\n"
+    made, rows, drew_in = trial.replay(text + OBSERVED, [idle(60)]), [], False
+    for row in made.frames():
+        analysis = made.analysis
+        if row["index"] == 0:
+            away = analysis.space.X - [2.3, 0.5]
+            spin = 2.0 * np.exp(0.5 - (away**2).sum(axis=1) / 0.08) / 0.2
+            x = np.column_stack([1.0 - spin * away[:, 1], spin * away[:, 0], 0.0 * spin])
+            analysis.problem.boundary.apply(x)
+            analysis.begin(x)
+        drew_in = drew_in or analysis.problem.drawing_in
+        rows.append(dict(row))
+    yield from bounded(rows, 1.4)
+    yield Statement("the outflow has drawn in", str(drew_in), drew_in)
+    yield near("kinetic energy over that of the stream, after it has left", rows[-1]["q_kinetic"] / STREAM, 1.0, 0.002)
+
+
+def drawn_in(trial: Trial) -> Iterator[Statement]:
+    """A fluid that is drawn in by an outflow, since it is taken out at the inlet: without a term there it blows up."""
+    text = channel(3.0, 1.0, "rho = 1\nmu = 1e-4\n", "-4*y*(1 - y)") + in_time(0.1) + "[mesh]\nsize = 0.1\n"
+    yield from bounded(trial.rows(text + OBSERVED, [idle(trial.count(120, 60))]), 0.6)
+
+
 def switched_off(trial: Trial) -> Iterator[Statement]:
     """An inflow that is switched off: what moves comes to rest."""
     events = [idle(10), *set_value("parameters.U", 0.0), idle(8)]
@@ -126,6 +158,9 @@ CASES: dict[str, Case] = {
     "tiny_steps": Case(tiny_steps),
     "gap": Case(gap, EVERY),
     "squeezed": Case(squeezed),
+    "every_carry": Case(every_carry),
+    "leaving_vortex": Case(leaving_vortex),
+    "drawn_in": Case(drawn_in, share=0.5),
     "switched_off": Case(switched_off),
     "rest": Case(rest),
 }

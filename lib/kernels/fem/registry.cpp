@@ -15,6 +15,7 @@
     file(stabilised_flow_elements) \
     file(advected_heat_elements) \
     file(curved_slip_elements) \
+    file(backflow_elements) \
     file(heat_elements)
 // clang-format on
 

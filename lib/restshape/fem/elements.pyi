@@ -4,6 +4,10 @@ def families() -> dict[str, Family]: ...
 
 ADVECTED_HEAT: Family
 ANISOTROPIC: Family
+BACKFLOW: Family
+BACKFLOW_ON_MOVING_MESH: Family
+BACKFLOW_ON_MOVING_MESH_WITH_HEAT: Family
+BACKFLOW_WITH_HEAT: Family
 CONDUCTION: Family
 CURVED_SLIP: Family
 CURVED_SLIP_WITH_HEAT: Family

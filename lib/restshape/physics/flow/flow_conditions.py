@@ -18,6 +18,8 @@ UNBALANCED = 0.02
 """Part of what flows through a vessel without outflow by which what comes in may differ from what goes out."""
 FORCES = ("drag", "lift", "drag_coefficient", "lift_coefficient", "strouhal")
 """Quantities that are taken from the force on edges."""
+NOTHING = 1e-12
+"""Of a velocity, by which rounding may turn it."""
 PIECES = 50
 """Parts of each straight piece of an edge, on which the flow through it is summed up before there is a mesh."""
 
@@ -33,6 +35,7 @@ class FlowConditions:
         dirichlet: of velocity and pressure, columns x, y, p.
         closed: there is no outflow: the pressure has a datum at one node.
         constrained_edges: names of the edges at which the velocity is prescribed.
+        outflow: (k, 2) int32 facets by which the fluid leaves as it will.
         curved_slip: (k, 2) int32 facets with slip of edges that turn, or go on in others with slip.
     """
 
@@ -48,6 +51,7 @@ class FlowConditions:
         if self.closed:
             conditions.append(Prescribed("boundary", 2, space.facets[:1, 0], 0.0))
         conditions += self._others()
+        self.outflow = np.ascontiguousarray(self.facets_of("outflow"))
         self.curved_slip = np.ascontiguousarray(space.facets[self._slips(curved=True)])
         shape = (len(space.X), self.columns)
         self.dirichlet = Dirichlet(shape, conditions, scene.parameters, "m/s", self._sliding())
@@ -78,6 +82,15 @@ class FlowConditions:
         along = self.space.X[facets[:, 1]] - self.space.X[facets[:, 0]]
         mean = 0.5 * (velocity[facets[:, 0]] + velocity[facets[:, 1]])
         return mean[:, 0] * along[:, 1] - mean[:, 1] * along[:, 0]
+
+    def enters(self, velocity: np.ndarray) -> bool:
+        """Whether fluid comes in at a node of an outflow, by a velocity (n, 2) of all nodes, not by rounding alone."""
+        ends = self.space.X[self.outflow]
+        along = ends[:, 1] - ends[:, 0]
+        leaving = velocity[self.outflow] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+        leaving = (leaving * along[:, None]).sum(axis=2)
+        size = np.abs(velocity[self.outflow]).max(initial=0.0) * np.linalg.norm(along, axis=1).max(initial=0.0)
+        return bool(leaving.min(initial=0.0) < -NOTHING * size)
 
     def slips_at(self, edge: str) -> bool:
         """Whether the fluid slips on an entity of the border."""

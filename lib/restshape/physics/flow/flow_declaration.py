@@ -217,6 +217,15 @@ def _closed(scene: Scene, on: On) -> str:
     return "there is no outflow: only differences of pressure matter, and its mean is 0"
 
 
+def _drawing_in(scene: Scene, on: On) -> str:
+    names = [f"boundary.{name}" for name, table in scene.boundary.items() if table.kind == "outflow"]
+    if not names or "convection" not in on:
+        return ""
+    return (
+        f"{', '.join(names)}: where fluid is drawn in, what it brings along is held there; else there is no such term"
+    )
+
+
 def _moving(scene: Scene, on: On) -> str:
     return (
         "a flow in time, whose frames move nodes: velocities are relative to the mesh there"
@@ -262,6 +271,9 @@ FLOW = Physics(
     derived={
         "mesh_velocity": DerivedEffect(
             "velocity of the mesh", _moving, "steady flow does not know how nodes came there"
+        ),
+        "backflow": DerivedEffect(
+            "outflows that draw in", _drawing_in, "there is no outflow, or no inertia that fluid could bring along"
         ),
         "pressure_datum": DerivedEffect("pressure without a datum", _closed, "the pressure at outflows is 0"),
     },

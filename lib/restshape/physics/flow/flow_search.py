@@ -65,7 +65,9 @@ class FlowSearch:
 
     def near(self, guess: np.ndarray, start: np.ndarray) -> tuple[Outcome, np.ndarray]:
         """The flow (n, 3) from a guess (n, 3), else by Picard's method from a start (n, 3), and what came of it."""
-        x = guess.copy()
+        x, draws_in = guess.copy(), self.problem.draws_in(guess)
+        if draws_in != self.problem.drawing_in:
+            self._change(drawing_in=draws_in)
         outcome = self._solve(x)
         if not outcome.converged:
             x = start.copy()
@@ -123,7 +125,9 @@ class FlowSearch:
             goal = max(self.goal(), tolerance) * self.scale
             outcome = self.newton.solve(x, goal, self.scale, rounding=self.problem.rounding())
             total = outcome if total is None else outcome.after(total)
-            if not outcome.converged or not outcome.newton or self.scale <= SCALE_SLACK * self.problem.force_scale(x):
+            if outcome.converged and not self.problem.drawing_in and self.problem.draws_in(x):
+                self._change(drawing_in=True)
+            elif not outcome.converged or not outcome.newton or self.scale <= SCALE_SLACK * self.problem.force_scale(x):
                 return total
 
     def _reynolds(self) -> str:

@@ -11,6 +11,10 @@ import numpy as np
 from restshape.fem import problem as kinds
 from restshape.fem.averages import node_weights
 from restshape.fem.elements import (
+    BACKFLOW,
+    BACKFLOW_ON_MOVING_MESH,
+    BACKFLOW_ON_MOVING_MESH_WITH_HEAT,
+    BACKFLOW_WITH_HEAT,
     CURVED_SLIP,
     CURVED_SLIP_WITH_HEAT,
     FLOW,
@@ -74,6 +78,7 @@ class IncompressibleFlow(SteadyProblem):
         step: of a flow in time; None: it is steady.
         conditions: at the border.
         thickening: times the fluid's viscosity, the one that counts: above 1 on the way to a steady flow.
+        drawing_in: outflows may draw fluid in, which is held there; see `draws_in`.
         advecting: (n, 2) velocity that advects, in place of the flow's own; None: that one.
 
     Source: docs/theory/flow.md.
@@ -94,7 +99,7 @@ class IncompressibleFlow(SteadyProblem):
         self.scene, self.plan, self.space, self.fluid = scene, plan, space, scene.fluid
         self.inertia = plan.on("convection")
         self.step: TimeStep | None = None
-        self.thickening, self.advecting = 1.0, None
+        self.thickening, self.advecting, self.drawing_in = 1.0, None, False
         self.conditions = self._conditions()
         self.boundary = self.conditions.dirichlet
         self.update()
@@ -141,9 +146,8 @@ class IncompressibleFlow(SteadyProblem):
         self.conditions.evaluate(0.0 if self.step is None else self.step.time)
 
     def blocks(self) -> list[np.ndarray]:
-        """Entities (m, k) int32 that have a tangent: the cells, and facets along which slip turns."""
-        curved = self.conditions.curved_slip
-        return [self.space.cells, *([curved] if len(curved) else [])]
+        """Entities (m, k) int32 that have a tangent: the cells, and facets of the border with terms of their own."""
+        return [self.space.cells, *self._sides().values()]
 
     def integrals(self, kind: str, part: float = 1.0) -> list[Integral]:
         """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
@@ -153,7 +157,7 @@ class IncompressibleFlow(SteadyProblem):
         if self.step is not None:
             given = [*given, self.step.past[:, : len(self.history)]]
         family = (self.steady if self.step is None else self.in_time)[advecting]
-        return [self._integral(family, self._parameters(), [*given, *self._given()]), *self._slip()]
+        return [self._integral(family, self._parameters(), [*given, *self._given()]), *self._slip(), *self._backflow()]
 
     def _conditions(self) -> FlowConditions:
         """The conditions at the border."""
@@ -176,11 +180,38 @@ class IncompressibleFlow(SteadyProblem):
 
     def _slip(self) -> list[Integral]:
         """What friction lacks on edges with slip that turn."""
-        curved = self.conditions.curved_slip
-        if not len(curved):
+        if "slip" not in self._sides():
             return []
         family = CURVED_SLIP if self.conditions.columns == 3 else CURVED_SLIP_WITH_HEAT
-        return [Integral(family["edge2"], self.space.X, curved, np.array([self.fluid.mu * self.thickening]), block=1)]
+        return [self._on_sides("slip", family, self.fluid.mu * self.thickening)]
+
+    def _backflow(self) -> list[Integral]:
+        """What holds the fluid that outflows draw in."""
+        if not self.drawing_in:
+            return []
+        moving, heat = None if self.step is None else self.step.mesh_velocity, self.conditions.columns == 4
+        if moving is None or not np.any(moving[self.conditions.outflow]):
+            return [self._on_sides("outflow", BACKFLOW_WITH_HEAT if heat else BACKFLOW, self.fluid.rho)]
+        family = BACKFLOW_ON_MOVING_MESH_WITH_HEAT if heat else BACKFLOW_ON_MOVING_MESH
+        return [self._on_sides("outflow", family, self.fluid.rho, moving)]
+
+    def _sides(self) -> dict[str, np.ndarray]:
+        """Facets (k, 2) int32 of the border with terms of their own, in the order of the blocks after the cells."""
+        found = {"slip": self.conditions.curved_slip, "outflow": self.conditions.outflow}
+        return {name: facets for name, facets in found.items() if len(facets)}
+
+    def _on_sides(self, name: str, family: Family, value: float, given: np.ndarray | None = None) -> Integral:
+        """The integral of a family over facets of one of these names, with a parameter, and coefficients (n, c)."""
+        sides = self._sides()
+        block, parameters = 1 + list(sides).index(name), np.array([value])
+        return Integral(family["edge2"], self.space.X, sides[name], parameters, block=block, coefficients=given)
+
+    def draws_in(self, x: np.ndarray) -> bool:
+        """Whether outflows draw fluid in anywhere, at unknowns x (n, f): then `drawing_in` must be set."""
+        if not (self.inertia and len(self.conditions.outflow)):
+            return False
+        moving = None if self.step is None else self.step.mesh_velocity
+        return self.conditions.enters(x[:, :2] if moving is None else x[:, :2] - moving)
 
     def _advecting(self) -> tuple[str, list[np.ndarray]]:
         """How the velocity is advected, and by which nodal velocity (n, 2) where that is no unknown."""
