@@ -61,6 +61,24 @@ def test_reuse_gives_what_cold_solves_give(tmp_path, effects, policy):
     assert check.summary()["holds"], check.summary()
 
 
+@pytest.mark.parametrize("effects", [STEADY, in_time(0.02, steps=2)])
+def test_by_turns_comes_what_comes_together(tmp_path, effects):
+    """Flow and heat by turns have the solutions, and the scales of residuals, of both in one system; steady, where
+    turns of full length would swing, and in time, on a mesh that moves."""
+    found, script = [], write_script(tmp_path, MOVED)
+    for coupling in ("monolithic", "split"):
+        scene = write_scene(tmp_path, CAVITY + effects + BUOYANT + COARSE)
+        made = make_replay(scene, script, overrides=[f'effects.heat.coupling="{coupling}"'])
+        found.append([(row["q_hot"], row["q_mean"]) for row in made.frames()])
+    np.testing.assert_allclose(found[0], found[1], rtol=2e-6)
+
+
+def test_turns_that_do_not_agree_end_together(tmp_path):
+    text = CAVITY + STEADY.replace("heat = {}", 'heat = { coupling = "split" }') + BUOYANT + COARSE
+    row = solved(tmp_path, text, "parameters.Ra=1e5").row
+    assert row["q_hot"] == pytest.approx(4.52, rel=0.08)
+
+
 def test_warm_fluid_rises(tmp_path):
     """Beside the hot wall upwards, beside the cold one downwards; with gravity the other way, the other way."""
     for gravity, sign in (("-1 m/s^2", 1), ("1 m/s^2", -1)):

@@ -193,13 +193,17 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             problem.take(step)
             problem.update()
             equations.begin()
-        search = FlowSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim)
+        search = self._search(equations)
         outcome, found = search.near(self._guess(x, past), x)
         if not outcome.converged:
             raise ReplayProblem(
                 f"no flow is found at {step.time:.6g} s: {outcome.why}; make effects.flow.time_step smaller"
             )
         return outcome, found, search.scale
+
+    def _search(self, equations: ResidualEquations) -> FlowSearch:  # type: ignore[override]
+        problem = cast(IncompressibleFlow, equations.problem)
+        return FlowSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim)
 
     def _guess(self, x: np.ndarray, past: Past) -> np.ndarray:
         """Unknowns (n, 3) after a step, at the rate of change of the step before."""

@@ -145,6 +145,12 @@ class HeatedFlow(IncompressibleFlow):
         """The heat (n,) [W/m] that a residual (n, 4) of the equations lacks at the nodes."""
         return rest[:, 3] / self.heat_factor
 
+    def heat_parameters(self) -> np.ndarray:
+        """Those (4,) of the equation of heat of all cells, or (ne, 4) with sources: capacity, conductivity, ..."""
+        always = np.array([self.capacity, self.conductivity, self.heat_factor])
+        rows = np.hstack([np.broadcast_to(always, (len(self._source), 3)), self._source])
+        return rows if len(rows) > 1 else rows[0]
+
     # --- parts --------------------------------------------------------------------------------------------------------
 
     def _conditions(self) -> HeatedFlowConditions:
@@ -156,10 +162,9 @@ class HeatedFlow(IncompressibleFlow):
         return super()._advecting() if self.inertia or moving is None else ("mesh", [moving])
 
     def _parameters(self) -> np.ndarray:
-        heat = [self.capacity, self.conductivity, self.heat_factor]
-        always = np.array([*super()._parameters(), *self.lift, self.neutral, *heat])
-        rows = np.hstack([np.broadcast_to(always, (len(self._source), len(always))), self._source])
-        return rows if len(rows) > 1 else rows[0]
+        heat = self.heat_parameters()
+        always = np.array([*super()._parameters(), *self.lift, self.neutral])
+        return np.concatenate([np.broadcast_to(always, (*heat.shape[:-1], len(always))), heat], axis=-1)
 
     def _momentum_scale(self, x: np.ndarray) -> float:
         speed = np.linalg.norm(x[:, :2], axis=1)

@@ -12,16 +12,19 @@ from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Analysis, Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
+from restshape.analysis.residual_equations import ResidualEquations
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.application import application_of
 from restshape.fem.problem import SteadyProblem
 from restshape.first_use import made
 from restshape.physics.flow.flow_in_time import FlowInTimeAnalysis
+from restshape.physics.flow.flow_search import FlowSearch
 from restshape.physics.flow.history import Past
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow
 from restshape.physics.flow.steady_flow import SteadyFlowAnalysis
 from restshape.physics.heated_flow.heated_flow import HeatedFlow
 from restshape.physics.heated_flow.isothermal_flow import IsothermalFlow
+from restshape.physics.heated_flow.split_search import SplitParts, SplitSearch
 from restshape.physics.heated_flow.still_fluid import StillFluid
 from restshape.physics.heated_flow.temperature_differences import initial
 from restshape.scene.model import Scene
@@ -49,6 +52,8 @@ def _equations(plan: Plan) -> type[IncompressibleFlow]:
 class Switching(NonlinearSteadyAnalysis):
     """An analysis whose equations are others as soon as temperatures differ; arguments as of its bases."""
 
+    _parts: SplitParts | None = None
+
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the unknowns up to date with a frame; see its bases."""
         if self.state.bound is not None and frame.scene is not self.state.scene:
@@ -56,6 +61,14 @@ class Switching(NonlinearSteadyAnalysis):
             if wanted is not type(self.state.problem):
                 self._switch(frame.scene, wanted)
         return super().solve(frame)
+
+    def _search(self, equations: ResidualEquations) -> FlowSearch:  # type: ignore[override]
+        problem = equations.problem
+        if not isinstance(problem, HeatedFlow) or self.state.plan.settings("heat").coupling == "monolithic":
+            return super()._search(equations)  # type: ignore[return-value]
+        if self._parts is None:
+            self._parts = SplitParts(self.state.scene, self.context)
+        return SplitSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim, self._parts)
 
     def _wanted(self, scene: Scene) -> type[IncompressibleFlow]:
         """The equations of a scene."""
