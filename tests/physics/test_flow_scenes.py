@@ -83,9 +83,9 @@ def test_conditions_can_be_set_during_an_edit(tmp_path):
     assert last["q_drag"] > 1.9 * first["q_drag"]
 
 
-@pytest.mark.parametrize(("effects", "closed", "on"), [(STEADY, False, set()), (in_time(), True, BOTH)])
+@pytest.mark.parametrize(("effects", "closed", "on"), [(STEADY, False, {"backflow"}), (in_time(), True, BOTH)])
 def test_what_follows_from_a_scene(tmp_path, effects, closed, on):
-    """The velocity of the mesh counts in time, and the pressure has no datum in a closed vessel."""
+    """The velocity of the mesh counts in time; the pressure has no datum in a closed vessel, outflows may draw in."""
     text = everywhere("[1, 0]", effects) if closed else CHANNEL + effects + MESH
     planned = plan(load_scene(write_scene(tmp_path, text)), application("flow"))
     assert {one.name for one in planned.derived if one.on} == on
