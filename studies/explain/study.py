@@ -164,7 +164,7 @@ class Report:
     def rows(self) -> list[Row]:
         """All effects, named ones first, then the parts of a frame that belong to none."""
         effects = [*self.plan.effects, *self.plan.derived]
-        core = next((name for name in self.kept if not self._own(name)), next(iter(self.kept), ""))
+        core = self._core()
         rows = [self._row(effect, core) for effect in effects]
         measured, why = self.prices, self.application.frame_parts(PART_WHY)
         for part in PARTS:
@@ -177,6 +177,13 @@ class Report:
             row = self._numbers(part, counts)
             rows.append({"effect": part, "kind": "part", "on": True, "why": why[part], **row, "how": "measured"})
         return rows
+
+    def _core(self) -> str:
+        """The effect that has what belongs to no other: one that is kept, or without which nothing is."""
+        named, tried = self.application.effects, self.prices.problems
+        kept = [name for name in self.kept if not self._own(name)]
+        driving = [name for name in named if name in tried and named[name].drives and not self._own(name)]
+        return next(iter([*(name for name in kept if name in named), *driving, *kept, *self.kept]), "")
 
     def _row(self, effect: PlannedEffect, core: str) -> Row:
         name, known = effect.name, {**self.application.effects, **self.application.derived}

@@ -12,7 +12,7 @@ from restshape.cli.main import main
 from restshape.replay.recording import Recording
 from restshape.report.drawing import Drawing
 from restshape.report.scenery import scenery
-from restshape.report.vectors import COUNT, VectorSegments
+from restshape.report.vectors import COUNT, LONGEST, VectorSegments
 
 STREAM = """format = "restshape-scene"
 version = 1
@@ -58,11 +58,22 @@ def test_segments_are_as_long_as_the_velocity_where_they_are(recorded):
         middle, along = lines.mean(axis=1), np.diff(lines, axis=1)[:, 0]
         np.testing.assert_allclose(along[:, 0], vectors.stretch * 1.5 * middle[:, 1], atol=1e-6)
         np.testing.assert_allclose(along[:, 1], 0.0, atol=1e-6)
-        # The fastest is as long as the distance between two, and there are some over the whole shape but its hole.
-        assert vectors.stretch * 1.5 == pytest.approx(vectors.spacing, rel=1e-6)
-        assert len(lines) == pytest.approx((2 - np.pi * 0.04) / vectors.spacing**2, rel=0.05)
+        # They are over the whole shape but its hole, and none leaves the picture.
+        assert vectors.stretch * 1.5 == pytest.approx(LONGEST * vectors.spacing, rel=1e-6)
+        xmin, xmax, ymin, ymax = common.extent
+        assert (lines >= [xmin, ymin]).all() and (lines <= [xmax, ymax]).all()
+        assert len(lines) == pytest.approx((2 - np.pi * 0.04) / vectors.spacing**2, rel=0.08)
         assert not (np.hypot(*(middle - (0.6, 0.5)).T) < 0.19).any()
         assert vectors.spacing == pytest.approx(2.08 / COUNT, rel=0.01)
+
+
+def test_segments_on_dark_colours_are_white(recorded):
+    """Fast fluid is yellow, slow fluid is dark."""
+    with Recording(recorded) as recording:
+        vectors = VectorSegments(recording, scenery(recording, field="speed"), [0])
+        lines = vectors.lines(0)
+        dark, height = vectors.on_dark(lines, 0), lines.mean(axis=1)[:, 1]
+        assert dark[height < 0.3].all() and not dark[height > 0.8].any()
 
 
 def test_one_segment_is_explained_with_its_unit(recorded):

@@ -19,8 +19,10 @@ from restshape.report.style import INK
 
 COUNT = 44
 """Segments along the longer side of a picture."""
-LONGEST = 1.0
-"""Length of the longest over the distance between two: none leaves the picture."""
+LONGEST = 1.4
+"""Length of the longest over the distance between two."""
+DARK = 0.5
+"""Luminance of a colour below which segments on it are white."""
 ROUND = (1.0, 2.0, 5.0, 10.0)
 """First digits of the value of the segment that is explained."""
 MOST = 1.6
@@ -49,7 +51,9 @@ class VectorSegments:
         self.largest = max((float(np.nanmax(size, initial=0.0)) for size in sizes), default=0.0)
         xmin, xmax, ymin, ymax = scenery.extent
         self.spacing = max(xmax - xmin, ymax - ymin) / COUNT
-        x, y = (np.arange(low + 0.5 * self.spacing, high, self.spacing) for low, high in ((xmin, xmax), (ymin, ymax)))
+        # None leaves the picture.
+        room = 0.5 * LONGEST * self.spacing
+        x, y = (np.arange(low + room, high - room, self.spacing) for low, high in ((xmin, xmax), (ymin, ymax)))
         self._places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
     @property
@@ -59,22 +63,38 @@ class VectorSegments:
 
     def lines(self, i: int) -> np.ndarray:
         """The segments (k, 2, 2) [m] of frame i: start and end."""
-        X, cells = self.recording.mesh(i)
-        plane = Triangulation(*X.T, cells[:, :3])
+        plane = self._plane(i)
         field = np.nan_to_num(self.recording.field(i, self.name))
         vectors = np.ma.stack([LinearTriInterpolator(plane, part)(*self._places.T) for part in field.T[:2]], axis=-1)
         inside = ~np.ma.getmaskarray(vectors).any(axis=1)
         half = 0.5 * self.stretch * np.ma.getdata(vectors)[inside]
         return np.stack([self._places[inside] - half, self._places[inside] + half], axis=1)
 
+    def on_dark(self, lines: np.ndarray, i: int) -> np.ndarray:
+        """Which of the segments (k, 2, 2) [m] of frame i lie on dark colours of the field."""
+        scenery, plane = self.scenery, self._plane(i)
+        if scenery.field is None:
+            return np.zeros(len(lines), dtype=bool)
+        values = scenery.field.values(self.recording, i)[:, :3].mean(axis=1)
+        at = plane.get_trifinder()(*lines.mean(axis=1).T)
+        red, green, blue = scenery.bar.to_rgba(scenery.colour[0] * values[at])[:, :3].T
+        return 0.3 * red + 0.59 * green + 0.11 * blue < DARK
+
     def draw(self, axes: Axes, i: int) -> list[Artist]:
         """Draws the segments of frame i over its field, each with a dot where it starts; returns the artists."""
-        lines = self.scenery.unit[0] * self.lines(i)
-        segments = Segments(edgecolors=[INK], linewidths=0.5)
-        segments.show(lines)
-        axes.add_collection(segments, autolim=False)
-        (dots,) = axes.plot(*lines[:, 0].T, ls="", marker="o", ms=0.9, mec="none", mfc=INK)
-        return [segments, dots]
+        lines, found = self.lines(i), list[Artist]()
+        dark = self.on_dark(lines, i)
+        for chosen, colour in ((dark, "white"), (~dark, INK)):
+            shown = self.scenery.unit[0] * lines[chosen]
+            segments = Segments(edgecolors=[colour], linewidths=0.5)
+            segments.show(shown)
+            axes.add_collection(segments, autolim=False)
+            found += [segments, *axes.plot(*shown[:, 0].T, ls="", marker="o", ms=0.9, mec="none", mfc=colour)]
+        return found
+
+    def _plane(self, i: int) -> Triangulation:
+        X, cells = self.recording.mesh(i)
+        return Triangulation(*X.T, cells[:, :3])
 
     def explain(self, figure: Figure, left: float, below: float, inches: float) -> None:
         """Puts into a figure a segment of a round value, with its meaning below.
