@@ -30,6 +30,25 @@ def test_arc_is_a_circle_of_even_speed(angle, turn):
     np.testing.assert_allclose(arc.tangent(0, S), rate, atol=1e-9)
 
 
+def test_all_edges_at_once_have_the_bits_of_each():
+    drawn = outline_from_spec(
+        ShapeSpec(
+            vertices={"a": [0, 0], "b": [1, 0], "c": [1, 1], "d": [0, 1]},
+            edges={
+                "low": {"spline": ["a", "b"], "through": [[0.3, -0.15], [0.6, 0.1]]},
+                "right": {"arc": ["b", "c"], "bulge": 0.3},
+                "top": {"line": ["c", "d"]},
+                "back": {"polyline": ["d", "a"], "through": [[-0.1, 0.5]]},
+            },
+            outline=["low", "right", "top", "back"],
+        )
+    )
+    s, first = np.concatenate([S, S[:7], S[3:20], S[::2]]), np.cumsum([0, 41, 7, 17, 21])
+    each = [drawn.point(edge, s[first[edge] : first[edge + 1]]) for edge in range(4)]
+    np.testing.assert_array_equal(drawn.points_on_all(first, s), np.concatenate(each))
+    np.testing.assert_array_equal(drawn.lengths(), [drawn.length(edge) for edge in range(4)])
+
+
 @pytest.mark.parametrize("angle", [0.3, 2.0, np.pi, 4.0, 6.0])
 @pytest.mark.parametrize("turn", [1.0, -1.0])
 def test_bulge_through_a_point_of_a_known_circle(angle, turn):

@@ -11,6 +11,8 @@ from restshape.arrays import Complexes, Integers, Reals
 
 GAUSS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)])
 GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
+STRAIGHT = 1e-9
+"""Half the angle of an arc below which it is a line."""
 
 
 def arc_fraction(bulge: float, s: Reals) -> Complexes:
@@ -21,15 +23,30 @@ def arc_fraction(bulge: float, s: Reals) -> Complexes:
         s: (m,) share of the angle, 0 at a and 1 at b.
     """
     half = 2.0 * np.arctan(bulge)
-    if abs(half) < 1e-9:
+    if abs(half) < STRAIGHT:
         return s + 0j
     return np.exp(1j * half * (s - 1.0)) * (np.sin(half * s) / np.sin(half))
+
+
+def half_angles(bulges: Reals) -> Reals:
+    """Half of the angles of arcs of some bulges."""
+    return 2.0 * np.arctan(bulges)
+
+
+def arc_fractions(half: Reals, s: Reals) -> Complexes:
+    """The same as :func:`arc_fraction` for a point each on arcs of half angles (m,), at shares s (m,)."""
+    z = s + 0j
+    bent = np.flatnonzero(np.abs(half) >= STRAIGHT)
+    if len(bent):
+        own, t = half[bent], s[bent]
+        z[bent] = np.exp(1j * own * (t - 1.0)) * (np.sin(own * t) / np.sin(own))
+    return z
 
 
 def arc_fraction_rate(bulge: float, s: Reals) -> Complexes:
     """Complex dz/ds of :func:`arc_fraction`."""
     half = 2.0 * np.arctan(bulge)
-    if abs(half) < 1e-9:
+    if abs(half) < STRAIGHT:
         return np.ones_like(s) + 0j
     return half / np.sin(half) * np.exp(1j * half * (2.0 * s - 1.0))
 
@@ -158,7 +175,7 @@ def spline_extremes(knots: tuple[float, ...], ends: tuple[str, str], points: Rea
 def arc_extremes(bulge: float, chord: Reals) -> Reals:
     """Parameters (m,) between 0 and 1 at which the tangent of an arc over a chord (2,) points along an axis."""
     half, middle, right = 2.0 * np.arctan(bulge), np.arctan2(chord[1], chord[0]), 0.5 * np.pi
-    if abs(half) < 1e-9:
+    if abs(half) < STRAIGHT:
         return np.zeros(0)
     first, last = sorted((middle - half, middle + half))
     along = right * np.arange(np.ceil(first / right), np.floor(last / right) + 1.0)

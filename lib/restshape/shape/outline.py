@@ -86,6 +86,8 @@ class Layout:
         self.embedded, self.groups, self.size = embedded, groups, size
         self.topology = next(_topologies)
         self.controls = tuple(np.array([e.start, *e.inner, e.end], dtype=np.int32) for e in edges)
+        self.ends = np.array([(e.start, e.end) for e in edges], dtype=np.int32).reshape(-1, 2)
+        self.curved = tuple(i for i, e in enumerate(edges) if e.kind not in ("line", "arc"))
         self.entities = self._entities()
         self._swept: dict[tuple[tuple[int, int], ...], SweptArea] = {}
 
@@ -237,6 +239,35 @@ class Outline:
         """
         return self._combine(edge, np.atleast_1d(np.asarray(s, dtype=float)), points, rate=False)
 
+    def points_on_all(self, first: Indices, s: Reals) -> Reals:
+        """Points (m, 2) of all edges in one call: the same as those of :meth:`point`.
+
+        Args:
+            first: (n_edges + 1,) where the parameters of each edge start, the last one m.
+            s: (m,) parameters, edge after edge.
+        """
+        counts, ends, half = np.diff(first), self.layout.ends, curves.half_angles(self.bulges)
+        own = np.ascontiguousarray(self.points).view(np.complex128)[:, 0]
+        z = curves.arc_fractions(np.repeat(half, counts), s)
+        p = np.repeat(own[ends[:, 0]], counts) * (1.0 - z) + np.repeat(own[ends[:, 1]], counts) * z
+        # Arcs once more by one number an end: arrays of numbers are multiplied with other rounding.
+        for edge in np.flatnonzero(np.abs(half) >= curves.STRAIGHT).tolist():
+            part, (a, b) = z[first[edge] : first[edge + 1]], ends[edge]
+            p[first[edge] : first[edge + 1]] = complex(own[a]) * (1.0 - part) + complex(own[b]) * part
+        found = p.view(np.float64).reshape(-1, 2)
+        for edge in self.layout.curved:
+            found[first[edge] : first[edge + 1]] = self.point(edge, s[first[edge] : first[edge + 1]])
+        return found
+
+    def lengths(self) -> Reals:
+        """Lengths (n_edges,) of all edges [m]: the same as those of :meth:`length`."""
+        a, b = self.points[self.layout.ends[:, 0]], self.points[self.layout.ends[:, 1]]
+        straight, half = np.hypot(*(b - a).T), curves.half_angles(np.abs(self.bulges))
+        found: Reals = np.divide(straight * half, np.sin(half), out=straight, where=half >= curves.STRAIGHT)
+        for edge in self.layout.curved:
+            found[edge] = self.length(edge)
+        return found
+
     def tangent(self, edge: int, s: Reals | float, points: Reals | None = None) -> Reals:
         """Derivatives (m, 2) of :meth:`point` with respect to s."""
         return self._combine(edge, np.atleast_1d(np.asarray(s, dtype=float)), points, rate=True)
@@ -266,8 +297,8 @@ class Outline:
             s, w = curves.gauss_parameters(tuple(np.union1d(np.linspace(0.0, 1.0, 65), self.edges[edge].knots)))
             return float(np.hypot(*self.tangent(edge, s).T) @ w)
         straight = float(np.hypot(*np.diff(own, axis=0).T).sum())
-        half = 2.0 * np.arctan(abs(self.bulges[edge]))
-        return straight if half < 1e-9 else straight * half / np.sin(half)
+        half = float(curves.half_angles(abs(self.bulges[edge])))
+        return straight if half < curves.STRAIGHT else straight * half / float(np.sin(half))
 
     def pieces(self, edge: int, error: float) -> Reals:
         """Parameters from 0 to 1 whose points make a chain of chords no farther than `error` [m] from the edge.
