@@ -61,7 +61,9 @@ class LiftedFlow(IncompressibleFlow):
 
     def update(self) -> None:
         """Take what the whole has."""
-        self.step, self.thickening, self.advecting = self.whole.step, self.whole.thickening, self.whole.advecting
+        whole = self.whole
+        self.step, self.thickening, self.advecting = whole.step, whole.thickening, whole.advecting
+        self.drawing_in = whole.drawing_in
         super().update()
 
     def _parameters(self) -> np.ndarray:

@@ -127,6 +127,9 @@ class SplitSearch(FlowSearch):
             self.scale = problem.force_scale(x)
             goal = max(self.goal(), tolerance) * self.scale
             flow.problem.temperature = x[:, 3:].copy()
+            if not problem.drawing_in and problem.draws_in(x):
+                self._change(drawing_in=True)
+                flow.problem.update()
             one = self._turn(flow, x, slice(0, 3), goal)
             heat.problem.velocity = x[:, :2].copy()
             before = x[:, 3:].copy()
