@@ -17,7 +17,7 @@ from thermal_scenes import solved
 
 from restshape.analysis.frame import Frame
 from restshape.application import application_of
-from restshape.fem.residuals import design_rates
+from restshape.fem.residuals import design_rates, unconstrained_residual
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
 from restshape.scene.load import load_scene
@@ -128,6 +128,59 @@ def test_without_a_difference_no_heat_is_followed_until_an_edit_brings_one(tmp_p
     assert [row["q_hot"] for row in rows[:3]] == [0.0] * 3 and rows[0]["q_mean"] == 300.0
     assert all(row["q_hot"] > 1.0 for row in rows[3:])
     assert rows[-1]["q_mean"] > 300.01
+
+
+def test_without_a_difference_nothing_is_conducted_until_an_edit_brings_one(tmp_path):
+    begin_log()
+    text = CAVITY.replace("299.5 K", "300.5 K") + "[effects]\nheat = {}\n" + COARSE
+    even, idle = write_scene(tmp_path, text), [{"do": "idle", "frames": 2}]
+    assert not kernels(watched(even, write_script(tmp_path, idle))[0])
+    events = [*idle, *set_value("boundary.cold.temperature", "299.5 K", "300.5 K"), *idle]
+    made = make_replay(even, write_script(tmp_path, events))
+    check, rows = Parity(made), []
+    for row in made.frames():
+        rows.append(dict(row))
+        check()
+    assert check.summary()["holds"]
+    np.testing.assert_allclose([row["q_hot"] for row in rows], [0, 0, 0, 1, 0, 0, 0], atol=1e-9)
+    np.testing.assert_allclose([row["q_mean"] for row in rows], [300.5] * 3 + [300.0] + [300.5] * 3, atol=1e-6)
+
+
+def test_a_warm_fluid_cools_though_no_temperature_of_its_scene_differs_any_more(tmp_path):
+    text = CAVITY + in_time(0.02) + BUOYANT + COARSE
+    events = [{"do": "idle", "frames": 5}]
+    events += [*set_value("boundary.hot.temperature", "300 K"), *set_value("boundary.cold.temperature", "300 K")]
+    rows = make_replay(
+        write_scene(tmp_path, text.replace("299.5 K", "300 K")),
+        write_script(tmp_path, [*events, {"do": "idle", "frames": 5}]),
+    ).frames()
+    mean = np.array([row["q_mean"] for row in rows]) - 300.0
+    assert (np.diff(mean[:6]) > 0).all() and (np.diff(mean[6:]) < 0).all() and mean[-1] > 1e-3
+
+
+@pytest.mark.parametrize("effects", [STEADY, in_time(0.02)])
+def test_each_equation_is_solved_on_its_own_scale(tmp_path, effects):
+    """Momentum, continuity and heat each leave less than the tolerance of what their terms are, in units of any kind.
+
+    The same cavity with lengths in mm, a heavy fluid and other kelvins has the same numbers.
+    """
+    text, nusselt = CAVITY + effects + BUOYANT + COARSE, []
+    scaled = text.replace("rho = 1\n", "rho = 1e6\n").replace('mu = "Pr"', 'mu = "1e6*Pr"')
+    scaled = scaled.replace("300.5 K", "300.0005 K").replace("299.5 K", "299.9995 K")
+    scaled = scaled.replace('"Ra*Pr"', '"1e3*Ra*Pr"').replace("1 K", "0.001 K")
+    for one in (text, scaled):
+        made = make_replay(write_scene(tmp_path, one), write_script(tmp_path, [{"do": "idle", "frames": 3}]))
+        for row in made.frames():
+            nusselt.append(row["q_hot"])
+        problem, x = made.analysis.problem, made.analysis.x
+        rest = unconstrained_residual(problem, x)
+        problem.boundary.zero(rest)
+        scales = problem.scales(x)
+        assert np.linalg.norm(rest[:, :2]) <= 1e-6 * scales.momentum
+        assert np.linalg.norm(rest[:, 2]) / problem.continuity <= 1e-6 * scales.volume
+        assert np.linalg.norm(rest[:, 3]) / problem.heat_factor <= 1e-6 * scales.heat
+    half = len(nusselt) // 2
+    np.testing.assert_allclose(nusselt[:half], nusselt[half:], rtol=1e-4)
 
 
 def test_heat_of_all_edges_and_sources_balances(tmp_path):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,6 +40,26 @@ IN_TIME = {
     "mesh": UNSTEADY_HEATED_SLOW_FLOW_ON_MOVING_MESH,
 }
 """Elements by what advects the velocity."""
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What residuals of a usual node are measured against.
+
+    Args:
+        momentum: flux of momentum, friction and lift [N/m].
+        volume: what flows through a cell [m^2/s].
+        heat: what is advected and conducted, and what enters [W/m].
+    """
+
+    momentum: float
+    volume: float
+    heat: float
+
+
+def _mean(values: np.ndarray) -> float:
+    """The root of the mean square."""
+    return float(np.sqrt(np.mean(values**2)))
 
 
 # More than 15 attributes: a problem holds what its integrals, conditions and quantities share.
@@ -123,8 +144,23 @@ class HeatedFlow(IncompressibleFlow):
         out[:, 3] -= self.heat_factor * self.border.rates(dX)
 
     def force_scale(self, x: np.ndarray) -> float:
-        """What residuals at x (n, 4) are measured against [N/m]: the least of the scales of momentum and of heat."""
-        return min(self._momentum_scale(x), self.heat_factor * self._heat_scale(x))
+        """What residuals at x (n, 4) are measured against [N/m]: the least of the three scales, each as forces.
+
+        So each equation is solved on its own scale, whatever their factors were taken from.
+        """
+        scales = self.scales(x)
+        return min(scales.momentum, self.continuity * scales.volume, self.heat_factor * scales.heat)
+
+    def scales(self, x: np.ndarray) -> Scales:
+        """What the residuals of the three equations at x (n, 4) are measured against."""
+        speed, size = np.linalg.norm(x[:, :2], axis=1), self.size
+        span = max(self.span, float(np.ptp(x[:, 3])))
+        pull = np.linalg.norm(self.lift) * np.abs(x[:, 3] - self.neutral) * size
+        dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
+        forces = dynamic + self.fluid.mu / size * speed + pull
+        flows = self.capacity * speed + self.conductivity / size
+        momentum, heat = size * _mean(forces), size * span * _mean(flows) + self._entering
+        return Scales(momentum, momentum / self.continuity, heat)
 
     def fields(self, x: np.ndarray) -> Fields:
         """Velocity [m/s], pressure [Pa], speed [m/s] and temperature [K] of the nodes, at x (n, 4)."""
@@ -165,18 +201,6 @@ class HeatedFlow(IncompressibleFlow):
         heat = self.heat_parameters()
         always = np.array([*super()._parameters(), *self.lift, self.neutral])
         return np.concatenate([np.broadcast_to(always, (*heat.shape[:-1], len(always))), heat], axis=-1)
-
-    def _momentum_scale(self, x: np.ndarray) -> float:
-        speed = np.linalg.norm(x[:, :2], axis=1)
-        dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
-        lifted = np.linalg.norm(self.lift) * np.abs(x[:, 3] - self.neutral) * self.size
-        return self.size * float(np.sqrt(np.mean((dynamic + self.fluid.mu / self.size * speed + lifted) ** 2)))
-
-    def _heat_scale(self, x: np.ndarray) -> float:
-        """What residuals of heat at x (n, 4) are measured against [W/m]: what is advected and conducted at a node."""
-        speed, span = np.linalg.norm(x[:, :2], axis=1), max(self.span, float(np.ptp(x[:, 3])))
-        advected = self.capacity * speed + self.conductivity / self.size
-        return self.size * span * float(np.sqrt(np.mean(advected**2))) + self._entering
 
     def _heat_factor(self) -> float:
         """The factor of the equation of heat [Pa m/(W/m)] that makes its residual one of forces."""

@@ -13,7 +13,6 @@ from restshape.analysis.analysis import Analysis, Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.residual_equations import ResidualEquations
-from restshape.analysis.steady import SteadyAnalysis
 from restshape.application import application_of
 from restshape.fem.problem import SteadyProblem
 from restshape.first_use import made
@@ -26,6 +25,7 @@ from restshape.physics.heated_flow.heated_flow import HeatedFlow
 from restshape.physics.heated_flow.isothermal_flow import IsothermalFlow
 from restshape.physics.heated_flow.split_search import SplitParts, SplitSearch
 from restshape.physics.heated_flow.still_fluid import StillFluid
+from restshape.physics.heated_flow.still_fluid_analysis import StillFluidAnalysis
 from restshape.physics.heated_flow.temperature_differences import initial
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -38,7 +38,7 @@ UNIFORM = 1e-9
 def fluid_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis[SteadyProblem]:
     """Of a fluid with or without heat, steady or in time; arguments as of any `Analysis`."""
     if not plan.on("flow"):
-        return SteadyAnalysis(scene, plan, context, StillFluid)
+        return StillFluidAnalysis(scene, plan, context, StillFluid)
     in_time = plan.settings("flow").time_step is not None
     make = HeatedFlowInTime if in_time else SteadyHeatedFlow
     return make(scene, plan, context, _equations(plan))

@@ -12,7 +12,7 @@ from restshape.scene.derived_effects import On
 from restshape.scene.effect import DerivedEffect, Effect, StartOnly
 from restshape.scene.load_kind import CURVES
 from restshape.scene.model import Scene
-from restshape.scene.physics import Invariant, Physics, PictureField, Section
+from restshape.scene.physics import Physics, PictureField, Section
 from restshape.scene.quantity import QuantityKind
 from restshape.scene.solver import DEFINITE, UNSYMMETRIC, SolverPlan, System
 from restshape.scene.units import UnitError, declare_dimension
@@ -133,11 +133,6 @@ def heated_flow_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> Solve
     return SolverPlan("nonlinear", (system,), "heat is advected by the velocity that is looked for")
 
 
-def _still(scene: Scene, on: On) -> bool:
-    """Whether the scene leaves the flow out."""
-    return "flow" not in scene.effects
-
-
 ELSEWHERE = "solids alone have them: fluids have [fluid], [boundary.NAME] and [heat.NAME]"
 HEATED_FLOW = Physics(
     name="heated flow",
@@ -169,7 +164,6 @@ HEATED_FLOW = Physics(
             "no temperature differs from another: heat has no equation, and nothing is buoyant",
         ),
     },
-    invariants=(Invariant(_still, "flow cannot be switched during an edit", "make it two scenes"),),
     pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},
     orders=(1,),
     check=check_heated_flow,

@@ -10,7 +10,7 @@ from restshape.fem.space import Space
 from restshape.physics.flow.flow_quantities import flow_quantity
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow
 from restshape.physics.heated_flow.heated_flow_quantities import KINDS, isothermal_quantity
-from restshape.physics.heated_flow.temperature_differences import initial
+from restshape.physics.heated_flow.temperature_differences import uniform
 from restshape.scene.model import Quantity
 
 
@@ -21,7 +21,7 @@ class IsothermalFlow(IncompressibleFlow):
     def fields(self, x: np.ndarray) -> Fields:
         """Those of a flow at x (n, 3), and the temperature [K] of the nodes."""
         points, cells = super().fields(x)
-        return {**points, "temperature": np.full(len(x), initial(self.scene))}, cells
+        return {**points, "temperature": np.full(len(x), uniform(self.scene))}, cells
 
     @classmethod
     def blank_fields(cls, space: Space) -> Fields:
@@ -31,7 +31,7 @@ class IsothermalFlow(IncompressibleFlow):
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of the unknowns x (n, 3)."""
-        temperature = initial(self.scene)
+        temperature = uniform(self.scene)
         return Observer(
             {
                 name: isothermal_quantity(temperature, name, one)

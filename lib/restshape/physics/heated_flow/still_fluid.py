@@ -11,14 +11,14 @@ from restshape.fem.cell_samples import CellValues, Given
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.elements import CONDUCTION
 from restshape.fem.integral import Integral
-from restshape.fem.observer import Observer, area_at
+from restshape.fem.observer import Function, Observer, area_at
 from restshape.fem.problem import Fields, SteadyProblem, Unknown
 from restshape.fem.space import Space
 from restshape.physics.heated_flow.border_heat import BorderHeat
 from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_conditions import prescribed_temperatures
-from restshape.physics.heated_flow.heated_flow_quantities import heat_quantity
-from restshape.physics.heated_flow.temperature_differences import initial
+from restshape.physics.heated_flow.heated_flow_quantities import heat_quantity, isothermal_quantity
+from restshape.physics.heated_flow.temperature_differences import uniform
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
@@ -40,13 +40,17 @@ class StillFluid(SteadyProblem):
     symmetric = linear = varies = True
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
-        self.scene, self.plan, self.space, self.neutral = scene, plan, space, initial(scene)
+        self.scene, self.plan, self.space, self.neutral = scene, plan, space, uniform(scene)
         self.capacity, self.conductivity = heat_properties(scene)
         given = [Given(f"heat.{name}.source", one.on, one.source) for name, one in scene.heat.items()]
         self.sources, self.border = CellValues(space, given, scene.parameters), BorderHeat(scene, space)
         conditions = [*prescribed_temperatures(scene, space, 0)]
         self.boundary = Dirichlet((len(space.X), 1), conditions, scene.parameters | {"t": 0.0}, "K")
         self.update()
+
+    def start(self) -> np.ndarray:
+        """The temperature (n, 1) [K] that everything has where none differs."""
+        return np.full(self.boundary.mask.shape, self.neutral)
 
     @property
     def stiffest(self) -> float:
@@ -97,12 +101,14 @@ class StillFluid(SteadyProblem):
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of a temperature x (n, 1)."""
-        return Observer(
-            {
-                name: area_at(self.space, name, one) if one.kind == "area" else heat_quantity(self, name, one)
-                for name, one in quantities.items()
-            }
-        )
+        return Observer({name: self._function(name, one) for name, one in quantities.items()})
+
+    def _function(self, name: str, quantity: Quantity) -> Function:
+        if quantity.kind == "area":
+            return area_at(self.space, name, quantity)
+        if not self.plan.on("temperature_difference"):
+            return isothermal_quantity(self.neutral, name, quantity)
+        return heat_quantity(self, name, quantity)
 
     def heat_residual(self, rest: np.ndarray) -> np.ndarray:
         """The heat (n,) [W/m] that a residual (n, 1) of the equation lacks at the nodes."""

@@ -6,6 +6,9 @@ from restshape.scene.derived_effects import On
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.model import Scene
 
+ROOM = 293.15
+"""A temperature [K] where a scene names none."""
+
 
 def differences(scene: Scene, on: On) -> str:
     """What makes temperatures differ, for people; empty where nothing does, or heat is off."""
@@ -31,13 +34,20 @@ def span(scene: Scene, on: On) -> tuple[float, float]:
 
 
 def initial(scene: Scene) -> float:
-    """The temperature [K] at time 0, and where nothing else says one."""
+    """The temperature [K] at time 0, and that from which steady ones are looked for."""
     given = scene.effects.get("heat", {}).get("initial")
     if given is not None:
         return float(given)
     if scene.fluid.reference is not None:
         return float(scene.fluid.reference)
-    return next((float(value) for _, value in _prescribed(scene) if not isinstance(value, Expression)), 293.15)
+    return uniform(scene)
+
+
+def uniform(scene: Scene) -> float:
+    """The temperature [K] that everything has where none differs: that of an edge, or the first one that is named."""
+    known = [value for _, value in _prescribed(scene) if not isinstance(value, Expression)]
+    known += [value for value in (scene.effects.get("heat", {}).get("initial"), scene.fluid.reference) if value]
+    return float(known[0]) if known else ROOM
 
 
 def _prescribed(scene: Scene) -> Iterator[tuple[str, Value]]:
