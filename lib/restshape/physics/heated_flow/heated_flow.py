@@ -106,28 +106,17 @@ class HeatedFlow(IncompressibleFlow):
         super().update()
         self.border.time = 0.0 if self.step is None else self.step.time
         self._source = self.sources() if self.sources.given else np.zeros((1, 1))
-        self._entering = self.size * self.border.largest + self.size**2 * float(np.abs(self._source).max())
-        self.heat_factor = self._heat_factor()
-
-    @property
-    def span(self) -> float:
-        """The difference of temperatures that drives the flow, as far as it is known before a solution [K]."""
-        mask = self.boundary.mask[:, 3] > 0
-        known = [self.boundary.values[mask, 3]]
-        if np.any(self.lift):
-            known.append(np.array([self.neutral]))
-        if self.step is not None:
-            known.append(-self.step.past[:, 2] / self.step.rate)
-        values = np.concatenate(known)
-        width = float(np.sqrt(self._area))
-        entering = width * self.border.largest + width**2 * float(np.abs(self._source).max())
-        return float(np.ptp(values)) + entering / self.conductivity if len(values) else entering / self.conductivity
+        entering, width = float(np.abs(self._source).max()), float(np.sqrt(self._area))
+        self._entering = self.size * (self.border.largest + self.size * entering)
+        self._span = self._known_span()
+        span = self._span + width * (self.border.largest + width * entering) / self.conductivity
+        self._fastest = max(super().speed, self._buoyant_speed(span, width))
+        self.heat_factor = self._heat_factor(span)
 
     @property
     def speed(self) -> float:
         """The largest velocity that is prescribed, was there before the step, or buoyancy may bring about [m/s]."""
-        pull, width = float(np.linalg.norm(self.lift)) / self.fluid.rho * self.span, float(np.sqrt(self._area))
-        return max(super().speed, min(np.sqrt(pull * width), pull * width**2 * self.fluid.rho / self.fluid.mu))
+        return self._fastest
 
     @property
     def stiffest(self) -> float:
@@ -154,7 +143,7 @@ class HeatedFlow(IncompressibleFlow):
     def scales(self, x: np.ndarray) -> Scales:
         """What the residuals of the three equations at x (n, 4) are measured against."""
         speed, size = np.linalg.norm(x[:, :2], axis=1), self.size
-        span = max(self.span, float(np.ptp(x[:, 3])))
+        span = max(self._span, float(np.ptp(x[:, 3])))
         pull = np.linalg.norm(self.lift) * np.abs(x[:, 3] - self.neutral) * size
         dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
         forces = dynamic + self.fluid.mu / size * speed + pull
@@ -202,9 +191,24 @@ class HeatedFlow(IncompressibleFlow):
         always = np.array([*super()._parameters(), *self.lift, self.neutral])
         return np.concatenate([np.broadcast_to(always, (*heat.shape[:-1], len(always))), heat], axis=-1)
 
-    def _heat_factor(self) -> float:
-        """The factor of the equation of heat [Pa m/(W/m)] that makes its residual one of forces."""
-        speed, span, size = self.speed, self.span, self.size
+    def _known_span(self) -> float:
+        """The largest difference of temperatures that are prescribed, lift nothing, or were there before [K]."""
+        known = [self.boundary.values[self.boundary.mask[:, 3] > 0, 3]]
+        if np.any(self.lift):
+            known.append(np.array([self.neutral]))
+        if self.step is not None:
+            known.append(-self.step.past[:, 2] / self.step.rate)
+        values = np.concatenate(known)
+        return float(np.ptp(values)) if len(values) else 0.0
+
+    def _buoyant_speed(self, span: float, width: float) -> float:
+        """The velocity [m/s] that a difference of temperatures [K] may bring about over a width [m]."""
+        pull = float(np.linalg.norm(self.lift)) / self.fluid.rho * span
+        return min(float(np.sqrt(pull * width)), pull * width**2 * self.fluid.rho / self.fluid.mu)
+
+    def _heat_factor(self, span: float) -> float:
+        """The factor of the equation of heat [Pa m/(W/m)] that makes its residual one of forces; span [K] drives it."""
+        speed, size = self._fastest, self.size
         dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
         lifted = float(np.linalg.norm(self.lift)) * span * size
         force = size * (dynamic + self.fluid.mu / size * speed + lifted)
