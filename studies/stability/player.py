@@ -153,9 +153,9 @@ def _check(check: FrameCheck | None, replay: Replay, row: dict[str, Any]) -> Non
 
 def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
     """Refuse shown numbers that are none."""
-    # A mode that was followed may have gone from among those wanted.
+    # A mode that was followed may have gone from among those wanted, and what does not swing has no period.
     scene = replay.session.scene
-    gone = {f"q_{name}" for name, quantity in scene.quantities.items() if quantity.kind == "mode"}
+    gone = {f"q_{name}" for name, quantity in scene.quantities.items() if quantity.kind in ("mode", "strouhal")}
     # An edit may ask for fewer modes than the columns have room for.
     asked = next((scene.effects[name]["modes"] for name in ("modal", "buckling") if name in scene.effects), 0)
     gone |= {name for name in row if name.startswith(("f_", "mu_")) and int(name.partition("_")[2]) > asked}

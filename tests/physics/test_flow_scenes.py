@@ -1,5 +1,6 @@
 """What scenes of flow may say, and the messages for those that make no sense."""
 
+import numpy as np
 import pytest
 from flow_scenes import CHANNEL, CYLINDER
 from restshape_studies.stability.scenery import make_replay, set_value, write_scene, write_script
@@ -8,6 +9,7 @@ from thermal_scenes import solved
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.physics.flow.flow_conditions import unequal
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 
@@ -107,3 +109,7 @@ def test_an_inflow_that_depends_on_the_time(tmp_path):
         assert row["q_out"] == pytest.approx(-row["q_in"], rel=1e-6, abs=1e-12)
     assert [row["time"] for row in rows] == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
     assert rows[-1]["q_in"] == pytest.approx(4 * rows[1]["q_in"], rel=1e-9)
+
+
+def test_a_vessel_into_which_nothing_flows_is_said_without_a_sign():
+    assert unequal(np.array([1.5, 0.5])).startswith("0 m^2/s flow in and 2 m^2/s out")

@@ -1,4 +1,4 @@
-"""Bodies that conduct heat, at random, steady or in time."""
+"""Bodies that conduct heat and fluids that carry it, at random, steady or in time."""
 
 from typing import Any
 
@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from restshape_studies.stability.plane_strategies import head, meshes, tolerances
 from restshape_studies.stability.random_scenes import ON_DEMAND, Parts, RandomScenes, edits_with
 from restshape_studies.stability.shape_strategies import Table, entities, numbers, shapes, sides
+from restshape_verification.flow import random_scenes as fluids
 
 
 @st.composite
@@ -77,7 +78,7 @@ def quantities(draw: st.DrawFn, shape: Table) -> Table:
 
 
 @st.composite
-def scenes(draw: st.DrawFn) -> Table:
+def bodies(draw: st.DrawFn) -> Table:
     """The tables of a scene of a body that conducts heat."""
     shape, area = draw(shapes())
     effects = draw(storage())
@@ -92,6 +93,8 @@ def scenes(draw: st.DrawFn) -> Table:
 
 def edits(scene: Table) -> Parts:
     """Edits of a scene of heat: its shape, and other values for its keys, not always such as suit them."""
+    if "fluid" in scene:
+        return fluids.edits(scene)
     size = scene["mesh"]["size"]
     keys: dict[str, list[Any]] = {
         "material.m.conductivity": [1.0, "400 W/(m K)", 0.0],
@@ -120,7 +123,9 @@ def edits(scene: Table) -> Parts:
 
 def predictable(scene: Table) -> bool:
     """Whether frames of a scene can be predicted: steady ones."""
-    return not scene["effects"]
+    return fluids.predictable(scene) if "fluid" in scene else not scene["effects"]
 
 
-SCENES = RandomScenes(scenes(), edits, heads=(*({},) * 9, ON_DEMAND), predictable=predictable)
+SCENES = RandomScenes(
+    st.one_of(bodies(), fluids.scenes("thermal")), edits, heads=(*({},) * 9, ON_DEMAND), predictable=predictable
+)

@@ -24,6 +24,10 @@ def test_scenes_are_of_all_kinds(tmp_path):
         if scene is None:
             seen.update(["refused"])
             return
+        if "fluid" in tables:
+            seen.update(["fluid", *scene.effects])
+            assert SCENES.predictable(tables) == ("time_step" not in tables["effects"]["flow"])
+            return
         seen.update(load.kind for load in scene.loads.values())
         seen.update(["stored" if "storage" in scene.effects else "steady"])
         seen.update(["held" if scene.supports else "free", "parts" if len(scene.material) > 1 else "whole"])
@@ -32,3 +36,4 @@ def test_scenes_are_of_all_kinds(tmp_path):
     look_at_drawn(tuples(SCENES.scenes), 150, tmp_path, look)
     assert seen["refused"] < 75
     assert {"source", "flux", "convection", "steady", "stored", "held", "free", "parts", "whole"} <= set(seen)
+    assert {"fluid", "heat", "buoyancy", "convection"} <= set(seen)

@@ -168,7 +168,7 @@ def unbalanced(net: float, through: float) -> bool:
 
 def unequal(fluxes: np.ndarray) -> str:
     """What is wrong where more flows into a vessel than out of it, for people; fluxes (k,) [m^2/s] out of it."""
-    out, into = float(fluxes[fluxes > 0].sum()), float(-fluxes[fluxes < 0].sum())
+    out, into = float(fluxes[fluxes > 0].sum()), float(np.abs(fluxes[fluxes < 0]).sum())
     return f"{into:.4g} m^2/s flow in and {out:.4g} m^2/s out, and there is no outflow where the rest could go"
 
 

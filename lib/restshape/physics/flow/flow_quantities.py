@@ -55,7 +55,7 @@ def flow_quantity(problem: ObservedFlow, name: str, quantity: Quantity) -> Funct
         return _pressure_drop(problem, name, quantity)
     axis = AXES.get(kind.removesuffix("_coefficient"))
     if axis is not None:
-        return _force(problem, quantity.at, axis, _unit(problem, quantity))
+        return _force(problem, name, quantity, axis)
     if kind == "strouhal":
         # Of one state there is none: `FlowInTimeAnalysis` knows how the lift has swung.
         return lambda x: np.nan
@@ -73,9 +73,7 @@ def swinging_lifts(problem: ObservedFlow, quantities: Mapping[str, Quantity]) ->
         UserError: there is nothing where one is asked for.
     """
     return {
-        name: _force(problem, one.at, AXES["lift"], _unit(problem, one))
-        for name, one in quantities.items()
-        if one.kind == "strouhal"
+        name: _force(problem, name, one, AXES["lift"]) for name, one in quantities.items() if one.kind == "strouhal"
     }
 
 
@@ -87,14 +85,16 @@ def _unit(problem: ObservedFlow, quantity: Quantity) -> float:
     return 0.5 * problem.fluid.rho * of.speed**2 * of.length * problem.fluid.depth
 
 
-def _force(problem: ObservedFlow, edge: str, axis: int, unit: float) -> Callable[[np.ndarray], float]:
-    """The force of the fluid on an edge along an axis, in a unit [N]: what the residual of its nodes lacks.
+def _force(problem: ObservedFlow, name: str, quantity: Quantity, axis: int) -> Callable[[np.ndarray], float]:
+    """The force of the fluid on an edge along an axis, in its unit: what the residual of its nodes lacks.
 
     Source: P. M. Gresho, R. L. Lee, R. L. Sani, M. K. Maslanik and B. E. Eaton, Int. J. Numer. Methods Fluids 7 (1987)
     1111: the consistent flux.
     """
+    edge, unit = quantity.at, _unit(problem, quantity)
     if any(problem.conditions.is_outflow(k) for k in problem.space.outline.entity(edge).edges):
-        raise UserError(f"the fluid leaves by {edge!r}, so that there is no force on it", "at", "name a wall")
+        what = f"the fluid leaves by {edge!r}, so that there is no force on it"
+        raise UserError(what, f"quantities.{name}.at", "name a wall")
     on = EdgeReactions(problem.space, edge, problem.conditions.constrained_edges)
     factor, slips = -problem.fluid.depth / unit, problem.conditions.slips_at(edge)
 
