@@ -28,6 +28,21 @@ def test_smooth_fields_converge_with_second_order():
     assert np.log2(errors[0] / errors[2]) / 2 > 1.8
 
 
+def test_curvature_that_gradients_show_makes_errors_smaller():
+    """Linear fields are exact still, also at points outside; of a parabola a fifth of the error is left inside."""
+    old, new = shaken(l_mesh(16), 0.004, seed=5), l_mesh(13)
+    plane = old.X @ np.array([[1.0, -2.0], [0.5, 3.0]])
+    there = Transfer(old, new.X)
+    np.testing.assert_allclose(there.curved(plane), there(plane), atol=1e-11)
+    parabola, exact = (np.sum(mesh.X**2, axis=1, keepdims=True) for mesh in (old, new))
+    inside = np.ones(len(new.X), dtype=bool)
+    inside[new.facets] = False
+    plain, curved = (
+        np.sqrt(np.mean((found - exact)[inside] ** 2)) for found in (there(parabola), there.curved(parabola))
+    )
+    assert curved < 0.25 * plain
+
+
 def test_points_are_found_in_the_triangle_that_holds_them():
     mesh = holed_mesh()
     rng = np.random.default_rng(2)

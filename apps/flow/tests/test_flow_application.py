@@ -53,6 +53,8 @@ def test_a_tail_takes_away_the_eddies(command, tmp_path):
     lift, drag = (np.array(quantities[name]) for name in ("lift", "drag"))
     assert np.ptp(lift[70:100]) > 0.8 > 2 * np.ptp(lift[-20:])
     assert drag[-20:].mean() < 0.8 * drag[70:100].mean()
+    # Two meshes are new on the way: by 6 and 8 % the drag jumped where velocities were interpolated alone.
+    assert np.abs(np.diff(drag[90:])).max() < 0.03 * drag[70:100].max()
 
 
 @pytest.mark.slow
@@ -81,6 +83,6 @@ def test_forces_do_not_jump_where_the_mesh_is_new(tmp_path):
         was, now = (np.array([row[name] for row in found[:95]]) for found in (kept, remade))
         np.testing.assert_allclose(now[:new], was[:new], rtol=1e-9)
         off, most = (now - was)[new : new + 4], 0.05 * amplitude(was[70:])
-        assert abs(off[0]) < most
+        assert np.abs(off).max() < most
         # What stays is the error of the one mesh less that of the other.
-        assert np.abs(off[:3] - off[3]).max() < most
+        assert np.abs(off[:3] - off[3]).max() < 0.5 * most

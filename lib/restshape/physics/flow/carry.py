@@ -76,10 +76,10 @@ class Carrier:
     def _followed(self, level: Level, transfer: Transfer, time: float) -> Level:
         """A level at new nodes, by what found them in the mesh before where its nodes are now."""
         space = self.problem.space
-        X = transfer(level.X)
+        X = transfer.curved(level.X)
         still = np.abs(X - space.X).max(axis=1) <= OUTSIDE * np.ptp(space.X, axis=0).max()
         X[still] = space.X[still]
-        values = transfer(level.values)
+        values = transfer.curved(level.values)
         prescribe(self.problem, values, X, time)
         return Level(values, X, space.cells.copy())
 
@@ -129,7 +129,7 @@ def interpolated(level: Level, problem: IncompressibleFlow, time: float) -> Leve
     """
     space = problem.space
     transfer = Transfer(level, space.X)
-    values = transfer(level.values)
+    values = transfer.curved(level.values)
     away = np.abs(transfer(level.X) - space.X).max(axis=1)
     inside = away <= OUTSIDE * np.ptp(space.X, axis=0).max()
     mask = prescribe(problem, values, space.X, time)
