@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from petsc4py import PETSc
 from small_scenes import (
     HEAD,
     HOLE,
@@ -19,6 +20,7 @@ from small_scenes import (
 
 from restshape.analysis import steady
 from restshape.analysis.guess import Guess
+from restshape.mesh.mesh import Mesh
 from restshape.policy import POLICIES
 
 A = np.array(PATCH_GRADIENT)
@@ -93,3 +95,21 @@ def test_a_scene_that_stays_is_planned_once(tmp_path, monkeypatch):
     levels = [row["level"] for row in make_replay(write_scene(tmp_path, PATCH), script, "rebuild").frames()]
     assert levels.count(3) > 2
     assert not asked
+
+
+@pytest.mark.parametrize(("kind", "transferred"), [("cholesky", False), ("icc", True)])
+def test_a_solution_is_transferred_where_a_solve_starts_from_it(tmp_path, monkeypatch, kind, transferred):
+    asked = []
+    project = Mesh.project
+    monkeypatch.setattr(Mesh, "project", lambda *of: asked.append(of) or project(*of))
+    scene = PATCH.replace('fix = { x = "1*(1e-3*x + 4e-4*y)", y = "1*(-2e-4*x + 7e-4*y)" }', 'fix = ["x", "y"]')
+    scene = scene.replace('["outline", "window"]', '["left"]') + '[loads.f]\non = "c"\nforce = [3, -7]\n'
+    script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.78, 0.5), 3)))
+    options = PETSc.Options()
+    options.setValue("solid_pc_type", kind)
+    try:
+        made = make_replay(write_scene(tmp_path, scene), script, "auto")
+        assert 3 in [row["level"] for row in list(made.frames())[1:]]
+    finally:
+        options.delValue("solid_pc_type")
+    assert bool(asked) == transferred

@@ -259,6 +259,14 @@ class Choice:
             )
         return chosen
 
+    def foreseen(self, size: Size) -> Candidate:
+        """The candidate that a call would choose; nothing is counted."""
+        self.systems += 1.0
+        try:
+            return min(self.open(size), key=lambda candidate: self.cost(candidate, size))
+        finally:
+            self.systems -= 1.0
+
     @staticmethod
     def candidates(traits: Traits) -> tuple[Candidate, ...]:
         """What may be chosen for matrices with these traits."""

@@ -87,9 +87,18 @@ class KeptPreconditioner:
         """Take in the size of a matrix that is another one; returns whether it has changed."""
         before = self.size
         self.handle = mat.handle
-        filled = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
-        self.size = Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks, self.traits.fields)
+        self.size = self._size_of(mat)
         return self.size != before
+
+    def foresees_inverse(self, mat: PETSc.Mat) -> bool:
+        """Whether a new system with such a matrix gets a complete Cholesky factor of all of it."""
+        if self.ranks > 1 or self.traits.pivots:
+            return False
+        return (self.choice.foreseen(self._size_of(mat)).kind if self.chooses else self.kind) == "cholesky"
+
+    def _size_of(self, mat: PETSc.Mat) -> Size:
+        filled = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
+        return Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks, self.traits.fields)
 
     def begin_system(self) -> None:
         """Forget what was made: the system is another one, which has its choice."""

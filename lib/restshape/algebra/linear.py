@@ -126,6 +126,10 @@ class LinearSolver:
         """Whether a solve starts from a guess; a complete factor of the very matrix does not."""
         return self.method != "direct" or self.comm.size > 1
 
+    def starts_from_guess(self, mat: PETSc.Mat) -> bool:
+        """Whether the first solve of a new system with such a matrix does; a complete factor is of that very one."""
+        return self.takes_guess and not (self.keeps and self.kept.foresees_inverse(mat))
+
     @property
     def keeps(self) -> bool:
         """Whether an old preconditioner serves until a new one pays."""

@@ -154,8 +154,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
     def _directions(self) -> int:
         return 0
 
-    @property
-    def _takes_guess(self) -> bool:
+    def _starts_from_guess(self, problem: SteadyProblem, operator: Operator) -> bool:
         return True
 
     def _make_system(self, problem: SteadyProblem) -> NonlinearSystem:  # type: ignore[override]

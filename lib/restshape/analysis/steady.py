@@ -155,10 +155,13 @@ class SteadyAnalysis(Timeless, Generic[P]):
         """Increments of the solution along which guesses are improved."""
         return self.context.policy.directions
 
-    @property
-    def _takes_guess(self) -> bool:
-        """Whether a solve makes use of an initial guess; a new complete factor of a linear problem does not."""
-        return self.solver.takes_guess
+    def _starts_from_guess(self, problem: SteadyProblem, operator: Operator) -> bool:
+        """Whether the first solve on a mesh makes use of a guess; a new complete factor of a linear problem does not.
+
+        Where supports move, residuals are measured against the forces of the guess.
+        """
+        solver = self.solver
+        return solver.takes_guess and (problem.boundary.nonzero or solver.starts_from_guess(operator.core.mat))
 
     @property
     def predictor(self) -> SteadyPredictor:
@@ -355,10 +358,10 @@ class SteadyAnalysis(Timeless, Generic[P]):
         x = before.x
         if new_mesh:
             projected = None
-            if context.policy.transfer and self._takes_guess and before.space is not None:
+            old = before.space if context.policy.transfer else None
+            if old is not None and self._starts_from_guess(problem, system.operator):
                 with context.stages("map"):
-                    last = before.space.interpolate(x, frame.interpolations)
-                    projected = problem.space.project(before.space, last)
+                    projected = problem.space.project(old, old.interpolate(x, frame.interpolations))
             log.info("%s", "Cold start" if projected is None else f"Unknowns interpolated to {len(projected)} nodes")
             x = projected if projected is not None else problem.start()
             self.guess.restart()
