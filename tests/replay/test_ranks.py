@@ -56,3 +56,15 @@ def test_one_recording_is_written(tmp_path, restshape):
     assert done.returncode == 0, done.stderr
     assert done.stdout.count(" frames, ") == 1
     assert len((tmp_path / "a.csv").read_text().splitlines()) == 1 + 47
+
+
+@pytest.mark.slow
+def test_work_on_two_ranks_is_counted_once(tmp_path, on_ranks):
+    """An application of block Jacobi is one of its blocks too; iterations at their price are the same work."""
+    scene, script = write_scene(tmp_path, plate(0.1)), write_script(tmp_path, EVENTS)
+    done = on_ranks(2, "replay", scene, script, "--regret", "--json", "a.json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("times the best policy") == 1
+    found = json.loads((tmp_path / "a.json").read_text())["regret"]
+    assert found["policies"]["auto"]["seconds"] == pytest.approx(found["hindsight"]["run"], rel=0.2)
+    assert found["over_policy"] <= 1.05

@@ -27,4 +27,6 @@ def counted_seconds(events: Mapping[str, int], iterations: int, solver: LinearSo
     factors = sum(events[name] for name in NUMERIC) * price.refresh
     analyses = sum(events[name] for name in SYMBOLIC) * (price.setup - price.refresh)
     passes = events["MatMult"] * product + iterations * (whole - product)
-    return factors + analyses + events["PCApply"] * (price.iteration - whole) + passes
+    # Preconditioners of parts, or of grids, apply those of the parts, which are events of their own.
+    applied = iterations if kept.nested else events["PCApply"]
+    return factors + analyses + applied * (price.iteration - whole) + passes

@@ -78,6 +78,11 @@ class KeptPreconditioner:
         return self.complete and (self.ranks == 1 or self.traits.pivots)
 
     @property
+    def nested(self) -> bool:
+        """Whether it consists of others: block Jacobi, or multigrid."""
+        return self.kind == "gamg" or (self.ranks > 1 and not (self.complete and self.traits.pivots))
+
+    @property
     def inverts(self) -> bool:
         """Whether it is a Cholesky factor, all pivots positive, which solves with its own matrix by one application."""
         known = self.exact and self.kind == "cholesky" and not self.traits.pivots

@@ -198,8 +198,9 @@ def _regret(args: argparse.Namespace, request: Request, begin_frame: Callable[[]
     from restshape.replay.regret import measure
 
     found = measure(request, begin_frame)
-    print_regret(found)
-    write_json(args, {"origin": request.origin(), "regret": found})
+    if first_rank():
+        print_regret(found)
+        write_json(args, {"origin": request.origin(), "regret": found})
     return 0
 
 
