@@ -14,11 +14,17 @@ DRAG = [
     {"do": "press", "on": "tail", "at": [5, 0]},
     {"do": "drag", "path": [[25, 0]], "frames": 6},
     {"do": "release"},
+    {"do": "set", "key": "mesh.size", "value": "10.4 mm"},
+    {"do": "idle", "frames": 2},
+    {"do": "set", "key": "effects.flow.carry", "value": "remap"},
+    {"do": "press", "on": "body", "at": [0, 0]},
+    {"do": "drag", "path": [[3, 2]], "frames": 3},
+    {"do": "release"},
 ]
 
 
 def short(folder):
-    """The drag of the tail alone, a few frames after the wind has begun."""
+    """The drag of the tail alone, a few frames after the wind has begun, a new mesh, and a remapped drag of the body."""
     lines = [{"format": "restshape-edits", "version": 1, "units": "mm"}]
     path = folder / "short.jsonl"
     lines += [{"t": 0.5 * i, **event} for i, event in enumerate(DRAG)]
@@ -42,7 +48,7 @@ def test_two_ranks_give_what_one_gives(on_ranks, tmp_path):
     for name in ("drag", "lift", "kinetic"):
         one, two = (np.array(summary["quantities"][name]) for summary in found)
         assert np.abs(one - two).max() < 1e-5 * max(1.0, np.abs(one).max())
-    assert found[0]["levels"]["1"] > 0
+    assert found[0]["levels"]["1"] > 0 and found[0]["levels"]["3"] > 0
 
 
 @pytest.mark.slow
