@@ -40,7 +40,7 @@ struct SolidElement : SolidParts<Shape> {
     // Of several elements, one a lane, where they have one point and few unknowns.
     static constexpr bool packed = Shape::points == 1 && dim == 2;
 
-    [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack* p, Pack* r) {
+    [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r) {
         Pack G[nodes][dim], H[dim][dim], P[dim][dim];
         const Pack volume = Shape::gradients(0, X, G) * p[2];
         Parts::displacement_gradient(G, x, H);
@@ -48,7 +48,8 @@ struct SolidElement : SolidParts<Shape> {
         Parts::add_forces(0, G, volume, P, Parts::body(p), r);
     }
 
-    [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack* p, Pack* r, Pack* K) {
+    [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r,
+                                                Pack* K) {
         Pack G[nodes][dim], H[dim][dim];
         const Pack volume = Shape::gradients(0, X, G) * p[2];
         PackDual<dim * dim> Hd[dim][dim], P[dim][dim];

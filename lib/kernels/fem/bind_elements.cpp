@@ -153,8 +153,11 @@ void add_packed_residuals(Sizes sizes, const Loop& loop, const int32_t* subset, 
     const Element& e = loop.element;
     const int nodes = sizes.nodes(), dim = sizes.dim(), fields = sizes.fields();
     const int parameters = static_cast<int>(e.parameters.size());
-    Pack X[restshape::max_packed], x[restshape::max_packed], p[restshape::max_parameters], r[restshape::max_packed];
+    const int coefficients = e.coefficient_count();
+    Pack X[restshape::max_packed], x[restshape::max_packed], w[restshape::max_coefficients];
+    Pack p[restshape::max_parameters], r[restshape::max_packed];
     const int32_t *cell[pack_lanes], *dof[pack_lanes];
+    double own[restshape::max_coefficients];
     for (py::ssize_t first = 0; first < count; first += pack_lanes) {
         const int filled = static_cast<int>(std::min<py::ssize_t>(pack_lanes, count - first));
         for (int lane = 0; lane < pack_lanes; ++lane) {
@@ -169,7 +172,12 @@ void add_packed_residuals(Sizes sizes, const Loop& loop, const int32_t* subset, 
             }
             if (loop.stride || !first) restshape::set_lane(p, lane, loop.parameters + index * loop.stride, parameters);
         }
-        e.packed.residual(X, x, p, r);
+        if (loop.coefficients)
+            for (int lane = 0; lane < pack_lanes; ++lane) {
+                restshape::gather(cell[lane], nodes, coefficients, loop.coefficients, own);
+                restshape::set_lane(w, lane, own, nodes * coefficients);
+            }
+        e.packed.residual(X, x, w, p, r);
         for (int lane = 0; lane < filled; ++lane)
             for (int i = 0; i < nodes; ++i)
                 for (int a = 0; a < fields; ++a)

@@ -90,6 +90,13 @@ double value_of(const Dual<N>& a) {
     return a.v;
 }
 
+// For numbers that may also be packs.
+template <class S>
+S square_root(const S& a) {
+    using std::sqrt;
+    return sqrt(a);
+}
+
 // The scalar that a product of the two has: double with double, otherwise the dual one.
 template <class A, class B>
 using Common = std::decay_t<decltype(std::declval<A>() * std::declval<B>())>;

@@ -43,8 +43,8 @@ struct Element {
 
     // Those of several elements, one a lane, K without padding; null where the element has none.
     struct Packed {
-        void (*residual)(const Pack* X, const Pack* x, const Pack* p, Pack* r) = nullptr;
-        void (*tangent)(const Pack* X, const Pack* x, const Pack* p, Pack* r, Pack* K) = nullptr;
+        void (*residual)(const Pack* X, const Pack* x, const Pack* w, const Pack* p, Pack* r) = nullptr;
+        void (*tangent)(const Pack* X, const Pack* x, const Pack* w, const Pack* p, Pack* r, Pack* K) = nullptr;
     };
 
     Functions<> plain;
@@ -89,7 +89,8 @@ inline void set_lane(Pack* to, int lane, const double* from, int count) {
     for (int k = 0; k < count; ++k) to[k][lane] = from[k];
 }
 
-constexpr int max_packed = 6, max_parameters = 8;  // unknowns or coordinates, and parameters, of elements with `packed`
+constexpr int max_packed = 12,
+              max_parameters = 16;  // unknowns or coordinates, and parameters, of elements with `packed`
 constexpr int max_unknowns = 64, max_coordinates = 64, max_coefficients = 64, max_tangent = max_unknowns * max_unknowns;
 
 const std::vector<Element>& elements();           // all that are registered
@@ -176,10 +177,10 @@ void design(const double* X, const double* dX, const double* x, const double* dx
     for (int k = 0; k < n; ++k) r[k] = rd[k].d[0];
 }
 
-template <class E, class = void>
+template <class E, class F, class = void>
 struct HasOwnTangent : std::false_type {};
-template <class E>
-struct HasOwnTangent<E, std::void_t<decltype(&E::tangent)>> : std::true_type {};
+template <class E, class F>
+struct HasOwnTangent<E, F, std::void_t<decltype(static_cast<F>(&E::tangent))>> : std::true_type {};
 
 template <class E, class = void>
 struct HasPacked : std::false_type {};
@@ -191,7 +192,7 @@ void set_functions(Element::Functions<W...>& f) {
     f.residual = E::template residual<double, double, double>;
     if constexpr (E::has_tangent) {
         // Six unknowns fill one register of duals: the plain way is the faster one then.
-        if constexpr (HasOwnTangent<E>::value && Unknowns<E>::nodes * E::fields > 6)
+        if constexpr (HasOwnTangent<E, decltype(f.tangent)>::value && Unknowns<E>::nodes * E::fields > 6)
             f.tangent = E::tangent;
         else
             f.tangent = tangent<E, W...>;
@@ -237,7 +238,8 @@ Element element_of(const std::string& family, const std::string& shape) {
     else
         detail::set_functions<E>(e.plain);
     if constexpr (detail::HasPacked<E>::value) {
-        static_assert(n <= max_packed, "raise the limits of packed elements");
+        static_assert(n <= max_packed && E::nodes * E::dim <= max_packed, "raise the limits of packed elements");
+        static_assert(E::nodes == detail::Unknowns<E>::nodes, "packed elements have their unknowns at their nodes");
         e.packed = {E::packed_residual, E::packed_tangent};
     }
     return e;

@@ -151,6 +151,7 @@ void with_sizes(const Element& e, Run run) {
     if (is(3, 2, 2)) return run(Sizes<3, 2, 2>(e));
     if (is(6, 2, 2)) return run(Sizes<6, 2, 2>(e));
     if (is(3, 2, 3)) return run(Sizes<3, 2, 3>(e));
+    if (is(3, 2, 4)) return run(Sizes<3, 2, 4>(e));
     if (is(4, 2, 3)) return run(Sizes<4, 2, 3>(e));
     if (is(6, 2, 3)) return run(Sizes<6, 2, 3>(e));
     if (is(3, 3, 3)) return run(Sizes<3, 3, 3>(e));
@@ -223,8 +224,13 @@ void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, const int
     const int nodes = sizes.nodes(), dim = sizes.dim(), dof_nodes = sizes.dof_nodes(), fields = sizes.fields();
     const int n = dof_nodes * fields;
     const int parameters = static_cast<int>(t.element->parameters.size());
-    Pack X[max_packed], x[max_packed], p[max_parameters], r[max_packed], K[max_packed * max_packed];
-    Pack Ke[pack_lanes][max_packed], re[pack_lanes] = {};  // element by element, a row a pack
+    const int coefficients = t.element->coefficient_count();
+    Pack X[max_packed], x[max_packed], w[max_coefficients], p[max_parameters], r[max_packed];
+    Pack K[max_packed * max_packed];
+    double own[max_coefficients];
+    // Element by element, a row in packs.
+    constexpr int padded = padded_lanes(max_packed);
+    alignas(64) double Ke[pack_lanes][max_packed * padded], re[pack_lanes][padded];
     for (int first = 0; first < count; first += pack_lanes) {
         const int filled = std::min(pack_lanes, count - first);
         for (int lane = 0; lane < pack_lanes; ++lane) {
@@ -235,29 +241,24 @@ void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, const int
                 set_lane(X + i * dim, lane, terms.X + static_cast<size_t>(cell[i]) * dim, dim);
             for (int i = 0; i < dof_nodes; ++i)
                 set_lane(x + i * fields, lane, t.x + static_cast<size_t>(dofs[i]) * fields, fields);
+            if (coefficients) {
+                gather(cell, nodes, coefficients, t.coefficients, own);
+                set_lane(w, lane, own, nodes * coefficients);
+            }
             if (t.parameter_stride || !first)
                 set_lane(p, lane, t.parameters + static_cast<size_t>(e) * t.parameter_stride, parameters);
         }
-        t.element->packed.tangent(X, x, p, r, K);
-        for (int i = 0; i < n; ++i) {
-            Pack rows[pack_lanes];
-#pragma GCC unroll 8
-            for (int j = 0; j < pack_lanes; ++j) rows[j] = K[i * n + std::min(j, n - 1)];
-            transpose(rows);
-#pragma GCC unroll 8
-            for (int lane = 0; lane < pack_lanes; ++lane) Ke[lane][i] = rows[lane];
-        }
-        std::copy_n(r, n, re);
-        transpose(re);
+        t.element->packed.tangent(X, x, w, p, r, K);
+        for (int i = 0; i < n; ++i) spread(K + i * n, n, Ke[0] + i * sizes.stride(), max_packed * padded);
+        spread(r, n, re[0], padded);
         for (int lane = 0; lane < filled; ++lane) {
             const int k = first + lane, e = list ? list[k] : k;
             const int32_t* dofs = b.dofs_of(e);
-            auto *own = reinterpret_cast<double*>(Ke[lane]), *force = reinterpret_cast<double*>(re + lane);
-            if (flagged_[block][e]) constrain(*t.element, dofs, t.coef, force, own);
-            if (terms.rhs) subtract(dofs, dof_nodes, fields, t.residual_coef, force, terms.rhs);
+            if (flagged_[block][e]) constrain(*t.element, dofs, t.coef, re[lane], Ke[lane]);
+            if (terms.rhs) subtract(dofs, dof_nodes, fields, t.residual_coef, re[lane], terms.rhs);
             if (t.coef != 1.0)
-                for (int i = 0; i < n; ++i) Ke[lane][i] *= t.coef;
-            scatter(k, e, dofs, own);
+                for (int i = 0; i < n * sizes.stride(); ++i) Ke[lane][i] *= t.coef;
+            scatter(k, e, dofs, Ke[lane]);
         }
     }
 }

@@ -1,12 +1,23 @@
 // Several elements at once, one SIMD lane an element: numbers, and their derivatives in N directions.
 #pragma once
 
+#include <cmath>
+#include <cstring>
+
 namespace restshape {
 
 constexpr int pack_lanes = 8;
 
 // GCC's vectors: on processors with shorter registers one takes several of them.
 using Pack = double __attribute__((vector_size(pack_lanes * sizeof(double))));
+
+[[gnu::always_inline]] inline Pack square_root(Pack a) {
+    for (int lane = 0; lane < pack_lanes; ++lane) a[lane] = std::sqrt(a[lane]);
+    return a;
+}
+
+// The value alone, as of dual numbers.
+inline const Pack& value_of(const Pack& a) { return a; }
 
 // Lane i of rows[j] and lane j of rows[i] change places.
 [[gnu::always_inline]] inline void transpose(Pack (&rows)[pack_lanes]) {
@@ -26,6 +37,26 @@ using Pack = double __attribute__((vector_size(pack_lanes * sizeof(double))));
     for (int i = 0; i < pack_lanes / 2; ++i) {
         rows[i] = __builtin_shufflevector(fours[i], fours[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
         rows[i + 4] = __builtin_shufflevector(fours[i], fours[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
+// Lane i of n packs to the numbers from to + i * stride, which is a multiple of the lanes, as there is room for.
+[[gnu::always_inline]] inline void spread(const Pack* rows, int n, double* to, int stride) {
+    for (int first = 0; first < n; first += pack_lanes) {
+        const Pack* from = rows + first;
+        const int count = n - first;
+        if (count <= 2) {  // cheaper than half-empty packs
+            for (int k = 0; k < count; ++k)
+                for (int lane = 0; lane < pack_lanes; ++lane) to[lane * stride + first + k] = from[k][lane];
+            return;
+        }
+        Pack part[pack_lanes];
+#pragma GCC unroll 8
+        for (int k = 0; k < pack_lanes; ++k) part[k] = from[k < count ? k : count - 1];
+        transpose(part);
+#pragma GCC unroll 8
+        for (int lane = 0; lane < pack_lanes; ++lane)
+            std::memcpy(to + lane * stride + first, part + lane, sizeof(Pack));
     }
 }
 

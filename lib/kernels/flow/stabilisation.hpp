@@ -3,9 +3,8 @@
 // Source: Tezduyar, Mittal, Ray and Shih, Comput. Methods Appl. Mech. Engng 95 (1992) 221, tau as their (3.11).
 #pragma once
 
-#include <cmath>
-
 #include "fem/dual.hpp"
+#include "fem/pack.hpp"
 
 namespace restshape {
 
@@ -18,16 +17,37 @@ constexpr double most_stepping = 1.0;
 // lid-driven cavity at Re = 1000 ten times the error (docs/theory/flow.md).
 constexpr double size_by_area = 0.5;
 
-// tau [s] of the square of a speed, that of a length, 4 times a diffusivity [m^2/s], and 2 over the step [1/s].
-template <bool in_time, class SX, class A>
-inline A stabilising_time(const A& square, const SX& hh, double spreading, double stepping) {
-    using std::sqrt;
-    const SX viscous = spreading / hh;
-    const A steady = square * (4.0 / hh) + viscous * viscous;
-    if constexpr (!in_time) return 1.0 / sqrt(steady);
-    const double squared = stepping * stepping;
-    if (squared < most_stepping * value_of(steady)) return 1.0 / sqrt(steady + squared);
-    return 1.0 / sqrt(steady * (1.0 + most_stepping));
-}
+// tau [s], and its derivative by the square of the speed.
+//
+// square: of a speed; hh: of a length; spreading: 4 times a diffusivity [m^2/s]; stepping: 2 over the step [1/s]. Where
+// nothing advects, the square is not read.
+template <bool advects, bool in_time, class SX, class A, class P>
+struct StabilisingTime {
+    A rates, tau;
+
+    [[gnu::always_inline]] StabilisingTime([[maybe_unused]] const A& square, const SX& hh, const P& spreading,
+                                           [[maybe_unused]] const P& stepping) {
+        const SX viscous = spreading / hh;
+        if constexpr (advects)
+            rates = square * (4.0 / hh) + viscous * viscous;
+        else
+            rates = A(viscous * viscous);
+        if constexpr (in_time)
+            tau = 1.0 / square_root(counts(stepping) ? A(rates + stepping * stepping) : A(rates * most));
+        else
+            tau = 1.0 / square_root(rates);
+    }
+
+    A slope(const SX& hh, [[maybe_unused]] const P& stepping) const {
+        const A steady = tau * tau * tau * (-2.0 / hh);
+        if constexpr (in_time) return counts(stepping) ? steady : A(steady * most);
+        return steady;
+    }
+
+ private:
+    static constexpr double most = 1.0 + most_stepping;
+
+    auto counts(const P& stepping) const { return stepping * stepping < most_stepping * value_of(rates); }
+};
 
 }  // namespace restshape

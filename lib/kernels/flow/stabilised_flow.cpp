@@ -62,152 +62,260 @@ struct FlowElement {
 
     template <class SX, class Sx, class R>
     [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const double* p, R* r) {
-        integrate<SX, Sx, R>(X, x, static_cast<const SX*>(nullptr), p, r);
+        Flow<SX, Sx, R, double>(X, x, static_cast<const SX*>(nullptr), p).residual(r);
     }
     template <class SX, class Sx, class R>
     [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
-        integrate<SX, Sx, R>(X, x, w, p, r);
+        Flow<SX, Sx, R, double>(X, x, w, p).residual(r);
+    }
+
+    // By the rules of products and of chains: dual numbers of as many directions as there are unknowns take ten times
+    // as long, and are what tests compare with.
+    [[gnu::flatten]] static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
+        both<Dual<unknowns>::lanes>(X, x, static_cast<const double*>(nullptr), p, r, K);
+    }
+    [[gnu::flatten]] static void tangent(const double* X, const double* x, const double* w, const double* p, double* r,
+                                         double* K) {
+        both<Dual<unknowns>::lanes>(X, x, w, p, r, K);
+    }
+
+    static constexpr bool packed = true;
+
+    [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack* w, const Pack* p, Pack* r) {
+        Flow<Pack, Pack, Pack, Pack>(X, x, w, p).residual(r);
+    }
+    [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack* w, const Pack* p, Pack* r,
+                                                Pack* K) {
+        both<unknowns>(X, x, w, p, r, K);
     }
 
  private:
-    // What advects is of the unknowns' type where it is their own, else of the coefficients'.
-    template <class SX, class Sx>
-    using Advecting =
-        std::conditional_t<advection == Advection::own || advection == Advection::relative, Common<SX, Sx>, SX>;
-    // The unknown k of node i.
+    static constexpr int unknowns = nodes * fields;
+    static constexpr bool advects = advection != Advection::none;
+    static constexpr bool by_itself = advection == Advection::own || advection == Advection::relative;
+
+    // The unknown k of node i, and a coefficient of it.
     static constexpr int at(int i, int k) { return fields * i + k; }
+    static constexpr int column(int i, int k) { return coefficient_count * i + k; }
+    static constexpr int last_column(int i) { return column(i, coefficient_count - 1); }
 
-    template <class SX, class Sx, class R>
-    [[gnu::always_inline]] static void integrate(const SX* X, const Sx* x, [[maybe_unused]] const SX* w,
-                                                 const double* p, R* r) {
-        using A = Advecting<SX, Sx>;
-        const double density = p[0];
-        SX G[nodes][2];
-        const SX third = Shape::gradients(0, X, G);  // of the area
-        R H[2][2], slope[2];                         // gradients of velocity and of pressure
+    // What the unknowns x make of the flow in a cell.
+    template <class SX, class Sx, class R, class P>
+    struct Flow {
+        // What advects is of the unknowns' type where it is their own, else of the coefficients'.
+        using A = std::conditional_t<by_itself, Common<SX, Sx>, SX>;
+
+        const Sx* x;
+        const SX* w;
+        const P* p;
+        SX G[nodes][2], third;
+        Advecting<advects, in_time, SX, A, P> by;
+        R H[2][2], slope[2], divergence;  // gradients of velocity and of pressure
+        R inertia[nodes][2], sum[2];      // rho times the acceleration less the body force, and its sum
+        R strong[nodes][2], all[2];       // with the gradient of the pressure
+        R along[2][2];                    // the integral of its products with what advects
+        A squeezing;                      // tau of LSIC [m^2/s]
+
+        [[gnu::always_inline]] Flow(const SX* X, const Sx* unknown, const SX* coefficient, const P* parameter)
+            : x(unknown),
+              w(coefficient),
+              p(parameter),
+              third(Shape::gradients(0, X, G)),
+              by(G, third, p[in_time ? 5 : 0], p[in_time ? 6 : 0]) {
+            for (int k = 0; k < 2; ++k) {
+                for (int a = 0; a < 2; ++a)
+                    H[a][k] = x[at(0, a)] * G[0][k] + x[at(1, a)] * G[1][k] + x[at(2, a)] * G[2][k];
+                slope[k] = x[at(0, 2)] * G[0][k] + x[at(1, 2)] * G[1][k] + x[at(2, 2)] * G[2][k];
+            }
+            divergence = H[0][0] + H[1][1];
+            for (int i = 0; i < nodes; ++i)
+                for (int k = 0; k < 2; ++k) set_speed(i, k);
+            by.set_speed(4.0 * viscosity());
+            if constexpr (advects) squeezing = squeezing_time();
+            for (int k = 0; k < 2; ++k) set_gains(k);
+        }
+
+        // The residual, node after node.
+        [[gnu::always_inline]] void residual(R* r) const {
+            R pressure = (x[at(0, 2)] + x[at(1, 2)] + x[at(2, 2)]) * (1.0 / 3.0);
+            if constexpr (advects) pressure -= divergence * squeezing * p[0];
+            for (int i = 0; i < nodes; ++i) {
+                for (int k = 0; k < 2; ++k) {
+                    R force = ((H[k][0] * G[i][0] + H[k][1] * G[i][1]) * p[1] - pressure * G[i][k]) * by.area;
+                    force += (inertia[i][k] + sum[k]) * by.part;
+                    if constexpr (advects) force += (along[k][0] * G[i][0] + along[k][1] * G[i][1]) * by.tau;
+                    r[at(i, k)] = force;
+                }
+                const R smoothing = (all[0] * G[i][0] + all[1] * G[i][1]) * by.tau * (1.0 / p[0]);
+                r[at(i, 2)] = (divergence + smoothing) * third * p[4];
+            }
+            if constexpr (heated) {
+                const auto warm = heat();
+                for (int i = 0; i < nodes; ++i) r[at(i, 3)] = warm.residual(i);
+            }
+        }
+
+        P viscosity() const { return p[1] / p[0]; }
+
+        // The residual of heat, which velocities advect though the fluid have no inertia.
+        [[gnu::always_inline]] auto heat() const {
+            using Speed = std::conditional_t<advection == Advection::given, SX, Common<SX, Sx>>;
+            const P* own = p + warm_parameters + 3;
+            Carrier<P> carrier{own[0], own[1], own[2], own[3]};
+            if constexpr (in_time) {
+                carrier.rate = p[5];
+                carrier.stepping = p[6];
+            }
+            Speed velocity[nodes][2];
+            Sx temperature[nodes];
+            SX past[nodes];
+            for (int i = 0; i < nodes; ++i) {
+                temperature[i] = x[at(i, 3)];
+                if constexpr (in_time) past[i] = w[last_column(i)];
+                for (int k = 0; k < 2; ++k) {
+                    if constexpr (advection == Advection::given)
+                        velocity[i][k] = w[column(i, k)];
+                    else if constexpr (given)
+                        velocity[i][k] = x[at(i, k)] - w[column(i, k)];
+                    else
+                        velocity[i][k] = Speed(x[at(i, k)]);
+                }
+            }
+            return AdvectedHeat<in_time, SX, Speed, R, P>(G, third, velocity, temperature, past, carrier);
+        }
+
+        // tau of LSIC is |a| h / 2, times Re_h / 3 where that is below 1, which makes it smooth at a = 0.
+        auto slow() const { return value_of(by.square) * value_of(by.hh) < 36.0 * viscosity() * viscosity(); }
+        A squeezing_time() const {
+            const A product = by.square * by.hh;
+            return slow() ? A(product * (1.0 / (12.0 * viscosity()))) : A(square_root(product) * 0.5);
+        }
+        // Its derivative by the square of the mean of what advects.
+        A squeezing_slope() const {
+            return slow() ? A(by.hh * (1.0 / (12.0 * viscosity()))) : A(squeezing * 0.5 / by.square);
+        }
+
+     private:
+        void set_speed([[maybe_unused]] int i, [[maybe_unused]] int k) {
+            if constexpr (advection == Advection::own) by.speed[i][k] = A(x[at(i, k)]);
+            if constexpr (advection == Advection::relative) by.speed[i][k] = x[at(i, k)] - w[column(i, k)];
+            if constexpr (advection == Advection::given) by.speed[i][k] = w[column(i, k)];
+            if constexpr (advection == Advection::mesh) by.speed[i][k] = -w[column(i, k)];
+        }
+
+        [[gnu::always_inline]] void set_gains(int k) {
+            for (int i = 0; i < nodes; ++i) {
+                R& gained = inertia[i][k];
+                gained = R(-p[2 + k]);
+                if constexpr (heated)
+                    gained -= (x[at(i, 3)] - p[warm_parameters + 2]) * p[warm_parameters + k];
+                else if constexpr (lifted)
+                    gained -= (w[last_column(i)] - p[warm_parameters + 2]) * p[warm_parameters + k];
+                if constexpr (advects) gained += (H[k][0] * by.speed[i][0] + H[k][1] * by.speed[i][1]) * p[0];
+                if constexpr (in_time) gained += (x[at(i, k)] * p[5] + w[column(i, given_columns + k)]) * p[0];
+                strong[i][k] = gained + slope[k];
+            }
+            sum[k] = inertia[0][k] + inertia[1][k] + inertia[2][k];
+            all[k] = strong[0][k] + strong[1][k] + strong[2][k];
+            if constexpr (advects)
+                for (int m = 0; m < 2; ++m) along[k][m] = by.along(strong[0][k], strong[1][k], strong[2][k], all[k], m);
+        }
+    };
+
+    // The residual, and its derivatives by the unknowns: K, whose rows are `stride` apart.
+    template <int stride, class T>
+    [[gnu::always_inline]] static void both(const T* X, const T* x, const T* w, const T* p, T* r, T* K) {
+        const Flow<T, T, T, T> flow(X, x, w, p);
+        flow.residual(r);
+        const Changes<T> changes(flow);
+        for (int i = 0; i < nodes; ++i)
+            for (int j = 0; j < nodes; ++j) {
+                differentiate_momentum<stride>(flow, changes, i, j, K + at(i, 0) * stride + at(j, 0));
+                differentiate_continuity(flow, changes, i, j, K + at(i, 2) * stride + at(j, 0));
+            }
+        if constexpr (heated) differentiate_heat<stride>(flow.heat(), K);
+    }
+
+    // How the flow in a cell changes with the unknowns: with a velocity, its own transport apart, at that node alone by
+    // rho H, of what advects itself.
+    template <class T>
+    struct Changes {
+        Transport<advects, by_itself, in_time, T> by;
+        T by_squeezing[2];  // of tau of LSIC by a component of any velocity
+
+        [[gnu::always_inline]] explicit Changes(const Flow<T, T, T, T>& flow)
+            : by(flow.by, flow.p[0], 4.0 * flow.viscosity()) {
+            if constexpr (by_itself)
+                for (int c = 0; c < 2; ++c) by_squeezing[c] = flow.squeezing_slope() * flow.by.mean[c] * (2.0 / 3.0);
+        }
+    };
+
+    // Of the forces on node i by the unknowns of node j.
+    template <int stride, class T>
+    [[gnu::always_inline]] static void differentiate_momentum(const Flow<T, T, T, T>& flow, const Changes<T>& changes,
+                                                              int i, int j, T* K) {
+        const auto& by = flow.by;
+        const T *p = flow.p, *G = flow.G[i], *other = flow.G[j];
+        const T alike = changes.by.gain(by, p[1], i, j), share = changes.by.share(by, i, j);
         for (int k = 0; k < 2; ++k) {
-            for (int a = 0; a < 2; ++a) H[a][k] = x[at(0, a)] * G[0][k] + x[at(1, a)] * G[1][k] + x[at(2, a)] * G[2][k];
-            slope[k] = x[at(0, 2)] * G[0][k] + x[at(1, 2)] * G[1][k] + x[at(2, 2)] * G[2][k];
-        }
-        const R divergence = H[0][0] + H[1][1];
-        A speed[nodes][2], mean[2];
-        advect(x, w, speed);
-        for (int a = 0; a < 2; ++a) mean[a] = (speed[0][a] + speed[1][a] + speed[2][a]) * (1.0 / 3.0);
-        const A square = mean[0] * mean[0] + mean[1] * mean[1];
-        const SX hh = third * (3.0 * size_by_area);
-        const A tau = stabilising_time<in_time, SX, A>(square, hh, 4.0 * p[1] / p[0], p[in_time ? 6 : 0]);
-        const A incompressible = squeezing<SX, A>(square, hh, p);
-
-        // Sums over the points of what is the same for all test functions, and of what their values weigh.
-        R strong[2] = {R(0.0), R(0.0)}, along[2][2] = {{R(0.0), R(0.0)}, {R(0.0), R(0.0)}};
-        for (int k = 0; k < dim + 1; ++k)
-            for (int i = 0; i < nodes; ++i) r[at(i, k)] = R(0.0);
-        for (int q = 0; q < Shape::points; ++q) {
-            const auto& N = Shape::table.value[q];
-            A a[2];
-            for (int k = 0; k < 2; ++k) a[k] = speed[0][k] * N[0] + speed[1][k] * N[1] + speed[2][k] * N[2];
-            for (int k = 0; k < 2; ++k) {
-                R inertia = R(-p[2 + k]);
-                if constexpr (lifted) inertia -= warmer(N, x, w, p) * p[warm_parameters + k];
-                if constexpr (advection != Advection::none) inertia += (H[k][0] * a[0] + H[k][1] * a[1]) * density;
-                if constexpr (in_time) inertia += rate(N, x, w, p, k) * density;
-                for (int i = 0; i < nodes; ++i) r[at(i, k)] += inertia * N[i] * third;
-                const R whole = inertia + slope[k];
-                strong[k] += whole;
-                if constexpr (advection != Advection::none)
-                    for (int m = 0; m < 2; ++m) along[k][m] += whole * a[m];
+            for (int c = 0; c < 2; ++c) {
+                T entry = k == c ? alike : T{};
+                if constexpr (advects) entry += p[0] * by.area * flow.squeezing * G[k] * other[c];
+                if constexpr (by_itself) {
+                    entry += flow.H[k][c] * p[0] * share;
+                    entry += by.tau * by.part * (flow.strong[j][k] + flow.all[k]) * G[c];
+                    entry += p[0] * by.area * flow.divergence * changes.by_squeezing[c] * G[k];
+                    entry += (flow.along[k][0] * G[0] + flow.along[k][1] * G[1]) * changes.by.by_tau[c];
+                }
+                K[k * stride + c] = entry;
             }
-        }
-        const SX area = third * 3.0;
-        const R pressure =
-            (x[at(0, 2)] + x[at(1, 2)] + x[at(2, 2)]) * (1.0 / 3.0) - divergence * incompressible * density;
-        for (int i = 0; i < nodes; ++i) {
-            for (int k = 0; k < 2; ++k) {
-                r[at(i, k)] += ((H[k][0] * G[i][0] + H[k][1] * G[i][1]) * p[1] - pressure * G[i][k]) * area;
-                if constexpr (advection != Advection::none)
-                    r[at(i, k)] += (along[k][0] * G[i][0] + along[k][1] * G[i][1]) * tau * third;
-            }
-            const R smoothing = (strong[0] * G[i][0] + strong[1] * G[i][1]) * tau * (1.0 / density);
-            r[at(i, 2)] = (divergence + smoothing) * third * p[4];
-        }
-        if constexpr (heated) heat<SX, Sx, R>(G, third, x, w, p, r);
-    }
-
-    // The residual of heat, which velocities carry though the fluid have no inertia.
-    template <class SX, class Sx, class R>
-    [[gnu::always_inline]] static void heat(const SX (&G)[nodes][2], const SX& third, const Sx* x,
-                                            [[maybe_unused]] const SX* w, const double* p, R* r) {
-        using A = std::conditional_t<advection == Advection::given, SX, Common<SX, Sx>>;
-        const double* own = p + warm_parameters + 3;
-        Carrier carrier{own[0], own[1], own[2], own[3]};
-        if constexpr (in_time) {
-            carrier.rate = p[5];
-            carrier.stepping = p[6];
-        }
-        A carries[nodes][2];
-        Sx T[nodes];
-        SX past[nodes];
-        R out[nodes];
-        for (int i = 0; i < nodes; ++i) {
-            T[i] = x[at(i, 3)];
-            past[i] = in_time ? w[coefficient_count * i + coefficient_count - 1] : SX(0.0);
-            for (int k = 0; k < 2; ++k) {
-                if constexpr (advection == Advection::given)
-                    carries[i][k] = w[coefficient_count * i + k];
-                else if constexpr (given)
-                    carries[i][k] = x[at(i, k)] - w[coefficient_count * i + k];
-                else
-                    carries[i][k] = A(x[at(i, k)]);
-            }
-        }
-        advected_heat<in_time, SX, A, Sx, R>(G, third, carries, T, past, carrier, out);
-        for (int i = 0; i < nodes; ++i) r[at(i, 3)] = out[i];
-    }
-
-    // The temperature less the one without any force, where shapes have the values N.
-    template <class SX, class Sx>
-    static auto warmer(const double (&N)[nodes], const Sx* x, [[maybe_unused]] const SX* w, const double* p) {
-        if constexpr (heated) {
-            Sx sum = x[at(0, 3)] * N[0] + x[at(1, 3)] * N[1] + x[at(2, 3)] * N[2];
-            return Sx(sum - p[warm_parameters + 2]);
-        } else {
-            SX sum(-p[warm_parameters + 2]);
-            for (int i = 0; i < nodes; ++i) sum += w[coefficient_count * i + coefficient_count - 1] * N[i];
-            return sum;
+            T entry = G[k] * by.area * (-1.0 / 3.0);
+            if constexpr (advects) entry += by.tau * by.area * (by.mean[0] * G[0] + by.mean[1] * G[1]) * other[k];
+            K[k * stride + 2] = entry;
+            if constexpr (heated) K[k * stride + 3] = -p[warm_parameters + k] * share;
         }
     }
 
-    // Values at the nodes of what advects.
-    template <class SX, class Sx, class A>
-    static void advect([[maybe_unused]] const Sx* x, [[maybe_unused]] const SX* w, A (&speed)[nodes][2]) {
+    // Of what flows out about node i.
+    template <class T>
+    [[gnu::always_inline]] static void differentiate_continuity(const Flow<T, T, T, T>& flow, const Changes<T>& changes,
+                                                                int i, int j, T* K) {
+        const T *p = flow.p, *G = flow.G[i], *other = flow.G[j];
+        const T factor = flow.third * p[4], smoothing = flow.by.tau / p[0];
+        for (int c = 0; c < 2; ++c) {
+            T entry = other[c] + smoothing * changes.by.total[j] * G[c];
+            if constexpr (by_itself) {
+                entry += flow.by.tau * (flow.H[0][c] * G[0] + flow.H[1][c] * G[1]);
+                entry += changes.by.by_tau[c] / p[0] * (flow.all[0] * G[0] + flow.all[1] * G[1]);
+            }
+            K[c] = factor * entry;
+        }
+        K[2] = factor * 3.0 * smoothing * (G[0] * other[0] + G[1] * other[1]);
+        if constexpr (heated) K[3] = -factor * smoothing * (p[warm_parameters] * G[0] + p[warm_parameters + 1] * G[1]);
+    }
+
+    // Of the heat of the nodes.
+    template <int stride, class Warm, class T>
+    [[gnu::always_inline]] static void differentiate_heat(const Warm& warm, T* K) {
+        constexpr bool by_velocity = advection != Advection::given;
+        const auto& by = warm.by;
+        const Transport<true, by_velocity, in_time, T> changes(by, warm.p.capacity, warm.p.spreading());
         for (int i = 0; i < nodes; ++i)
-            for (int a = 0; a < 2; ++a) {
-                if constexpr (advection == Advection::own) speed[i][a] = A(x[at(i, a)]);
-                if constexpr (advection == Advection::relative)
-                    speed[i][a] = x[at(i, a)] - w[coefficient_count * i + a];
-                if constexpr (advection == Advection::given) speed[i][a] = w[coefficient_count * i + a];
-                if constexpr (advection == Advection::mesh) speed[i][a] = -w[coefficient_count * i + a];
-                if constexpr (advection == Advection::none) speed[i][a] = A(0.0);
+            for (int j = 0; j < nodes; ++j) {
+                const T* G = by.G[i];
+                T* row = K + at(i, 3) * stride + at(j, 0);
+                for (int c = 0; c < 2; ++c) {
+                    T entry = T{};
+                    if constexpr (by_velocity) {
+                        entry += warm.p.capacity * warm.slope[c] * changes.share(by, i, j);
+                        entry += by.tau * by.part * (warm.gained[j] + warm.sum) * G[c];
+                        entry += (warm.along[0] * G[0] + warm.along[1] * G[1]) * changes.by_tau[c];
+                    }
+                    row[c] = warm.p.factor * entry;
+                }
+                row[2] = T{};
+                row[3] = warm.p.factor * changes.gain(by, warm.p.conductivity, i, j);
             }
-    }
-
-    // Rate of a component of the velocity where shapes have the values N.
-    template <class SX, class Sx>
-    static Common<SX, Sx> rate(const double (&N)[nodes], const Sx* x, const SX* w, const double* p, int k) {
-        Common<SX, Sx> sum(0.0);
-        for (int i = 0; i < nodes; ++i)
-            sum += (x[at(i, k)] * p[5] + w[coefficient_count * i + given_columns + k]) * N[i];
-        return sum;
-    }
-
-    // tau of LSIC [m^2/s]: |a| h / 2, times Re_h / 3 where that is below 1, which makes it smooth at a = 0.
-    template <class SX, class A>
-    static A squeezing(const A& square, const SX& hh, const double* p) {
-        using std::sqrt;
-        const A product = square * hh;
-        const double viscosity = p[1] / p[0];
-        if (value_of(product) < 36.0 * viscosity * viscosity) return product * (1.0 / (12.0 * viscosity));
-        return sqrt(product) * 0.5;
     }
 };
 

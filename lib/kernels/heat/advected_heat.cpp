@@ -36,9 +36,8 @@ struct AdvectedHeatElement {
     [[gnu::flatten]] static void residual(const SX* X, const Sx* x, const SX* w, const double* p, R* r) {
         SX G[nodes][2], a[nodes][2], past[nodes];
         Sx T[nodes];
-        R out[nodes];
         const SX third = Shape::gradients(0, X, G);
-        Carrier carrier{p[0], p[1], p[2], p[3]};
+        Carrier<double> carrier{p[0], p[1], p[2], p[3]};
         if constexpr (in_time) {
             carrier.rate = p[4];
             carrier.stepping = p[5];
@@ -48,8 +47,8 @@ struct AdvectedHeatElement {
             T[i] = x[i];
             past[i] = in_time ? w[coefficient_count * i + coefficient_count - 1] : SX(0.0);
         }
-        advected_heat<in_time, SX, SX, Sx, R>(G, third, a, T, past, carrier, out);
-        for (int i = 0; i < nodes; ++i) r[i] = out[i];
+        const AdvectedHeat<in_time, SX, SX, R, double> heat(G, third, a, T, past, carrier);
+        for (int i = 0; i < nodes; ++i) r[i] = heat.residual(i);
     }
 };
 
