@@ -63,11 +63,13 @@ class Dirichlet:
             self.mask[condition.nodes, condition.component] = 1
         self.constrained = np.flatnonzero(self.mask.ravel())
         self._once = sum(len(condition.nodes) for condition in self.conditions) == len(self.constrained)
-        self.varies = any(varies(condition.value) for condition in self.conditions)
+        # Numbers are evaluated once; formulas again and again.
+        self._changing = tuple(condition for condition in self.conditions if varies(condition.value))
+        self.varies, self._evaluated = bool(self._changing), False
         self.nonzero = False
 
     def evaluate(self, X: np.ndarray) -> None:
-        """Set `values` for nodes X (n, d) [m].
+        """Set `values` for nodes X (n, d) [m]; values that are numbers only the first time.
 
         Raises:
             UserError: two conditions prescribe different values at one node.
@@ -75,20 +77,15 @@ class Dirichlet:
         """
         if self.sliding:
             self.sliding.update(X)
+        if self._evaluated and not self._changing:
+            return
         if self._once:
-            self.nonzero = False
-            for condition in self.conditions:
+            for condition in self._changing if self._evaluated else self.conditions:
                 values = Nodal(condition.value, self.parameters, condition.where)(X[condition.nodes])
                 self.values[condition.nodes, condition.component] = values
-                self.nonzero = self.nonzero or bool(np.any(values))
-            return
-        given = np.full_like(self.values, np.nan)
-        for condition in self.conditions:
-            nodes, column = condition.nodes, condition.component
-            values = Nodal(condition.value, self.parameters, condition.where)(X[nodes])
-            self._check_agreement(condition, values, given[nodes, column], X)
-            given[nodes, column] = values
-        np.copyto(self.values, np.nan_to_num(given))
+        else:
+            self._evaluate_together(X)
+        self._evaluated = True
         self.nonzero = bool(np.any(self.values))
 
     def rate(self, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
@@ -110,6 +107,16 @@ class Dirichlet:
         out.ravel()[self.constrained] = 0.0
         if self.sliding:
             self.sliding.project(out)
+
+    def _evaluate_together(self, X: np.ndarray) -> None:
+        """Set `values` where conditions have nodes in common."""
+        given = np.full_like(self.values, np.nan)
+        for condition in self.conditions:
+            nodes, column = condition.nodes, condition.component
+            values = Nodal(condition.value, self.parameters, condition.where)(X[nodes])
+            self._check_agreement(condition, values, given[nodes, column], X)
+            given[nodes, column] = values
+        np.copyto(self.values, np.nan_to_num(given))
 
     def _check_agreement(self, condition: Prescribed, values: np.ndarray, before: np.ndarray, X: np.ndarray) -> None:
         clash = np.flatnonzero(np.abs(values - before) > AGREES * np.maximum(np.abs(values), np.abs(before)))

@@ -37,9 +37,14 @@ class Sliding:
         self._before = np.where(before < 0, after, before)[self.nodes]
         self._after = np.where(after < 0, before, after)[self.nodes]
         self._normals, self._lengths = np.zeros((len(self.nodes), 2)), np.ones(len(self.nodes))
+        self._places: np.ndarray | None = None
 
     def update(self, X: np.ndarray) -> None:
-        """Set `kept` for nodes at X (n, 2) [m]."""
+        """Set `kept` for nodes at X (n, 2) [m]; there is nothing to do where none of these has moved."""
+        places = X[self._facets]
+        if self._places is not None and np.array_equal(places, self._places):
+            return
+        self._places = places
         first, last = self._sides(X)
         dot, cross = (first * last).sum(axis=1), first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0]
         sum_of_both = first + last
