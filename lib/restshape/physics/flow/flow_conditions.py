@@ -47,6 +47,7 @@ class FlowConditions:
         self._kinds = edge_kinds(scene, outline)
         self.closed = not any(table.kind == "outflow" for table in scene.boundary.values())
         self.constrained_edges = [outline.edges[k].name for k, (kind, _) in self._kinds.items() if kind != "outflow"]
+        self._inlets = self.facets_of("velocity")
         conditions = [*self._walls(), *self._velocities()]
         if self.closed:
             conditions.append(Prescribed("boundary", 2, space.facets[:1, 0], 0.0))
@@ -118,7 +119,7 @@ class FlowConditions:
             if table.kind == "velocity":
                 nodes = np.setdiff1d(self._nodes(name), self._wall)
                 yield from self._components(f"boundary.{name}.velocity", nodes, table.velocity)
-        self._given = np.union1d(self._wall, self.facets_of("velocity"))
+        self._given = np.union1d(self._wall, self._inlets)
 
     def _others(self) -> Iterator[Prescribed]:
         """Conditions of columns besides those of the flow."""
@@ -156,7 +157,7 @@ class FlowConditions:
         return np.unique(self.space.facets[self._facets(name)])
 
     def _check_balance(self) -> None:
-        fluxes = self.fluxes(self.facets_of("velocity"), self.dirichlet.values[:, :2])
+        fluxes = self.fluxes(self._inlets, self.dirichlet.values[:, :2])
         if unbalanced(float(fluxes.sum()), float(np.abs(fluxes).sum())):
             raise ReplayProblem(unequal(fluxes))
 

@@ -21,6 +21,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.first_use import made
 from restshape.physics.flow.carry import Carrier
+from restshape.physics.flow.extrapolation import TimeGuess
 from restshape.physics.flow.flow_declaration import FlowSettings
 from restshape.physics.flow.flow_quantities import swinging_lifts
 from restshape.physics.flow.flow_search import FlowSearch
@@ -63,6 +64,9 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[IncompressibleFlow]) -> None:
         super().__init__(scene, plan, context, make)
         self.state = FlowState(plan, scene)
+        # Those of one unknown, such as the velocity, are predicted alike.
+        ends = np.cumsum([len(unknown.components) for unknown in make.unknowns])
+        self._ahead = TimeGuess([[*range(end - len(one.components), end)] for end, one in zip(ends, make.unknowns)])
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the flow up to date with a frame: take its time steps.
@@ -194,25 +198,24 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             problem.update()
             equations.begin()
         search = self._search(equations)
-        outcome, found = search.near(self._guess(x, past), x)
+        outcome, found = search.near(self._guess(x, past.time, step), x)
         if not outcome.converged:
             raise ReplayProblem(
                 f"no flow is found at {step.time:.6g} s: {outcome.why}; make effects.flow.time_step smaller"
             )
+        if self.context.policy.extrapolate:
+            self._ahead.keep(found, step.time)
         return outcome, found, search.scale
 
     def _search(self, equations: ResidualEquations) -> FlowSearch:  # type: ignore[override]
         problem = cast(IncompressibleFlow, equations.problem)
         return FlowSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim)
 
-    def _guess(self, x: np.ndarray, past: Past) -> np.ndarray:
-        """Unknowns (n, 3) after a step, at the rate of change of the step before."""
+    def _guess(self, x: np.ndarray, time: float, step: TimeStep) -> np.ndarray:
+        """Unknowns (n, f) after a step from x (n, f) at a time [s]."""
         if not self.context.policy.warm:
             return made(self.state.bound).problem.start()
-        guess = x.copy()
-        if self.context.policy.extrapolate and past.before is not None:
-            guess[:, list(self.make.history)] = 2.0 * past.last.values - past.before.values
-        return guess
+        return self._ahead(x, time, step.time) if self.context.policy.extrapolate else x.copy()
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------------
 

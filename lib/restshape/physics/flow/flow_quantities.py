@@ -11,7 +11,7 @@ from restshape.fem.elements import MASS
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Function, area_at, reduction
-from restshape.fem.problem import SteadyProblem
+from restshape.fem.problem import INTERNAL, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.flow.flow_conditions import FlowConditions
 from restshape.physics.flow.flow_declaration import Fluid
@@ -24,14 +24,49 @@ class ObservedFlow(SteadyProblem, Protocol):
     """What quantities see of a flow.
 
     Attributes:
-        fluid: of the scene; conditions: at the border of the space.
+        fluid: of the scene; conditions: at the border of the space; forces: on edges, by their names.
     """
 
     fluid: Fluid
     conditions: FlowConditions
+    forces: "dict[str, EdgeForce]"
 
     def pressure(self, x: np.ndarray) -> np.ndarray:
         """Pressures (n,) [Pa] of the unknowns x (n, 3)."""
+
+
+class EdgeForce:
+    """The force of the fluid on an edge [N/m]: what the residual of its nodes lacks.
+
+    Args:
+        problem: on the space whose nodes are looked at.
+        edge: an entity on the border.
+
+    Source: P. M. Gresho, R. L. Lee, R. L. Sani, M. K. Maslanik and B. E. Eaton, Int. J. Numer. Methods Fluids 7 (1987)
+    1111: the consistent flux.
+    """
+
+    def __init__(self, problem: ObservedFlow, edge: str) -> None:
+        self.problem, self.edge = problem, edge
+        self._on = EdgeReactions(problem.space, edge, problem.conditions.constrained_edges)
+        self._slips = problem.conditions.slips_at(edge)
+        self._around: tuple[int, np.ndarray] = -1, self._on.nodes
+        self._known: tuple[list[Integral], np.ndarray, np.ndarray, np.ndarray] | None = None
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        """Both components (2,) at unknowns x (n, 3); those of the last state are kept, for drag and lift."""
+        X, integrals = self.problem.space.X, self.problem.integrals(INTERNAL)
+        known = self._known
+        if known is None or known[0] is not integrals or not (known[1] == x).all() or not (known[2] == X).all():
+            self._known = known = integrals, x.copy(), X.copy(), self._evaluate(x)
+        return known[3]
+
+    def _evaluate(self, x: np.ndarray) -> np.ndarray:
+        problem, space, on = self.problem, self.problem.space, self._on
+        if self._around[0] != space.topology:
+            self._around = space.topology, cells_around(space, on.nodes)
+        force = -on.parts() @ unconstrained_residual(problem, x, self._around[1])[on.nodes, :2]
+        return force + problem.fluid.mu * problem.conditions.normal_friction(self.edge, x) if self._slips else force
 
 
 def flow_quantity(problem: ObservedFlow, name: str, quantity: Quantity) -> Function:
@@ -86,24 +121,15 @@ def _unit(problem: ObservedFlow, quantity: Quantity) -> float:
 
 
 def _force(problem: ObservedFlow, name: str, quantity: Quantity, axis: int) -> Callable[[np.ndarray], float]:
-    """The force of the fluid on an edge along an axis, in its unit: what the residual of its nodes lacks.
-
-    Source: P. M. Gresho, R. L. Lee, R. L. Sani, M. K. Maslanik and B. E. Eaton, Int. J. Numer. Methods Fluids 7 (1987)
-    1111: the consistent flux.
-    """
-    edge, unit = quantity.at, _unit(problem, quantity)
+    """The force of the fluid on an edge along an axis, in its unit."""
+    edge, factor = quantity.at, problem.fluid.depth / _unit(problem, quantity)
     if any(problem.conditions.is_outflow(k) for k in problem.space.outline.entity(edge).edges):
         what = f"the fluid leaves by {edge!r}, so that there is no force on it"
         raise UserError(what, f"quantities.{name}.at", "name a wall")
-    on = EdgeReactions(problem.space, edge, problem.conditions.constrained_edges)
-    factor, slips = -problem.fluid.depth / unit, problem.conditions.slips_at(edge)
-
-    def force(x: np.ndarray) -> float:
-        rest = unconstrained_residual(problem, x, cells_around(problem.space, on.nodes))
-        slip = problem.conditions.normal_friction(edge, x)[axis] if slips else 0.0
-        return factor * (float(on.parts() @ rest[on.nodes, axis]) - problem.fluid.mu * slip)
-
-    return force
+    if edge not in problem.forces:
+        problem.forces[edge] = EdgeForce(problem, edge)
+    force = problem.forces[edge]
+    return lambda x: factor * float(force(x)[axis])
 
 
 def _flux(problem: ObservedFlow, edge: str) -> Callable[[np.ndarray], float]:

@@ -27,11 +27,11 @@ from restshape.fem.elements import (
 )
 from restshape.fem.family import Family
 from restshape.fem.integral import Integral
-from restshape.fem.observer import Observer
+from restshape.fem.observer import Observer, area
 from restshape.fem.problem import Fields, SteadyProblem, Unknown
 from restshape.fem.space import Space
 from restshape.physics.flow.flow_conditions import FlowConditions
-from restshape.physics.flow.flow_quantities import flow_quantity
+from restshape.physics.flow.flow_quantities import EdgeForce, flow_quantity
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
@@ -80,6 +80,7 @@ class IncompressibleFlow(SteadyProblem):
         thickening: times the fluid's viscosity, the one that counts: above 1 on the way to a steady flow.
         drawing_in: outflows may draw fluid in, which is held there; see `draws_in`.
         advecting: (n, 2) velocity that advects, in place of the flow's own; None: that one.
+        forces: on edges that quantities ask for, by their names.
 
     Source: docs/theory/flow.md.
     """
@@ -100,6 +101,8 @@ class IncompressibleFlow(SteadyProblem):
         self.inertia = plan.on("convection")
         self.step: TimeStep | None = None
         self.thickening, self.advecting, self.drawing_in = 1.0, None, False
+        self.forces: dict[str, EdgeForce] = {}
+        self._kept: tuple[tuple[object, ...], list[Integral]] | None = None
         self.conditions = self._conditions()
         self.boundary = self.conditions.dirichlet
         self.update()
@@ -142,7 +145,8 @@ class IncompressibleFlow(SteadyProblem):
 
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes, and on the time."""
-        self._area = float(node_weights(self.space, None, slice(None))().sum())
+        self._kept = None
+        self._area = area(self.space)
         self.conditions.evaluate(0.0 if self.step is None else self.step.time)
 
     def blocks(self) -> list[np.ndarray]:
@@ -153,6 +157,18 @@ class IncompressibleFlow(SteadyProblem):
         """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
         if kind in (kinds.LOADS, kinds.FOLLOWERS):
             return []
+        # Newton's method, drag and lift ask for the same ones.
+        depends = self._depends()
+        if self._kept is None or any(a is not b for a, b in zip(self._kept[0], depends)):
+            self._kept = depends, self._integrals()
+        return self._kept[1]
+
+    def _depends(self) -> tuple[object, ...]:
+        """What the integrals change with from one `update` to the next, compared by identity."""
+        return self.step, self.thickening, self.advecting, self.drawing_in
+
+    def _integrals(self) -> list[Integral]:
+        """Those of the flow with the present values."""
         advecting, given = self._advecting()
         if self.step is not None:
             given = [*given, self.step.past[:, : len(self.history)]]
@@ -228,9 +244,12 @@ class IncompressibleFlow(SteadyProblem):
 
         Not of all nodes together: residuals of smooth errors are the smaller the more nodes there are.
         """
-        speed = np.linalg.norm(x[:, :2], axis=1)
-        dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
-        return self.size * float(np.sqrt(np.mean((dynamic + self.fluid.mu / self.size * speed) ** 2)))
+        u, v = x[:, 0], x[:, 1]
+        square = u * u + v * v
+        forces = self.fluid.mu / self.size * np.sqrt(square)
+        if self.inertia:
+            forces += self.fluid.rho * square
+        return self.size * float(np.sqrt(forces @ forces / len(forces)))
 
     def rounding(self) -> float:
         """Residual a unit of the largest unknown below which one that steps do not lower any more is rounding."""

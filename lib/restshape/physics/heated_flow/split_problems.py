@@ -69,6 +69,10 @@ class LiftedFlow(IncompressibleFlow):
     def _parameters(self) -> np.ndarray:
         return np.array([*super()._parameters(), *self.whole.lift, self.whole.neutral])
 
+    def _depends(self) -> tuple[object, ...]:
+        # Temperatures change in place.
+        return *super()._depends(), object()
+
     def _given(self) -> list[np.ndarray]:
         return [self.temperature]
 
