@@ -12,7 +12,7 @@ from restshape.cli.main import main
 from restshape.replay.constraints import HOLDS, UNCERTAIN
 from restshape.replay.estimated_frames import estimated
 from restshape.replay.step_errors import StepErrors
-from restshape.replay.uncertain_limits import BY_VALUES
+from restshape.replay.uncertain_limits import BY_EARLIER, BY_ERROR, BY_VALUES
 
 EDITS = [{"do": "idle", "frames": 2}, *drag("window", (0.5, 0.5), across((0.5, 0.5), (1.2, 0.5), 12))]
 LIMITED = plate(0.08) + 'held = { reaction = "x", at = "left" }\nsag = { displacement = "x", at = "c", max = 1 }\n'
@@ -101,6 +101,8 @@ def test_of_a_limit_the_last_known_error_counts(tmp_path, whole):
         status = UNCERTAIN if limit - one["q_sag"] < 2.0 * known else HOLDS
         assert one["constraint_status"] == status
         seen |= {(isnan(one["sag_error"]), status)}
+        if status == UNCERTAIN:
+            assert one["note"].endswith(BY_EARLIER if isnan(one["sag_error"]) else BY_ERROR)
     assert (True, UNCERTAIN) in seen and (True, HOLDS) in seen
     assert {one["constraint_status"] for one in found["none"]} == {HOLDS}
     said = {when: [one["index"] for one in rows if BY_VALUES in one["note"]] for when, rows in found.items()}

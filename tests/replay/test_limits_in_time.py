@@ -70,7 +70,8 @@ def test_steps_too_long_leave_a_limit_uncertain_that_short_ones_pass(tmp_path):
     tally = Tally()
     for row in found[5]:
         tally.add(row)
-    assert list(tally.reasons["note"]) == [found[5][0]["note"]]
+    (reason,) = tally.reasons["note"].values()
+    assert (reason.text, reason.frame, reason.last, reason.count) == (found[5][0]["note"], 1, 6, 6)
 
 
 @pytest.mark.parametrize("steps", [20, 40, 100])

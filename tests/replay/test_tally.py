@@ -5,6 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
+from restshape.cli.replay import _print_reasons
 from restshape.replay.columns import STAGES
 from restshape.replay.reservoir import SIZE, Reservoir
 from restshape.replay.summary import summarise
@@ -84,3 +85,19 @@ def test_memory_does_not_grow_with_frames():
         tracemalloc.stop()
     # One quantity: 8 bytes a frame, and what an array reserves for its growth.
     assert grown / 6000 < 20
+
+
+def test_notes_that_differ_by_numbers_alone_are_one_with_its_frames(capsys):
+    """Numbers of names are none: of `rail_1` and `rail_2` there are two."""
+    rng, tally = np.random.default_rng(0), Tally()
+    said = ("", "residual 5.48e-03 after 30 steps", "rail_1 bends", "residual 0.2 after 4 steps", "rail_2 bends", "")
+    for index, note in enumerate(said):
+        tally.add(make_row(index, rng) | {"note": note, "refused": ""})
+    found = [(one.text, one.frame, one.last, one.count) for one in tally.reasons["note"].values()]
+    assert found == [(said[1], 1, 3, 2), (said[2], 2, 2, 1), (said[4], 4, 4, 1)]
+    _print_reasons("note", tally.reasons["note"])
+    assert capsys.readouterr().out.splitlines() == [
+        "  note, line 0, frame 1 (2 frames up to 3): residual 5.48e-03 after 30 steps",
+        "  note, line 1, frame 2: rail_1 bends",
+        "  note, line 2, frame 4: rail_2 bends",
+    ]

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from restshape.replay.recorder import Recorder
     from restshape.replay.recorder_start import Begun
     from restshape.replay.request import Request
+    from restshape.replay.tally import Reason
     from restshape.scene.edit_script import Script
     from restshape.scene.model import Scene
 
@@ -376,9 +377,10 @@ def _distribution(found: dict[str, float]) -> str:
     return f"median {percent(found['p50'])}, largest {percent(found['max'])}"
 
 
-def _print_reasons(column: str, reasons: dict[str, tuple[int, int]], most: int = 5) -> None:
-    """Print why frames were refused, or what there is to note, each reason once with its first line and frame."""
-    for reason, (line, frame) in list(reasons.items())[:most]:
-        print(printable(f"  {column}, line {line}, frame {frame}: {reason}"))
+def _print_reasons(column: str, reasons: dict[str, Reason], most: int = 5) -> None:
+    """Print why frames were refused, or what there is to note, with the frames that say so but for numbers."""
+    for one in list(reasons.values())[:most]:
+        more = f" ({counted(one.count, 'frame')} up to {one.last})" if one.count > 1 else ""
+        print(printable(f"  {column}, line {one.line}, frame {one.frame}{more}: {one.text}"))
     if len(reasons) > most:
         print(f"  ... and {counted(len(reasons) - most, 'more reason')}: see the recording or --csv")

@@ -2,31 +2,47 @@
 
 from __future__ import annotations
 
-import re
 from array import array
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
 from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column, quantity_column, quantity_names
-from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN, UNSURE
+from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.reservoir import Reservoir
 from restshape.replay.rounding import ROUNDING, largest, scales
+from restshape.replay.same_texts import without_numbers
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
 
 PERCENTS = (50.0, 95.0, 99.0)
 REASONS = ("refused", "note")
-"""Columns of texts of which each is kept once, with its first frame."""
+"""Columns of texts, of which those that differ by numbers alone are kept as one."""
 MOST_REASONS = 1000
-NUMBERS = re.compile(f"(?<={UNSURE})[^;:]*")
 SINGULAR = "singular"
 Summary = dict[str, object]
 """What `replay --json` writes, by key."""
+
+
+@dataclass
+class Reason:
+    """What some frames say, but for numbers.
+
+    Args:
+        text: of the first of them; line: of its edit.
+        frame, last: index of the first and the last of them; count: how many they are.
+    """
+
+    text: str
+    line: int
+    frame: int
+    last: int
+    count: int = 1
 
 
 class Jump(TypedDict):
@@ -49,13 +65,13 @@ class Tally:
         loads: the largest size of loads by unit (`rounding.load_scales`).
 
     Attributes:
-        reasons: column -> text -> line and index of the first frame that has it; the first 1000 texts.
+        reasons: column -> text without numbers -> frames that have it; the first 1000 texts.
         largest_residual: of frames that were analysed and not refused; 0 without any.
     """
 
     def __init__(self, units: Mapping[str, str] | None = None, loads: Mapping[str, float] | None = None) -> None:
         self.units, self.loads = units or {}, loads or {}
-        self.reasons: dict[str, dict[str, tuple[int, int]]] = {column: {} for column in REASONS}
+        self.reasons: dict[str, dict[str, Reason]] = {column: {} for column in REASONS}
         self.largest_residual = 0.0
         self._counts: Counter[str] = Counter()
         self._stages = dict.fromkeys(STAGES, 0.0)
@@ -152,9 +168,15 @@ class Tally:
 
     def _add_texts(self, row: RowValues) -> None:
         for column, known in self.reasons.items():
-            reason = text(row, column)
-            if reason and reason not in known and len(known) < MOST_REASONS and not _is_known(reason, known):
-                known[reason] = (whole(row, "line"), whole(row, "index"))
+            said = text(row, column)
+            if not said:
+                continue
+            plain, frame = without_numbers(said), whole(row, "index")
+            if plain in known:
+                known[plain].last = frame
+                known[plain].count += 1
+            elif len(known) < MOST_REASONS:
+                known[plain] = Reason(said, whole(row, "line"), frame, frame)
         if status := text(row, "constraint_status"):
             self._counts[status] += 1
             self._status = (status, text(row, "violated_constraints"))
@@ -254,12 +276,6 @@ class Tally:
 def beside(row: RowValues) -> float:
     """Milliseconds of a frame that its answer does without: residual, errors, hand-over to the recorder."""
     return number(row, "ms_estimate", 0.0) + number(row, "ms_record", 0.0)
-
-
-def _is_known(reason: str, known: Iterable[str]) -> bool:
-    """Whether a reason is known but for the numbers of values that are uncertain, which each frame has others of."""
-    plain = NUMBERS.sub("", reason)
-    return plain != reason and any(NUMBERS.sub("", one) == plain for one in known)
 
 
 def _error(value: float) -> float | str | None:

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 ERROR_FACTOR = 2.0
 """True errors up to so many times the estimated one count: the least effectivity that tests accept of it is 0.5."""
 BY_ERROR, BY_JUMP = "twice its estimated error", "a jump of the mesh"
+BY_EARLIER = "twice its error as estimated in an earlier frame"
 BY_PLACE = "at a singular place, finer meshes give more"
 BY_PREDICTION, BY_STEPS = "the error of the prediction", "the errors of its time steps"
 UNESTIMATED = {BY_PREDICTION: "a prediction of unknown error", BY_STEPS: "less than ten time steps a period"}
@@ -64,6 +65,7 @@ class UncertainLimits:
         self.singular, self.own_row, self.exact = singular, own_row, frozenset(exact)
         self._jumps: dict[str, float] = {}
         self._errors: dict[str, float] = {}
+        self._earlier: set[str] = set()
         self._steps = StepErrors()
         self._judged = False
 
@@ -111,7 +113,7 @@ class UncertainLimits:
             self._jumps[name] = jump if whole(row, "level") == 3 else max(known, jump)
         return [
             (math.inf if name in self.singular else 0.0, BY_PLACE),
-            (ERROR_FACTOR * self._errors.get(name, 0.0), BY_ERROR),
+            (ERROR_FACTOR * self._errors.get(name, 0.0), BY_EARLIER if name in self._earlier else BY_ERROR),
             (self._jumps.get(name, 0.0), BY_JUMP),
             (self._of_prediction(name, row), BY_PREDICTION),
             (0.0 if name in self.exact else self._steps.error(name), BY_STEPS),
@@ -121,8 +123,10 @@ class UncertainLimits:
         """Take note of the errors of a frame; where it has none and none was wanted, that of before stays."""
         for name in limits:
             error = number(row, error_column(name))
+            self._earlier.add(name)
             if math.isfinite(error):
                 self._errors[name] = error
+                self._earlier.remove(name)
             elif wanted.solves:
                 self._errors.pop(name, None)
 

@@ -11,6 +11,7 @@ from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recorded_places import SINGULAR_PLACES, RecordedPlaces, decode_places
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import ROUNDING, cleared, largest, scales, without_rounding
+from restshape.replay.same_texts import without_numbers
 from restshape.replay.summary import percentiles
 from restshape.report.field import physics_of
 from restshape.report.recorded_quantities import limit_series, quantity_units
@@ -201,14 +202,19 @@ def jumped(recording: Recording, least: float) -> np.ndarray:
 
 
 def note_table(recording: Recording) -> list[tuple[int, str, str]]:
-    """All notes of a recording: the line of the script, the first frame to the last one, and what there is to note."""
+    """All notes of a recording: the line of the script, the frames in a row that have it, and what there is to note.
+
+    Of notes that differ by numbers alone, that of the first frame.
+    """
     found: list[tuple[int, str, str]] = []
     if not {"line", "index", "note"} <= recording.table.keys():
         return found
-    for (line, note), same in groupby(rows_of(recording), key=lambda row: (int(row["line"]), row["note"] or "")):
-        frames = [int(row["index"]) for row in same]
+    noted = ((int(row["line"]), int(row["index"]), row["note"] or "") for row in rows_of(recording))
+    for (line, _), same in groupby(noted, key=lambda row: (row[0], without_numbers(row[2]))):
+        frames = list(same)
+        (_, first, note), (_, last, _) = frames[0], frames[-1]
         if note:
-            found.append((line, f"{frames[0]} to {frames[-1]}" if len(frames) > 1 else f"{frames[0]}", note))
+            found.append((line, f"{first} to {last}" if len(frames) > 1 else f"{first}", note))
     return found
 
 
