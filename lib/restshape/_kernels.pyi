@@ -66,6 +66,7 @@ __all__: list[str] = [
     "reset_calls",
     "row_products",
     "same_bits",
+    "sides_gone",
     "smooth_fresh",
     "solve_by_panels",
     "space_recovery_points",
@@ -592,6 +593,11 @@ def same_bits(
     a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> bool: ...
+def sides_gone(
+    X: numpy.typing.NDArray[numpy.float64],
+    Y: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+) -> float: ...
 def smooth_fresh(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],

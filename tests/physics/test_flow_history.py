@@ -7,7 +7,9 @@ from restshape_studies.stability.scenery import across, drag, make_replay, write
 from restshape_verification.flow.scenes import everywhere, in_time
 
 from restshape.errors import ReplayProblem
+from restshape.physics.flow.carry import VelocityCorrection, courant, divergence
 from restshape.physics.flow.flow_search import FlowSearch
+from restshape.physics.flow.history import Level
 
 DRAG = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.75, 0.75), 30))
 """Nodes move, edges flip, and a mesh is new."""
@@ -29,6 +31,34 @@ def rows(folder, scene, events, look=lambda made, row: None, policy="auto"):
 
 def shear(X):
     return np.column_stack([X[:, 1], 0 * X[:, 1], 0 * X[:, 1]])
+
+
+def test_the_courant_number_of_a_mesh_in_closed_form():
+    """A right triangle with legs of 2 m has a side of 2 m; the fastest corner counts, and no area is infinitely bad."""
+    X, cells = np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]), np.array([[0, 1, 2]], np.int32)
+    level = Level(np.zeros((3, 2)), X, cells)
+    assert courant(level, X.copy()) == 0.0
+    assert courant(level, X + np.array([[0.3, 0.0], [0.0, -3.0], [1.8, 2.4]])) == pytest.approx(1.5)
+    assert courant(Level(level.values, X, cells[:, ::-1].copy()), X + 1.0) == np.inf
+
+
+def test_interpolation_leaves_the_divergence_that_there_was(tmp_path):
+    """What is added to a velocity on the way changes it no more, up to what stabilisation leaves."""
+    made = make_replay(write_scene(tmp_path, CYLINDER + in_time(0.1) + MESH))
+    for _ in made.frames():
+        analysis = made.analysis
+    problem, equations, newton = analysis.problem, analysis.state.equations, analysis.state.system.newton
+    X, before = analysis.space.X.copy(), Level.of(problem, analysis.x)
+    bump = np.sin(np.pi * X[:, :1]) * np.sin(np.pi * X[:, 1:]) * np.array([[0.05, -0.02]])
+    bump[problem.boundary.mask[:, 0] > 0] = 0.0
+    polluted = Level(before.values + bump, X, before.cells)
+    newton.begin(True, False, None)
+    outcome, after = VelocityCorrection(problem, equations, newton, 0.1, 1e-10)(polluted, before, 0.0)
+    (was, _), (is_now, _), (bad, _) = (divergence(level) for level in (before, after, polluted))
+    assert outcome.converged and np.linalg.norm(is_now - was) < 0.1 * np.linalg.norm(bad - was)
+    held = problem.boundary.mask[:, :2] > 0
+    np.testing.assert_array_equal(after.values[held], polluted.values[held])
+    assert problem.advecting is None and np.array_equal(analysis.space.X, X)
 
 
 def off_the_shear(folder, effects, script, fails=frozenset(), monkeypatch=None):

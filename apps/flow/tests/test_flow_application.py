@@ -24,7 +24,7 @@ DRAG = [
 
 
 def short(folder):
-    """The drag of the tail alone, a few frames after the wind has begun, a new mesh, and a remapped drag of the body."""
+    """The drag of the tail after a few frames of wind, a new mesh, and a remapped drag of the body."""
     lines = [{"format": "restshape-edits", "version": 1, "units": "mm"}]
     path = folder / "short.jsonl"
     lines += [{"t": 0.5 * i, **event} for i, event in enumerate(DRAG)]

@@ -45,6 +45,13 @@ py::tuple check_cells(const Doubles& X, const Indices& cells, double area_floor,
     return as_tuple(restshape::check_cells(X.data(), cells.data(), cells.shape(0), area_floor, quality_floor));
 }
 
+double sides_gone(const Doubles& X, const Doubles& Y, const Indices& cells) {
+    require_rows(X, 2, "X");
+    require_rows(cells, 3, "cells");
+    require_same_size(Y.size(), X.size(), "Y");
+    return restshape::sides_gone(X.data(), Y.data(), cells.data(), cells.shape(0));
+}
+
 py::tuple move_and_check(const Doubles& X_reference, const Doubles& Psi, double c0, double c1, Doubles& X,
                          const Indices& cells, double area_floor, double quality_floor) {
     require_rows(X, 2, "X");
@@ -169,6 +176,8 @@ void bind_mesh(py::module_& m) {
     m.def("positive_mean_value", &positive_mean_value, py::arg("points").noconvert(), py::arg("vertices").noconvert(),
           py::arg("segments").noconvert(), py::arg("values").noconvert(),
           "Values (n, columns) at points inside the segments, by positive mean value coordinates.");
+    m.def("sides_gone", &sides_gone, py::arg("X").noconvert(), py::arg("Y").noconvert(), py::arg("cells").noconvert(),
+          "The most sides sqrt(2 A) of a triangle that its corners go from X to Y; infinite where one has no area.");
     m.def("locate", &locate, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("points").noconvert(),
           "Triangle and barycentric coordinates of every point; points outside are put on the nearest boundary point.");
     py::class_<restshape::HarmonicExtension>(m, "HarmonicExtension",

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace restshape {
 
@@ -57,6 +59,25 @@ inline void move_nodes(const double* X_reference, const double* Psi, double c0, 
     for (std::ptrdiff_t i = 0; i < size; ++i) {
         X[i] = X_reference[i] + c0 * Psi[i] + c1 * Psi[size + i];
     }
+}
+
+// The most sides sqrt(2 A) of a triangle that its corners go, from X to Y; infinite where one has no area.
+inline double sides_gone(const double* X, const double* Y, const std::int32_t* cells, std::ptrdiff_t count) {
+    double most = 0.0;  // squared
+    for (std::ptrdiff_t e = 0; e < count; ++e) {
+        const std::int32_t* n = cells + 3 * e;
+        double gone = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            const double x = Y[2 * n[i]] - X[2 * n[i]], y = Y[2 * n[i] + 1] - X[2 * n[i] + 1];
+            gone = std::max(gone, x * x + y * y);
+        }
+        if (gone == 0.0) continue;
+        const double *a = X + 2 * n[0], *b = X + 2 * n[1], *c = X + 2 * n[2];
+        const double twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+        if (!(twice > 0.0)) return std::numeric_limits<double>::infinity();
+        most = std::max(most, gone / twice);
+    }
+    return std::sqrt(most);
 }
 
 }  // namespace restshape
