@@ -1,15 +1,20 @@
 """The study `restshape bench regret`: auto beside the best policy and the best schedule, by counted work."""
 
+from __future__ import annotations
+
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape_studies.bench.job import run
 from restshape_studies.bench.turns import Announce, Case
 from restshape_studies.commands.bench_kind import Kind, job_of, unchecked
 
 from restshape.cli.options import print_table
-from restshape.cli.regret_tables import HEADS, row
+from restshape.cli.regret_tables import HEADS, row, total
 from restshape.errors import UserError
+
+if TYPE_CHECKING:
+    from restshape.replay.regret import Regret
 
 MEASURE = "restshape.replay.regret"
 
@@ -38,7 +43,10 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
 
 def sum_up(found: dict[str, Any]) -> None:
     """Print the table, a row a scene."""
-    rows = [row(name, one) for name, one in found.items() if "problem" not in one]
+    known: dict[str, Regret] = {name: one for name, one in found.items() if "problem" not in one}
+    rows = [row(name, one) for name, one in known.items()]
+    if len(known) > 1:
+        rows.append(total(list(known.values())))
     print_table("counted work of linear solves, by the calibration", HEADS, rows, right=HEADS[1:2] + HEADS[3:])
 
 

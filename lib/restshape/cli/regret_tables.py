@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
 
 from restshape.cli.options import print_table
 
 if TYPE_CHECKING:
     from restshape.replay.regret import Regret, Work
 
+WAYS: tuple[Literal["run"], Literal["best"]] = ("run", "best")
 HEADS = ("scene", "auto, ms", "best policy", "ms", "auto over it", "its schedule, ms", "the best, ms", "over it")
 """Heads of a row of a scene."""
 
@@ -18,7 +20,16 @@ def row(name: str, found: Regret) -> list[str]:
     policies, best, schedule = found["policies"], found["best"], found["hindsight"]
     least = policies[best]["seconds"]
     work = [f"{1e3 * policies['auto']['seconds']:.4g}", best, f"{1e3 * least:.4g}", f"{found['over_policy']:.3f}"]
-    return [name, *work, *(f"{1e3 * schedule[way]:.4g}" for way in ("run", "best")), f"{found['over_schedule']:.3f}"]
+    return [name, *work, *(f"{1e3 * schedule[way]:.4g}" for way in WAYS), f"{found['over_schedule']:.3f}"]
+
+
+def total(found: Sequence[Regret]) -> list[str]:
+    """The row of all scenes together."""
+    auto = sum(one["policies"]["auto"]["seconds"] for one in found)
+    least = sum(one["policies"][one["best"]]["seconds"] for one in found)
+    run, best = (sum(one["hindsight"][way] for one in found) for way in WAYS)
+    work = [f"{1e3 * auto:.4g}", "", f"{1e3 * least:.4g}", _ratio(auto, least)]
+    return ["all", *work, f"{1e3 * run:.4g}", f"{1e3 * best:.4g}", _ratio(run, best)]
 
 
 def print_regret(found: Regret) -> None:
