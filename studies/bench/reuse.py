@@ -17,6 +17,8 @@ BASES = ("rebuild", "refactor")
 """Policies that the others are compared with."""
 LEVELS = ("1", "2", "3", "still")
 """Kinds of frames that solve: by what happens to the mesh, and those in which it rests, as in time."""
+MOVES = "moves"
+"""All frames in which the mesh moves, by whatever level."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,8 @@ def kind_of(row: Row) -> str:
 
 def solved(rows: Sequence[Row], kind: str = "") -> list[Row]:
     """The frames that were solved, or those of a kind, without the first one."""
+    if kind == MOVES:
+        return [row for row in rows[1:] if row["level"]]
     return [row for row in rows[1:] if (kind_of(row) == kind if kind else kind_of(row))]
 
 
@@ -99,7 +103,7 @@ def frames_a_second(rows: Sequence[Row]) -> float:
 
 def timed(rows: Sequence[Row]) -> Row:
     """What the clock reported of one run."""
-    kinds = {"all": solved(rows), **{kind: solved(rows, kind) for kind in LEVELS}}
+    kinds = {"all": solved(rows), MOVES: solved(rows, MOVES), **{kind: solved(rows, kind) for kind in LEVELS}}
     ms = {kind: percentiles(np.array([answered(row) for row in some])) for kind, some in kinds.items()}
     return {
         "fps": frames_a_second(rows),
@@ -139,6 +143,7 @@ def record(counted: list[Row], policy: str, runs: Sequence[Row]) -> Row:
         "fps": median(run["fps"] for run in runs),
         "ms": medians([run["ms"]["all"] for run in runs]),
         "ms_by_level": {level: medians([run["ms"][level] for run in runs]) for level in LEVELS},
+        "moves": {"frames": len(solved(counted, MOVES)), **medians([run["ms"][MOVES] for run in runs])},
         "whole": medians([run["whole"] for run in runs]),
         "python_ms": medians([run["python_ms"] for run in runs]),
         "stages": medians([run["stages"] for run in runs]),

@@ -136,7 +136,8 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     print_table("", heads, [_whole_row(key, entry) for key, entry in found.items()], heads[1:])
     print("with residual, without a recorder; errors are estimated as solve.estimate says, or not at all")
     heads = ("frames: p50, ms", *(LEVEL_NAMES[str(level)] for level in MOVES), "solved at rest", "idle")
-    print_table("", heads, [_levels_row(key, entry) for key, entry in found.items()], heads[1:])
+    heads += ("mesh moves", *OVER[:2])
+    print_table("", heads, [_levels_row(key, entry, found) for key, entry in found.items()], heads[1:])
     stages = [stage for stage in one["stages"] if any(entry["stages"][stage] >= 0.05 for entry in found.values())]
     rows = [[key, *(f"{entry['stages'][stage]:.1f}" for stage in stages)] for key, entry in found.items()]
     print_table("", ("stages in all, ms", *stages), rows, stages)
@@ -167,12 +168,15 @@ def _ratio(value: float | None) -> str:
     return "" if value is None else f"{value:.2f}"
 
 
-def _levels_row(name: str, entry: dict[str, Any]) -> list[str]:
+def _levels_row(name: str, entry: dict[str, Any], found: dict[str, Any]) -> list[str]:
     levels = [
         f"{entry['levels'][k]}: {entry['ms_by_level'][k]['p50']:.3f}" if entry["levels"][k] else "0"
         for k in ("1", "2", "3", "still")
     ]
-    return [name, *levels, str(entry["idle"])]
+    moves, bases = entry["moves"], [found[base]["moves"] for base in ("rebuild", "refactor") if base in found]
+    middle = f"{moves['frames']}: {moves['p50']:.3f}" if moves["frames"] else "0"
+    times = [_ratio(base["p50"] / moves["p50"]) if moves["frames"] else "" for base in bases]
+    return [name, *levels, str(entry["idle"]), middle, *times, *[""] * (2 - len(times))]
 
 
 KINDS = (

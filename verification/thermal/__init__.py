@@ -5,6 +5,7 @@ from restshape_studies.verification import StudyParameter, Verification
 verification = Verification(
     validation="restshape_verification.thermal.validation:CASES",
     hard_cases="restshape_verification.thermal.stability:CASES",
+    thesis="restshape_verification.thermal.thesis:rows",
     random_scenes="restshape_verification.thermal.random_scenes:SCENES",
     parameters=(
         StudyParameter(
