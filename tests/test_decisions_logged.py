@@ -9,8 +9,10 @@ from modal import replay as replay_modes
 from petsc4py import PETSc
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
-from restshape.algebra.choice import CHOLESKY, GAMG, Choice, Size
+from restshape.algebra.candidates import CHOLESKY, GAMG
+from restshape.algebra.choice import Choice
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.prices import Size
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration

@@ -29,6 +29,7 @@ __all__: list[str] = [
     "edge_parameters",
     "edges_of_cells",
     "element_names",
+    "ended_at_zero",
     "energy_products",
     "estimate_points",
     "extrude_nodes",
@@ -414,6 +415,7 @@ def edges_of_cells(
     cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], nodes: typing.SupportsInt | typing.SupportsIndex
 ) -> tuple: ...
 def element_names() -> list: ...
+def ended_at_zero(factor: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
 def energy_products(
     handle: typing.SupportsInt | typing.SupportsIndex,
     x: numpy.typing.NDArray[numpy.float64],

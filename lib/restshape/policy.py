@@ -72,7 +72,7 @@ POLICIES = {
         Policy("refactor", "the mesh moves, the factor is rebuilt in each frame", False, "direct", "extrapolated"),
         Policy(
             "thesis",
-            "two spring sweeps, CG with ILU(3) kept until the mesh is rebuilt",
+            "two spring sweeps, CG with ILU(3) (flow: Bi-CGSTAB, ILU(0)) kept until the mesh is rebuilt",
             solver="ilu",
             guess="same-mesh",
             relocation="laplacian",

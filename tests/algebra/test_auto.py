@@ -10,9 +10,11 @@ from petsc4py import PETSc
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape import _kernels
-from restshape.algebra.choice import CHOLESKY, GAMG, ICC, ILU, Choice, Size, prices
+from restshape.algebra.candidates import CHOLESKY, GAMG, ICC, ILU
+from restshape.algebra.choice import Choice
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import true_residual
+from restshape.algebra.prices import Size, prices
 from restshape.algebra.projection import Projection
 from restshape.algebra.stages import LOGGED, Stages, log_stage
 from restshape.algebra.traits import Traits

@@ -9,8 +9,8 @@ from counted_replays import begin_log, watched
 from whole_schedules import best_schedule
 
 from restshape.algebra import kept_preconditioner
-from restshape.algebra.choice import Prices
 from restshape.algebra.kept_preconditioner import KeptPreconditioner
+from restshape.algebra.prices import Prices
 from restshape.algebra.refresh import MOST_AHEAD, RefreshCriterion
 
 APPS = Path(__file__).parents[2] / "apps"

@@ -5,8 +5,10 @@ import pytest
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from restshape.algebra.choice import PLANE, SPACE, Choice, Size, candidates
+from restshape.algebra.candidates import PLANE, SPACE, candidates
+from restshape.algebra.choice import Choice
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.prices import Size
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration

@@ -29,4 +29,12 @@ void bind_algebra(py::module_& m) {
         "Have products of the matrix with this handle, of type seqbaij in blocks of three or four unknowns a node, "
         "made "
         "with a column of a block in one register. Matrices of other types or sizes stay as they are.");
+    m.def(
+        "ended_at_zero",
+        [](intptr_t factor) {
+            MatFactorError error = MAT_FACTOR_NOERROR;
+            restshape::check(MatFactorGetError(reinterpret_cast<Mat>(factor), &error), "MatFactorGetError");
+            return error == MAT_FACTOR_NUMERIC_ZEROPIVOT;
+        },
+        py::arg("factor"), "Whether the factor with this handle ended at a pivot that is zero.");
 }

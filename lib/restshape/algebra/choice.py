@@ -3,10 +3,10 @@
 import logging
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import NamedTuple
+from dataclasses import replace
 
+from restshape.algebra.candidates import Candidate, candidates
+from restshape.algebra.prices import Prices, Size, flow_prices, prices
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
@@ -16,182 +16,24 @@ MEMORY = 4e9
 """Bytes that a complete factor may take, over all ranks, unless the scene says otherwise (`solve.factor_memory`)."""
 FACTOR_BYTES = 12.0
 """Of a nonzero of a factor: its value and its column."""
-SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE = 4.0, 2.2, 1.9
-"""Seconds a nonzero of a factor of single numbers over those of one in blocks of a node, which the calibration has:
-`python scripts/factors.py`. Complete Cholesky factors have blocks where a node has several unknowns."""
 PRIOR_SOLVES = 4
 """Solves that the prior iterations weigh as much as, beside those that this replay has counted."""
 PRIOR_LIFE = 100.0
 """Solves on one mesh before the replay has counted any."""
-ROW = 14.0
-"""Nonzeros of a row in the plane, two unknowns a node, with the first-order triangles that priors were measured on."""
 WIDER_FILL, WIDER_FRESH = 0.45, -0.9
-"""Powers of a row's nonzeros over `ROW` in the nonzeros of a complete factor and in the iterations with an incomplete
-one: measured with second-order triangles (23 a row), 2,000 to 70,000 unknowns, within 5 %."""
+"""Powers of a row's nonzeros over `prices.ROW` in the nonzeros of a complete factor and in the iterations with an
+incomplete one: measured with second-order triangles (23 a row), 2,000 to 70,000 unknowns, within 5 %."""
+FADING = 0.95
+"""Weight of a solve over that of the next one with the same preconditioner, where matrices are not symmetric: a flow
+that starts changes them more than one that goes on."""
+PATIENCE = 50
+"""Solves on one mesh before a refresh may change to another candidate."""
+LESS = 0.9
+"""Cost of another candidate over that of the present one at which a refresh changes to it."""
+ANY = Traits()
+"""Of matrices of which nothing is said."""
 PRIOR_AGE = 5.0
 """Age of a preconditioner up to which the prior growth of iterations was measured."""
-
-
-class Law(NamedTuple):
-    """A count that grows like factor x n^power."""
-
-    factor: float
-    power: float
-
-    def __call__(self, n: float) -> float:
-        return self.factor * n**self.power
-
-
-@dataclass(frozen=True)
-class Prior:
-    """What is expected of a preconditioner before the replay has counted anything.
-
-    Measured on the plate whose hole is dragged (2,000, 18,000 and 70,000 unknowns; guesses extrapolated, 1e-6) and on
-    boxes of first-order tetrahedra constrained on one side (2,200, 6,600 and 21,000 unknowns): two and three unknowns a
-    node.
-
-    Args:
-        filled: nonzeros of the factor, or of the matrices of all grids; of the unknowns (complete) or of the matrix.
-        fresh: iterations with a fresh one.
-        growth: part of them that each solve of age adds.
-        block: what each doubling of the ranks adds, for factors of the ranks' own rows: iterations of a complete
-            factor, part of the iterations of an incomplete one.
-    """
-
-    filled: Law
-    fresh: Law
-    growth: float
-    block: float = 0.0
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A preconditioner that `auto` may choose.
-
-    Args:
-        name: in tables.
-        kind: PETSc's type.
-        levels: of fill, where incomplete.
-        plane, space: what to expect of problems that declare these dimensions.
-    """
-
-    name: str
-    kind: str
-    levels: int
-    plane: Prior
-    space: Prior
-
-    def prior(self, dimension: int) -> Prior:
-        """What to expect in that dimension of space."""
-        return self.space if dimension == 3 else self.plane
-
-
-def incomplete(kind: str) -> tuple[Candidate, Candidate]:
-    """The incomplete factors ICC(k), or ILU(k), with the level that served best: 3 in the plane, 1 in space."""
-    half = 0.5 if kind == "icc" else 1.0
-    plane = Prior(Law(2.75 * half, 1.0), Law(0.56, 1 / 2), 0.02, 0.1)
-    space = Prior(Law(1.75 * half, 1.0), Law(1.6, 1 / 3), 0.02, 0.1)
-    return Candidate(f"{kind}(3)", kind, 3, plane, plane), Candidate(f"{kind}(1)", kind, 1, space, space)
-
-
-CHOLESKY = Candidate(
-    "cholesky",
-    "cholesky",
-    0,
-    Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4, 12.0),
-    Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4, 12.0),
-)
-ICC, ICC_SPACE = incomplete("icc")
-ILU, ILU_SPACE = incomplete("ilu")
-GAMG = Candidate(
-    "gamg",
-    "gamg",
-    0,
-    Prior(Law(1.4, 1.0), Law(8.0, 0.0), 0.03),
-    Prior(Law(1.25, 1.0), Law(9.0, 0.0), 0.03),
-)
-PLANE = (CHOLESKY, ICC, ILU, GAMG)
-SPACE = (CHOLESKY, ICC_SPACE, ILU_SPACE, GAMG)
-
-
-def candidates(traits: Traits) -> tuple[Candidate, ...]:
-    """What may be chosen for matrices with these traits; nothing where a complete factor is all that is known of."""
-    if not traits.minimises:
-        return ()
-    return SPACE if traits.dimension == 3 else PLANE
-
-
-@dataclass(frozen=True)
-class Size:
-    """A linear system as the choice sees it; all counts are global, so that all ranks choose alike.
-
-    Args:
-        unknowns: rows.
-        nonzeros: of the matrix.
-        dimension: that the problem declares.
-        ranks: that share it.
-        fields: unknowns a node that the problem declares; 0: those of elastic bodies, as priors were measured on.
-    """
-
-    unknowns: int
-    nonzeros: float
-    dimension: int = 2
-    ranks: int = 1
-    fields: int = 0
-
-    @property
-    def share(self) -> float:
-        """Unknowns a node over those of elastic bodies in that dimension."""
-        return self.fields / self.dimension if self.fields else 1.0
-
-    @property
-    def width(self) -> float:
-        """Nonzeros of a row over those of first-order triangles, in the plane; never less than 1."""
-        return (
-            max(1.0, self.nonzeros / (ROW * self.share * self.unknowns))
-            if self.dimension == 2 and self.unknowns
-            else 1.0
-        )
-
-
-class Prices(NamedTuple):
-    """Seconds of an iteration, of a refresh on a pattern that has been analysed, and of a first set-up."""
-
-    iteration: float
-    refresh: float
-    setup: float
-
-
-def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
-    """What a preconditioner of PETSc's type `kind` costs with `filled` nonzeros in all; ranks share the work evenly."""
-    if kind != "cholesky" or size.fields == 1:
-        known = _of_single_numbers(known)
-    filled = filled / size.ranks
-    work = (math.ceil(size.unknowns / size.ranks), size.nonzeros / size.ranks)
-    once = known.pass_seconds(*work)
-    if kind in ("ilu", "icc"):
-        numeric = (known.ilu_numeric_nonzero if kind == "ilu" else known.numeric_nonzero) * filled
-        apply = known.ilu_solve_nonzero * filled if kind == "ilu" else known.solve_nonzero * 2.0 * filled
-        return Prices(apply + once, numeric + once, known.symbolic_nonzero * filled + numeric + once)
-    if kind == "gamg":
-        refresh = known.gamg_refresh_nonzero * filled + once
-        return Prices(known.gamg_solve_nonzero * filled + once, refresh, known.gamg_setup_nonzero * filled + once)
-    return Prices(
-        known.iteration_seconds(*work, filled),
-        known.refresh_seconds(*work, filled),
-        known.factor_seconds(*work, filled),
-    )
-
-
-@lru_cache(maxsize=4)
-def _of_single_numbers(known: Calibration) -> Calibration:
-    return replace(
-        known,
-        symbolic_nonzero=SINGLE_SYMBOLIC * known.symbolic_nonzero,
-        numeric_nonzero=SINGLE_NUMERIC * known.numeric_nonzero,
-        numeric_work=SINGLE_NUMERIC * known.numeric_work,
-        solve_nonzero=SINGLE_SOLVE * known.solve_nonzero,
-    )
 
 
 class Iterations:
@@ -205,6 +47,7 @@ class Iterations:
         for _ in range(PRIOR_SOLVES // 2):
             self.count(0.0, 1.0)
             self.count(PRIOR_AGE, 1.0 + growth * PRIOR_AGE)
+        self._prior = self.sums
 
     def count(self, age: float, iterations: float) -> None:
         """Take in a solve."""
@@ -216,6 +59,11 @@ class Iterations:
             all_iterations + iterations,
             products + age * iterations,
         )
+
+    def fade(self) -> None:
+        """Let what has been counted weigh a little less; the prior stays."""
+        one, ages, squares, iterations, products = (p + FADING * (s - p) for s, p in zip(self.sums, self._prior))
+        self.sums = (one, ages, squares, iterations, products)
 
     def line(self) -> tuple[float, float]:
         """Iterations at age 0, and how many each solve of age adds; neither is negative."""
@@ -230,16 +78,20 @@ class Choice:
     Args:
         calibration: seconds a unit of counted work.
         memory: bytes that a complete factor may take; a larger one is never chosen.
+        traits: of the matrices, but for their dimension, which is the system's.
+
+    Attributes:
+        krylov: the iteration that the user names, so that candidates with another one are left out; empty: none.
 
     Source: docs/theory/levels-of-reuse.md.
     """
 
-    def __init__(self, calibration: Calibration, memory: float = MEMORY) -> None:
-        self.calibration, self.memory = calibration, memory
+    def __init__(self, calibration: Calibration, memory: float = MEMORY, traits: Traits = ANY) -> None:
+        self.calibration, self.memory, self.traits, self.krylov = calibration, memory, traits, ""
         self.iterations: dict[tuple[str, int, int], Iterations] = {}
         self.fill: dict[tuple[str, int], float] = {}
         self.excluded: set[str] = set()
-        self.systems, self.solves = 1.0, PRIOR_LIFE
+        self.systems, self.solves, self._since = 1.0, PRIOR_LIFE, 0
 
     def __call__(self, size: Size) -> Candidate:
         """The candidate of which a solve is expected to cost least; ties go to the first of the list."""
@@ -247,9 +99,28 @@ class Choice:
         found = self.open(size)
         costs = [(candidate, self.cost(candidate, size)) for candidate in found]
         chosen = min(costs, key=lambda priced: priced[1])[0]
+        self._log_choice(chosen, costs, size)
+        return chosen
+
+    def again(self, size: Size, present: Candidate) -> Candidate:
+        """The candidate for a refresh on the same mesh: another one where what has been counted makes it cheaper.
+
+        Candidates of symmetric systems stay for as long as the mesh does.
+        """
+        if not present.krylov or self._since < PATIENCE or present not in self.open(size):
+            return present
+        costs = [(candidate, self.cost(candidate, size)) for candidate in self.open(size)]
+        chosen, least = min(costs, key=lambda priced: priced[1])
+        if least > LESS * self.cost(present, size):
+            return present
+        self._since = 0
+        self._log_choice(chosen, costs, size)
+        return chosen
+
+    def _log_choice(self, chosen: Candidate, costs: Sequence[tuple[Candidate, float]], size: Size) -> None:
         if log.isEnabledFor(logging.INFO):
             prices = ", ".join(f"{candidate.name} {cost:.3g} s" for candidate, cost in costs)
-            left_out = self._left_out(size, found)
+            left_out = self._left_out(size, [candidate for candidate, _ in costs])
             log.info(
                 "PC %s chosen for %d unknowns; a solve is expected to cost: %s%s",
                 chosen.name,
@@ -257,7 +128,6 @@ class Choice:
                 prices,
                 left_out,
             )
-        return chosen
 
     def foreseen(self, size: Size) -> Candidate:
         """The candidate that a call would choose; nothing is counted."""
@@ -267,20 +137,20 @@ class Choice:
         finally:
             self.systems -= 1.0
 
-    @staticmethod
-    def candidates(traits: Traits) -> tuple[Candidate, ...]:
-        """What may be chosen for matrices with these traits."""
-        return candidates(traits)
+    def candidates(self, size: Size) -> tuple[Candidate, ...]:
+        """What may be chosen for matrices of that size."""
+        known = candidates(replace(self.traits, dimension=size.dimension))
+        return tuple(one for one in known if self.krylov in ("", one.krylov)) or known
 
     def open(self, size: Size) -> list[Candidate]:
-        """The candidates that fit in memory and have not failed; GAMG where there is no other."""
-        known = candidates(Traits(dimension=size.dimension))
-        return [c for c in known if c.name not in self.excluded and self.fits(c, size)] or [GAMG]
+        """The candidates that fit in memory and have not failed; the last one where there is no other."""
+        known = self.candidates(size)
+        return [c for c in known if c.name not in self.excluded and self.fits(c, size)] or [known[-1]]
 
     def _left_out(self, size: Size, found: Sequence[Candidate]) -> str:
         """The candidates that are not priced, and why, for the log."""
         reasons = []
-        for candidate in candidates(Traits(dimension=size.dimension)):
+        for candidate in self.candidates(size):
             if candidate.name in self.excluded:
                 reasons.append(f"{candidate.name} has failed")
             elif candidate not in found:
@@ -290,7 +160,7 @@ class Choice:
 
     def fits(self, candidate: Candidate, size: Size) -> bool:
         """Whether a complete factor is small enough; others always are."""
-        return candidate.kind != "cholesky" or FACTOR_BYTES * self.filled(candidate, size) <= self.memory
+        return not candidate.complete or FACTOR_BYTES * self.filled(candidate, size) <= self.memory
 
     def cost(self, candidate: Candidate, size: Size) -> float:
         """Seconds of a solve: iterations, and a share of refreshes and of the set-up.
@@ -298,7 +168,7 @@ class Choice:
         With iterations that grow by g a solve, a refresh every sqrt(2 refresh / (iteration g)) solves costs least: by
         then the iterations spent beyond those of a fresh preconditioner have cost as much as the refresh.
         """
-        price = prices(candidate.kind, size, self.filled(candidate, size), self.calibration)
+        price = self.prices(candidate, size)
         fresh, growth = self.expected(candidate, size)
         system = self.solves / self.systems
         rent = price.iteration * growth
@@ -306,6 +176,15 @@ class Choice:
         life = max(1.0, life)
         setup = max(0.0, price.setup - price.refresh) / system
         return price.iteration * (fresh + growth * life / 2.0) + price.refresh / life + setup
+
+    def prices(self, candidate: Candidate, size: Size, filled: float = 0.0) -> Prices:
+        """What a candidate costs, with so many nonzeros where they are known."""
+        filled = filled or self.filled(candidate, size)
+        if not candidate.krylov:
+            return prices(candidate.kind, size, filled, self.calibration)
+        fresh, _ = self.expected(candidate, size)
+        known, exchanges = self.calibration, candidate.exchanges
+        return flow_prices(candidate.kind, candidate.krylov, size, filled, known, fresh, exchanges)
 
     def expected(self, candidate: Candidate, size: Size) -> tuple[float, float]:
         """Iterations with a fresh preconditioner, and how many each solve of age adds."""
@@ -317,9 +196,13 @@ class Choice:
         """Nonzeros of the factors, or grids, on all ranks: by the prior, corrected by the last one counted."""
         return self._prior_fill(candidate, size) * self.fill.get((candidate.name, size.dimension), 1.0)
 
-    def count(self, candidate: Candidate, size: Size, age: int, iterations: int) -> None:
+    def count(self, candidate: Candidate, size: Size, age: int, iterations: float) -> None:
         """Take in a solve with a preconditioner that was made `age` solves before."""
-        self._iterations_of(candidate, size).count(age, iterations / self._scale(candidate, size))
+        known = self._iterations_of(candidate, size)
+        if candidate.krylov:
+            known.fade()
+        known.count(age, iterations / self._scale(candidate, size))
+        self._since += 1
         self.solves += 1.0
 
     def count_fill(self, candidate: Candidate, size: Size, filled: float) -> None:
@@ -341,7 +224,7 @@ class Choice:
         prior = candidate.prior(size.dimension)
         # Patterns of nodes are what iterations and fill hang on, whatever the number of unknowns a node.
         fresh, doublings = prior.fresh(size.unknowns / size.share), math.log2(size.ranks)
-        if candidate.kind == "cholesky":
+        if candidate.complete:
             return fresh + prior.block * doublings
         if candidate.kind in ("icc", "ilu"):
             fresh *= size.width**WIDER_FRESH
@@ -349,7 +232,7 @@ class Choice:
 
     def _prior_fill(self, candidate: Candidate, size: Size) -> float:
         prior = candidate.prior(size.dimension)
-        if candidate.kind != "cholesky":
+        if not candidate.complete:
             return prior.filled(size.nonzeros)
         wider = size.width**WIDER_FILL
         rows = size.unknowns / size.share / size.ranks

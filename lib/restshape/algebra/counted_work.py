@@ -21,12 +21,11 @@ def counted_seconds(events: Mapping[str, int], iterations: int, solver: LinearSo
     """
     if not solver.kept.ready:
         return 0.0
-    kept, price = solver.kept, solver.kept.price()
-    known, size = kept.choice.calibration, kept.size
-    whole, product = known.pass_seconds(size.unknowns, size.nonzeros), known.matvec_nonzero * size.nonzeros
+    price = solver.kept.price()
     factors = sum(events[name] for name in NUMERIC) * price.refresh
     analyses = sum(events[name] for name in SYMBOLIC) * (price.setup - price.refresh)
-    passes = events["MatMult"] * product + iterations * (whole - product)
+    passes = events["MatMult"] * price.product + iterations * price.vectors
     # Preconditioners of parts, or of grids, apply those of the parts, which are events of their own.
-    applied = iterations if kept.nested else events["PCApply"]
-    return factors + analyses + applied * (price.iteration - whole) + passes
+    each = 2 if solver.ksp.getType() == "bcgs" else 1
+    applied = each * iterations if solver.kept.nested else events["PCApply"]
+    return factors + analyses + applied * price.apply + passes

@@ -6,9 +6,12 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.choice import ILU, Candidate, Choice, Prices, Size, prices
+from restshape.algebra.candidates import DECADES, ILU, THESIS_FLOW, Candidate
+from restshape.algebra.choice import Choice
+from restshape.algebra.krylov_method import set_krylov
 from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
 from restshape.algebra.preconditioner import COMPLETE, kind_of, nonzeros, set_preconditioner, set_rigid_motions
+from restshape.algebra.prices import Prices, Size, prices
 from restshape.algebra.traits import Traits
 from restshape.arrays import Indices, Reals
 
@@ -16,6 +19,7 @@ log = logging.getLogger("restshape.algebra")
 
 
 NOWHERE = np.empty(0, dtype=np.int32)
+OVERLAP = 1
 MOST_FLIPPED = 0.125
 """Share of the nodes up to which an old factor is corrected around flips: beyond it a new one is near anyway."""
 
@@ -41,21 +45,28 @@ class KeptPreconditioner:
         blocks: a complete Cholesky factor of this system is made in blocks of a node.
         single: panels of an old factor of this system may have single precision.
         flipped: (k,) nodes, ascending, around which edges have been flipped since it was made.
+        exchanges: a complete factor exchanges rows (MUMPS).
     """
 
     def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
         self.ksp, self.choice, self.traits = ksp, choice, traits
         self._named, self._method = named is not None, method
         self.kind = named or ("ilu" if method == "ilu" else traits.factor)
-        self.chooses = method == "auto" and named is None and bool(choice.candidates(traits))
-        self.candidate: Candidate | None = ILU if method == "ilu" and named is None else None
+        self.size = Size(0, 0.0, traits.dimension, fields=traits.fields)
+        choice.krylov = PETSc.Options(ksp.getOptionsPrefix() or "").getString("ksp_type", "")
+        self.chooses = method == "auto" and named is None and bool(choice.candidates(self.size))
+        self.candidate: Candidate | None = None
+        self.exchanges, self._without_pivots = traits.pivots, set[str]()
         self.ready = self.pattern_changed = False
         self.filled = 0.0
-        self.handle, self.size = 0, Size(0, 0.0, traits.dimension, fields=traits.fields)
+        self.handle = 0
         self._given: list[str] = []
         self.blocks = self.single = True
         self.flipped, self._corrected = NOWHERE, False
-        self._set(ILU.levels)
+        if method == "ilu" and named is None:
+            self._take(THESIS_FLOW if self.may_exchange else ILU)
+        else:
+            self._set(ILU.levels)
 
     @property
     def ranks(self) -> int:
@@ -65,7 +76,9 @@ class KeptPreconditioner:
     @property
     def name(self) -> str:
         """As in tables."""
-        return self.candidate.name if self.candidate else self.kind
+        if self.candidate:
+            return self.candidate.name
+        return f"{self.kind}, rows exchanged" if self.exchanges and not self.traits.pivots else self.kind
 
     @property
     def complete(self) -> bool:
@@ -75,12 +88,27 @@ class KeptPreconditioner:
     @property
     def exact(self) -> bool:
         """Whether it is a complete factor of the whole matrix."""
-        return self.complete and (self.ranks == 1 or self.traits.pivots)
+        return self.complete and (self.ranks == 1 or self.exchanges)
+
+    @property
+    def may_exchange(self) -> bool:
+        """Whether factors exchange rows where they have none without: where no pivot's sign says anything."""
+        return not (self.traits.symmetric or self.traits.rigid_motions)
+
+    @property
+    def overlap(self) -> int:
+        """Layers of other ranks' rows in a rank's factor: with one, flows take 0.6 to 0.7 of the iterations."""
+        return OVERLAP if self.may_exchange else 0
+
+    @property
+    def exchangeable(self) -> bool:
+        """Whether it is a complete factor without exchanges of rows, in place of which there is one with them."""
+        return self.exact and self.may_exchange and not (self.exchanges or self._named)
 
     @property
     def nested(self) -> bool:
         """Whether it consists of others: block Jacobi, or multigrid."""
-        return self.kind == "gamg" or (self.ranks > 1 and not (self.complete and self.traits.pivots))
+        return self.kind == "gamg" or (self.ranks > 1 and not (self.complete and self.exchanges))
 
     @property
     def inverts(self) -> bool:
@@ -103,7 +131,8 @@ class KeptPreconditioner:
 
     def _size_of(self, mat: PETSc.Mat) -> Size:
         filled = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
-        return Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks, self.traits.fields)
+        blocks = mat.getType() == "seqbaij"
+        return Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks, self.traits.fields, blocks)
 
     def begin_system(self) -> None:
         """Forget what was made: the system is another one, which has its choice."""
@@ -113,12 +142,22 @@ class KeptPreconditioner:
         if not self.blocks:
             self.blocks = True
             self._set(0)
+        self.choice.excluded -= self._without_pivots
+        self._without_pivots.clear()
         if self.chooses:
-            chosen = self.choice(self.size)
-            if chosen is not self.candidate:
-                self._take(chosen)
+            self._change(self.choice(self.size))
         else:
             log.info("KSP %s PC %s, without a choice: %s", self.ksp.getOptionsPrefix(), self.name, self._why_fixed())
+
+    def choose_again(self) -> None:
+        """Before a refresh, change to another candidate where what has been counted makes it cheaper."""
+        if self.chooses and self.candidate and self.ready:
+            self._change(self.choice.again(self.size, self.candidate))
+
+    def _change(self, chosen: Candidate) -> None:
+        if chosen is not self.candidate:
+            self._reset()
+            self._take(chosen)
 
     def _why_fixed(self) -> str:
         """Why there is no choice of a preconditioner, for the log."""
@@ -200,17 +239,20 @@ class KeptPreconditioner:
     def price(self) -> Prices:
         """Seconds that it costs, from counted work on all ranks and the calibration."""
         size = self.size
-        stored = self.filled = nonzeros(self.ksp.getPC())
-        if self.candidate and stored:
-            self.choice.count_fill(self.candidate, size, stored)
+        stored = nonzeros(self.ksp.getPC())
         # An LU factor has the nonzeros of two triangles, of which the prices expect one.
-        filled = 0.5 * stored if self.kind == "lu" else stored
+        filled = self.filled = 0.5 * stored if self.kind == "lu" else stored
+        if self.candidate and filled:
+            self.choice.count_fill(self.candidate, size, filled)
+        if self.candidate:
+            return self.choice.prices(self.candidate, size, filled or size.nonzeros)
         return prices(self.kind, size, filled or size.nonzeros, self.choice.calibration)
 
-    def count(self, uses: int, iterations: int) -> None:
-        """Take in a solve with it, the `uses`-th since it was made."""
+    def count(self, uses: int, iterations: int, decades: float = DECADES) -> None:
+        """Take in a solve with it, the `uses`-th since it was made, that made its residual so much smaller."""
         if self.candidate:
-            self.choice.count(self.candidate, self.size, uses, iterations)
+            share = DECADES / decades if self.candidate.krylov else 1.0
+            self.choice.count(self.candidate, self.size, uses, iterations * share)
 
     def replace_failed(self) -> bool:
         """After a failure of a fresh one, take one of another kind; returns whether any is left."""
@@ -220,6 +262,8 @@ class KeptPreconditioner:
             self._reset()
             self._set(0)
             return True
+        if self.may_exchange:
+            return self._exchange()
         if not self.chooses or self.candidate is None or self.candidate.kind == "cholesky":
             return False
         self.choice.exclude(self.candidate)
@@ -228,6 +272,29 @@ class KeptPreconditioner:
             return False
         self._reset()
         self._take(left[0])
+        return True
+
+    def _exchange(self) -> bool:
+        """Where one that exchanges no rows fails, take another, in the end a factor that does; whether there is one."""
+        failed, pivots, prefix = self.name, self.zero_pivots(), self.ksp.getOptionsPrefix()
+        why = "a zero pivot" if pivots else "pivots near zero" if self.complete else "no solution"
+        if self._named or self.exchanges:
+            return False
+        if self.chooses and self.candidate:
+            for other in self.choice.candidates(self.size):
+                # Where one pivot is zero, others are near it: of those without exchanges the complete one is left.
+                if other is self.candidate or ((pivots or self.complete) and not other.complete):
+                    self._without_pivots.add(other.name)
+            self.choice.excluded |= self._without_pivots
+            self._change(self.choice(self.size))
+        else:
+            self.kind, self.candidate, self.exchanges = "lu", None, True
+            self._reset()
+            # A matrix that is singular shows in the true residual.
+            if not self.choice.krylov:
+                set_krylov(self.ksp, self.traits.krylov)
+            self._set(0)
+        log.warning("KSP %s: %s with %s, which exchanges no rows: %s takes its place", prefix, why, failed, self.name)
         return True
 
     def negative_pivots(self) -> int:
@@ -240,8 +307,8 @@ class KeptPreconditioner:
         return self._summed(sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
 
     def zero_pivots(self) -> int:
-        """Pivots of a complete factor that are zero, likewise."""
-        if self.traits.pivots:
+        """Pivots of a factor that are zero, likewise; of one that is not symmetric those that it has ended at."""
+        if self.exchanges:
             return 0
         return self._summed(sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
 
@@ -250,13 +317,16 @@ class KeptPreconditioner:
 
     def _take(self, candidate: Candidate) -> None:
         self.candidate, self.kind = candidate, candidate.kind
+        self.exchanges = self.traits.pivots or candidate.exchanges
+        if candidate.krylov and not self.choice.krylov:
+            set_krylov(self.ksp, candidate.krylov)
         self._set(candidate.levels)
 
     def _set(self, levels: int) -> None:
         self._forget_options()
         traits = self.traits
         shifts = traits.symmetric or traits.definite
-        self._given = set_preconditioner(self.ksp, self.kind, levels, traits.pivots, self.blocks, shifts)
+        self._given = set_preconditioner(self.ksp, self.kind, levels, self.exchanges, self.blocks, shifts, self.overlap)
 
     def _forget_options(self) -> None:
         """Take out of PETSc's database what was put there for a set-up: it is not what the user said."""

@@ -6,9 +6,11 @@ from collections.abc import Callable
 
 from petsc4py import PETSc
 
+from restshape.algebra.candidates import DECADES
 from restshape.algebra.choice import MEMORY, Choice
 from restshape.algebra.kept_preconditioner import KeptPreconditioner
-from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.krylov_method import set_krylov, solve_from
+from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.preconditioner import COMPLETE
 from restshape.algebra.projection import Projection
 from restshape.algebra.refresh import RefreshCriterion
@@ -27,15 +29,24 @@ MOST_ITERATIONS = 10_000
 """An iteration that has not ended by then never will: the preconditioner is rebuilt, or the frame given up."""
 PROJECTED = 0.2
 """Part of the iterations of a solve that projection of the guess saves, one at least: measured on the dragged plate."""
-RESTART = 100
-"""Directions that GMRES keeps: complete factors need few, incomplete ones of slender bodies stall with PETSc's 30."""
 INCOMPLETE = 0.25
 """An incomplete preconditioner leaves smooth errors, whose energy the residual reports too small (by up to 2.2 on the
 plate): its solves end at this share of the tolerance, so that solutions agree within it in the energy norm."""
+INCOMPLETE_FLOW = 0.1
+"""The same of systems that are not symmetric: by up to 4.2 on `flow.toml`, with ILU(0)."""
+FRESH = 4
+"""Iterations with a new complete factor that exchanges no rows, beyond which its pivots are too small."""
+INACCURATE = 1e-6
+"""Residual over the right side that such a factor leaves by itself, likewise."""
+LEAST_DECADES = 0.3
+"""Powers of ten by which any solve makes its residual smaller."""
 MARGIN = 1.5
 """What rounding leaves of the residual of a new factor grows like the solution; on one mesh hardly by more than this
 factor besides."""
 NO_FACTOR = "the stiffness matrix has no factor: part of the body is not constrained, or has no stiffness"
+NO_EXCHANGED = (
+    "the matrix has no factor, nor one with its rows exchanged: part of the shape has no condition; see its boundaries"
+)
 Reason = PETSc.KSP.ConvergedReason
 REASONS = {value: name for name, value in vars(Reason).items() if isinstance(value, int)}
 
@@ -49,7 +60,8 @@ class LinearSolver:
         prefix: of its options in PETSc's database.
         method: `direct` (a new complete Cholesky factor for each matrix, no Krylov iteration), `stale` (CG with an old
             complete factor, refreshed when that pays), `auto` (the same with the preconditioner that each new system's
-            `Choice` prefers, or that PETSc's options name), `ilu` (CG with ILU(3), kept until the mesh is another one).
+            `Choice` prefers, or that PETSc's options name), `ilu` (CG with ILU(3), of flow
+            BiCGStab with ILU(0), kept until the mesh is another one).
         tolerance: of the true residual, relative to the right side.
         calibration: seconds a unit of counted work, for the choice and the refresh.
         stages: takes the time of factorisations and of Krylov iterations.
@@ -89,7 +101,7 @@ class LinearSolver:
         self.ksp = PETSc.KSP().create(comm)
         self.ksp.setOptionsPrefix(prefix)
         self._set_iteration()
-        self.kept = KeptPreconditioner(self.ksp, Choice(calibration, memory), traits, self._named(), method)
+        self.kept = KeptPreconditioner(self.ksp, Choice(calibration, memory, traits), traits, self._named(), method)
         self.ksp.setFromOptions()
         self.refresh = RefreshCriterion(MOST_ITERATIONS)
         self.projection = Projection(comm, directions) if directions else None
@@ -99,6 +111,7 @@ class LinearSolver:
         self._begun = self._new = self._current = False
         self._rounding = math.inf
         self.scale: float | None = None
+        self.decades = DECADES
         self._aimed: tuple[float | None, float] = (None, tolerance)
 
     @property
@@ -119,7 +132,9 @@ class LinearSolver:
     @property
     def aim(self) -> float:
         """The tolerance that residuals must meet for solutions to agree within the scene's."""
-        return self.tolerance if self.kept.exact else INCOMPLETE * self.tolerance
+        if self.kept.exact:
+            return self.tolerance
+        return (INCOMPLETE_FLOW if self.kept.may_exchange else INCOMPLETE) * self.tolerance
 
     @property
     def takes_guess(self) -> bool:
@@ -137,15 +152,10 @@ class LinearSolver:
 
     def _set_iteration(self) -> None:
         """Set what iterates, and what ends it."""
-        direct = self.method == "direct" and self.comm.size == 1
-        self.ksp.setType("preonly" if direct else self.traits.krylov)
-        if self.traits.krylov == "gmres":
-            self.ksp.setGMRESRestart(RESTART)
-            # The true residual is what GMRES sees with the preconditioner on the right.
-            self.ksp.setPCSide(PETSc.PC.Side.RIGHT)
-        if not direct:
-            self.ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
-            self.ksp.setInitialGuessNonzero(True)
+        if self.method == "direct" and self.comm.size == 1:
+            self.ksp.setType("preonly")
+        else:
+            set_krylov(self.ksp, self.traits.krylov)
         self.ksp.setTolerances(rtol=self.tolerance, atol=0.0, divtol=1e30, max_it=MOST_ITERATIONS)
 
     def _named(self) -> str | None:
@@ -199,12 +209,21 @@ class LinearSolver:
         else:
             self._factor(mat, places, self._why(again), uses)
         self._use()
+        self._weigh(b)
         iterations, last, refreshed = self._converge(mat, b, x, places, uses, stale)
         if self.keeps:
             self._count(last, refreshed, new_system, uses)
         if self.projection and self.projection.pays and not auxiliary:
             self.projection.keep(x)
         return self._reported(LinearReport(iterations, refreshed, self.age, self.name))
+
+    def _weigh(self, b: PETSc.Vec) -> None:
+        """Take in how much smaller a solve from the guess 0 is to make a residual: iterations are about as many."""
+        if self.kept.candidate and self.kept.candidate.krylov:
+            size = b.norm()
+            goal = self.aim * (size if self.scale is None else self.scale)
+            self.decades = max(LEAST_DECADES, math.log10(size / goal)) if size > 0.0 and goal > 0.0 else LEAST_DECADES
+            self.refresh.weight = 1.0 if self.kept.exact else self.decades
 
     def _reported(self, report: LinearReport) -> LinearReport:
         if self.on_solved:
@@ -316,6 +335,8 @@ class LinearSolver:
     def _factor(self, mat: PETSc.Mat, places: Reals | None, why: str, uses: int = 1, *, rebuild: bool = False) -> None:
         """Make the preconditioner of `mat` for known uses, and keep it; `why` is for the log, the rest for `make`."""
         with self.stages("factor"):
+            if not rebuild:
+                self.kept.choose_again()
             self.kept.make(mat, places, rebuild)
             self.kept.note_kind()
             if uses > 1:
@@ -333,7 +354,7 @@ class LinearSolver:
         if not self.keeps:
             return "another matrix"
         more, worth = self.refresh.extra_iterations, self.refresh.break_even
-        return f"refactorisation criterion: {more} extra iterations, a refresh is worth {worth:.3g}"
+        return f"refactorisation criterion: {more:g} extra iterations, a refresh is worth {worth:.3g}"
 
     def _take_old(self, mat: PETSc.Mat, same_matrix: bool) -> None:
         """Go on with the preconditioner of an old matrix."""
@@ -417,8 +438,14 @@ class LinearSolver:
             self.ksp.setTolerances(max_it=most)
         self._aim()
         with self.stages("krylov"):
-            self.ksp.solve(b, x)
+            solve_from(self.ksp, b, x)
         iterations: int = self.ksp.getIterationNumber()
+        if self.age == 0 and self.kept.exchangeable and self.ksp.getConvergedReason() > 0:
+            # Nothing else shows that pivots are near zero.
+            alone = self.ksp.getType() == "preonly"
+            bad = not true_residual(self.ksp.getOperators()[0], b, x) <= INACCURATE if alone else iterations > FRESH
+            if bad:
+                self.ksp.setConvergedReason(Reason.DIVERGED_BREAKDOWN)
         self._log_solve(iterations)
         return iterations
 
@@ -436,12 +463,12 @@ class LinearSolver:
 
     def _try_again(self, stale: bool) -> bool:
         """Whether, after a failure, another preconditioner is left: a fresh one, or one of another kind."""
-        return self.keeps and (stale or self.kept.replace_failed())
+        return (self.keeps or self.kept.may_exchange) and (stale or self.kept.replace_failed())
 
     def _count(self, iterations: int, refreshed: bool, new_system: bool, uses: int) -> None:
         """Take in the iterations of a solve, all of them with the preconditioner as it is now."""
         if not new_system:
-            self.kept.count(self.refresh.uses, iterations)
+            self.kept.count(self.refresh.uses, iterations, self.decades)
         self.refresh.count(iterations, refreshed, self.kept.exact, uses)
 
     def _check(self) -> None:
@@ -450,7 +477,7 @@ class LinearSolver:
             return
         self.kept.ready = False
         if reason == Reason.DIVERGED_PCSETUP_FAILED:
-            raise ReplayProblem(NO_FACTOR)
+            raise ReplayProblem(NO_EXCHANGED if self.kept.may_exchange else NO_FACTOR)
         done = self.ksp.getIterationNumber()
         raise ReplayProblem(
             f"the linear solve did not converge, with a new preconditioner ({self.name}) either "

@@ -32,5 +32,10 @@ def _counts(factor: PETSc.Mat) -> bool:
 
 
 def zero_pivots(factor: PETSc.Mat, kind: str) -> int:
-    """Those pivots of a complete Cholesky factor that it has none of, as it ended at one that is zero; 0 of others."""
-    return factor.getInertia()[1] if kind == "cholesky" and _counts(factor) else 0
+    """Pivots that a factor of PETSc's own has none of, as it ended at one that is zero; 0 of other libraries' factors.
+
+    Of an LU factor, complete or not, at most one: it does not go on.
+    """
+    if kind == "cholesky":
+        return factor.getInertia()[1] if _counts(factor) else 0
+    return int(kind in ("lu", "ilu") and _kernels.ended_at_zero(factor.handle))

@@ -11,7 +11,13 @@ FACTORS = (*COMPLETE, "icc", "ilu")
 
 
 def set_preconditioner(
-    ksp: PETSc.KSP, kind: str, levels: int, pivots: bool = False, blocks: bool = True, shifts: bool = True
+    ksp: PETSc.KSP,
+    kind: str,
+    levels: int,
+    pivots: bool = False,
+    blocks: bool = True,
+    shifts: bool = True,
+    overlap: int = 0,
 ) -> list[str]:
     """Give a solver a preconditioner; what PETSc's options say of it goes first.
 
@@ -25,6 +31,7 @@ def set_preconditioner(
         pivots: a complete factor exchanges rows: MUMPS makes it, for PETSc's own do not.
         blocks: a complete Cholesky factor is made in blocks of a node.
         shifts: incomplete factors are made positive definite; matrices in blocks of a node (BAIJ) cannot be shifted so.
+        overlap: layers of other ranks' rows that a rank's factor has besides (restricted additive Schwarz).
 
     Returns: names of options that were put into PETSc's database, to be taken out after the set-up.
     """
@@ -32,12 +39,15 @@ def set_preconditioner(
     wanted: dict[str, object] = {}
     whole = pivots and kind in COMPLETE
     if kind in FACTORS and not whole and ksp.getComm().size > 1:
-        # Block Jacobi as additive Schwarz without overlap: petsc4py 3.18 gives the blocks' solvers for that only.
+        # Block Jacobi is additive Schwarz without overlap: petsc4py 3.18 gives the blocks' solvers for that only.
         pc.setType("asm")
-        pc.setASMOverlap(0)
+        pc.setASMOverlap(overlap)
         wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels, blocks, shifts)}
         _kernels.register_node_cholesky()
     else:
+        if whole:
+            # MUMPS has orders of its own: of another factor there before, PETSc would go on to set the order.
+            pc.setType("none")
         pc.setType(kind)
         if kind == "gamg":
             wanted = {"pc_gamg_reuse_interpolation": True}

@@ -2,7 +2,7 @@
 
 import math
 
-from restshape.algebra.choice import Prices
+from restshape.algebra.prices import Prices
 
 MOST_AHEAD = 15
 """Refreshes ahead in a row, before an old preconditioner is tried again."""
@@ -28,6 +28,7 @@ class RefreshCriterion:
         extra_iterations: iterations beyond those of a fresh preconditioner, since it was made.
         last_extra: such iterations of the last solve.
         fresh_iterations: of a solve with a fresh one.
+        weight: times these, those of the present solve with a fresh one; callers set it where solves are not alike.
         uses: solves since it was made, -1 before the first.
         ahead: refreshes that are still to be made ahead; trials: in vain, in a row.
         product: iterations that cost as much as a product with the matrix.
@@ -40,9 +41,11 @@ class RefreshCriterion:
     def __init__(self, most: int) -> None:
         self.most = most
         self.uses = -1
-        self.extra_iterations = self.last_extra = 0
+        self.extra_iterations: float = 0
+        self.last_extra: float = 0
         self.break_even = self.product = self.spent = self.fresh = 0.0
-        self.fresh_iterations = 1
+        self.fresh_iterations: float = 1
+        self.weight = 1.0
         self.ahead = self.trials = 0
 
     def restart(self) -> None:
@@ -75,8 +78,13 @@ class RefreshCriterion:
             known: uses of the matrix that are known to come, this solve among them: each would take as many.
         """
         # An iteration that is cut short has to restart: where a fresh one is long too, that must be paid twice.
-        fresh = self.fresh_iterations if complete else 2 * self.fresh_iterations
-        return min(self.most, fresh + math.ceil(self.break_even / known))
+        fresh = self._fresh if complete else 2 * self._fresh
+        return min(self.most, math.ceil(fresh) + math.ceil(self.break_even / known))
+
+    @property
+    def _fresh(self) -> float:
+        """Iterations of the present solve, had it a fresh preconditioner."""
+        return max(1, self.fresh_iterations * self.weight)
 
     def give_up(self, iterations: int, known: int = 1) -> None:
         """Take in that a solve with an old preconditioner, for as many known uses, has been cut short."""
@@ -102,18 +110,18 @@ class RefreshCriterion:
             known: uses of the matrix that were known to come.
         """
         if refreshed:
-            self.fresh_iterations = 1 if complete else max(1, iterations)
+            self.fresh_iterations = 1 if complete else max(1, iterations / self.weight)
         if known == 1:
             # A new complete factor is applied, without a product.
             new = self.break_even - (self.product if complete else 0.0)
             self.spent += iterations + (new if refreshed else 0.0)
-            self.fresh += self.fresh_iterations + new
+            self.fresh += self._fresh + new
         if refreshed:
             return
         if self.uses == 1 and not complete:
             # The guess on a new mesh is worse than those that follow it.
-            self.fresh_iterations = max(1, min(self.fresh_iterations, iterations))
-        self.last_extra = max(0, iterations - self.fresh_iterations)
+            self.fresh_iterations = max(1, min(self.fresh_iterations, iterations / self.weight))
+        self.last_extra = max(0, iterations - self._fresh)
         if self.uses == 1:
             self._try(in_vain=self.last_extra >= self.break_even)
         self.extra_iterations += self.last_extra

@@ -14,6 +14,7 @@ class Traits:
         fields: unknowns a node, on which the fill of factors hangs.
         dimension: 2 for bodies in the plane, 3 for bodies and sheets in space: what patterns of nodes are like.
         rigid_motions: rigid motions of the body are nearly in the null space; else constants are.
+        rate: matrices are those of steps in time, whose rate term makes them better conditioned than steady ones.
     """
 
     symmetric: bool = True
@@ -21,6 +22,7 @@ class Traits:
     fields: int = 2
     dimension: int = 2
     rigid_motions: bool = True
+    rate: bool = False
 
     @property
     def factor(self) -> str:

@@ -6,10 +6,11 @@ from typing import Self, TypedDict
 
 from petsc4py import PETSc
 
-from restshape.algebra.choice import Prices, Size
-from restshape.algebra.linear import MOST_ITERATIONS, RESTART, LinearSolver
+from restshape.algebra.krylov_method import set_krylov, solve_from
+from restshape.algebra.linear import MOST_ITERATIONS, LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.preconditioner import set_preconditioner, set_rigid_motions
+from restshape.algebra.prices import Prices, Size
 from restshape.algebra.schedule import Schedule
 from restshape.arrays import Reals
 from restshape.first_use import made
@@ -83,14 +84,18 @@ class Manner:
     """How a solver makes its preconditioners, and what they cost.
 
     Args:
-        kind, levels, blocks: as `set_preconditioner` has them.
+        name: in tables.
+        kind, levels, blocks, exchanges: as `set_preconditioner` has them; krylov: PETSc's type of the iteration.
         applies: it is a complete Cholesky factor, which is applied to its own matrix, without an iteration.
         price: of it; product: seconds of a product with the matrix.
     """
 
+    name: str
     kind: str
     levels: int
     blocks: bool
+    exchanges: bool
+    krylov: str
     applies: bool
     price: Prices
     product: float
@@ -99,10 +104,10 @@ class Manner:
     def of(cls, solver: LinearSolver) -> Self:
         """That of the preconditioner which the solver has."""
         kept = solver.kept
-        levels = kept.candidate.levels if kept.candidate else 0
-        product = kept.choice.calibration.matvec_nonzero * kept.size.nonzeros / kept.size.ranks
-        applies = kept.exact and kept.kind == "cholesky"
-        return cls(kept.kind, levels, kept.blocks, applies, kept.price(), product)
+        levels, krylov = (kept.candidate.levels, kept.candidate.krylov) if kept.candidate else (0, "")
+        krylov = krylov or solver.traits.krylov
+        applies, price = kept.exact and kept.kind == "cholesky", kept.price()
+        return cls(kept.name, kept.kind, levels, kept.blocks, kept.exchanges, krylov, applies, price, price.product)
 
     def seconds(self, iterations: float, applied: float) -> float:
         """Of iterations, among them applications of a factor to its own matrix."""
@@ -210,6 +215,8 @@ class Watch:
 
     def _after(self, report: LinearReport | None) -> None:
         train, solve = made(self._pending)
+        # Another candidate than before is another segment.
+        self._new |= bool(self._segments) and self._segments[-1].manner.name != self.solver.name
         if self._new or report is None or not self._segments:
             self._segments.append(Segment(self.solver, report is None, self.window))
         self._new = False
@@ -267,15 +274,11 @@ def _solver_of(solver: LinearSolver, manner: Manner, matrix: PETSc.Mat) -> PETSc
     """A Krylov method like the solver's, with the preconditioner of a matrix."""
     traits, ksp = solver.traits, PETSc.KSP().create(solver.comm)
     ksp.setOptionsPrefix("hindsight_")
-    ksp.setType(traits.krylov)
-    if traits.krylov == "gmres":
-        ksp.setGMRESRestart(RESTART)
-        ksp.setPCSide(PETSc.PC.Side.RIGHT)
-    ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
-    ksp.setInitialGuessNonzero(True)
+    set_krylov(ksp, manner.krylov)
     ksp.setTolerances(divtol=1e30, max_it=MOST_ITERATIONS)
     shifts = traits.symmetric or traits.definite
-    given = set_preconditioner(ksp, manner.kind, manner.levels, traits.pivots, manner.blocks, shifts)
+    overlap = solver.kept.overlap
+    given = set_preconditioner(ksp, manner.kind, manner.levels, manner.exchanges, manner.blocks, shifts, overlap)
     ksp.setOperators(matrix)
     ksp.setUp()
     if solver.comm.size > 1:
@@ -299,7 +302,7 @@ def _iterations(ksp: PETSc.KSP, train: Train, applied: bool) -> float:
     for solve in train.solves:
         x = solve.guess.copy()
         ksp.setTolerances(*solve.aim)
-        ksp.solve(solve.right, x)
+        solve_from(ksp, solve.right, x)
         x.destroy()
         if ksp.getConvergedReason() < 0:
             return -1.0

@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from restshape.algebra.traits import Traits
 from restshape.fem import problem as kinds
 from restshape.fem.averages import node_weights
 from restshape.fem.elements import (
@@ -138,6 +139,11 @@ class IncompressibleFlow(SteadyProblem):
     def initial(self) -> np.ndarray:
         """The unknowns (n, f) at time 0: the fluid is at rest, but where it is driven."""
         return self.boundary.values.copy()
+
+    @classmethod
+    def traits(cls, plan: Plan) -> Traits:
+        """Matrices of steps in time have a rate term."""
+        return replace(super().traits(plan), rate=plan.settings("flow").time_step is not None)
 
     def take(self, step: TimeStep) -> None:
         """Take up another time step; `update` evaluates what depends on the time."""

@@ -1,0 +1,138 @@
+"""Preconditioners that a linear system may get, and what is expected of them before anything has been counted."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from restshape.algebra.traits import Traits
+
+DECADES = 2.5
+"""Powers of ten by which solves of Newton's steps make residuals smaller, as prior iterations were measured."""
+SHORT = 0.7
+"""Iterations of BiCGStab over those of GMRES."""
+
+
+class Law(NamedTuple):
+    """A count that grows like factor x n^power."""
+
+    factor: float
+    power: float
+
+    def __call__(self, n: float) -> float:
+        return self.factor * n**self.power
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is expected of a preconditioner before the replay has counted anything.
+
+    Measured on the plate whose hole is dragged (2,000, 18,000 and 70,000 unknowns; guesses extrapolated, 1e-6) and on
+    boxes of first-order tetrahedra constrained on one side (2,200, 6,600 and 21,000 unknowns): two and three unknowns a
+    node.
+
+    Args:
+        filled: nonzeros of the factor, or of the matrices of all grids; of the unknowns (complete) or of the matrix.
+        fresh: iterations with a fresh one.
+        growth: part of them that each solve of age adds.
+        block: what each doubling of the ranks adds, for factors of the ranks' own rows: iterations of a complete
+            factor, part of the iterations of an incomplete one.
+    """
+
+    filled: Law
+    fresh: Law
+    growth: float
+    block: float = 0.0
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A preconditioner that `auto` may choose.
+
+    Args:
+        name: in tables.
+        kind: PETSc's type.
+        levels: of fill, where incomplete.
+        plane, space: what to expect of problems that declare these dimensions.
+        krylov: PETSc's type of the iteration; empty leaves it to the traits.
+        exchanges: a complete factor exchanges rows (MUMPS).
+    """
+
+    name: str
+    kind: str
+    levels: int
+    plane: Prior
+    space: Prior
+    krylov: str = ""
+    exchanges: bool = False
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is a complete factor."""
+        return self.kind in ("cholesky", "lu")
+
+    def prior(self, dimension: int) -> Prior:
+        """What to expect in that dimension of space."""
+        return self.space if dimension == 3 else self.plane
+
+
+def incomplete(kind: str) -> tuple[Candidate, Candidate]:
+    """The incomplete factors ICC(k), or ILU(k), with the level that served best: 3 in the plane, 1 in space."""
+    half = 0.5 if kind == "icc" else 1.0
+    plane = Prior(Law(2.75 * half, 1.0), Law(0.56, 1 / 2), 0.02, 0.1)
+    space = Prior(Law(1.75 * half, 1.0), Law(1.6, 1 / 3), 0.02, 0.1)
+    return Candidate(f"{kind}(3)", kind, 3, plane, plane), Candidate(f"{kind}(1)", kind, 1, space, space)
+
+
+CHOLESKY = Candidate(
+    "cholesky",
+    "cholesky",
+    0,
+    Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4, 12.0),
+    Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4, 12.0),
+)
+ICC, ICC_SPACE = incomplete("icc")
+ILU, ILU_SPACE = incomplete("ilu")
+GAMG = Candidate(
+    "gamg",
+    "gamg",
+    0,
+    Prior(Law(1.4, 1.0), Law(8.0, 0.0), 0.03),
+    Prior(Law(1.25, 1.0), Law(9.0, 0.0), 0.03),
+)
+PLANE = (CHOLESKY, ICC, ILU, GAMG)
+SPACE = (CHOLESKY, ICC_SPACE, ILU_SPACE, GAMG)
+
+
+def of_flow(rate: bool) -> tuple[Candidate, ...]:
+    """Candidates for matrices that are not symmetric: a complete factor, ILU(0) to ILU(2), and how they iterate.
+
+    Measured on flows of three unknowns a node, 2,000 to 17,000 unknowns (`python scripts/unsymmetric.py`): steady, and
+    with a rate of a time step in the matrix (`rate`), which leaves less to the pressure alone. Iterations are those of
+    GMRES to a residual that is smaller by `DECADES`; BiCGStab takes `SHORT` times as many, of two products each.
+    """
+    power = (0.38, 0.38, 0.38) if rate else (0.6, 0.5, 0.5)
+    fresh = (0.75, 0.46, 0.36) if rate else (0.37, 0.45, 0.32)
+    growth, fill = (0.1, 0.12, 0.15) if rate else (0.05, 0.05, 0.05), (1.0, 1.5, 2.04)
+    complete = Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.5, 6.0)
+    found = [Candidate("lu", "lu", 0, complete, complete, "gmres")]
+    for krylov, before, share in (("gmres", "", 1.0), ("bcgs", "bicgstab+", SHORT)):
+        for level in range(3):
+            prior = Prior(Law(fill[level], 1.0), Law(share * fresh[level], power[level]), growth[level], 0.1)
+            found.append(Candidate(f"{before}ilu({level})", "ilu", level, prior, prior, krylov))
+    return (*found, Candidate("lu, rows exchanged", "lu", 0, complete, complete, "gmres", True))
+
+
+FLOW_IN_TIME, STEADY_FLOW = of_flow(True), of_flow(False)
+THESIS_FLOW = next(one for one in FLOW_IN_TIME if one.name == "bicgstab+ilu(0)")
+"""What the thesis solves systems by that are not symmetric (4.2.3)."""
+
+
+def candidates(traits: Traits) -> tuple[Candidate, ...]:
+    """What may be chosen for matrices with these traits; nothing where a complete factor is all that is known of.
+
+    Those of bodies that are not symmetric are nearly so, and may be indefinite: no incomplete factor is known to serve.
+    """
+    if traits.minimises:
+        return SPACE if traits.dimension == 3 else PLANE
+    if traits.symmetric or traits.rigid_motions:
+        return ()
+    return FLOW_IN_TIME if traits.rate else STEADY_FLOW

@@ -1,0 +1,156 @@
+"""What preconditioners and iterations cost, from counted nonzeros and a calibration."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import NamedTuple
+
+from restshape.calibration import Calibration
+
+SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE = 4.0, 2.2, 1.9
+"""Seconds a nonzero of a factor of single numbers over those of one in blocks of a node, which the calibration has:
+`python scripts/factors.py`. Complete Cholesky factors have blocks where a node has several unknowns."""
+ROW = 14.0
+"""Nonzeros of a row in the plane, two unknowns a node, with the first-order triangles that priors were measured on."""
+RESTART = 100
+"""Directions that GMRES keeps: complete factors need few, incomplete ones of slender bodies stall with PETSc's 30."""
+
+
+@dataclass(frozen=True)
+class Size:
+    """A linear system as the choice sees it; all counts are global, so that all ranks choose alike.
+
+    Args:
+        unknowns: rows.
+        nonzeros: of the matrix.
+        dimension: that the problem declares.
+        ranks: that share it.
+        fields: unknowns a node that the problem declares; 0: those of elastic bodies, as priors were measured on.
+        blocks: the matrix is in blocks of a node (BAIJ).
+    """
+
+    unknowns: int
+    nonzeros: float
+    dimension: int = 2
+    ranks: int = 1
+    fields: int = 0
+    blocks: bool = False
+
+    @property
+    def share(self) -> float:
+        """Unknowns a node over those of elastic bodies in that dimension."""
+        return self.fields / self.dimension if self.fields else 1.0
+
+    @property
+    def width(self) -> float:
+        """Nonzeros of a row over those of first-order triangles, in the plane; never less than 1."""
+        return (
+            max(1.0, self.nonzeros / (ROW * self.share * self.unknowns))
+            if self.dimension == 2 and self.unknowns
+            else 1.0
+        )
+
+
+class Prices(NamedTuple):
+    """Seconds of an iteration, of a refresh on a pattern that has been analysed, and of a first set-up.
+
+    Of an iteration: of one application, of one product, and of what is done besides.
+    """
+
+    iteration: float
+    refresh: float
+    setup: float
+    apply: float = 0.0
+    product: float = 0.0
+    vectors: float = 0.0
+
+
+def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
+    """What a preconditioner of PETSc's type `kind` costs with `filled` nonzeros in all; ranks share the work evenly."""
+    if kind != "cholesky" or size.fields == 1:
+        known = _of_single_numbers(known)
+    filled = filled / size.ranks
+    work = (math.ceil(size.unknowns / size.ranks), size.nonzeros / size.ranks)
+    once, product = known.pass_seconds(*work), known.matvec_nonzero * work[1]
+    if kind in ("ilu", "icc"):
+        numeric = (known.ilu_numeric_nonzero if kind == "ilu" else known.numeric_nonzero) * filled
+        apply = known.ilu_solve_nonzero * filled if kind == "ilu" else known.solve_nonzero * 2.0 * filled
+        costs = apply + once, numeric + once, known.symbolic_nonzero * filled + numeric + once
+    elif kind == "gamg":
+        refresh = known.gamg_refresh_nonzero * filled + once
+        costs = known.gamg_solve_nonzero * filled + once, refresh, known.gamg_setup_nonzero * filled + once
+    else:
+        costs = (
+            known.iteration_seconds(*work, filled),
+            known.refresh_seconds(*work, filled),
+            known.factor_seconds(*work, filled),
+        )
+    return Prices(*costs, costs[0] - once, product, once - product)
+
+
+def flow_prices(
+    kind: str, krylov: str, size: Size, filled: float, known: Calibration, iterations: float, exchanges: bool = False
+) -> Prices:
+    """What a preconditioner of systems that are not symmetric costs, with GMRES or BiCGStab.
+
+    Args:
+        kind: "lu", "ilu".
+        krylov: "gmres", "bcgs".
+        size: of the system.
+        filled: nonzeros in all; of a complete factor those of one triangle.
+        known: seconds a unit of counted work.
+        iterations: of a solve: GMRES makes each direction orthogonal to all before.
+        exchanges: MUMPS makes the factor.
+    """
+    n, share = math.ceil(size.unknowns / size.ranks), filled / size.ranks
+    scale = IN_BLOCKS if size.blocks else BY_POINTS
+    product = known.matvec_nonzero * size.nonzeros / size.ranks * scale.product
+    if kind == "ilu":
+        apply, numeric = known.ilu_solve_nonzero * share * scale.incomplete, known.ilu_numeric_nonzero * share
+        symbolic = known.symbolic_nonzero * share
+    else:
+        apply = known.solve_nonzero * 2.0 * share * scale.solve
+        numeric = (known.numeric_nonzero * share + known.numeric_work * share**1.5) * scale.numeric
+        symbolic = known.symbolic_nonzero * share * scale.symbolic
+    if exchanges:
+        apply, numeric, symbolic = EXCHANGED * apply, EXCHANGED * numeric, EXCHANGED * symbolic
+    vectors = known.vector_unknown * n
+    if krylov == "bcgs":
+        vectors = BICGSTAB_VECTORS * vectors + known.iteration
+        each = 2.0 * (apply + product) + vectors
+    else:
+        vectors = vectors * (1.0 + 0.5 * DIRECTION * min(iterations, RESTART)) + known.iteration
+        each = apply + product + vectors
+    return Prices(each, numeric, symbolic + numeric, apply, product, vectors)
+
+
+class WorkScale(NamedTuple):
+    """Seconds of work on a matrix that is not symmetric over those of the calibration, a nonzero."""
+
+    product: float
+    incomplete: float
+    solve: float
+    numeric: float
+    symbolic: float
+
+
+IN_BLOCKS = WorkScale(0.55, 0.75, 0.7, 2.6, 1.0)
+"""In blocks of three, by `python scripts/unsymmetric.py`, as are those that follow."""
+BY_POINTS = WorkScale(1.0, 1.0, 1.0, 3.3, 4.0)
+EXCHANGED = 3.0
+"""A factor with exchanges of rows, over one without."""
+DIRECTION = 0.16
+"""Making a direction of GMRES orthogonal to another one, over the work on vectors of an iteration of CG."""
+BICGSTAB_VECTORS = 2.5
+"""Work on vectors of an iteration of BiCGStab, over that of CG."""
+
+
+@lru_cache(maxsize=4)
+def _of_single_numbers(known: Calibration) -> Calibration:
+    return replace(
+        known,
+        symbolic_nonzero=SINGLE_SYMBOLIC * known.symbolic_nonzero,
+        numeric_nonzero=SINGLE_NUMERIC * known.numeric_nonzero,
+        numeric_work=SINGLE_NUMERIC * known.numeric_work,
+        solve_nonzero=SINGLE_SOLVE * known.solve_nonzero,
+    )

@@ -1,0 +1,37 @@
+"""Flows on two ranks: every candidate finds what one rank does, and factors that overlap take fewer iterations."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from restshape_studies.stability.scenery import make_replay, write_scene
+from restshape_verification.flow.scenes import STEADY, channel, disc
+
+BODY = channel(3, 1, "rho = 1.5\nmu = 0.1\n", holes=disc("body", (1, 0.5), 0.15))
+TEXT = BODY + STEADY + '[mesh]\nsize = 0.12\n[quantities]\ndrag = { drag = true, at = "body" }\n'
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory, outside):
+    folder = tmp_path_factory.mktemp("ranks")
+    program = str(Path(__file__).with_name("unsymmetric_ranks_program.py"))
+    command = ["mpiexec", "-n", "2", sys.executable, program, str(write_scene(folder, TEXT))]
+    done = subprocess.run(command, cwd=folder, env=outside, capture_output=True, text=True, timeout=240)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.mark.mpi
+def test_every_candidate_agrees_with_one_rank(found, tmp_path):
+    drag = next(iter(make_replay(write_scene(tmp_path, TEXT)).frames()))["q_drag"]
+    assert len(found) == 6
+    for name, row in found.items():
+        assert row["name"] == name[:-2] and row["drag"] == pytest.approx(drag, rel=1e-5)
+
+
+@pytest.mark.mpi
+def test_factors_that_overlap_take_fewer_iterations(found):
+    for name in ("lu", "ilu(1)"):
+        assert found[f"{name} 1"]["iterations"] < 0.9 * found[f"{name} 0"]["iterations"], name
