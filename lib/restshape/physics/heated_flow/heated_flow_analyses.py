@@ -67,7 +67,7 @@ class Switching(NonlinearSteadyAnalysis):
         if not isinstance(problem, HeatedFlow) or self.state.plan.settings("heat").coupling == "monolithic":
             return super()._search(equations)  # type: ignore[return-value]
         if self._parts is None:
-            self._parts = SplitParts(self.state.scene, self.context)
+            self._parts = SplitParts(self.state.scene, self.state.plan, self.context)
         return SplitSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim, self._parts)
 
     def _wanted(self, scene: Scene) -> type[IncompressibleFlow]:

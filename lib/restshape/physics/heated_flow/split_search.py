@@ -18,6 +18,7 @@ from restshape.physics.flow.flow_search import FlowSearch
 from restshape.physics.heated_flow.heated_flow import HeatedFlow
 from restshape.physics.heated_flow.split_problems import HeatInFlow, LiftedFlow
 from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
 
 TURNS = 60
 """Of both parts, after which they are believed not to agree."""
@@ -45,12 +46,13 @@ class SplitParts:
 
     Args:
         scene: for its tolerance.
+        plan: which effects are on.
         context: what all parts of the replay share.
     """
 
-    def __init__(self, scene: Scene, context: Context) -> None:
+    def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
         self.context = context
-        self._solvers = {make: self._solver(make, scene) for make in (LiftedFlow, HeatInFlow)}
+        self._solvers = {make: self._solver(make, scene, plan) for make in (LiftedFlow, HeatInFlow)}
         self._parts: dict[type[SteadyProblem], Part] = {}
 
     def of(self, whole: HeatedFlow) -> tuple[Part, Part]:
@@ -79,8 +81,9 @@ class SplitParts:
         self._parts[make] = Part(problem, system, equations, space.topology)
         return self._parts[make]
 
-    def _solver(self, make: type[LiftedFlow] | type[HeatInFlow], scene: Scene) -> LinearSolver:
-        context, traits = self.context, replace(make.traits(None), symmetric=False)
+    def _solver(self, make: type[LiftedFlow] | type[HeatInFlow], scene: Scene, plan: Plan) -> LinearSolver:
+        rate = plan.settings("flow").time_step is not None
+        context, traits = self.context, replace(make.traits(plan), symmetric=False, rate=rate)
         return LinearSolver(
             context.comm,
             f"{make.name}_",
