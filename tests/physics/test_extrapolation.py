@@ -23,7 +23,7 @@ def test_a_polynomial_of_the_time_is_predicted_at_any_steps(degree):
     def at(time):
         return np.tensordot(float(time) ** np.arange(degree + 1), factors, 1)
 
-    found = followed([at(time) for time in TIMES])(0.9, [[0, 1], [2]])
+    found = followed([at(time) for time in TIMES])(0.9, [slice(0, 2), slice(2, 3)])
     np.testing.assert_allclose(found, at(0.9), rtol=1e-9, atol=1e-9)
 
 
@@ -31,14 +31,14 @@ def test_a_flow_that_has_begun_suddenly_is_not_overshot():
     """At rest, and from the first step on all but steady: what it was is nearer than where it seems to go."""
     values = [np.zeros((4, 3)), np.ones((4, 3)), np.full((4, 3), 1.01)]
     series = followed(values[:2], (0.0, 0.1))
-    np.testing.assert_allclose(series(0.2, [[0, 1, 2]]), 1.0)
-    np.testing.assert_allclose(followed(values, (0.0, 0.1, 0.2))(0.3, [[0, 1, 2]]), 1.01)
+    np.testing.assert_allclose(series(0.2, [slice(0, 3)]), 1.0)
+    np.testing.assert_allclose(followed(values, (0.0, 0.1, 0.2))(0.3, [slice(0, 3)]), 1.01)
 
 
 def test_each_unknown_has_its_own_order():
     """The first column goes on evenly; the second one is back where it was in each step, far from any line."""
     values = [np.array([[0.1 * k, 5.0 + (-1.0) ** k]]) for k in range(5)]
-    found = followed(values, 0.1 * np.arange(5))(0.5, [[0], [1]])
+    found = followed(values, 0.1 * np.arange(5))(0.5, [slice(0, 1), slice(1, 2)])
     np.testing.assert_allclose(found, [[0.5, 6.0]], rtol=1e-12)
 
 
@@ -46,4 +46,4 @@ def test_what_it_was_given_may_change_afterwards():
     x = np.ones((2, 3))
     series = Extrapolation().after(0.0, x)
     x[:] = 5.0
-    np.testing.assert_allclose(series(1.0, [[0, 1, 2]]), 1.0)
+    np.testing.assert_allclose(series(1.0, [slice(0, 3)]), 1.0)

@@ -38,6 +38,7 @@ class Sliding:
         self._after = np.where(after < 0, before, after)[self.nodes]
         self._normals, self._lengths = np.zeros((len(self.nodes), 2)), np.ones(len(self.nodes))
         self._places: np.ndarray | None = None
+        self._columns, self._end = np.zeros((3, len(self.nodes))), self.nodes.max(initial=-1)
 
     def update(self, X: np.ndarray) -> None:
         """Set `kept` for nodes at X (n, 2) [m]; there is nothing to do where none of these has moved."""
@@ -54,14 +55,15 @@ class Sliding:
         corner = other & (np.abs(np.arctan2(cross, dot)) > CORNER)
         self.kept = np.column_stack([1.0 - n[:, 0] ** 2, -n[:, 0] * n[:, 1], 1.0 - n[:, 1] ** 2])
         self.kept[corner] = 0.0
+        self._columns = np.ascontiguousarray(self.kept.T)
 
     def project(self, out: np.ndarray, first: int = 0) -> None:
         """Take from the first two columns of `out` (k, f), of nodes from a first one on, what these do not keep."""
-        nodes, kept = self.nodes - first, self.kept
-        if first or len(out) <= self.nodes.max(initial=-1):
-            own = (nodes >= 0) & (nodes < len(out))
-            nodes, kept = nodes[own], kept[own]
-        xx, xy, yy = kept.T
+        nodes, kept = self.nodes, self._columns
+        if first or len(out) <= self._end:
+            own = (nodes >= first) & (nodes < first + len(out))
+            nodes, kept = nodes[own] - first, kept[:, own]
+        xx, xy, yy = kept
         x, y = out[nodes, 0], out[nodes, 1]
         out[nodes, 0], out[nodes, 1] = xx * x + xy * y, xy * x + yy * y
 

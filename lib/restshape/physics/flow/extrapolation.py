@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 
@@ -19,7 +20,7 @@ class Extrapolation:
 
     Args:
         times: at the ends of the last steps, the newest first [s].
-        values: (k, n, f) unknowns then.
+        values: (k, f, n) unknowns then, column after column.
 
     Source: docs/theory/flow.md.
     """
@@ -30,29 +31,29 @@ class Extrapolation:
     def after(self, time: float, x: np.ndarray) -> Extrapolation:
         """With the unknowns x (n, f) at a later time [s]; a copy is kept."""
         if self.values is None:
-            return Extrapolation((time,), x[None].copy())
+            return Extrapolation((time,), x.T[None].copy())
         kept = min(len(self.times), MOST + 1)
-        return Extrapolation((time, *self.times[:kept]), np.concatenate([x[None], self.values[:kept]]))
+        return Extrapolation((time, *self.times[:kept]), np.concatenate([x.T[None], self.values[:kept]]))
 
-    def __call__(self, time: float, groups: Sequence[Sequence[int]]) -> np.ndarray:
+    def __call__(self, time: float, groups: Sequence[slice]) -> np.ndarray:
         """The unknowns (n, f) at a time [s]; groups: columns of those that change alike, each column in one."""
         assert self.values is not None, "nothing is known yet"
-        known, out = self.values, self.values[0].copy()
-        count = len(self.times) - 1
+        known, count = self.values, len(self.times) - 1
         if count < 1:
-            return out
-        # What each order makes of the newest values, from those before, beside what they are.
+            return np.ascontiguousarray(known[0].T)
+        # What each order makes of the newest values, from those before, less what they are.
         weights = np.zeros((count, count + 1))
         weights[:, 0] = -1.0
         for order in range(count):
             weights[order, 1 : order + 2] = lagrange(self.times[1 : order + 2], self.times[0])
-        errors = np.square((weights @ known.reshape(count + 1, -1)).reshape(count, *out.shape)).sum(axis=1)
-        for columns in map(list, groups):
+        missed = (weights @ known.reshape(count + 1, -1)).reshape(count, *known.shape[1:])
+        errors = np.einsum("kfn,kfn->kf", missed, missed)
+        out = np.empty(known.shape[1:])
+        for columns in groups:
             order = int(np.argmin(errors[:, columns].sum(axis=1)))
-            if order:
-                ahead = lagrange(self.times[: order + 1], time)
-                out[:, columns] = np.tensordot(ahead, known[: order + 1, :, columns], 1)
-        return out
+            ahead = lagrange(self.times[: order + 1], time)
+            np.einsum("k,kfn->fn", ahead, known[: order + 1, columns], out=out[columns])
+        return np.ascontiguousarray(out.T)
 
 
 class TimeGuess:
@@ -62,7 +63,7 @@ class TimeGuess:
         groups: columns of the unknowns that change alike, each column in one.
     """
 
-    def __init__(self, groups: Sequence[Sequence[int]]) -> None:
+    def __init__(self, groups: Sequence[slice]) -> None:
         self._groups, self._series = groups, Extrapolation()
         self._last: np.ndarray | None = None
 
@@ -78,11 +79,6 @@ class TimeGuess:
         self._series, self._last = self._series.after(time, x), x
 
 
-def lagrange(times: Sequence[float], time: float) -> np.ndarray:
+def lagrange(times: Sequence[float], time: float) -> list[float]:
     """Weights (k,) of values at times with which their polynomial has its value at another time."""
-    at = np.array(times)
-    apart = at[:, None] - at
-    np.fill_diagonal(apart, 1.0)
-    ahead = np.tile(time - at, (len(at), 1))
-    np.fill_diagonal(ahead, 1.0)
-    return (ahead / apart).prod(axis=1)
+    return [prod((time - b) / (a - b) for b in times if b != a) for a in times]

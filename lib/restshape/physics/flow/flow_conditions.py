@@ -87,11 +87,12 @@ class FlowConditions:
     def enters(self, velocity: np.ndarray) -> bool:
         """Whether fluid comes in at a node of an outflow, by a velocity (n, 2) of all nodes, not by rounding alone."""
         ends = self.space.X[self.outflow]
-        along = ends[:, 1] - ends[:, 0]
-        leaving = velocity[self.outflow] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
-        leaving = (leaving * along[:, None]).sum(axis=2)
-        size = np.abs(velocity[self.outflow]).max(initial=0.0) * np.linalg.norm(along, axis=1).max(initial=0.0)
-        return bool(leaving.min(initial=0.0) < -NOTHING * size)
+        x, y = (ends[:, 1] - ends[:, 0]).T[:, :, None]
+        here = velocity[self.outflow]
+        if not len(here):
+            return False
+        size = np.abs(here).max() * np.sqrt((x * x + y * y).max())
+        return bool((here[:, :, 0] * y - here[:, :, 1] * x).min() < -NOTHING * size)
 
     def slips_at(self, edge: str) -> bool:
         """Whether the fluid slips on an entity of the border."""

