@@ -32,7 +32,15 @@ COARSE = "[mesh]\nsize = 0.16\n"
 @pytest.mark.parametrize("script", [DRAG, FAR])
 @pytest.mark.parametrize(
     "effects",
-    [STEADY, in_time(), in_time(scheme="backward_euler"), in_time(steps=3), in_time().replace("convection = {}", "")],
+    [
+        STEADY,
+        in_time(),
+        in_time(scheme="backward_euler"),
+        in_time(steps=3),
+        in_time().replace("convection = {}", ""),
+        in_time().replace("steps = 1", 'carry = "remap"'),
+        in_time(heat='coupling = "split"'),
+    ],
 )
 def test_a_steady_linear_temperature_stays_one_while_a_body_is_dragged(tmp_path, effects, script):
     """u = (y, 0) and T = 300 + 2 y, along which nothing is carried, are no others for any motion of the mesh."""
