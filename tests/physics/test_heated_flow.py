@@ -105,6 +105,16 @@ def test_a_steady_flow_is_found_from_rest(tmp_path, Ra, nusselt):
     assert row["q_hot"] == pytest.approx(nusselt, rel=0.04)
 
 
+@pytest.mark.slow
+def test_steps_that_pass_hundreds_of_elements_lead_to_the_steady_flow(tmp_path):
+    text = CAVITY + in_time(0.1) + BUOYANT + "[mesh]\nsize = 0.06\n"
+    script = write_script(tmp_path, [{"do": "idle", "frames": 6}])
+    rows = make_replay(write_scene(tmp_path, text), script, overrides=["parameters.Ra=1e6"]).frames()
+    found = [(row["q_hot"], row["refused"]) for row in rows]
+    assert not any(refused for _, refused in found)
+    assert found[-1][0] == pytest.approx(8.82521, rel=0.08)
+
+
 def test_a_check_says_rayleighs_number(tmp_path):
     scene = load_scene(write_scene(tmp_path, CAVITY + STEADY + BUOYANT + COARSE))
     seen = [one.inspected(scene, outline_from_spec(scene.shape)) for one in application_of(scene).physics]

@@ -65,9 +65,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[IncompressibleFlow]) -> None:
         super().__init__(scene, plan, context, make)
         self.state = FlowState(plan, scene)
-        # Those of one unknown, such as the velocity, are predicted alike.
-        ends = [0, *accumulate(len(unknown.components) for unknown in make.unknowns)]
-        self._ahead = TimeGuess([slice(*columns) for columns in pairwise(ends)])
+        self._ahead = self._time_guess()
 
     def solve(self, frame: Frame) -> LinearReport:
         """Bring the flow up to date with a frame: take its time steps.
@@ -201,6 +199,8 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
         search = self._search(equations)
         outcome, found = search.near(self._guess(x, past.time, step), x)
         if not outcome.converged:
+            outcome, found = search.thinned(outcome, x)
+        if not outcome.converged:
             raise ReplayProblem(
                 f"no flow is found at {step.time:.6g} s: {outcome.why}; make effects.flow.time_step smaller"
             )
@@ -211,6 +211,11 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     def _search(self, equations: ResidualEquations) -> FlowSearch:  # type: ignore[override]
         problem = cast(IncompressibleFlow, equations.problem)
         return FlowSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim)
+
+    def _time_guess(self) -> TimeGuess:
+        """What foretells the unknowns; those of one name, such as the velocity, alike."""
+        ends = [0, *accumulate(len(unknown.components) for unknown in self.make.unknowns)]
+        return TimeGuess([slice(*columns) for columns in pairwise(ends)])
 
     def _guess(self, x: np.ndarray, time: float, step: TimeStep) -> np.ndarray:
         """Unknowns (n, f) after a step from x (n, f) at a time [s]."""

@@ -56,7 +56,7 @@ class FlowSearch:
         """
         outcome, x = self.near(guess, start)
         if not outcome.converged:
-            outcome, x = self._thinned(outcome)
+            outcome, x = self.thinned(outcome, self.problem.start())
         if not outcome.converged:
             raise ReplayProblem(
                 f"no steady flow is found{self._reynolds()}: {outcome.why}; give [effects.flow] a time_step"
@@ -75,9 +75,14 @@ class FlowSearch:
             outcome = self._solve(x).after(outcome)
         return outcome, x
 
-    def _thinned(self, before: Outcome) -> tuple[Outcome, np.ndarray]:
-        """The flow from that of a fluid with a large viscosity, which is made smaller in steps."""
-        x = self.problem.start()
+    def thinned(self, before: Outcome, start: np.ndarray) -> tuple[Outcome, np.ndarray]:
+        """The flow from that of a fluid with a large viscosity, which is made smaller in steps.
+
+        Args:
+            before: what came of the search so far.
+            start: (n, f) unknowns, from which the most viscous one is looked for.
+        """
+        x = start.copy()
         try:
             for factor in THICKER:
                 self._change(thickening=factor)

@@ -112,5 +112,6 @@ class HeatedFlowInTime(Switching, FlowInTimeAnalysis):
 
     def _switch(self, scene: Scene, wanted: type[IncompressibleFlow]) -> None:
         super()._switch(scene, wanted)
+        self._ahead = self._time_guess()
         past, x = made(self.state.past), self.state.x
         self.state = replace(self.state, past=Past(past.time, replace(past.last, values=x[:, list(wanted.history)])))
