@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from flow_scenes import CYLINDER
 from restshape_studies.stability.scenery import across, drag, make_replay, write_scene, write_script
+from restshape_verification.flow.heated_scenes import in_time as heated_in_time
+from restshape_verification.flow.heated_scenes import warm_everywhere
 from restshape_verification.flow.scenes import everywhere, in_time
 
 from restshape.errors import ReplayProblem
@@ -95,6 +97,23 @@ def off_the_shear(folder, effects, script, fails=frozenset(), monkeypatch=None):
 def test_a_steady_shear_stays_one_whatever_carry_says(tmp_path, carry, scheme, script, seen):
     worst, levels = off_the_shear(tmp_path, in_time(scheme=scheme, carry=carry), script)
     assert worst < 1e-8 and levels >= seen
+
+
+@pytest.mark.parametrize("carry", ["ale", "remap"])
+@pytest.mark.parametrize("script", [DRAG, FAR])
+def test_a_steady_linear_temperature_stays_one_whatever_carry_says(tmp_path, carry, script):
+    effects = heated_in_time().replace("steps = 1", f'carry = "{carry}"')
+    worst = []
+
+    def look(made, row):
+        analysis = made.analysis
+        exact = np.column_stack([shear(analysis.space.X), 300 + 2 * analysis.space.X[:, 1]])
+        if row["index"] == 0:
+            analysis.begin(exact)
+        worst.append(float(np.abs(analysis.x - exact)[:, [0, 1, 3]].max()))
+
+    rows(tmp_path, warm_everywhere(STEADY_SHEAR, '"300 + 2*y"', effects), script, look)
+    assert max(worst) < 1e-7
 
 
 @pytest.mark.parametrize("carry", ["ale", "remap"])

@@ -85,7 +85,10 @@ def test_conditions_can_be_set_during_an_edit(tmp_path):
     assert last["q_drag"] > 1.9 * first["q_drag"]
 
 
-@pytest.mark.parametrize(("effects", "closed", "on"), [(STEADY, False, {"backflow"}), (in_time(), True, BOTH)])
+@pytest.mark.parametrize(
+    ("effects", "closed", "on"),
+    [(STEADY, False, {"backflow"}), (in_time(), True, BOTH), (in_time(carry="remap"), False, {"backflow"})],
+)
 def test_what_follows_from_a_scene(tmp_path, effects, closed, on):
     """The velocity of the mesh counts in time; the pressure has no datum in a closed vessel, outflows may draw in."""
     text = everywhere("[1, 0]", effects) if closed else CHANNEL + effects + MESH

@@ -227,11 +227,9 @@ def _drawing_in(scene: Scene, on: On) -> str:
 
 
 def _moving(scene: Scene, on: On) -> str:
-    return (
-        "a flow in time, whose frames move nodes: velocities are relative to the mesh there"
-        if in_time(scene, on)
-        else ""
-    )
+    if not in_time(scene, on) or scene.effects["flow"].get("carry") == "remap":
+        return ""
+    return "a flow in time, whose frames move nodes: velocities are relative to the mesh there"
 
 
 CONDITION = "say in [boundary.NAME] what the fluid does at an edge: velocity, wall, slip or outflow"
@@ -270,7 +268,9 @@ FLOW = Physics(
     },
     derived={
         "mesh_velocity": DerivedEffect(
-            "velocity of the mesh", _moving, "steady flow does not know how nodes came there"
+            "velocity of the mesh",
+            _moving,
+            "steady flow does not know how nodes came there, and remap takes fields at their new places",
         ),
         "backflow": DerivedEffect(
             "outflows that draw in", _drawing_in, "there is no outflow, or no inertia that fluid could bring along"
