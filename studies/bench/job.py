@@ -35,6 +35,7 @@ class Job:
         count: count PETSc's events a frame, which costs time.
         estimate: estimate errors, and jumps of the mesh, in the frames that the scene says; else in none.
         enough: stop after so many frames of a level, by level.
+        seconds: that its process may take; None: no limit.
         predict: "none" or "linear", as after --predict.
         measure: "prediction", "derivative" or "starts", or a module's full name: what is measured in place of the
             frames' times.
@@ -50,6 +51,7 @@ class Job:
     count: bool = False
     estimate: bool = False
     enough: dict[str, int] = field(default_factory=dict)
+    seconds: float | None = None
     predict: str = "none"
     measure: str = ""
     details: dict[str, Any] = field(default_factory=dict)
@@ -101,12 +103,13 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
 
     Args:
         job: what to replay.
-        seconds: after so long the process is ended; the rows until then are kept.
+        seconds: after so long the process is ended, in place of the job's own; the rows until then are kept.
         start: starts processes.
 
     Raises:
         UserError: the job cannot be run: a bad scene, script, or option.
     """
+    seconds = job.seconds if seconds is None else seconds
     with tempfile.TemporaryDirectory(prefix="restshape-bench-") as folder:
         reports = Path(folder) / "reports.jsonl"
         command = [sys.executable, "-P", "-m", "restshape_studies.bench.process", str(reports)]

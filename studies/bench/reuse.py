@@ -1,14 +1,16 @@
 """Policies side by side on the same edits, interleaved, each replay in a process of its own."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any
 
 import numpy as np
-from restshape_studies.bench.job import Job, Row, run
+from restshape_studies.bench.job import STOPPED, Job, Row, run
 from restshape_studies.bench.turns import Announce, Case, Play, in_turns, median_ratio, rows_of
 
+from restshape.errors import UserError
 from restshape.replay.columns import STAGES
 from restshape.replay.summary import percentiles, summarise
 from restshape.replay.tally import beside
@@ -31,6 +33,7 @@ class Plan:
         frames: of each script, the first included; None for all.
         overrides: ``key=value`` as after --set.
         petsc: words for PETSc's options database.
+        seconds: of a scene, after which no other turn begins; a policy that takes longer by itself is left out.
     """
 
     policies: tuple[str, ...]
@@ -38,6 +41,7 @@ class Plan:
     frames: int | None = None
     overrides: tuple[str, ...] = ()
     petsc: tuple[str, ...] = ()
+    seconds: float = math.inf
 
 
 def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row:
@@ -47,6 +51,8 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
     with the clock, the policies taking turns so that a slow spell of the machine meets all of them. Those with their
     own guess are replayed as often with errors and jumps estimated as a replay does by itself (`solve.estimate`).
 
+    Each record says how many `turns` were asked for, and which policies were `left_out`, and why.
+
     Raises:
         UserError: the scene or the script cannot be replayed.
     """
@@ -54,19 +60,29 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
         name: Job(str(case.scene), str(case.edits), name, plan.overrides, plan.petsc, plan.frames)
         for name in plan.policies
     }
-    counted = {}
+    limit = None if math.isinf(plan.seconds) else plan.seconds
+    counted, left_out = {}, {}
     for name, job in jobs.items():
         announce(f"{case.name}: {name}, counted")
-        counted[name] = rows_of(play(replace(job, count=True)), job)
+        outcome = play(replace(job, count=True, seconds=limit))
+        if outcome.problem.startswith(STOPPED):
+            left_out[name] = outcome.problem
+        else:
+            counted[name] = rows_of(outcome, job)
+    jobs = {name: job for name, job in jobs.items() if name in counted}
+    if not jobs:
+        raise UserError(f"no policy ends within {plan.seconds:g} s", str(case.scene), "give more --seconds")
     runs = {
         name: [{"load": run.load, **timed(run.rows)} for run in turns]
-        for name, turns in in_turns(case.name, jobs, plan.repeat, announce, play).items()
+        for name, turns in in_turns(case.name, jobs, plan.repeat, announce, play, plan.seconds).items()
     }
     found = {name: record(counted[name], name, runs[name]) for name in jobs}
     own = {name: replace(job, estimate=True) for name, job in jobs.items() if ":" not in name}
-    for name, turns in in_turns(f"{case.name}, errors estimated", own, plan.repeat, announce, play).items():
+    what = f"{case.name}, errors estimated"
+    for name, turns in in_turns(what, own, plan.repeat, announce, play, plan.seconds).items():
         found[name]["estimated"] = medians([whole(run.rows) for run in turns])
     for name, entry in found.items():
+        entry |= {"turns": plan.repeat, "left_out": left_out}
         entry["ratios"] = {base: ratios(runs[name], runs[base]) for base in bases_of(name) if base in runs}
     return found
 

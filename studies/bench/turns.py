@@ -1,6 +1,8 @@
 """Timed replays that take turns, each in a process of its own: a slow spell of the machine meets all of them."""
 
+import math
 import os
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,19 +45,23 @@ class Run:
 
 
 def in_turns(
-    name: str, jobs: Mapping[str, Job], repeat: int, announce: Announce, play: Play
+    name: str, jobs: Mapping[str, Job], repeat: int, announce: Announce, play: Play, seconds: float = math.inf
 ) -> dict[str, tuple[Run, ...]]:
-    """The runs of each job by its key, `repeat` of them.
+    """The runs of each job by its key, `repeat` of them, or as many turns as begin within the seconds; one at least.
 
     Args:
         name: of the scene, for people; jobs: by what varies.
         announce: called with what comes next; play: runs a job.
+        seconds: after which no other turn begins.
 
     Raises:
         UserError: a replay does not come to its end.
     """
     runs: dict[str, list[Run]] = {key: [] for key in jobs}
+    begun = time.monotonic()
     for turn in range(repeat):
+        if turn and time.monotonic() - begun >= seconds:
+            break
         for key, job in jobs.items():
             announce(f"{name}: {key}, run {turn + 1} of {repeat}")
             load = os.getloadavg()[0]

@@ -45,6 +45,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     add_frames(parser, 200)
     add_repeat(parser, "timed runs a policy")
+    what = "of a scene, after which no other turn of its policies begins, and a policy that takes longer is left out"
+    parser.add_argument("--seconds", type=float, default=300.0, metavar="S", help=f"{what} (default: %(default)g)")
     parser.add_argument(
         "--before",
         type=Path,
@@ -61,6 +63,8 @@ def policies(args: argparse.Namespace) -> tuple[str, ...]:
 def check(args: argparse.Namespace) -> None:
     """Refuse what measures nothing, and policies that do not exist."""
     check_runs(args)
+    if not args.seconds > 0:
+        raise UserError(f"{args.seconds:g} s measure nothing", "--seconds", "give more, or leave it out")
     if args.before:
         _earlier(args.before)
     for asked in policies(args):
@@ -78,7 +82,7 @@ def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[st
     from restshape.scene.load import load_scene
 
     given = tuple(args.set), tuple(args.petsc)
-    plan = Plan(policies(args), args.repeat, args.frames or None, *given)
+    plan = Plan(policies(args), args.repeat, args.frames or None, *given, args.seconds)
     tolerance = load_scene(case.scene, args.set).solve.tolerance
     said = {"tolerance": tolerance, "times": TIMES}
     return {name: {**said, **entry} for name, entry in compare(case, plan, announce).items()}
@@ -131,6 +135,7 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     heads += ("iterations", "refreshes", "refused", "preconditioners")
     print_table(title, heads, [_policy_row(key, entry) for key, entry in found.items()], heads[1:-1])
     print("p50, p95, p99, frames/s: until the answer is known")
+    _print_left_out(one)
     heads = ("all that a frame costs", "p50, ms", "frames/s", "whole session, s")
     heads += tuple(f"{head}, errors estimated" for head in heads[1:])
     print_table("", heads, [_whole_row(key, entry) for key, entry in found.items()], heads[1:])
@@ -145,6 +150,15 @@ def show(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     rows = [[event, *(str(entry["events"][event]) for entry in found.values())] for event in events]
     print_table("", ("PETSc events", *found), rows, list(found))
     print()
+
+
+def _print_left_out(one: dict[str, Any]) -> None:
+    """Print what --seconds has left out, of the record of any policy."""
+    done, asked = len(one["runs"]), one.get("turns", 0)
+    if done < asked:
+        print(f"{done} of the {asked} runs that --repeat asks for: the others would take longer than --seconds")
+    for name, why in one.get("left_out", {}).items():
+        print(f"{name} is left out: {why}; give more --seconds, or fewer --frames")
 
 
 def _policy_row(name: str, entry: dict[str, Any]) -> list[str]:

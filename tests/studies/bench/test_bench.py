@@ -3,6 +3,7 @@
 import json
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,6 +17,7 @@ from restshape_studies.bench.reuse import Plan, compare, event_totals, frames_a_
 from restshape_studies.bench.size import LARGE, exponents, measure, mesh_size, size_record, sizes
 from restshape_studies.bench.size import drag as plate_drag
 from restshape_studies.bench.turns import Case
+from restshape_studies.commands.bench_reuse import _print_left_out
 from restshape_studies.pictures.policies import draw_policies
 from restshape_studies.pictures.scaling import draw_scaling
 from small_scenes import across, drag, plate, write_scene, write_script
@@ -176,6 +178,28 @@ def test_policies_take_turns_and_the_median_is_reported(tmp_path):
     parts = found["auto"]["ms"]["p50"], found["auto"]["whole"]["p50"], found["auto"]["estimated"]["p50"]
     assert parts == (2.0, 2.125, 8.125)
     assert found["auto"]["events"] == {"KSPSolve": 4} and len(found["auto"]["runs"]) == 3
+
+
+def test_time_that_a_scene_has_bounds_turns_and_leaves_out_what_takes_longer(tmp_path, monkeypatch, capsys):
+    """Each run takes 10 s, of which 25 hold two turns of one policy; one begins after 20."""
+    clock, played = [0.0], []
+
+    def play(job):
+        played.append((job.policy, job.seconds))
+        clock[0] += 10.0
+        rows = [row(3, 500.0), row(1, 1.0), row(0, 0.1, iterations=0)]
+        return Outcome(rows, "stopped after 25 s" if job.policy == "thesis" else "")
+
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
+    plan = Plan(("thesis", "auto"), repeat=10, seconds=25.0)
+    found = compare(Case("plate", tmp_path, tmp_path), plan, lambda words: None, play)
+    assert played == [("thesis", 25.0), ("auto", 25.0), *[("auto", None)] * 6]
+    assert list(found) == ["auto"] and len(found["auto"]["runs"]) == 3 and found["auto"]["turns"] == 10
+    with pytest.raises(UserError, match="no policy ends within 25 s"):
+        compare(Case("plate", tmp_path, tmp_path), replace(plan, policies=("thesis",)), lambda words: None, play)
+    _print_left_out(found["auto"])
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith("3 of the 10 runs") and said[1].startswith("thesis is left out: stopped after 25 s")
 
 
 def test_a_replay_that_ends_early_is_no_result(tmp_path):
