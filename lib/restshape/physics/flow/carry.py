@@ -62,26 +62,29 @@ class Carrier:
             return x, past.of([interpolated(level, self.problem, t) for level, t in zip(levels, past.times)]), None
         transfer = Transfer(old, X)
         x = transfer(x)
-        followed = [self._followed(level, transfer, t) for level, t in zip(levels, past.times)]
+        followed = self._followed(past, transfer)
         if any(level.areas().min() <= 0.0 for level in followed) or courant(followed[0], X) > self.farthest:
             followed = [interpolated(level, self.problem, t) for level, t in zip(levels, past.times)]
         log.info("Velocities interpolated to %d nodes", len(x))
         total = None
         for k, (level, time) in enumerate(zip(levels, past.times)):
-            outcome, followed[k] = self.correct(followed[k], level, time)
+            lost, area = divergence(level)
+            outcome, followed[k] = self.correct(followed[k], transfer((lost / area)[:, None])[:, 0], time)
             total = outcome if total is None else outcome.after(total)
         x[:, list(self.problem.history)] = followed[0].values
         return x, past.of(followed), total
 
-    def _followed(self, level: Level, transfer: Transfer, time: float) -> Level:
-        """A level at new nodes, by what found them in the mesh before where its nodes are now."""
-        space = self.problem.space
-        X = transfer.curved(level.X)
-        still = np.abs(X - space.X).max(axis=1) <= OUTSIDE * np.ptp(space.X, axis=0).max()
-        X[still] = space.X[still]
-        values = transfer.curved(level.values)
-        prescribe(self.problem, values, X, time)
-        return Level(values, X, space.cells.copy())
+    def _followed(self, past: Past, transfer: Transfer) -> list[Level]:
+        """All levels at new nodes, by what found them in the mesh before where its nodes are now."""
+        space, levels = self.problem.space, []
+        fields = np.hstack([part for level in past.levels for part in (level.X, level.values)])
+        for found, time in zip(np.hsplit(transfer.curved(fields), len(past.levels)), past.times):
+            X, values = found[:, :2].copy(), found[:, 2:].copy()
+            still = np.abs(X - space.X).max(axis=1) <= OUTSIDE * np.ptp(space.X, axis=0).max()
+            X[still] = space.X[still]
+            prescribe(self.problem, values, X, time)
+            levels.append(Level(values, X, space.cells.copy()))
+        return levels
 
 
 def prescribe(problem: IncompressibleFlow, values: np.ndarray, X: np.ndarray, time: float) -> np.ndarray:
@@ -162,23 +165,23 @@ class VelocityCorrection:
     ) -> None:
         self.problem, self.equations, self.newton, self.dt, self.tolerance = problem, equations, newton, dt, tolerance
 
-    def __call__(self, level: Level, before: Level, time: float) -> tuple[Outcome, Level]:
+    def __call__(self, level: Level, wanted: np.ndarray, time: float) -> tuple[Outcome, Level]:
         """What it took, and the fields after it.
 
         Args:
-            level: interpolated ones at the time [s], from those of `before`, on cells of the problem's space.
+            level: interpolated ones at the time [s], on the cells of the problem's space.
+            wanted: (n,) divergence that velocities had there [1/s].
         """
         with placed(self.problem, level.X):
-            return self._projected(level, before, time)
+            return self._projected(level, wanted, time)
 
-    def _projected(self, level: Level, before: Level, time: float) -> tuple[Outcome, Level]:
+    def _projected(self, level: Level, wanted: np.ndarray, time: float) -> tuple[Outcome, Level]:
         problem, columns = self.problem, list(self.problem.history)
         x = np.zeros(problem.boundary.values.shape)
         x[:, columns] = level.values
         # Continuity has columns x[:, 2]; all other residuals may stay what they are.
         defect, area = divergence(level)
-        lost, old_area = divergence(before)
-        defect -= Transfer(before, level.X)((lost / old_area)[:, None])[:, 0] * area
+        defect -= wanted * area
         problem.take(TimeStep(time, 1.0 / self.dt, self.dt, -level.values / self.dt))
         problem.advecting = level.values[:, :2].copy() if problem.inertia else None
         try:
