@@ -26,7 +26,7 @@ from restshape.physics.flow.incompressible_flow import IncompressibleFlow
 from restshape.physics.heated_flow.border_heat import BorderHeat
 from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_conditions import HeatedFlowConditions
-from restshape.physics.heated_flow.heated_flow_quantities import heated_flow_quantity
+from restshape.physics.heated_flow.heated_flow_quantities import EdgeHeat, heated_flow_quantity
 from restshape.physics.heated_flow.temperature_differences import initial
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
@@ -90,6 +90,8 @@ class HeatedFlow(IncompressibleFlow):
         if plan.on("buoyancy"):
             g = np.array(plan.settings("gravity").g)
             self.lift, self.neutral = -scene.fluid.rho * scene.fluid.expansion * g, scene.fluid.reference
+        self.heats: dict[str, EdgeHeat] = {}
+        self._pull = float(np.linalg.norm(self.lift))
         super().__init__(scene, plan, space)
 
     def start(self) -> np.ndarray:
@@ -142,9 +144,9 @@ class HeatedFlow(IncompressibleFlow):
 
     def scales(self, x: np.ndarray) -> Scales:
         """What the residuals of the three equations at x (n, 4) are measured against."""
-        speed, size = np.linalg.norm(x[:, :2], axis=1), self.size
+        speed, size = np.sqrt(x[:, 0] ** 2 + x[:, 1] ** 2), self.size
         span = max(self._span, float(np.ptp(x[:, 3])))
-        pull = np.linalg.norm(self.lift) * np.abs(x[:, 3] - self.neutral) * size
+        pull = self._pull * np.abs(x[:, 3] - self.neutral) * size
         dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
         forces = dynamic + self.fluid.mu / size * speed + pull
         flows = self.capacity * speed + self.conductivity / size
@@ -194,7 +196,7 @@ class HeatedFlow(IncompressibleFlow):
     def _known_span(self) -> float:
         """The largest difference of temperatures that are prescribed, lift nothing, or were there before [K]."""
         known = [self.boundary.values[self.boundary.mask[:, 3] > 0, 3]]
-        if np.any(self.lift):
+        if self._pull:
             known.append(np.array([self.neutral]))
         if self.step is not None:
             known.append(-self.step.past[:, 2] / self.step.rate)
@@ -203,14 +205,14 @@ class HeatedFlow(IncompressibleFlow):
 
     def _buoyant_speed(self, span: float, width: float) -> float:
         """The velocity [m/s] that a difference of temperatures [K] may bring about over a width [m]."""
-        pull = float(np.linalg.norm(self.lift)) / self.fluid.rho * span
+        pull = self._pull / self.fluid.rho * span
         return min(float(np.sqrt(pull * width)), pull * width**2 * self.fluid.rho / self.fluid.mu)
 
     def _heat_factor(self, span: float) -> float:
         """The factor of the equation of heat [Pa m/(W/m)] that makes its residual one of forces; span [K] drives it."""
         speed, size = self._fastest, self.size
         dynamic = self.fluid.rho * speed**2 if self.inertia else 0.0
-        lifted = float(np.linalg.norm(self.lift)) * span * size
+        lifted = self._pull * span * size
         force = size * (dynamic + self.fluid.mu / size * speed + lifted)
         heat = size * span * (self.capacity * speed + self.conductivity / size) + self._entering
         return force / heat if force > 0.0 and heat > 0.0 else self.fluid.mu / self.conductivity

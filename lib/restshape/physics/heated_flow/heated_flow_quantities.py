@@ -7,8 +7,9 @@ import numpy as np
 
 from restshape.fem.edge_reactions import EdgeReactions
 from restshape.fem.entity_sets import cells_around, observed_nodes
+from restshape.fem.integral import Integral
 from restshape.fem.observer import Function, reduction
-from restshape.fem.problem import SteadyProblem
+from restshape.fem.problem import INTERNAL, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.flow.flow_quantities import ObservedFlow, flow_quantity
 from restshape.physics.heated_flow.border_heat import BorderHeat
@@ -23,13 +24,14 @@ class ObservedHeat(SteadyProblem, Protocol):
 
     Attributes:
         capacity: by volume [J/(m^3 K)]; conductivity: [W/(m K)]; neutral: temperature from which advected heat counts.
-        border: given heat fluxes.
+        border: given heat fluxes; heats: heat through edges by their names, as quantities have asked for it.
     """
 
     capacity: float
     conductivity: float
     neutral: float
     border: BorderHeat
+    heats: "dict[str, EdgeHeat]"
 
     def heat_residual(self, rest: np.ndarray) -> np.ndarray:
         """The heat (n,) [W/m] that a residual (n, f) of the equations lacks at the nodes."""
@@ -61,10 +63,13 @@ def heat_quantity(problem: ObservedHeat, name: str, quantity: Quantity) -> Funct
         nodes = observed_nodes(space, name, quantity)
         reduce = reduction(space, quantity, nodes)
         return lambda x: reduce(x[nodes, -1])
+    if quantity.at not in problem.heats:
+        problem.heats[quantity.at] = EdgeHeat(problem, quantity.at)
+    leaving = problem.heats[quantity.at]
     if quantity.kind == "heat_flow":
-        return _conducted(problem, quantity.at, problem.scene.fluid.depth)
+        return lambda x: problem.scene.fluid.depth * leaving(x)
     of, facets = quantity.nusselt, space.facets[space.facets_of(quantity.at)]
-    leaving, factor = _conducted(problem, quantity.at, 1.0), -of.length / (problem.conductivity * of.difference)
+    factor = -of.length / (problem.conductivity * of.difference)
     return lambda x: factor * leaving(x) / _length(space.X, facets)
 
 
@@ -78,23 +83,39 @@ def _length(X: np.ndarray, facets: np.ndarray) -> float:
     return float(np.linalg.norm(X[facets[:, 1]] - X[facets[:, 0]], axis=1).sum())
 
 
-def _conducted(problem: ObservedHeat, edge: str, depth: float) -> Callable[[np.ndarray], float]:
-    """Heat [W] that leaves by an edge into what is beyond: by its fluxes, and where its temperature is prescribed.
+class EdgeHeat:
+    """Heat [W/m] that leaves by an edge into what is beyond: by its fluxes, and where its temperature is prescribed.
+
+    Args:
+        problem: on the space whose nodes are looked at.
+        edge: an entity on the border.
 
     Source: P. M. Gresho, R. L. Lee, R. L. Sani, M. K. Maslanik and B. E. Eaton, Int. J. Numer. Methods Fluids 7 (1987)
     1111: the consistent flux.
     """
-    space = problem.space
-    on, facets = EdgeReactions(space, edge, _on_border(problem, warm_edges(problem.scene))), space.facets_of(edge)
 
-    def leaving(x: np.ndarray) -> float:
-        given = float(problem.border.loads(facets=facets).sum())
+    def __init__(self, problem: ObservedHeat, edge: str) -> None:
+        self.problem, self._facets = problem, problem.space.facets_of(edge)
+        self._on = EdgeReactions(problem.space, edge, _on_border(problem, warm_edges(problem.scene)))
+        self._around: tuple[int, np.ndarray] = -1, self._on.nodes
+        self._known: tuple[Sequence[Integral], np.ndarray, np.ndarray, float] | None = None
+
+    def __call__(self, x: np.ndarray) -> float:
+        """The heat at unknowns x (n, f); that of the last state is kept, for heat and Nusselt number."""
+        X, integrals, known = self.problem.space.X, self.problem.integrals(INTERNAL), self._known
+        if known is None or known[0] is not integrals or not (known[1] == x).all() or not (known[2] == X).all():
+            self._known = known = integrals, x.copy(), X.copy(), self._evaluate(x)
+        return known[3]
+
+    def _evaluate(self, x: np.ndarray) -> float:
+        problem, space, on = self.problem, self.problem.space, self._on
+        given = float(problem.border.loads(facets=self._facets).sum())
         if not len(on.nodes):
-            return -depth * given
-        rest = problem.heat_residual(unconstrained_residual(problem, x, cells_around(space, on.nodes)))
-        return -depth * (given + float(on.parts() @ rest[on.nodes]))
-
-    return leaving
+            return -given
+        if self._around[0] != space.topology:
+            self._around = space.topology, cells_around(space, on.nodes)
+        rest = problem.heat_residual(unconstrained_residual(problem, x, self._around[1]))
+        return -(given + float(on.parts() @ rest[on.nodes]))
 
 
 def _on_border(problem: ObservedHeat, edges: Sequence[str]) -> list[str]:

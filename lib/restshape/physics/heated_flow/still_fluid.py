@@ -17,7 +17,7 @@ from restshape.fem.space import Space
 from restshape.physics.heated_flow.border_heat import BorderHeat
 from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_conditions import prescribed_temperatures
-from restshape.physics.heated_flow.heated_flow_quantities import heat_quantity, isothermal_quantity
+from restshape.physics.heated_flow.heated_flow_quantities import EdgeHeat, heat_quantity, isothermal_quantity
 from restshape.physics.heated_flow.temperature_differences import uniform
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
@@ -44,6 +44,7 @@ class StillFluid(SteadyProblem):
         self.capacity, self.conductivity = heat_properties(scene)
         given = [Given(f"heat.{name}.source", one.on, one.source) for name, one in scene.heat.items()]
         self.sources, self.border = CellValues(space, given, scene.parameters), BorderHeat(scene, space)
+        self.heats: dict[str, EdgeHeat] = {}
         conditions = [*prescribed_temperatures(scene, space, 0)]
         self.boundary = Dirichlet((len(space.X), 1), conditions, scene.parameters | {"t": 0.0}, "K")
         self.update()
