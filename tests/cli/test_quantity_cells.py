@@ -12,6 +12,13 @@ def test_values_have_the_prefix_of_the_largest():
     assert unit_of("m^2") == "m²"
 
 
+def test_values_that_lie_close_together_have_more_digits():
+    assert cells([293.15812, 293.24217], "K") == ["293.158 K", "293.242 K"]
+    assert cells([293.158123, 293.158456], "K") == ["293.15812 K", "293.15846 K"]
+    # Rounding is no difference.
+    assert cells([293.15, 293.15 * (1 + 1e-12)], "K") == ["293.15 K", "293.15 K"]
+
+
 def test_lengths_of_a_table_are_all_in_millimetres_where_one_is():
     assert shared_size(1.064, [1.064, 0.24]) == 0.1 and shared_size(0.24, [1.064, 0.24]) == 0.24
     # All in metres, far larger ones, and micrometres stay.

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from math import isfinite
 
-from restshape.outputs.si_numbers import si
+from restshape.outputs.si_numbers import digits_apart, si
 
 MISSING = "–"
 
@@ -23,6 +23,7 @@ def shared_size(size: float, others: Sequence[float]) -> float:
 
 
 def cells(values: Sequence[float | None], unit: str, digits: int = 5) -> list[str]:
-    """The values of one quantity, all with the prefix of the largest; a dash where there is none."""
-    largest = max((abs(value) for value in values if value is not None and isfinite(value)), default=0.0)
+    """The values of one quantity, with the prefix of the largest and told apart; a dash where there is none."""
+    known = [value for value in values if value is not None and isfinite(value)]
+    largest, digits = max(map(abs, known), default=0.0), digits_apart(known, digits)
     return [MISSING if value is None else si(value, unit, digits, largest) for value in values]

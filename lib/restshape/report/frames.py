@@ -125,6 +125,7 @@ def add_colour_bar(figure: Figure | SubFigure, place: Axes, recording: Recording
         return
     factor, label = scenery.colour
     bar = figure.colorbar(scenery.bar, cax=place, extend=scenery.beyond)
+    bar.ax.ticklabel_format(axis="y", useOffset=False)
     bar.set_label(label)
     bar.outline.set_visible(False)
     for name, limit in limit_series(recording).items():

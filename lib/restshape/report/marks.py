@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.outputs.si_numbers import si
+from restshape.outputs.si_numbers import digits_apart, si
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import cleared
 from restshape.report.field import ShownField
@@ -15,6 +15,8 @@ SYMBOLS = (("o", "○"), ("s", "□"), ("^", "△"), ("D", "◇"))
 """Markers, and letters that look like them."""
 CROSS, CROSS_LETTER = "x", "×"
 """Of a singular place."""
+DIGITS = 4
+"""Of a value, or more where those of a frame lie close together."""
 SAME = 1e-9
 """Relative difference up to which a value of the field is that of a quantity."""
 EXTREMES = ("max", "min", "absmax", "peak")
@@ -79,7 +81,7 @@ def singular_words(recording: Recording, i: int) -> list[str]:
 def _of_quantities(
     recording: Recording, i: int, field: ShownField, flat: np.ndarray, nodes: np.ndarray
 ) -> list[tuple[int, str]]:
-    found = []
+    found, digits = [], digits_apart([float(flat.min()), float(flat.max())], DIGITS)
     for name, spec in quantity_specs(recording.header).items():
         value = float(recording.table.get(f"q_{name}", np.full(recording.n, np.nan))[i])
         reduce = spec.get("reduce", spec.get("take", "max"))
@@ -92,7 +94,7 @@ def _of_quantities(
         if same[place] and (of_all or (nodes[same] == nodes[place]).all()):
             error = float(recording.table.get(f"{name}_error", np.full(recording.n, np.nan))[i])
             found.append(
-                (place, f"{name} {si(value, field.look.unit, 4)}{_beside(cleared(error, value), field.look.unit)}")
+                (place, f"{name} {si(value, field.look.unit, digits)}{_beside(cleared(error, value), field.look.unit)}")
             )
     return found
 
@@ -112,4 +114,5 @@ def _of_field(field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:
     ends = [(int(flat.argmax()), "max")]
     if field.look.signed or not field.look.from_zero:
         ends.append((int(flat.argmin()), "min"))
-    return [(place, f"{name} {si(float(flat[place]), unit, 4)}") for place, name in ends]
+    digits = digits_apart([float(flat[place]) for place, _ in ends], DIGITS)
+    return [(place, f"{name} {si(float(flat[place]), unit, digits)}") for place, name in ends]

@@ -226,6 +226,7 @@ def _legend(figure: Figure, recording: Recording, scenery: DrapeScenery, drawing
     bottom = 1.0 - (TITLE + CAPTION + length) / high
     place = figure.add_axes((1.0 - (BAR - 0.15) / wide, bottom, 0.14 / wide, length / high))
     bar = figure.colorbar(drawing.body, cax=place, extend=scenery.extend)
+    bar.ax.ticklabel_format(axis="y", useOffset=False)
     bar.set_label(scenery.colour[1])
     bar.outline.set_visible(False)
     name = shorten(scene_name(recording), 60, placeholder=" …")
