@@ -20,6 +20,7 @@ from restshape_verification.flow.scenes import (
     in_time,
 )
 from restshape_verification.flow.shown import played, shown
+from restshape_verification.flow.validation_derivatives import force_derivatives
 from restshape_verification.flow.validation_orders import kovasznay_rates, vortices_in_space, vortices_in_time
 
 from restshape.mesh.transfer import Transfer
@@ -117,4 +118,5 @@ CASES: dict[str, Case] = {
     "motion": motion,
     "vortices_in_space": vortices_in_space,
     "vortices_in_time": vortices_in_time,
+    "derivatives": force_derivatives,
 }

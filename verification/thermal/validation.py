@@ -1,8 +1,10 @@
-"""Validation cases of conduction: a pipe in air, a cooling plate, heat that enters and leaves."""
+"""Validation cases of heat: a pipe in air, a cooling plate, heat that enters and leaves; a vessel of air."""
 
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, ROUNDING, Case, Check
+from restshape_verification.flow.heated_cavity import heated_cavity
+from restshape_verification.flow.validation_derivatives import heat_derivatives
 
 from restshape.application import application
 from restshape.replay.first_frame import first_frame
@@ -34,4 +36,9 @@ def balance(comm: PETSc.Comm) -> list[Check]:
     ]
 
 
-CASES: dict[str, Case] = {"pipe": pipe, "balance": balance}
+CASES: dict[str, Case] = {
+    "pipe": pipe,
+    "balance": balance,
+    "cavity": heated_cavity,
+    "derivatives": heat_derivatives,
+}
