@@ -8,7 +8,7 @@ from thermal_scenes import solved
 from restshape.application import application_of, applications
 from restshape.errors import UserError
 from restshape.physics.heated_flow.fluid_heat import heat_properties
-from restshape.scene.load import load_scene
+from restshape.scene.load import load_scene, remade
 from restshape.scene.plan import plan
 
 TEXT = CAVITY + STEADY + BUOYANT + "[mesh]\nsize = 0.25\n"
@@ -137,3 +137,20 @@ def test_a_new_reference_lifts_as_before(tmp_path):
     row = solved(tmp_path, TEXT).row
     other = solved(tmp_path, TEXT.replace('reference = "300 K"', 'reference = "280 K"')).row
     assert other["q_hot"] == pytest.approx(row["q_hot"], rel=1e-4)
+
+
+def test_without_a_difference_there_is_the_flow_alone(tmp_path):
+    """What `explain` runs beside a scene to know the price of heat."""
+    text = TEXT.replace("diffusivity = 1", "conductivity = 1\nheat_capacity = 1").replace(
+        "heat = {}", "heat = { initial = 300 }"
+    )
+    text += '[heat.h]\non = "all"\nsource = 1\n'
+    scene = load_scene(
+        write_scene(
+            tmp_path, text.replace("[boundary.hot]", '[boundary.low]\non = "bottom"\n' + FLUX + "\n[boundary.hot]")
+        )
+    )
+    effects = frozenset(scene.effects)
+    part = application_of(scene).derived["temperature_difference"]
+    assert "heat.h.source" in part.cause(scene, effects) and "boundary.low.heat_flux" in part.cause(scene, effects)
+    assert part.cause(remade(scene, part.without(scene.raw, effects)), effects) == ""

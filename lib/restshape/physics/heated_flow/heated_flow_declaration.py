@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from restshape.physics.heat.heat_declaration import CONDUCTIVITY, HEAT_FLUX, HEAT_SOURCE, SPECIFIC_HEAT
 from restshape.physics.heated_flow.heated_flow_checks import check_heated_flow
-from restshape.physics.heated_flow.temperature_differences import differences
+from restshape.physics.heated_flow.temperature_differences import differences, evened
 from restshape.scene.derived_effects import On
 from restshape.scene.effect import DerivedEffect, Effect, StartOnly
 from restshape.scene.load_kind import CURVES
@@ -162,6 +162,7 @@ HEATED_FLOW = Physics(
             "temperatures that differ",
             differences,
             "no temperature differs from another: heat has no equation, and nothing is buoyant",
+            evened,
         ),
     },
     pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},
