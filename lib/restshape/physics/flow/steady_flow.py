@@ -1,5 +1,6 @@
 """The steady flow of each frame."""
 
+from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import RowValues
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.residual_equations import ResidualEquations
@@ -22,6 +23,9 @@ class SteadyFlowAnalysis(NonlinearSteadyAnalysis):
 
     def _search(self, equations: ResidualEquations) -> FlowSearch:
         return FlowSearch(equations.problem, equations, self.state.system.newton, lambda: self.solver.aim)
+
+    def _confirmed(self, report: LinearReport) -> LinearReport:
+        return report
 
     @property
     def _tests_factor(self) -> bool:
