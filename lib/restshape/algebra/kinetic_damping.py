@@ -237,7 +237,8 @@ class KineticDamping:
         self, x: Reals, v: Reals, force: Reals, potential: float, matrix: PETSc.Mat
     ) -> tuple[Reals, Reals, float]:
         """Positions, velocities and potential energy after one step that is accepted, from the first one's matrix."""
-        steps, before = self.steps, potential + self._kinetic(v)
+        steps = self.steps
+        before = potential + self._kinetic(v) if steps.adaptive else 0.0
         while True:
             h = self.time_step
             right = (self.mass * v / h - force) / self._damped
