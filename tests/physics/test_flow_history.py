@@ -19,6 +19,7 @@ FAR = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.7, 0.6), 3))
 STEADY_SHEAR = '["y", 0]'
 MESH = '[quantities]\ndrag = { drag = true, at = "body" }\nlift = { lift = true, at = "body" }\n'
 MESH += "[mesh]\nsize = 0.12\nnear = { body = 0.05 }\n"
+SIZE = "[mesh]\nsize = 0.12\n"
 
 
 def rows(folder, scene, events, look=lambda made, row: None, policy="auto"):
@@ -181,3 +182,23 @@ def test_a_body_that_is_dragged_and_brought_back_has_the_forces_that_it_had(tmp_
     bound = {2: 2e-3, 3: 1e-2}.get(max(row["level"] for row in dragged[1:]), 1e-4) * kept[-1]["q_drag"]
     for force in ("q_drag", "q_lift"):
         assert abs(dragged[-1][force] - kept[-1][force]) < bound
+
+
+def test_holes_come_and_go_in_a_stream(tmp_path):
+    """Where a body has vanished there was no fluid: it has what the fluid around has, and the flow goes on."""
+    idle = {"do": "idle", "frames": 4}
+    hole = {"do": "hole", "name": "other", "center": [2.0, 0.5], "radius": 0.1}
+    events = [idle | {"frames": 8}, hole, idle, {"do": "delete", "on": "body"}, idle]
+    speeds = []
+
+    def look(made, row):
+        inside = np.linalg.norm(made.analysis.space.X - [1.0, 0.5], axis=1) < 0.15
+        speeds.append(float(np.linalg.norm(made.analysis.x[inside, :2], axis=1).max(initial=0.0)))
+
+    found = rows(
+        tmp_path, CYLINDER + in_time(0.1) + "[quantities]\nkinetic = { kinetic = true }\n" + SIZE, events, look
+    )
+    assert [row["index"] for row in found if row["level"] == 3] == [0, 9, 14]
+    energies = np.array([row["q_kinetic"] for row in found[8:]])
+    assert np.abs(np.diff(energies)).max() < 0.05 * energies.max() and not any(row["refused"] for row in found)
+    assert speeds[13] == 0.0 and 0.2 < speeds[14] < 1.5

@@ -100,6 +100,21 @@ def squeezed(trial: Trial) -> Iterator[Statement]:
     yield near("area of the vessel [m^2]", rows[-1]["q_area"], 0.5, EXACT)
 
 
+def new_meshes(trial: Trial) -> Iterator[Statement]:
+    """A mesh that is new in every third frame, once with steps of a hundredth, once of a ten thousandth of a second."""
+    for dt, before in ((0.05, 40), (1e-4, 60)):
+        sizes = [0.12 - 0.001 * (k % 2 + 1) for k in range(6)]
+        news = [event for size in sizes for event in (*set_value("mesh.size", size), idle(2))]
+        text = stream(0.004, in_time(dt))
+        kept = trial.rows(text, [idle(before + 18)])
+        remade = trial.rows(text, [idle(before), *news])
+        yield from bounded(remade)
+        was, now = (np.array([row["q_drag"] for row in rows[before + 1 :]]) for rows in (kept, remade))
+        yield below(
+            "largest change of the drag by new meshes, over the drag", np.abs(now - was).max() / was.max(), 0.05
+        )
+
+
 def every_carry(trial: Trial) -> Iterator[Statement]:
     """A body that goes across half the channel in a frame, and in steps of several elements, however it is followed."""
     far = [*drag("body", (0.8, 0.48), [(2.2, 0.52)]), idle(5)]
@@ -158,6 +173,7 @@ CASES: dict[str, Case] = {
     "tiny_steps": Case(tiny_steps),
     "gap": Case(gap, EVERY),
     "squeezed": Case(squeezed),
+    "new_meshes": Case(new_meshes),
     "every_carry": Case(every_carry),
     "leaving_vortex": Case(leaving_vortex),
     "drawn_in": Case(drawn_in, share=0.5),
