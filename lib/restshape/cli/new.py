@@ -13,12 +13,14 @@ FILES = ("scene.toml", "edits.jsonl")
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     parser.add_argument("app", metavar="APP", help="application, as `restshape list` names it")
+    what = "of scene, where an application has several, such as fluid of thermal"
+    parser.add_argument("--kind", metavar="KIND", help=what)
     parser.add_argument("dir", metavar="DIR", type=Path, help="folder to write into; made if it is not there")
 
 
 def run(args: argparse.Namespace) -> int:
     """Writes the two files, never over others."""
-    template = application(args.app, "APP").folder / "template"
+    template = _template(application(args.app, "APP").folder / "template", args.kind)
     lacking = [name for name in FILES if not (template / name).is_file()]
     if lacking:
         what = f"the application {args.app!r} has no template: {template / lacking[0]} is not there"
@@ -39,3 +41,16 @@ def run(args: argparse.Namespace) -> int:
     print(f"  restshape check {scene} {edits}")
     print(f"  restshape replay {scene} {edits}")
     return 0
+
+
+def _template(folder: Path, kind: str | None) -> Path:
+    """The folder of the template, of a kind where one is named.
+
+    Raises:
+        UserError: there is no such kind.
+    """
+    kinds = sorted(path.parent.name for path in folder.glob(f"*/{FILES[0]}"))
+    if kind is None or kind in kinds:
+        return folder / (kind or "")
+    do = f"use one of: {', '.join(kinds)}" if kinds else "leave it out: its scenes are all of one kind"
+    raise UserError(f"there is no template of the kind {kind!r}", "--kind", do)
