@@ -98,7 +98,10 @@ ALL = ("*/scenes/*.toml", "*/edits/*.jsonl")
 SOLID, CANTILEVER, COUTURE = "apps/solid/scenes", "apps/cantilever/scenes", "apps/couture"
 PLATE, BEAM, FISH = f"{SOLID}/plate.toml", f"{CANTILEVER}/cantilever.toml", "apps/metallophone/scenes/fish.toml"
 BRIDGE, BUILDING = "apps/bridge/scenes/bridge.toml", "apps/vibration/scenes/building.toml"
-FLOW = "apps/flow/scenes/flow.toml"
+FLOW, TEAPOT = "apps/flow/scenes/flow.toml", "apps/thermal/scenes/thermal.toml"
+STREET = "--field pressure --show vectors --at 10,85,100,211 --view=-0.03,0.17,-0.045,0.045 --animation none"
+PLUMES = "--field temperature --show vectors --at 60,125,205 --animation none"
+"""Looks of the thesis's figures 4.5 and 4.6: velocities over pressure and over temperature."""
 SPHERE, PINS, STRIP = (f"{COUTURE}/scenes/{name}.toml" for name in ("sphere", "pins", "strip"))
 BAR, TABLE = "apps/metallophone/scenes/bar_200.toml", "apps/furniture/scenes/table.toml"
 DRAPED = ("restshape_apps.couture.drapes_command", "restshape_apps.couture.picture")
@@ -129,6 +132,15 @@ LIST = (
         REPORT,
     ),
     *reports("flow", FLOW, "apps/flow/edits/flow.jsonl", also=("history.png",)),
+    Result(
+        ("flow-street/frames.png",),
+        (
+            recorded("flow", FLOW, "apps/flow/edits/flow.jsonl"),
+            f"restshape report results/flow.vtkhdf --out results/flow-street {STREET}",
+        ),
+        REPORT,
+    ),
+    *reports("thermal", TEAPOT, "apps/thermal/edits/thermal.jsonl", looks=PLUMES, also=("history.png",)),
     *reports("couture", SPHERE, f"{COUTURE}/edits/sphere-drag.jsonl"),
     Result(
         ("couture-sphere.png",),
@@ -211,6 +223,12 @@ LIST = (
             "--before results/bench-before.json --out results",
         ),
         ("restshape_studies.pictures.stages",),
+    ),
+    bench(
+        "reuse",
+        f"reuse {FLOW} {TEAPOT} --policies rebuild,refactor,thesis,auto --frames 150 --repeat 2 "
+        "--picture results/bench-fluids.png --json results/bench-fluids.json",
+        ["bench-fluids.*"],
     ),
     bench("limit", "limit --out results --json results/bench-limit.json", ["bench-limit.*"], "solid/*/plate.*"),
     bench("size", "size --out results --json results/bench-size.json", ["bench-size.*"], "solid/*/plate.*"),
