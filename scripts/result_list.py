@@ -224,12 +224,6 @@ LIST = (
         ),
         ("restshape_studies.pictures.stages",),
     ),
-    bench(
-        "reuse",
-        f"reuse {FLOW} {TEAPOT} --policies rebuild,refactor,thesis,auto --frames 150 --repeat 2 "
-        "--picture results/bench-fluids.png --json results/bench-fluids.json",
-        ["bench-fluids.*"],
-    ),
     bench("limit", "limit --out results --json results/bench-limit.json", ["bench-limit.*"], "solid/*/plate.*"),
     bench("size", "size --out results --json results/bench-size.json", ["bench-size.*"], "solid/*/plate.*"),
     bench("order", f"order {PLATE} --json results/bench-order.json", ["bench-order.json"]),

@@ -40,6 +40,14 @@ class HeatedFluid(Strict):
     expansion: Annotated[number_of(EXPANSION), Field(ge=0)] | None = None
     reference: number_of("temperature") | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _gives_heat_once(cls, raw: object) -> object:
+        three = ("conductivity", "heat_capacity", "diffusivity")
+        if isinstance(raw, dict) and raw.keys().isdisjoint({"name"}) and raw.keys() >= set(three):
+            raise UnitError(f"{', '.join(three)} are given, and two of them give the third", "take one of them out")
+        return raw
+
 
 class HeatedEdge(Strict):
     """What ``[boundary.NAME]`` says of heat: at most one of its keys; without any, the edge is insulated.
