@@ -133,12 +133,12 @@ def interpolated(level: Level, problem: IncompressibleFlow, time: float) -> Leve
     away = np.abs(transfer(level.X) - space.X).max(axis=1)
     inside = away <= OUTSIDE * np.ptp(space.X, axis=0).max()
     mask = prescribe(problem, values, space.X, time)
-    for k in range(values.shape[1]):
-        known = inside | mask[:, k]
-        if known.any() and not known.all():
-            nodes = np.flatnonzero(known).astype(np.int32)
+    known = inside[:, None] | mask
+    for pattern in np.unique(known, axis=1).T:
+        if pattern.any() and not pattern.all():
+            columns, nodes = (known == pattern[:, None]).all(axis=0), np.flatnonzero(pattern).astype(np.int32)
             extension = _kernels.HarmonicExtension(space.X, space.cells, nodes)
-            values[:, k] = extension.solve(values[nodes, k : k + 1])[:, 0]
+            values[:, columns] = extension.solve(np.ascontiguousarray(values[np.ix_(nodes, columns)]))
     prescribe(problem, values, space.X, time)
     return Level(values, space.X.copy(), space.cells.copy())
 
