@@ -111,8 +111,10 @@ class HeatedFlow(IncompressibleFlow):
         entering, width = float(np.abs(self._source).max()), float(np.sqrt(self._area))
         self._entering = self.size * (self.border.largest + self.size * entering)
         self._span = self._known_span()
-        span = self._span + width * (self.border.largest + width * entering) / self.conductivity
-        self._fastest = max(super().speed, self._buoyant_speed(span, width))
+        flux = self.border.largest + width * entering
+        self._fastest = max(super().speed, self._buoyant_speed(flux, width))
+        conducted, advected = flux * width / self.conductivity, flux / self.capacity
+        span = self._span + (min(conducted, advected / self._fastest) if self._fastest > 0.0 else conducted)
         self.heat_factor = self._heat_factor(span)
 
     @property
@@ -203,10 +205,16 @@ class HeatedFlow(IncompressibleFlow):
         values = np.concatenate(known)
         return float(np.ptp(values)) if len(values) else 0.0
 
-    def _buoyant_speed(self, span: float, width: float) -> float:
-        """The velocity [m/s] that a difference of temperatures [K] may bring about over a width [m]."""
-        pull = self._pull / self.fluid.rho * span
-        return min(float(np.sqrt(pull * width)), pull * width**2 * self.fluid.rho / self.fluid.mu)
+    def _buoyant_speed(self, flux: float, width: float) -> float:
+        """The velocity [m/s] that known temperatures, or a heat flux [W/m^2], may bring about over a width [m].
+
+        That of free fall, or that of slow flow where it is smaller. Source of the one of a flux:
+        J. W. Deardorff, J. Atmos. Sci. 27 (1970) 1211: that at which rising fluid takes the heat along.
+        """
+        lift, slow = self._pull / self.fluid.rho, width**2 * self.fluid.rho / self.fluid.mu
+        of_span = min((lift * self._span * width) ** 0.5, lift * self._span * slow)
+        rising = (lift * flux * width / self.capacity) ** (1.0 / 3.0)
+        return max(of_span, min(rising, lift * flux * width / self.conductivity * slow))
 
     def _heat_factor(self, span: float) -> float:
         """The factor of the equation of heat [Pa m/(W/m)] that makes its residual one of forces; span [K] drives it."""
