@@ -50,5 +50,5 @@ def passing(space: PlaneSpace, x: np.ndarray, y: np.ndarray) -> float:
     """The Nusselt number of the heat that passes the middle, at heights y (m,), of unknowns x (n, 4)."""
     places = np.linspace(0.5 - STRIP, 0.5 + STRIP, 11)
     planes = [Transfer(space, np.column_stack([np.full_like(y, at), y]))(x) for at in places]
-    carried = np.mean([np.mean(plane[:, 0] * (plane[:, 3] - NEUTRAL)) for plane in planes])
-    return float(carried + np.mean(planes[0][:, 3] - planes[-1][:, 3]) / (2.0 * STRIP))
+    advected = np.mean([np.mean(plane[:, 0] * (plane[:, 3] - NEUTRAL)) for plane in planes])
+    return float(advected + np.mean(planes[0][:, 3] - planes[-1][:, 3]) / (2.0 * STRIP))

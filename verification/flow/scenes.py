@@ -58,7 +58,7 @@ CHANNEL = channel(2.2, 0.41, FLUID, ENTERING, SLOWLY + CYLINDER)
 SYMMETRIC_CHANNEL = HEAD + SLOWLY + through(FLUID, ENTERING) + '[mesh]\nfile = "channel.msh"\n'
 """The same on a mesh of a file beside the scene, that of `mirrored_channel`."""
 
-ZONE = "[shape.regions.zone]\npolygon = [[0.05, 0.05], [0.6, 0.05], [0.6, 0.36], [0.05, 0.36]]\n"
+ZONE = "[shape.regions.zone]\npolygon = [[0.1, 0.1], [0.4, 0.1], [0.4, 0.31], [0.1, 0.31]]\n"
 """Around the cylinder and behind it, for a finer mesh there."""
 
 
