@@ -23,7 +23,7 @@ VESSELS = {
 STRIP = 0.05
 """Half the width about the middle over which the heat that passes there is averaged [m]."""
 NEUTRAL = 300.0
-"""Mean of the temperatures of the walls [K], from which heat that is carried is counted."""
+"""Mean of the temperatures of the walls [K], from which heat that is advected is counted."""
 
 
 def heated_cavity(comm: PETSc.Comm) -> list[Check]:
