@@ -49,6 +49,8 @@ __all__: list[str] = [
     "multiply_in_registers",
     "narrow_widths",
     "node_blocks",
+    "node_lu",
+    "node_lu_single",
     "node_order",
     "node_ssor",
     "panel_value_bytes",
@@ -61,6 +63,7 @@ __all__: list[str] = [
     "recovery_points",
     "refine_delaunay",
     "register_node_cholesky",
+    "register_node_lu",
     "register_node_relaxation",
     "relax_and_check",
     "remove_tractions",
@@ -566,6 +569,7 @@ def refine_delaunay(
     patience: typing.SupportsInt | typing.SupportsIndex,
 ) -> tuple: ...
 def register_node_cholesky() -> None: ...
+def register_node_lu() -> None: ...
 def register_node_relaxation() -> None: ...
 def relax_and_check(
     X_reference: numpy.typing.NDArray[numpy.float64],
@@ -652,4 +656,6 @@ def watch_outlet(
 
 has_cgal: bool = True
 node_blocks: str = "node_blocks"
+node_lu: str = "node_lu"
+node_lu_single: str = "node_lu_single"
 node_ssor: str = "node_ssor"

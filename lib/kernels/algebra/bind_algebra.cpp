@@ -3,6 +3,7 @@
 
 #include "algebra/block_product.hpp"
 #include "algebra/node_cholesky.hpp"
+#include "algebra/node_lu.hpp"
 #include "algebra/node_relaxation.hpp"
 #include "fem/operator.hpp"
 
@@ -14,6 +15,11 @@ void bind_algebra(py::module_& m) {
         "register_node_cholesky",
         [] { restshape::check(restshape::register_node_cholesky(), "MatSolverTypeRegister"); },
         "Make PETSc know the solver type NODE_BLOCKS: complete Cholesky factors in blocks of one node.");
+    m.attr("node_lu") = restshape::NODE_LU;
+    m.attr("node_lu_single") = restshape::NODE_LU_SINGLE;
+    m.def(
+        "register_node_lu", [] { restshape::check(restshape::register_node_lu(), "MatSolverTypeRegister"); },
+        "Make PETSc know the solver types NODE_LU and NODE_LU_SINGLE: complete LU factors in blocks of one node.");
     m.attr("node_ssor") = restshape::NODE_SSOR;
     m.def(
         "register_node_relaxation", [] { restshape::check(restshape::register_node_relaxation(), "KSPRegister"); },

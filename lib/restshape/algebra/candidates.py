@@ -113,12 +113,12 @@ def of_flow(rate: bool) -> tuple[Candidate, ...]:
     fresh = (0.75, 0.46, 0.36) if rate else (0.37, 0.45, 0.32)
     growth, fill = (0.1, 0.12, 0.15) if rate else (0.05, 0.05, 0.05), (1.0, 1.5, 2.04)
     complete = Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.5, 6.0)
-    found = [Candidate("lu", "lu", 0, complete, complete, "gmres")]
-    for krylov, before, share in (("gmres", "", 1.0), ("bcgs", "bicgstab+", SHORT)):
+    found = [Candidate("lu", "lu", 0, complete, complete, "fgmres")]
+    for krylov, before, share in (("fgmres", "", 1.0), ("bcgs", "bicgstab+", SHORT)):
         for level in range(3):
             prior = Prior(Law(fill[level], 1.0), Law(share * fresh[level], power[level]), growth[level], 0.1)
             found.append(Candidate(f"{before}ilu({level})", "ilu", level, prior, prior, krylov))
-    return (*found, Candidate("lu, rows exchanged", "lu", 0, complete, complete, "gmres", True))
+    return (*found, Candidate("lu, rows exchanged", "lu", 0, complete, complete, "fgmres", True))
 
 
 FLOW_IN_TIME, STEADY_FLOW = of_flow(True), of_flow(False)

@@ -140,7 +140,10 @@ class Choice:
     def candidates(self, size: Size) -> tuple[Candidate, ...]:
         """What may be chosen for matrices of that size."""
         known = candidates(replace(self.traits, dimension=size.dimension))
-        return tuple(one for one in known if self.krylov in ("", one.krylov)) or known
+        if not self.krylov:
+            return known
+        same = tuple(one for one in known if one.krylov == self.krylov)
+        return same or tuple(one for one in known if one.krylov != "bcgs")
 
     def open(self, size: Size) -> list[Candidate]:
         """The candidates that fit in memory and have not failed; the last one where there is no other."""
@@ -154,13 +157,17 @@ class Choice:
             if candidate.name in self.excluded:
                 reasons.append(f"{candidate.name} has failed")
             elif candidate not in found:
-                factor = FACTOR_BYTES * self.filled(candidate, size)
+                factor = self._bytes(candidate, size)
                 reasons.append(f"{candidate.name} needs {factor:.3g} bytes of {self.memory:.3g}")
         return "; left out: " + ", ".join(reasons) if reasons else ""
 
     def fits(self, candidate: Candidate, size: Size) -> bool:
         """Whether a complete factor is small enough; others always are."""
-        return not candidate.complete or FACTOR_BYTES * self.filled(candidate, size) <= self.memory
+        return not candidate.complete or self._bytes(candidate, size) <= self.memory
+
+    def _bytes(self, candidate: Candidate, size: Size) -> float:
+        """That a factor takes; LU has two triangles."""
+        return FACTOR_BYTES * self.filled(candidate, size) * (2.0 if candidate.kind == "lu" else 1.0)
 
     def cost(self, candidate: Candidate, size: Size) -> float:
         """Seconds of a solve: iterations, and a share of refreshes and of the set-up.

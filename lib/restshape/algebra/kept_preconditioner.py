@@ -46,6 +46,7 @@ class KeptPreconditioner:
         single: panels of an old factor of this system may have single precision.
         flipped: (k,) nodes, ascending, around which edges have been flipped since it was made.
         exchanges: a complete factor exchanges rows (MUMPS).
+        rounded: its substitutions are of single precision.
     """
 
     def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
@@ -62,7 +63,7 @@ class KeptPreconditioner:
         self.handle = 0
         self._given: list[str] = []
         self.blocks = self.single = True
-        self.flipped, self._corrected = NOWHERE, False
+        self.flipped, self._corrected, self.rounded = NOWHERE, False, False
         if method == "ilu" and named is None:
             self._take(THESIS_FLOW if self.may_exchange else ILU)
         else:
@@ -189,11 +190,22 @@ class KeptPreconditioner:
             set_rigid_motions(mat, places)
         pc.setReusePreconditioner(False)
         self.ksp.setOperators(mat)
+        if self.kind == "lu" and self.ranks == 1 and not self.exchanges:
+            self._factor_by_nodes(mat)
         self.ksp.setUp()
         if self.ranks > 1:
             self.ksp.setUpOnBlocks()
         pc.setReusePreconditioner(True)
         self.ready, self.pattern_changed = True, False
+
+    def _factor_by_nodes(self, mat: PETSc.Mat) -> None:
+        """Have LU made by nodes where the matrix is in such blocks, rounded where the iteration bears it."""
+        named = PETSc.Options(self.ksp.getOptionsPrefix() or "").hasName("pc_factor_mat_solver_type")
+        self.rounded = False
+        if not named and mat.getType() == "seqbaij" and mat.getBlockSize() in (3, 4):
+            _kernels.register_node_lu()
+            self.rounded = self.ksp.getType() == "fgmres"
+            self.ksp.getPC().setFactorSolverType(_kernels.node_lu_single if self.rounded else _kernels.node_lu)
 
     def substitute_by_panels(self, iterates: bool) -> None:
         """Let a complete factor substitute by panels, which are worth making where it serves several solves.

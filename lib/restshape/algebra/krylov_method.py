@@ -9,9 +9,12 @@ LEAST = 1e-300
 
 
 def set_krylov(ksp: PETSc.KSP, kind: str) -> None:
-    """Have a KSP iterate by a method of PETSc's, "cg", "gmres" or "bcgs", from the guess that it is given."""
+    """Have a KSP iterate by a method of PETSc's, "cg", "gmres", "fgmres" or "bcgs", from the guess that it is given.
+
+    Flexible GMRES keeps what each application gives, and so bears one that is rounded to single precision.
+    """
     ksp.setType(kind)
-    if kind == "gmres":
+    if kind in ("gmres", "fgmres"):
         ksp.setGMRESRestart(RESTART)
     if kind != "cg":
         # The true residual is what these see with the preconditioner on the right.

@@ -265,7 +265,7 @@ class LinearSolver:
     @property
     def factored(self) -> bool:
         """Whether there is a complete factor of the very matrix of the last solve, or of `prepare`, for `apply`."""
-        return self._current and self.kept.ready and self.kept.exact
+        return self._current and self.kept.ready and self.kept.exact and not self.kept.rounded
 
     def apply(self, b: PETSc.Vec, x: PETSc.Vec) -> LinearReport:
         """Solve with the factor that there is (`factored`): no guess, no iteration."""

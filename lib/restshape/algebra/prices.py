@@ -95,7 +95,7 @@ def flow_prices(
 
     Args:
         kind: "lu", "ilu".
-        krylov: "gmres", "bcgs".
+        krylov: "fgmres", "bcgs".
         size: of the system.
         filled: nonzeros in all; of a complete factor those of one triangle.
         known: seconds a unit of counted work.
@@ -134,7 +134,7 @@ class WorkScale(NamedTuple):
     symbolic: float
 
 
-IN_BLOCKS = WorkScale(0.55, 0.75, 0.7, 2.6, 1.0)
+IN_BLOCKS = WorkScale(0.55, 0.75, 0.52, 0.87, 1.0)
 """In blocks of three, by `python scripts/unsymmetric.py`, as are those that follow."""
 BY_POINTS = WorkScale(1.0, 1.0, 1.0, 3.3, 4.0)
 EXCHANGED = 3.0
