@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from counted_replays import begin_log
 from petsc4py import PETSc
 
 from restshape import _kernels
@@ -73,12 +72,3 @@ def test_a_block_without_an_inverse_is_a_zero_pivot(kind):
     mat.zeroEntries()
     mat.assemble()
     assert _kernels.ended_at_zero(factor(mat, kind).getFactorMatrix().handle)
-
-
-def test_a_pattern_that_is_not_symmetric_is_refused():
-    columns = np.array([0, 1, 1], dtype=PETSc.IntType)
-    mat = PETSc.Mat().createBAIJ(6, 3, csr=([0, 2, 3], columns, np.ones(27)), comm=PETSc.COMM_SELF)
-    with pytest.raises(PETSc.Error):
-        factor(mat, _kernels.node_lu)
-    # PETSc leaves open what an error ends.
-    begin_log()
