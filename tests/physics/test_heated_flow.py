@@ -135,6 +135,28 @@ def test_a_fluid_at_rest_conducts(tmp_path):
         assert row["q_hot"] == pytest.approx(1.0, abs=1e-9) and row["q_cold"] == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.parametrize(("theta", "part"), [(0.5, 2e-3), (1.0, 0.02)])
+def test_a_fluid_at_rest_warms_up_as_its_series_says(tmp_path, theta, part):
+    """Beside one wall that is made warmer the mean is that of the Fourier series, and heat in is what is stored."""
+    text = CAVITY.replace("299.5 K", "300 K").replace("300.5 K", "301 K")
+    text = text.replace("diffusivity = 1", "conductivity = 2\nheat_capacity = 4")
+    text += 'right = { heat_flow = true, at = "right" }\nleft = { heat_flow = true, at = "left" }\n'
+    text += "[effects]\nheat = {}\n[mesh]\nsize = 0.06\n"
+    text += f"[effects.storage]\ntime_step = 0.01\ninitial = 300\ntheta = {theta}\n"
+    made = make_replay(write_scene(tmp_path, text), write_script(tmp_path, [{"do": "idle", "frames": 40}]))
+    check, rows = Parity(made), []
+    for row in made.frames():
+        rows.append(dict(row))
+        check()
+    assert check.summary()["holds"]
+    k, t = np.arange(1, 400, 2), 0.4
+    mean = 0.5 - 4 / np.pi**2 * np.sum(np.exp(-0.5 * (k * np.pi) ** 2 * t) / k**2)
+    assert rows[-1]["q_mean"] - 300 == pytest.approx(mean, rel=part)
+    if theta == 1.0:
+        stored = 4 * (rows[-1]["q_mean"] - rows[-2]["q_mean"]) / 0.01
+        assert rows[-1]["q_left"] + rows[-1]["q_right"] == pytest.approx(-stored, rel=1e-6)
+
+
 def test_without_a_difference_no_heat_is_followed_until_an_edit_brings_one(tmp_path):
     begin_log()
     text = (CAVITY + in_time(0.02) + BUOYANT + COARSE).replace("299.5 K", "300 K")

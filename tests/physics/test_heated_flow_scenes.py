@@ -29,6 +29,7 @@ WARM = 'wall = true\ntemperature = "300.5 K"'
         ((GRAVITY, ""), "buoyancy needs gravity"),
         (("heat = {}\n", ""), "heat is off, so that this says nothing"),
         (("flow = { steady = true }\n", ""), "buoyancy moves a fluid, and flow is off"),
+        (("heat = {}", "heat = {}\nstorage = { time_step = 1, initial = 300 }"), "heat in a fluid that does not flow"),
         ((WARM, FLUX), "by fluid.conductivity|needs the conductivity"),
         ((WARM, WARM + "\ninsulated = true"), "at most one of temperature, heat_flux, insulated"),
         ((WARM, 'temperature = "300 K"'), "exactly one of velocity, wall, slip, outflow"),
@@ -105,7 +106,7 @@ def test_scenes_of_bodies_are_as_they_were():
     assert [one.orders for one in seen] == [(2, 1), (1,)]
     assert [set(one.effects) for one in seen] == [
         {"storage"},
-        {"flow", "convection", "heat", "buoyancy", "gravity"},
+        {"flow", "convection", "heat", "buoyancy", "storage", "gravity"},
     ]
 
 
@@ -154,3 +155,9 @@ def test_without_a_difference_there_is_the_flow_alone(tmp_path):
     part = application_of(scene).derived["temperature_difference"]
     assert "heat.h.source" in part.cause(scene, effects) and "boundary.low.heat_flux" in part.cause(scene, effects)
     assert part.cause(remade(scene, part.without(scene.raw, effects)), effects) == ""
+
+
+def test_a_fluid_at_rest_has_no_speed(tmp_path):
+    text = TEXT.replace("flow = { steady = true }\nconvection = {}\n", "").replace(BUOYANT, "")
+    with pytest.raises(UserError, match="a speed is of a flow, and flow is off"):
+        load_scene(write_scene(tmp_path, text.replace("[quantities]\n", "[quantities]\nfast = { speed = true }\n")))

@@ -59,7 +59,13 @@ REFUSED = {
         "region",
     ),
     "no condition": ('on = "bottom"\nwall = true', 'on = "bottom"', "boundary.stove (line", "none of them", ""),
-    "storage": ("heat = {}", "heat = {}\nstorage = {}", "effects.storage (line", "no effect 'storage'", "use one of"),
+    "storage": (
+        "heat = {}",
+        'heat = {}\nstorage = { time_step = "1 s", initial = "20 degC" }',
+        "effects.storage (line",
+        "a fluid that does not flow",
+        "leave it out",
+    ),
 }
 
 

@@ -17,6 +17,7 @@ from restshape.replay.request import Request
 from restshape.replay.rounding import load_scales
 from restshape.replay.row_table import table_of_rows
 from restshape.replay.tally import Summary, Tally
+from restshape.scene.plan import solved_physics
 from restshape.surroundings import petsc_options
 
 
@@ -114,7 +115,7 @@ def _frames(replay: Replay, request: Request, say: Callable[[str], None] | None)
         first = next(frames)
         if steps:
             steps.end()
-        check_field_names(replay.analysis, replay.solver.space, request.application.physics)
+        check_field_names(replay.analysis, replay.solver.space, solved_physics(request.scene, request.application))
         yield first
     except PETSc.Error as error:
         # On several ranks the others may not have failed.

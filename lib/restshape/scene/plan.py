@@ -1,5 +1,6 @@
 """Which effects a scene calls for, and which solvers, and why: nothing else is simulated."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pydantic import BaseModel
@@ -8,6 +9,7 @@ from restshape.application import Application
 from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, ResolvedSettings, SettingsResolver
 from restshape.scene.model import Scene
+from restshape.scene.physics import Physics
 from restshape.scene.plain_values import table_in
 from restshape.scene.solver import SolverPlan, joint
 
@@ -87,12 +89,26 @@ def plan(scene: Scene, application: Application) -> Plan:
     on = frozenset(effect.name for effect in planned if effect.on)
     derived = tuple(_derived(name, effect, scene, on) for name, effect in application.derived.items())
     settings = {effect.name: effect.settings for effect in planned}
-    solver = joint([made for one in application.physics if (made := one.solver(scene, on, settings))])
+    solver = joint([made for _, made in _solvers(scene, application, on, settings)])
     usual = (application.orders[0], application.order_why)
     possible = ((order, why) for order, why in orders if order is not None and order in application.orders)
     order, order_why = next(possible, usual)
     tolerance = min(tolerances, default=None)
     return Plan(tuple(planned), derived, solver, order, order_why, tuple(warnings), tolerance)
+
+
+def solved_physics(scene: Scene, application: Application) -> list[Physics]:
+    """The physics of an application that make equations of a scene."""
+    settings = {effect.name: effect.settings for effect in plan(scene, application).effects}
+    return [one for one, _ in _solvers(scene, application, _on(scene, application), settings)]
+
+
+def _solvers(
+    scene: Scene, application: Application, on: frozenset[str], settings: Mapping[str, object]
+) -> list[tuple[Physics, SolverPlan]]:
+    """Physics that make equations, with how these are solved."""
+    found = ((one, one.solver(scene, on, settings)) for one in application.physics)
+    return [(one, made) for one, made in found if made]
 
 
 def as_written(scene: Scene) -> Scene:

@@ -90,6 +90,7 @@ class HeatedFlow(IncompressibleFlow):
         if plan.on("buoyancy"):
             g = np.array(plan.settings("gravity").g)
             self.lift, self.neutral = -scene.fluid.rho * scene.fluid.expansion * g, scene.fluid.reference
+        self.mass = None
         self.heats: dict[str, EdgeHeat] = {}
         self._pull = float(np.linalg.norm(self.lift))
         super().__init__(scene, plan, space)

@@ -13,6 +13,7 @@ from restshape.analysis.analysis import Analysis, Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.residual_equations import ResidualEquations
+from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application_of
 from restshape.fem.problem import SteadyProblem
 from restshape.first_use import made
@@ -38,6 +39,8 @@ UNIFORM = 1e-9
 def fluid_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis[SteadyProblem]:
     """Of a fluid with or without heat, steady or in time; arguments as of any `Analysis`."""
     if not plan.on("flow"):
+        if plan.on("storage"):
+            return TransientAnalysis(scene, plan, context, StillFluid)
         return StillFluidAnalysis(scene, plan, context, StillFluid)
     in_time = plan.settings("flow").time_step is not None
     make = HeatedFlowInTime if in_time else SteadyHeatedFlow

@@ -7,6 +7,8 @@ from restshape.scene.model import Scene
 from restshape.scene.source import Source, name_suggestion
 from restshape.scene.values import RESERVED
 
+OF_HEAT = ("temperature", "heat_flow", "nusselt", "area")
+"""Kinds of quantities that a fluid has which does not flow."""
 BY_WATT = "it is counted in W, and the fluid has a diffusivity alone"
 
 
@@ -19,12 +21,19 @@ def check_heated_flow(scene: Scene, source: Source) -> None:
     if not {"flow", "heat"} & set(scene.effects):
         do = "name one of them: flow = { steady = true }, or heat = {}"
         raise source.error(("effects",), "neither flow nor heat is on, so that nothing is simulated", do)
+    if "storage" in scene.effects and ("flow" in scene.effects or "heat" not in scene.effects):
+        do = "leave it out: a flow in time has a time_step, and heat without flow is in time with it"
+        raise source.error(("effects", "storage"), "this is of heat in a fluid that does not flow", do)
     if "heat" in scene.effects:
         _check_heat(scene, source)
     else:
         _refuse_without_heat(scene, source)
     if "buoyancy" in scene.effects:
         _check_buoyancy(scene, source)
+    for name, one in scene.quantities.items():
+        if "flow" not in scene.effects and one.kind not in OF_HEAT:
+            what = f"a {one.kind.replace('_', ' ')} is of a flow, and flow is off"
+            raise source.error(("quantities", name), what, "add [effects.flow], or take it out")
     _check_places(scene, source)
 
 
@@ -46,7 +55,7 @@ def _check_heat(scene: Scene, source: Source) -> None:
                 what = f"{value.text!r} depends on the time t, and the temperature is steady"
                 raise source.error(("boundary", name, key), what, "add a time_step to [effects.flow]")
     prescribed = any(one.temperature is not None for one in scene.boundary.values())
-    if not (in_time or prescribed) and differences(scene, frozenset(scene.effects)):
+    if not (in_time or prescribed or "storage" in scene.effects) and differences(scene, frozenset(scene.effects)):
         what = "nothing holds the temperature: no edge has one, and it is steady"
         raise source.error(("boundary",), what, 'give one, as in temperature = "20 degC", or a time_step')
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from restshape.physics.heat.heat_declaration import CONDUCTIVITY, HEAT_FLUX, HEAT_SOURCE, SPECIFIC_HEAT
+from restshape.physics.heat.heat_declaration import CONDUCTIVITY, HEAT, HEAT_FLUX, HEAT_SOURCE, SPECIFIC_HEAT
 from restshape.physics.heated_flow.heated_flow_checks import check_heated_flow
 from restshape.physics.heated_flow.temperature_differences import differences, evened
 from restshape.scene.derived_effects import On
@@ -163,6 +163,7 @@ HEATED_FLOW = Physics(
             Heat, "the temperature of the fluid", kernels=("heated_", "unsteady_heated_", "advected_", "conduction")
         ),
         "buoyancy": Effect(Buoyancy, "warm fluid rises", drives=True, kernels=("lifted_", "unsteady_lifted_")),
+        "storage": HEAT.effects["storage"],
         "gravity": Effect(Gravity, "the direction in which warm fluid rises", acceleration="g"),
     },
     derived={

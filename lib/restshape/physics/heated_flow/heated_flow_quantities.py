@@ -9,8 +9,9 @@ from restshape.fem.edge_reactions import EdgeReactions
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Function, reduction
-from restshape.fem.problem import INTERNAL, SteadyProblem
+from restshape.fem.problem import INTERNAL, Inertia, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
+from restshape.fem.time_integration import Motion
 from restshape.physics.flow.flow_quantities import ObservedFlow, flow_quantity
 from restshape.physics.heated_flow.border_heat import BorderHeat
 from restshape.physics.heated_flow.heated_flow_conditions import warm_edges
@@ -19,12 +20,14 @@ from restshape.scene.model import Quantity
 KINDS = ("temperature", "heat_flow", "nusselt")
 
 
+# More than 15 attributes: those of any problem, and of heat.
 class ObservedHeat(SteadyProblem, Protocol):
     """What quantities see of heat in a fluid, whose temperature is the last column of the unknowns.
 
     Attributes:
         capacity: by volume [J/(m^3 K)]; conductivity: [W/(m K)]; neutral: temperature from which advected heat counts.
         border: given heat fluxes; heats: heat through edges by their names, as quantities have asked for it.
+        mass: what takes heat up besides the integrals, in time; None: nothing.
     """
 
     capacity: float
@@ -32,6 +35,7 @@ class ObservedHeat(SteadyProblem, Protocol):
     neutral: float
     border: BorderHeat
     heats: "dict[str, EdgeHeat]"
+    mass: Inertia | None
 
     def heat_residual(self, rest: np.ndarray) -> np.ndarray:
         """The heat (n,) [W/m] that a residual (n, f) of the equations lacks at the nodes."""
@@ -62,21 +66,21 @@ def heat_quantity(problem: ObservedHeat, name: str, quantity: Quantity) -> Funct
     if quantity.kind == "temperature":
         nodes = observed_nodes(space, name, quantity)
         reduce = reduction(space, quantity, nodes)
-        return lambda x: reduce(x[nodes, -1])
+        return lambda x, *_: reduce(x[nodes, -1])
     if quantity.at not in problem.heats:
         problem.heats[quantity.at] = EdgeHeat(problem, quantity.at)
     leaving = problem.heats[quantity.at]
     if quantity.kind == "heat_flow":
-        return lambda x: problem.scene.fluid.depth * leaving(x)
+        return lambda x, *motion: problem.scene.fluid.depth * leaving(x, *motion)
     of, facets = quantity.nusselt, space.facets[space.facets_of(quantity.at)]
     factor = -of.length / (problem.conductivity * of.difference)
-    return lambda x: factor * leaving(x) / _length(space.X, facets)
+    return lambda x, *motion: factor * leaving(x, *motion) / _length(space.X, facets)
 
 
 def isothermal_quantity(temperature: float, name: str, quantity: Quantity) -> Function:
     """The value of a quantity of heat where no temperature differs from another."""
     value = temperature if quantity.kind == "temperature" else 0.0
-    return lambda x: value
+    return lambda *_: value
 
 
 def _length(X: np.ndarray, facets: np.ndarray) -> float:
@@ -100,14 +104,16 @@ class EdgeHeat:
         self._around: tuple[int, np.ndarray] = -1, self._on.nodes
         self._known: tuple[Sequence[Integral], np.ndarray, np.ndarray, float] | None = None
 
-    def __call__(self, x: np.ndarray) -> float:
-        """The heat at unknowns x (n, f); that of the last state is kept, for heat and Nusselt number."""
+    def __call__(self, x: np.ndarray, *motion: Motion) -> float:
+        """The heat at unknowns x (n, f), and their rates; that of the last flow is kept, for Nusselt numbers too."""
+        if motion:
+            return self._evaluate(x, *motion)
         X, integrals, known = self.problem.space.X, self.problem.integrals(INTERNAL), self._known
         if known is None or known[0] is not integrals or not (known[1] == x).all() or not (known[2] == X).all():
             self._known = known = integrals, x.copy(), X.copy(), self._evaluate(x)
         return known[3]
 
-    def _evaluate(self, x: np.ndarray) -> float:
+    def _evaluate(self, x: np.ndarray, *motion: Motion) -> float:
         problem, space, on = self.problem, self.problem.space, self._on
         given = float(problem.border.loads(facets=self._facets).sum())
         if not len(on.nodes):
@@ -115,6 +121,8 @@ class EdgeHeat:
         if self._around[0] != space.topology:
             self._around = space.topology, cells_around(space, on.nodes)
         rest = problem.heat_residual(unconstrained_residual(problem, x, self._around[1]))
+        if problem.mass and motion and motion[0].started:
+            rest += problem.mass.apply(motion[0].v)[:, 0]
         return -(given + float(on.parts() @ rest[on.nodes]))
 
 

@@ -10,22 +10,24 @@ from restshape.fem import problem as kinds
 from restshape.fem.cell_samples import CellValues, Given
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.elements import CONDUCTION
+from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Function, Observer, area_at
-from restshape.fem.problem import Fields, SteadyProblem, Unknown
+from restshape.fem.problem import Fields, Inertia, TransientProblem, Unknown
 from restshape.fem.space import Space
+from restshape.physics.heat.conduction import CAPACITIES, HeatConduction
 from restshape.physics.heated_flow.border_heat import BorderHeat
 from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_conditions import prescribed_temperatures
 from restshape.physics.heated_flow.heated_flow_quantities import EdgeHeat, heat_quantity, isothermal_quantity
-from restshape.physics.heated_flow.temperature_differences import uniform
+from restshape.physics.heated_flow.temperature_differences import initial, uniform
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
 
 # More than 15 attributes: a problem holds what its integrals, conditions and quantities share.
-class StillFluid(SteadyProblem):
-    """-k laplace T = s of the fluid of one scene on one space; a `fem.problem.SteadyProblem`.
+class StillFluid(TransientProblem):
+    """C dT/dt = k laplace T + s of the fluid of one scene on one space; a `fem.problem.TransientProblem`.
 
     Args:
         scene: fluid, boundaries and sources.
@@ -38,12 +40,14 @@ class StillFluid(SteadyProblem):
     name = "still_fluid"
     unknowns = (Unknown("temperature", "K", ("temperature",)),)
     symmetric = linear = varies = True
+    time_step_key = "effects.storage.time_step"
 
     def __init__(self, scene: Scene, plan: Plan, space: Space) -> None:
         self.scene, self.plan, self.space, self.neutral = scene, plan, space, uniform(scene)
         self.capacity, self.conductivity = heat_properties(scene)
         given = [Given(f"heat.{name}.source", one.on, one.source) for name, one in scene.heat.items()]
         self.sources, self.border = CellValues(space, given, scene.parameters), BorderHeat(scene, space)
+        self.mass: Inertia | None = None
         self.heats: dict[str, EdgeHeat] = {}
         conditions = [*prescribed_temperatures(scene, space, 0)]
         self.boundary = Dirichlet((len(space.X), 1), conditions, scene.parameters | {"t": 0.0}, "K")
@@ -76,6 +80,10 @@ class StillFluid(SteadyProblem):
         """The integrals of a kind at the present places of the nodes; see `fem.problem.SteadyProblem`."""
         if kind in (kinds.LOADS, kinds.FOLLOWERS):
             return []
+        if kind in (kinds.MASS, kinds.LUMPED, kinds.CONSISTENT):
+            wanted = f"{self.plan.settings('storage').capacity} mass" if kind == kinds.MASS else kind
+            capacity = CAPACITIES[wanted][self.space.cell_type]
+            return [Integral(capacity, self.space.X, self.space.cells, np.array([self.capacity]))]
         inside = kind == kinds.INTERNAL
         source = self._source if inside else np.zeros((1, 1))
         parameters = np.insert(source, 0, [[self.conductivity], [1.0]], axis=1)
@@ -96,20 +104,43 @@ class StillFluid(SteadyProblem):
         """Take the rates of this heat, when nodes move with rates dX (n, 2), from `out` (n, 1)."""
         out[:, 0] -= self.border.rates(dX)
 
+    def initial(self) -> np.ndarray:
+        """The temperature (n, 1) [K] at time 0."""
+        return np.full(self.boundary.mask.shape, initial(self.scene))
+
+    time_integration = staticmethod(HeatConduction.time_integration)
+
     def fields(self, x: np.ndarray) -> Fields:
         """Temperature [K] of the nodes at x (n, 1)."""
         return {"temperature": x[:, 0]}, {}
 
-    def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
-        """What evaluates quantities of a temperature x (n, 1)."""
+    def observer(self, quantities: Mapping[str, Quantity], mass: Inertia | None = None) -> Observer:
+        """What evaluates quantities of a temperature x (n, 1); in time with what the capacity `mass` takes up."""
+        self.mass = mass
         return Observer({name: self._function(name, one) for name, one in quantities.items()})
+
+    motion_observer = observer
 
     def _function(self, name: str, quantity: Quantity) -> Function:
         if quantity.kind == "area":
             return area_at(self.space, name, quantity)
-        if not self.plan.on("temperature_difference"):
+        if not (self.plan.on("temperature_difference") or self.plan.on("storage")):
             return isothermal_quantity(self.neutral, name, quantity)
         return heat_quantity(self, name, quantity)
+
+    def flux(self, x: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
+        """Heat fluxes x, y, 0, 0 [W/m^2]: (ne, 4) at centroids, or (ne, m, 4) at reference points (m, 2)."""
+        own = self.integrals(kinds.STIFFNESS)[0].stress(x, points)
+        return np.concatenate([own, np.zeros_like(own)], axis=-1)
+
+    def energy_moduli(self) -> np.ndarray:
+        """0, half of the conductivity [W/(m K)], and a depth of 1 m, (3,): of k |grad T|^2 by area."""
+        return np.array([0.0, 0.5 * self.conductivity, 1.0])
+
+    def error_estimate(self) -> RecoveryEstimate:
+        """The recovery-based estimate in the norm of the fluxes' dissipation."""
+        resistance = np.diag([1.0, 1.0, 0.0, 0.0]) / self.conductivity
+        return RecoveryEstimate(self.space, self.flux, resistance[None], self.stiffest)
 
     def heat_residual(self, rest: np.ndarray) -> np.ndarray:
         """The heat (n,) [W/m] that a residual (n, 1) of the equation lacks at the nodes."""

@@ -36,7 +36,7 @@ def span(scene: Scene, on: On) -> tuple[float, float]:
 
 def initial(scene: Scene) -> float:
     """The temperature [K] at time 0, and that from which steady ones are looked for."""
-    given = scene.effects.get("heat", {}).get("initial")
+    given = next((one for one in _initial(scene) if one is not None), None)
     if given is not None:
         return float(given)
     if scene.fluid.reference is not None:
@@ -47,7 +47,7 @@ def initial(scene: Scene) -> float:
 def uniform(scene: Scene) -> float:
     """The temperature [K] that everything has where none differs: that of an edge, or the first one that is named."""
     known = [value for _, value in _prescribed(scene) if not isinstance(value, Expression)]
-    known += [value for value in (scene.effects.get("heat", {}).get("initial"), scene.fluid.reference) if value]
+    known += [value for value in (*_initial(scene), scene.fluid.reference) if value]
     return float(known[0]) if known else ROOM
 
 
@@ -62,6 +62,11 @@ def evened(raw: Table, _: On) -> Table:
     effects["heat"] = {key: value for key, value in table_in(effects, "heat").items() if key != "initial"}
     rest = {key: value for key, value in raw.items() if key != "heat"}
     return {**rest, "boundary": boundary, "effects": effects}
+
+
+def _initial(scene: Scene) -> list[float | None]:
+    """What effects say of the temperature at time 0 [K]."""
+    return [scene.effects.get(name, {}).get("initial") for name in ("storage", "heat")]
 
 
 def _prescribed(scene: Scene) -> Iterator[tuple[str, Value]]:
@@ -83,5 +88,5 @@ def _temperatures(scene: Scene, on: On) -> Iterator[tuple[str, Value]]:
     yield from _prescribed(scene)
     if "buoyancy" in on and scene.fluid.reference is not None:
         yield "fluid.reference", scene.fluid.reference
-    if scene.effects.get("flow", {}).get("time_step") is not None:
+    if "storage" in on or scene.effects.get("flow", {}).get("time_step") is not None:
         yield "effects.heat.initial", initial(scene)
