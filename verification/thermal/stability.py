@@ -1,4 +1,4 @@
-"""Hard cases of conduction: materials that conduct very differently, hardly any convection, a window that jumps."""
+"""Hard cases of heat: materials that conduct very differently, hardly any convection, and those of fluids."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 from restshape_studies.stability.case import Case, Statement, Trial, below, valid
 from restshape_studies.stability.known_bounds import ENTRIES, SOLVED
 from restshape_studies.stability.scenery import across, block, drag, rows_of
+from restshape_verification.flow.heated_stability import CASES as FLUIDS
 
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
@@ -52,4 +53,5 @@ def tiny_convection(trial: Trial) -> Iterator[Statement]:
 CASES: dict[str, Any] = {
     "conductivity_ratio": Case(conductivity_ratio, tuple(POLICIES)),
     "tiny_convection": Case(tiny_convection, tuple(POLICIES)),
+    **FLUIDS,
 }
