@@ -34,6 +34,7 @@ VESSEL = HEAD + SQUARE + "[fluid]\nrho = 1\nmu = 1\n" + STEADY + MESH
         (('"4*y*(1 - y)"', '"4*y*(1 - y)*s"'), "names 's', which is not in"),
         (("steady = true", 'steady = true, time_step = "1 s"'), "a steady flow has no time_step"),
         (("steady = true", "steps = 4"), "steps is of a flow in time"),
+        (("steady = true", 'carry = "remap"'), "carry is of a flow in time"),
         (("convection = {}", "convection = {}\n[parameters]\nt = 1"), "'t' is the time"),
         (("convection = {}", 'convection = {}\n[supports.s]\non = "top"\nfix = ["x"]'), "supports"),
         (("convection = {}", "convection = {}\n[loads.l]\non = 'top'\npressure = 1"), "loads"),
