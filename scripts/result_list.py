@@ -209,7 +209,11 @@ LIST = (
         ("restshape_apps.furniture.pictures",),
         ("furniture/*/*",),
     ),
-    bench("reuse", f"reuse {PLATE} {BEAM} --out results --json results/bench-reuse.json", ["bench-reuse.*"]),
+    bench(
+        "reuse",
+        f"reuse {PLATE} {BEAM} {FLOW} {TEAPOT} --out results --json results/bench-reuse.json",
+        ["bench-reuse.*"],
+    ),
     bench(
         "reuse",
         f"reuse {BUILDING} {BAR} --policies rebuild,refactor,auto --frames 50 --repeat 2 --out results "
