@@ -5,6 +5,8 @@ import json
 import numpy as np
 import pytest
 from restshape_studies.stability.scenery import drag, make_replay, write_scene, write_script
+from restshape_verification.flow.heated_scenes import BUOYANT, CAVITY
+from restshape_verification.flow.heated_scenes import STEADY as HEATED
 from restshape_verification.flow.scenes import HEAD, SLOW, STEADY, in_time
 from thermal_scenes import solved
 
@@ -173,3 +175,24 @@ def test_reuse_gives_what_cold_solves_give_where_slip_turns(tmp_path, policy):
         assert not row["refused"]
         check()
     assert check.summary()["holds"], check.summary()
+
+
+@pytest.mark.parametrize("coupling", ["monolithic", "split"])
+def test_a_heated_vessel_with_slip_is_the_same_when_it_is_turned_with_gravity(tmp_path, coupling):
+    """Velocity, pressure and temperature in one matrix, or in turn: what slides are the first two of each node."""
+    walls = CAVITY.replace("wall = true", "slip = true") + '[boundary.ends]\non = ["top", "bottom"]\nslip = true\n'
+    effects = HEATED.replace("heat = {}", f'heat = {{ coupling = "{coupling}" }}') + BUOYANT
+    text = walls + effects + "[solve]\ntolerance = 1e-10\n[mesh]\nsize = 0.12\n"
+    turn = np.array([[np.cos(0.5), np.sin(0.5)], [-np.sin(0.5), np.cos(0.5)]])
+    down = np.array([0.0, -1.0]) @ turn
+    vessel = solved(tmp_path, text).analysis
+    turned = solved(tmp_path, text.replace('[0, "-1 m/s^2"]', str(down.tolist()))).analysis.state.scene
+    space, x = vessel.space, vessel.x.copy()
+    space.X[:] = space.X @ turn
+    space.geometry += 1
+    vessel.solve(Frame(space, np.empty(0, np.int32), None, turned, (None, (0.0, 0.0))))
+    speed = np.abs(x[:, :2]).max()
+    np.testing.assert_allclose(vessel.x[:, :2], x[:, :2] @ turn, atol=1e-6 * speed)
+    np.testing.assert_allclose(vessel.x[:, 3], x[:, 3], atol=1e-6)
+    on_top = np.isclose(space.X @ turn.T, 1.0)[:, 1]
+    assert speed > 5.0 and np.abs(x[on_top, 0]).max() > 0.3 * speed and np.abs(x[on_top, 1]).max() < 1e-12
