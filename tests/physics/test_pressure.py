@@ -5,6 +5,9 @@ import pytest
 from large import beam, solid
 from small_scenes import make_replay, rows_of, write_scene
 
+from restshape.fem.problem import FOLLOWERS
+from restshape.replay.first_frame import first_frame
+
 WIND = '\n[loads.wind]\non = "top"\npressure = 2000\n'
 
 
@@ -26,6 +29,23 @@ def test_without_large_deformation_a_pressure_is_dead(tmp_path):
     text = beam(solid(), WIND).replace("[effects.large_deformation]\n", "")
     (row,) = rows_of(make_replay(write_scene(tmp_path, text)))
     np.testing.assert_allclose([row["q_wall_x"], row["q_wall_y"]], [0, 2000], atol=1e-3)
+
+
+def test_a_part_of_a_pressure_that_follows_is_that_part_of_its_forces(tmp_path):
+    """Without any load the beam is straight, and a step's part of the push is p times its length, upwards or down."""
+    analysis = first_frame(write_scene(tmp_path, beam(solid(), WIND)), ["loads.wind.pressure=1"]).analysis
+    straight = np.zeros_like(analysis.x)
+    whole, third = (_forces(analysis.problem.integrals(FOLLOWERS, part), straight) for part in (1.0, 1.0 / 3.0))
+    np.testing.assert_allclose(third, whole / 3.0, rtol=1e-12, atol=1e-15)
+    length = np.ptp(analysis.space.X[:, 0])
+    np.testing.assert_allclose(np.abs(third.sum(axis=0)), [0.0, length / 3.0], atol=1e-12)
+
+
+def _forces(integrals, x):
+    out = np.zeros_like(x)
+    for one in integrals:
+        one.add_residual(x, out)
+    return out
 
 
 def test_an_even_pressure_all_around_a_block_is_borne_evenly(tmp_path):
