@@ -69,6 +69,17 @@ def test_reuse_gives_what_cold_solves_give(tmp_path, effects, policy):
     assert check.summary()["holds"], check.summary()
 
 
+def test_a_velocity_that_is_off_is_seen_beside_temperatures_in_kelvins(tmp_path):
+    made = make_replay(write_scene(tmp_path, CAVITY + STEADY + BUOYANT + COARSE), write_script(tmp_path, []))
+    check = Parity(made)
+    for _ in made.frames():
+        check()
+        analysis = made.analysis
+        assert analysis.compare_cold().solution < 1e-6
+        analysis.x[5, :2] += 1e-4 * np.abs(analysis.x[:, :2]).max()
+        assert analysis.compare_cold().solution > 1e-5
+
+
 @pytest.mark.parametrize("effects", [STEADY, in_time(0.02, steps=2)])
 def test_by_turns_comes_what_comes_together(tmp_path, effects):
     """Flow and heat by turns have the solutions, and the scales of residuals, of both in one system; steady, where

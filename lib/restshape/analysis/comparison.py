@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +27,21 @@ def compared(warm: GatheredSystem, cold: GatheredSystem, definite: bool = True) 
         difference = float(np.abs(warm.solution - cold.solution).max(initial=0.0))
         return Comparison(entries, difference / largest if largest else difference)
     return Comparison(entries, energy_distance(cold.matrix, warm.solution, cold.solution, warm.energy))
+
+
+def compared_by_fields(warm: GatheredSystem, cold: GatheredSystem, fields: Sequence[tuple[int, float]]) -> Comparison:
+    """How far a system is from a cold one: entries as in `compared`, solutions by the worst of its fields.
+
+    Args:
+        fields: of each in order its columns, and a difference of its values that is not small. The largest one counts
+            over that, or over the range of its values: temperatures in kelvins would hide velocities.
+    """
+    worst, start, width = 0.0, 0, sum(columns for columns, _ in fields)
+    for columns, size in fields:
+        mine, other = (one.solution.reshape(-1, width)[:, start : start + columns] for one in (warm, cold))
+        start += columns
+        worst = max(worst, float(np.abs(mine - other).max()) / max(float(np.ptp(other)), size))
+    return Comparison(matrix_difference(warm.matrix, cold.matrix), worst)
 
 
 def energy_distance(matrix: sp.csr_matrix, x: np.ndarray, reference: np.ndarray, energy: float | None = None) -> float:

@@ -42,6 +42,10 @@ IN_TIME = {
 """Elements by what advects the velocity."""
 
 
+SMALLEST = 1e-9
+"""Part of a temperature that is no difference."""
+
+
 @dataclass(frozen=True)
 class Scales:
     """What residuals of a usual node are measured against.
@@ -155,6 +159,11 @@ class HeatedFlow(IncompressibleFlow):
         flows = self.capacity * speed + self.conductivity / size
         momentum, heat = size * _mean(forces), size * span * _mean(flows) + self._entering
         return Scales(momentum, momentum / self.continuity, heat)
+
+    def usual(self, x: np.ndarray) -> list[tuple[int, float]]:
+        """Of velocity [m/s], pressure [Pa] and temperature [K] at x (n, 4) the columns, and what is usual of each."""
+        scales, size = self.scales(x), self.size
+        return [(2, scales.volume / size), (1, scales.momentum / size), (1, max(self._span, SMALLEST * self.neutral))]
 
     def fields(self, x: np.ndarray) -> Fields:
         """Velocity [m/s], pressure [Pa], speed [m/s] and temperature [K] of the nodes, at x (n, 4)."""

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.linear_report import LinearReport
-from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.analysis import Analysis, Comparison, Context
+from restshape.analysis.comparison import compared_by_fields
 from restshape.analysis.frame import Frame
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.residual_equations import ResidualEquations
@@ -73,6 +74,18 @@ class Switching(NonlinearSteadyAnalysis):
             self._parts = SplitParts(self.state.scene, self.state.plan, self.context)
         return SplitSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim, self._parts)
 
+    def compare_cold(self) -> Comparison:
+        """The state beside a cold solve: velocity, pressure and temperature each by its own range."""
+        problem = self.state.problem
+        if not isinstance(problem, HeatedFlow) or not self._has_solved:
+            return super().compare_cold()
+        return compared_by_fields(self.warm_system(), self.cold_system(), problem.usual(self.x))
+
+    @property
+    def _has_solved(self) -> bool:
+        """Whether the last frame has solved anything."""
+        return True
+
     def _wanted(self, scene: Scene) -> type[IncompressibleFlow]:
         """The equations of a scene."""
         return _equations(planned(scene, application_of(scene)))
@@ -112,6 +125,10 @@ class HeatedFlowInTime(Switching, FlowInTimeAnalysis):
             even = np.abs(x[:, 3] - initial(scene)).max() <= UNIFORM * np.abs(x[:, 3]).max()
             return wanted if even else HeatedFlow
         return wanted
+
+    @property
+    def _has_solved(self) -> bool:
+        return self.state.problem.step is not None
 
     def _switch(self, scene: Scene, wanted: type[IncompressibleFlow]) -> None:
         super()._switch(scene, wanted)
