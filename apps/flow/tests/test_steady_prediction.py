@@ -31,14 +31,23 @@ def test_what_a_prediction_leaves_over_grows_with_the_square_of_the_way(rows):
 
 
 @pytest.mark.slow
+def test_a_prediction_says_how_far_from_the_flow_it_is(rows):
+    """The solve of the release begins at the last prediction, and says how far that was; no solved frame says it."""
+    predicted = rows["linear"]
+    estimates = np.array([row["estimate"] for row in predicted])
+    assert estimates[WHOLE] == pytest.approx(predicted[WHOLE + 1]["prediction_error"], rel=0.1)
+    assert estimates[WHOLE] / estimates[HALF] == pytest.approx(4.0, rel=0.1)
+    assert np.isnan([row["estimate"] for row in rows["none"]]).all()
+
+
+@pytest.mark.slow
 def test_a_predicted_frame_solves_nothing(rows):
-    """Both forces take one residual, of the cells around the body."""
+    """Both forces take one residual, of the cells around the body; the first frame is estimated before it is shown."""
     predicted = [row for row in rows["linear"] if row["predicted"]]
     assert len(predicted) == 40
-    for row in predicted:
-        calls = row["calls"]["flow_tri3"]
-        assert set(row["calls"]) == {"flow_tri3"} and set(calls) == {"residual"}
-        assert calls["residual"][0] == 1
+    calls = [row["calls"] for row in predicted]
+    assert all(set(one) == {"flow_tri3"} and set(one["flow_tri3"]) == {"residual"} for one in calls)
+    assert [one["flow_tri3"]["residual"][0] for one in calls] == [2] + 39 * [1]
     assert happened(predicted, "KSPSolve") == 0
 
 

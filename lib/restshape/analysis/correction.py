@@ -28,8 +28,9 @@ def correction(problem: SteadyProblem, x: np.ndarray, solver: LinearSolver, rows
         solver: its preconditioner is that of a mesh some frames ago.
         rows: this rank's, of n f.
     """
-    residual = -unconstrained_residual(problem, x).ravel()
-    residual[problem.boundary.constrained] = 0.0
+    rest = -unconstrained_residual(problem, x)
+    problem.boundary.zero(rest)
+    residual = rest.ravel()
     kept = preconditioner(solver, rows)
     if not solver.symmetric:
         return kept(residual).reshape(x.shape)

@@ -1,11 +1,43 @@
 """The steady flow of each frame."""
 
+from math import sqrt
+from typing import cast
+
+import numpy as np
+
+from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.analysis.analysis import RowValues
+from restshape.analysis.analysis import Context, RowValues
+from restshape.analysis.correction import preconditioner
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.residual_equations import ResidualEquations
+from restshape.analysis.steady_predictor import SteadyPredictor
+from restshape.fem.problem import SteadyProblem
+from restshape.fem.residuals import Operation, unconstrained_residual
 from restshape.physics.flow.flow_search import FlowSearch
+from restshape.physics.flow.incompressible_flow import IncompressibleFlow
 from restshape.physics.flow.swing import STEADY_NOTE
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+
+def distance(problem: SteadyProblem, between: np.ndarray, x: np.ndarray) -> float:
+    """The relative distance of flows x (n, f) that are apart by `between` (n, f), in the norm over all nodes.
+
+    That of velocities, or of temperatures over how far they spread, where they have a history and are farther apart.
+    """
+    columns = [*cast(IncompressibleFlow, problem).history[2:]]
+    spread = [x[:, k] - x[:, k].mean() for k in columns]
+    pairs = [(between[:, :2], x[:, :2]), *((between[:, k], one) for k, one in zip(columns, spread))]
+    norms = [(float(np.square(a).sum()), float(np.square(b).sum())) for a, b in pairs]
+    return max(sqrt(a / b) if b > 0.0 else 0.0 for a, b in norms)
+
+
+class SteadyFlowPredictor(SteadyPredictor):
+    """A `SteadyPredictor` of flows, whose distances are those of velocities."""
+
+    def _distance(self, predicted: np.ndarray, exact: np.ndarray) -> float:
+        return distance(self.analysis.problem, predicted - exact, exact)
 
 
 class SteadyFlowAnalysis(NonlinearSteadyAnalysis):
@@ -15,6 +47,36 @@ class SteadyFlowAnalysis(NonlinearSteadyAnalysis):
 
     Source: docs/theory/flow.md.
     """
+
+    def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[IncompressibleFlow]) -> None:
+        super().__init__(scene, plan, context, make)
+        self.estimated_quantity = "velocity"
+        self._applied: tuple[tuple[LinearSolver, int, slice], Operation] | None = None
+
+    @property
+    def predictor(self) -> SteadyFlowPredictor:
+        """Predicts frames from the state."""
+        return SteadyFlowPredictor(self)
+
+    def errors(self) -> dict[str, float]:
+        """Of a prediction its estimated distance from the flow on the same mesh, by a step with the kept factor.
+
+        None where there is no complete factor: what an incomplete one makes of a residual is smaller.
+        """
+        state, kept = self.state, self.solver.kept
+        if not (state.predicted and kept.ready and kept.exact and kept.size.unknowns == state.x.size):
+            return {}
+        rest = unconstrained_residual(state.problem, state.x)
+        state.problem.boundary.zero(rest)
+        missing = -self._factor(rest.ravel()).reshape(rest.shape)
+        return {"estimate": distance(state.problem, missing, state.x + missing)}
+
+    def _factor(self, rest: np.ndarray) -> np.ndarray:
+        """What the kept factor makes of a residual (n f,), by vectors that stay as long as there are as many rows."""
+        key = self.solver, len(rest), self.state.system.rows
+        if self._applied is None or self._applied[0] != key:
+            self._applied = key, preconditioner(self.solver, self.state.system.rows)
+        return self._applied[1](rest)
 
     def row(self) -> RowValues:
         """What the frame's row reports besides: that there is no Strouhal number where one is asked for."""
