@@ -165,3 +165,20 @@ def test_a_colon_in_what_was_written_does_not_tear_the_message(written):
     with pytest.raises(UnitError) as found:
         quantity(written, "length")
     assert repr(written) in found.value.what and "mm" in found.value.do
+
+
+def test_a_unit_may_be_one_over_another():
+    """Not so where the one belongs to the number: 21/s is a formula."""
+    assert unit("1/s") == unit("Hz") and unit("1/(m s)") == unit("Pa s/kg") != unit("1/m")
+    assert quantity("50 1/s", "frequency") == 50.0
+    assert reads_as_quantity("3.4e-3 1/K") and not reads_as_quantity("21/s")
+    with pytest.raises(UnitError, match="which is no unit"):
+        quantity("3.4e-3 1/degC", None)
+    with pytest.raises(UnitError, match="quantity in 1/K|expansion"):
+        quantity("3.4e-3 1/K", "length")
+
+
+def test_a_temperature_on_a_scale_is_no_other_number_of_kelvins():
+    with pytest.raises(UnitError, match="'5 degC' is a temperature, but a length is wanted"):
+        quantity("5 degC", "length")
+    assert quantity("5 degC", "temperature") == pytest.approx(278.15)
