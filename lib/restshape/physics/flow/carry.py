@@ -45,6 +45,7 @@ class Carrier:
     def __init__(self, equations: ResidualEquations, newton: Newton, settings: FlowSettings, tolerance: float) -> None:
         self.problem = cast(IncompressibleFlow, equations.problem)
         self.correct = VelocityCorrection(self.problem, equations, newton, settings.time_step, tolerance)
+        self.first_order = settings.scheme == "backward_euler"
         self.farthest = {"ale": math.inf, "remap": 0.0, "auto": FAR}[settings.carry]
 
     def __call__(self, x: np.ndarray, past: Past, old: FieldNodes | None) -> tuple[np.ndarray, Past, Outcome | None]:
@@ -54,10 +55,13 @@ class Carrier:
             x: (n, f) unknowns, and past, on the mesh before.
             old: that mesh, its nodes where they are now; None: it is the present one.
         """
-        X, levels = self.problem.space.X, past.levels
-        if old is None or old is self.problem.space:
-            if courant(past.last, X) <= self.farthest:
-                return x, past, None
+        X, stays = self.problem.space.X, old is None or old is self.problem.space
+        if stays and courant(past.last, X) <= self.farthest:
+            return x, past, None
+        # Steps of first order go on from the last level alone.
+        past = past.of([past.last]) if self.first_order else past
+        levels = past.levels
+        if old is None or stays:
             log.info("Nodes go far: fields are taken at their new places")
             return x, past.of([interpolated(level, self.problem, t) for level, t in zip(levels, past.times)]), None
         transfer = Transfer(old, X)
