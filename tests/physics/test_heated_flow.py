@@ -17,7 +17,7 @@ from thermal_scenes import solved
 
 from restshape.analysis.frame import Frame
 from restshape.application import application_of
-from restshape.fem.residuals import design_rates, unconstrained_residual
+from restshape.fem.residuals import design_rates, tangent_product, unconstrained_residual
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
 from restshape.scene.load import load_scene
@@ -282,17 +282,26 @@ def heat(space, T):
     return float((0.5 * np.linalg.det(sides) * (T[space.cells].mean(axis=1) - 300)).sum())
 
 
+HOT = 'temperature = "300.5 K"'
+"""Of the cavity's hot wall."""
+
+
 @pytest.mark.slow
-def test_the_solution_follows_its_derivative_by_the_design(tmp_path):
+@pytest.mark.parametrize("wall", [HOT, 'temperature = "300.5 + 0.2*y*y"', 'heat_flux = "1 + x + y*y"'])
+@pytest.mark.parametrize("effects", [STEADY, "[effects]\nheat = {}\n"])
+def test_the_solution_follows_its_derivative_by_the_design(tmp_path, wall, effects):
     """The remainder of first order, when nodes move, is of second order."""
-    text = CAVITY + STEADY + BUOYANT + "[solve]\ntolerance = 1e-12\n" + COARSE
+    text = CAVITY.replace(HOT, wall).replace("diffusivity = 1", "conductivity = 1\nheat_capacity = 1")
+    text += effects + (BUOYANT if "flow" in effects else "") + "[solve]\ntolerance = 1e-12\n" + COARSE
+    text += '[heat.inside]\non = "all"\nsource = 1\n'
     analysis = solved(tmp_path, text).analysis
     problem, space, x = analysis.problem, analysis.space, analysis.x
     X = space.X.copy()
     dX = 0.02 * np.stack([np.sin(np.pi * X[:, 1]) * X[:, 0], 0 * X[:, 0]], axis=1)
-    rates, _ = design_rates(problem, x, dX)
+    rates, prescribed = design_rates(problem, x, dX)
+    rates += tangent_product(problem, x, prescribed)
     problem.boundary.zero(rates)
-    dx = -analysis.linear_solve(rates, 1e-12)
+    dx = prescribed - analysis.linear_solve(rates, 1e-12)
     frame = Frame(space, np.empty(0, np.int32), None, analysis.state.scene, (None, (0.0, 0.0)))
     remainders = []
     for h in (1.0, 0.5):
