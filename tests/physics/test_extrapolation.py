@@ -2,7 +2,11 @@
 
 import numpy as np
 import pytest
+from counted_replays import begin_log, watched
+from restshape_studies.stability.scenery import write_scene, write_script
+from restshape_verification.flow.scenes import channel, disc, in_time
 
+from restshape.physics.flow import extrapolation
 from restshape.physics.flow.extrapolation import Extrapolation
 
 TIMES = (0.0, 0.1, 0.3, 0.35, 0.6, 0.7)
@@ -47,3 +51,19 @@ def test_what_it_was_given_may_change_afterwards():
     series = Extrapolation().after(0.0, x)
     x[:] = 5.0
     np.testing.assert_allclose(series(1.0, [slice(0, 3)]), 1.0)
+
+
+def test_guesses_of_higher_order_save_newtons_steps(tmp_path, monkeypatch):
+    """Behind a body, from the sixth time step on: three of Newton's steps each from the flow as it was, else two."""
+    begin_log()
+    text = (
+        channel(3, 1, "rho = 1\nmu = 0.004\n", holes=disc("body", (0.8, 0.47), 0.15))
+        + in_time(0.05)
+        + "[mesh]\nsize = 0.1\n"
+    )
+    scene, script = write_scene(tmp_path, text), write_script(tmp_path, [{"do": "idle", "frames": 14}])
+    taken = {}
+    for most in (0, extrapolation.MOST):
+        monkeypatch.setattr(extrapolation, "MOST", most)
+        taken[most] = [row["newton"] for row in watched(scene, script)[0]][6:]
+    assert taken[0] == 9 * [3] and taken[extrapolation.MOST] == 9 * [2]
