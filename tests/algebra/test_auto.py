@@ -51,6 +51,16 @@ def test_a_factor_larger_than_memory_is_never_chosen():
     assert Choice(NOMINAL, memory=2e5)(plane(2_000)) is not CHOLESKY
 
 
+@pytest.mark.parametrize("ranks", [2, 4])
+def test_incomplete_factors_of_ranks_own_rows_take_no_fewer_iterations_than_complete_ones(ranks):
+    """What couples the rows of different ranks is in neither: on small meshes that is what both wait for."""
+    choice = Choice(NOMINAL)
+    for n in (160, 450, 2_000, 20_000):
+        least = choice.expected(CHOLESKY, plane(n, ranks))[0]
+        assert all(choice.expected(one, plane(n, ranks))[0] >= least for one in (ICC, ILU))
+    assert not {ICC, ILU} & {choice(plane(n, ranks)) for n in (160, 450, 2_000)}
+
+
 def test_the_choice_follows_what_is_counted():
     choice, size = Choice(NOMINAL), plane(20_000)
     assert choice(size) is CHOLESKY

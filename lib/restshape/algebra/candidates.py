@@ -35,12 +35,19 @@ class Prior:
         growth: part of them that each solve of age adds.
         block: what each doubling of the ranks adds, for factors of the ranks' own rows: iterations of a complete
             factor, part of the iterations of an incomplete one.
+        exact: iterations that it adds at least to those of an incomplete one, for factors of the same rows would take
+            them if they were complete.
     """
 
     filled: Law
     fresh: Law
     growth: float
     block: float = 0.0
+    exact: float = 0.0
+
+
+BLOCKS = 12.0
+"""Iterations that each doubling of the ranks adds to those of a complete Cholesky factor."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +84,8 @@ class Candidate:
 def incomplete(kind: str) -> tuple[Candidate, Candidate]:
     """The incomplete factors ICC(k), or ILU(k), with the level that served best: 3 in the plane, 1 in space."""
     half = 0.5 if kind == "icc" else 1.0
-    plane = Prior(Law(2.75 * half, 1.0), Law(0.56, 1 / 2), 0.02, 0.1)
-    space = Prior(Law(1.75 * half, 1.0), Law(1.6, 1 / 3), 0.02, 0.1)
+    plane = Prior(Law(2.75 * half, 1.0), Law(0.56, 1 / 2), 0.02, 0.1, BLOCKS)
+    space = Prior(Law(1.75 * half, 1.0), Law(1.6, 1 / 3), 0.02, 0.1, BLOCKS)
     return Candidate(f"{kind}(3)", kind, 3, plane, plane), Candidate(f"{kind}(1)", kind, 1, space, space)
 
 
@@ -86,8 +93,8 @@ CHOLESKY = Candidate(
     "cholesky",
     "cholesky",
     0,
-    Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4, 12.0),
-    Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4, 12.0),
+    Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4, BLOCKS),
+    Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4, BLOCKS),
 )
 ICC, ICC_SPACE = incomplete("icc")
 ILU, ILU_SPACE = incomplete("ilu")

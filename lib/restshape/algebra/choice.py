@@ -235,7 +235,7 @@ class Choice:
             return fresh + prior.block * doublings
         if candidate.kind in ("icc", "ilu"):
             fresh *= size.width**WIDER_FRESH
-        return fresh * (1.0 + prior.block * doublings)
+        return fresh + max(prior.block * fresh, prior.exact) * doublings
 
     def _prior_fill(self, candidate: Candidate, size: Size) -> float:
         prior = candidate.prior(size.dimension)
