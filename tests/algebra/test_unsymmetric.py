@@ -198,6 +198,18 @@ def test_pivots_near_zero_are_not_trusted(method, caplog):
     assert one.kept.exchanges or not one.kept.complete
 
 
+def test_where_single_precision_is_not_enough_double_takes_its_place(caplog):
+    """Pivots so small have inverses that no number of single precision can hold."""
+    one, full = solver("auto"), 1e-42 * dense()
+    for other in STEADY_FLOW:
+        if other.name != "lu":
+            one.kept.choice.exclude(other)
+    with caplog.at_level(logging.INFO, "restshape.algebra"):
+        assert solved(one, full) < 1e-8
+    assert "substitutions of double precision" in caplog.text and one.name == "lu" and not one.kept.rounded
+    assert solved(one, dense()) < 1e-9 and one.kept.rounded, "another mesh is tried in single precision again"
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_matrix_without_any_factor_says_what_to_look_at(method):
     full = dense()

@@ -57,7 +57,7 @@ class KeptPreconditioner:
         choice.krylov = PETSc.Options(ksp.getOptionsPrefix() or "").getString("ksp_type", "")
         self.chooses = method == "auto" and named is None and bool(choice.candidates(self.size))
         self.candidate: Candidate | None = None
-        self.exchanges, self._without_pivots = traits.pivots, set[str]()
+        self.exchanges, self._without_pivots, self._precise = traits.pivots, set[str](), False
         self.ready = self.pattern_changed = False
         self.filled = 0.0
         self.handle = 0
@@ -143,6 +143,7 @@ class KeptPreconditioner:
         if not self.blocks:
             self.blocks = True
             self._set(0)
+        self._precise = False
         self.choice.excluded -= self._without_pivots
         self._without_pivots.clear()
         if self.chooses:
@@ -188,10 +189,10 @@ class KeptPreconditioner:
             self._set(0)
         if places is not None and self.kind == "gamg" and mat.getBlockSize() == places.shape[1]:
             set_rigid_motions(mat, places)
-        pc.setReusePreconditioner(False)
-        self.ksp.setOperators(mat)
         if self.kind == "lu" and self.ranks == 1 and not self.exchanges:
             self._factor_by_nodes(mat)
+        pc.setReusePreconditioner(False)
+        self.ksp.setOperators(mat)
         self.ksp.setUp()
         if self.ranks > 1:
             self.ksp.setUpOnBlocks()
@@ -201,11 +202,12 @@ class KeptPreconditioner:
     def _factor_by_nodes(self, mat: PETSc.Mat) -> None:
         """Have LU made by nodes where the matrix is in such blocks, rounded where the iteration bears it."""
         named = PETSc.Options(self.ksp.getOptionsPrefix() or "").hasName("pc_factor_mat_solver_type")
-        self.rounded = False
-        if not named and mat.getType() == "seqbaij" and mat.getBlockSize() in (3, 4):
-            _kernels.register_node_lu()
-            self.rounded = self.ksp.getType() == "fgmres"
-            self.ksp.getPC().setFactorSolverType(_kernels.node_lu_single if self.rounded else _kernels.node_lu)
+        if named or mat.getType() != "seqbaij" or mat.getBlockSize() not in (3, 4):
+            self.rounded = False
+            return
+        _kernels.register_node_lu()
+        self.rounded = self.ksp.getType() == "fgmres" and not self._precise
+        self.ksp.getPC().setFactorSolverType(_kernels.node_lu_single if self.rounded else _kernels.node_lu)
 
     def substitute_by_panels(self, iterates: bool) -> None:
         """Let a complete factor substitute by panels, which are worth making where it serves several solves.
@@ -292,6 +294,12 @@ class KeptPreconditioner:
         why = "a zero pivot" if pivots else "pivots near zero" if self.complete else "no solution"
         if self._named or self.exchanges:
             return False
+        if self.rounded and self.complete and not pivots:
+            log.info("KSP %s: substitutions of double precision, in place of single ones", prefix)
+            self._precise = True
+            self._reset()
+            self._set(0)
+            return True
         if self.chooses and self.candidate:
             for other in self.choice.candidates(self.size):
                 # Where one pivot is zero, others are near it: of those without exchanges the complete one is left.
