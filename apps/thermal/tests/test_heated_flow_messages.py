@@ -78,3 +78,11 @@ def test_what_is_refused(name, command, tmp_path):
     assert done.returncode == 2
     assert "scene.toml: " in done.stderr and where in done.stderr and what in done.stderr, done.stderr
     assert do in done.stderr.partition("try: ")[2], done.stderr
+
+
+@pytest.mark.parametrize(("gravity", "moves"), [('[0, "-9.81 m/s^2"]', True), ("[0, 0]", False)])
+def test_a_fluid_that_nothing_moves_is_warned_of(gravity, moves, command, tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE.replace('[0, "-9.81 m/s^2"]', gravity), encoding="utf-8")
+    done = command("check", "scene.toml")
+    assert done.returncode == 0, done.stderr
+    assert ("nothing moves the fluid" in done.stdout) != moves

@@ -16,10 +16,9 @@ def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
     kinds = edge_kinds(scene, outline)
     speeds = [np.linalg.norm(u, axis=1).max(initial=0.0) for t in TIMES for u in border_velocities(scene, outline, t)]
     speed = max(speeds, default=0.0)
-    if speed == 0.0 and ("buoyancy" in scene.effects or "flow" not in scene.effects):
-        return Inspection()
     if speed == 0.0:
-        if "buoyancy" in scene.effects:
+        lifted = "buoyancy" in scene.effects and any(scene.effects["gravity"]["g"])
+        if lifted or (scene.effects and "flow" not in scene.effects):
             return Inspection()
         given = any(kind == "velocity" for kind, _ in kinds.values())
         what = "velocities at edges are 0 in the first second" if given else "no edge has a velocity"
