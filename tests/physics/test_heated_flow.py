@@ -293,7 +293,7 @@ def test_the_solution_follows_its_derivative_by_the_design(tmp_path, wall, effec
     """The remainder of first order, when nodes move, is of second order."""
     text = CAVITY.replace(HOT, wall).replace("diffusivity = 1", "conductivity = 1\nheat_capacity = 1")
     text += effects + (BUOYANT if "flow" in effects else "") + "[solve]\ntolerance = 1e-12\n" + COARSE
-    text += '[heat.inside]\non = "all"\nsource = 1\n'
+    text += '[heat.inside]\non = "all"\nsource = "1 + 9*x*x + y"\n'
     analysis = solved(tmp_path, text).analysis
     problem, space, x = analysis.problem, analysis.space, analysis.x
     X = space.X.copy()

@@ -3,7 +3,7 @@
 # More than 15 modules: conditions, elements, sources and quantities make one problem here.
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,8 @@ from restshape.fem.elements import (
     UNSTEADY_HEATED_SLOW_FLOW,
     UNSTEADY_HEATED_SLOW_FLOW_ON_MOVING_MESH,
 )
+from restshape.fem.family import Family
+from restshape.fem.integral import Integral
 from restshape.fem.observer import Observer
 from restshape.fem.problem import Fields, Unknown
 from restshape.fem.space import Space
@@ -27,6 +29,7 @@ from restshape.physics.heated_flow.border_heat import BorderHeat
 from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_conditions import HeatedFlowConditions
 from restshape.physics.heated_flow.heated_flow_quantities import EdgeHeat, heated_flow_quantity
+from restshape.physics.heated_flow.sourced_integral import SourcedIntegral
 from restshape.physics.heated_flow.temperature_differences import initial
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
@@ -191,6 +194,13 @@ class HeatedFlow(IncompressibleFlow):
         return rows if len(rows) > 1 else rows[0]
 
     # --- parts --------------------------------------------------------------------------------------------------------
+
+    def _integral(self, family: Family, parameters: np.ndarray, given: Sequence[np.ndarray]) -> Integral:
+        made = super()._integral(family, parameters, given)
+        if not self.sources.varies:
+            return made
+        known = (made.element, made.X, made.entities, made.parameters)
+        return SourcedIntegral(*known, coefficients=made.coefficients, source_rate=self.sources.rates)
 
     def _conditions(self) -> HeatedFlowConditions:
         return HeatedFlowConditions(self.scene, self.space)
