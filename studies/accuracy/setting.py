@@ -191,6 +191,9 @@ def study_parameters(scene: Scene, application: Application) -> list[StudyParame
     for parameter in verification(application.name).parameters:
         if parameter.effect and not planned.on(parameter.effect):
             continue
+        # Such as the time step of what is steady, which has none.
+        if parameter.factors and present(scene, application, parameter.key) is None:
+            continue
         if not parameter.values or present(scene, application, parameter.key) in (None, *parameter.values):
             found.append(parameter)
     return found

@@ -112,6 +112,14 @@ def test_a_channel_without_a_body_in_closed_form(tmp_path):
     assert row["q_energy"] == pytest.approx(2 * 0.5 * 1.5 * 3 * 8 / 15, rel=0.02)
 
 
+def test_a_solution_is_the_velocity_alone(tmp_path):
+    """Which has a norm: pressures have another unit."""
+    analysis = solved(tmp_path, CYLINDER + STEADY + "[mesh]\nsize = 0.2\n").analysis
+    found = analysis.solution()
+    assert found.name == "velocity"
+    np.testing.assert_array_equal(found.field, analysis.x[:, :2])
+
+
 BODY = '[quantities]\ndrag = { drag = true, at = "body" }\nlift = { lift = true, at = "body" }\n'
 MOVED = drag("body", (1.0, 0.5), across((1.0, 0.5), (1.3, 0.6), 5))
 

@@ -1,6 +1,7 @@
-"""What verifies the conduction of heat."""
+"""What verifies heat that bodies conduct and that fluids carry."""
 
 from restshape_studies.verification import StudyParameter, Verification
+from restshape_verification.flow import PARAMETERS
 
 verification = Verification(
     validation="restshape_verification.thermal.validation:CASES",
@@ -16,5 +17,7 @@ verification = Verification(
             effect="storage",
         ),
         StudyParameter("effects.storage.capacity", ("consistent", "lumped"), reference="consistent", effect="storage"),
+        *PARAMETERS,
+        StudyParameter("effects.heat.coupling", ("monolithic", "split"), reference="monolithic", effect="heat"),
     ),
 )

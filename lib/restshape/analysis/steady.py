@@ -245,10 +245,12 @@ class SteadyAnalysis(Timeless, Generic[P]):
         return self.problem.linear_displacement(self.x)
 
     def solution(self) -> Solution:
-        """The unknowns, and what their energy is measured by."""
+        """The first of the unknowns, and what its energy is measured by."""
         problem = self.problem
-        name = problem.unknowns[0].name
-        return Solution(name, self.x.copy(), moduli=moduli_of(problem), large=not problem.linear)
+        first = problem.unknowns[0]
+        # Others, such as a pressure, have another unit: they are in no norm with it.
+        field = self.x[:, : len(first.components)].copy()
+        return Solution(first.name, field, moduli=moduli_of(problem), large=not problem.linear)
 
     def fields(self) -> Fields:
         """What a recording shows of the last solution."""
