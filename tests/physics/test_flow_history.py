@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from flow_scenes import CYLINDER
-from restshape_studies.stability.scenery import across, drag, make_replay, write_scene, write_script
+from restshape_studies.stability.scenery import across, drag, make_replay, set_value, write_scene, write_script
 from restshape_verification.flow.heated_scenes import in_time as heated_in_time
 from restshape_verification.flow.heated_scenes import warm_everywhere
-from restshape_verification.flow.scenes import everywhere, in_time
+from restshape_verification.flow.scenes import channel, everywhere, in_time
 
 from restshape.errors import ReplayProblem
 from restshape.physics.flow.carry import VelocityCorrection, courant, divergence
@@ -202,3 +202,13 @@ def test_holes_come_and_go_in_a_stream(tmp_path):
     energies = np.array([row["q_kinetic"] for row in found[8:]])
     assert np.abs(np.diff(energies)).max() < 0.05 * energies.max() and not any(row["refused"] for row in found)
     assert speeds[13] == 0.0 and 0.2 < speeds[14] < 1.5
+
+
+def test_formulas_need_no_number_where_nodes_were(tmp_path):
+    """A channel becomes so low that its mesh is new: where the inlet was, its velocity has no number now."""
+    text = channel(3, 1, "rho = 1\nmu = 0.1\n", "sqrt(y*(H - y))", "[parameters]\nH = 1\n")
+    text = text.replace("c = [3, 1]", 'c = [3, "H"]').replace("d = [0, 1]", 'd = [0, "H"]')
+    events = [{"do": "idle", "frames": 3}, *set_value("parameters.H", 0.3), {"do": "idle", "frames": 2}]
+    found = rows(tmp_path, text + in_time(0.1) + "[quantities]\nfast = { speed = true }\n" + SIZE, events)
+    assert found[4]["level"] == 3 and not any(row["refused"] for row in found)
+    assert 0.1 < found[-1]["q_fast"] < 0.3

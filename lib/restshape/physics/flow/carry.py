@@ -14,6 +14,7 @@ from restshape import _kernels
 from restshape.algebra.newton import Newton
 from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.residual_equations import ResidualEquations
+from restshape.errors import ReplayProblem
 from restshape.mesh.transfer import FieldNodes, Transfer
 from restshape.physics.flow.flow_declaration import FlowSettings
 from restshape.physics.flow.history import Level, Past
@@ -94,14 +95,20 @@ class Carrier:
 def prescribe(problem: IncompressibleFlow, values: np.ndarray, X: np.ndarray, time: float) -> np.ndarray:
     """Set what is prescribed of the fields with a history, values (n, h) at nodes X (n, 2), at a time [s].
 
+    Values of the scene may have changed since, so that formulas have no number there: then nothing is.
+
     Returns:
         Where they are prescribed, (n, h).
     """
     columns, x = list(problem.history), np.zeros(problem.boundary.values.shape)
     x[:, columns] = values
-    with placed(problem, X):
-        problem.conditions.evaluate(time)
-        problem.boundary.apply(x)
+    try:
+        with placed(problem, X):
+            problem.conditions.evaluate(time, balanced=False)
+    except ReplayProblem as why:
+        log.info("Past fields are not prescribed: %s", why)
+        return np.zeros(values.shape, dtype=bool)
+    problem.boundary.apply(x)
     values[...] = x[:, columns]
     return problem.boundary.mask[:, columns] > 0
 
@@ -176,26 +183,15 @@ class VelocityCorrection:
             level: interpolated ones at the time [s], on the cells of the problem's space.
             wanted: (n,) divergence that velocities had there [1/s].
         """
-        with placed(self.problem, level.X):
-            return self._projected(level, wanted, time)
-
-    def _projected(self, level: Level, wanted: np.ndarray, time: float) -> tuple[Outcome, Level]:
         problem, columns = self.problem, list(self.problem.history)
         x = np.zeros(problem.boundary.values.shape)
         x[:, columns] = level.values
-        # Continuity has columns x[:, 2]; all other residuals may stay what they are.
-        defect, area = divergence(level)
-        defect -= wanted * area
         problem.take(TimeStep(time, 1.0 / self.dt, self.dt, -level.values / self.dt))
         problem.advecting = level.values[:, :2].copy() if problem.inertia else None
         try:
             problem.update()
-            self.equations.begin()
-            offset = self.equations.full_residual(x)
-            offset[:, 2] -= problem.continuity * defect
-            problem.boundary.zero(offset)
-            scale = problem.force_scale(x)
-            outcome = self.newton.solve(x, self.tolerance * scale, scale, offset=offset, rounding=problem.rounding())
+            with placed(problem, level.X):
+                outcome = self._solve(x, level, wanted)
         finally:
             problem.advecting = None
             self.equations.begin()
@@ -205,6 +201,20 @@ class VelocityCorrection:
         values = level.values.copy()
         values[:, :2] = x[:, :2]
         return outcome, Level(values, level.X, level.cells)
+
+    def _solve(self, x: np.ndarray, level: Level, wanted: np.ndarray) -> Outcome:
+        """What it takes to give x (n, f), which is changed, this divergence (n,)."""
+        problem = self.problem
+        if problem.boundary.sliding:
+            problem.boundary.sliding.update(level.X)
+        defect, area = divergence(level)
+        self.equations.begin()
+        # All other residuals may stay what they are.
+        offset = self.equations.full_residual(x)
+        offset[:, 2] -= problem.continuity * (defect - wanted * area)
+        problem.boundary.zero(offset)
+        scale = problem.force_scale(x)
+        return self.newton.solve(x, self.tolerance * scale, scale, offset=offset, rounding=problem.rounding())
 
 
 def divergence(level: Level) -> tuple[np.ndarray, np.ndarray]:
