@@ -18,7 +18,7 @@ FLOWS = (
     "unsteady_heated_slow_flow_on_moving_mesh_tri3",
     "unsteady_lifted_flow_tri3",
 )
-ELEMENTS = SOLIDS + FLOWS
+ELEMENTS = (*SOLIDS, "mass_tri3", *FLOWS)
 
 
 def sample(element: str, count: int, seed: int = 0):
@@ -89,6 +89,32 @@ def test_the_tangent_is_the_sum_of_the_cells_own(element, count, coefficient, ba
     np.testing.assert_allclose(found[np.ix_(free, free)], K[np.ix_(free, free)], rtol=0, atol=1e-12 * np.abs(K).max())
     assert not found[np.ix_(~free, free)].any() and not found[np.ix_(free, ~free)].any()
     np.testing.assert_allclose(right[free], residual(e, X, x, cells, params, w).ravel()[free], rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("coefficients", [(1.0, 0.5), (2.0, -0.5), (1.0, 0.5, 0.1, 0.2, 0.3)])
+def test_a_sum_of_terms_is_that_of_each(coefficients):
+    """With states and factors of their own, on supports too, where each term adds its size to the diagonal."""
+    solid, X, x, cells, params, _ = sample("linear_elastic_tri3", 23)
+    mass, _, y, _, density, _ = sample("mass_tri3", 23, seed=1)
+    parts = [(solid, x, params), *[(mass, y, density)] * (len(coefficients) - 1)]
+    terms = [(*part, c, -0.7 * c) for part, c in zip(parts, coefficients)]
+    mask = np.zeros(X.size, dtype=np.uint8)
+    mask[cells[0] * 2] = 1
+
+    def made(some):
+        op, right = k.Operator(False, 2, np.array([0, len(X)], dtype=np.int32), 0, "csr"), np.zeros(X.size)
+        op.set_topology([cells])
+        op.set_constraints(mask)
+        op.begin()
+        op.add(0, X, some, right)
+        op.end()
+        mat: PETSc.Mat = op.mat
+        return mat.getValuesCSR()[2], right
+
+    each = [made([term]) for term in terms]
+    values, right = made(terms)
+    np.testing.assert_allclose(values, sum(own for own, _ in each), rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(right, sum(own for _, own in each), rtol=1e-12, atol=1e-14)
 
 
 def test_cells_and_nodes_that_do_not_exist_are_refused():

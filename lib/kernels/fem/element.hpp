@@ -90,7 +90,8 @@ inline void set_lane(Pack* to, int lane, const double* from, int count) {
 }
 
 constexpr int max_packed = 12,
-              max_parameters = 16;  // unknowns or coordinates, and parameters, of elements with `packed`
+              max_parameters = 16;   // unknowns or coordinates, and parameters, of elements with `packed`
+constexpr int max_packed_terms = 4;  // of a sum of such elements
 constexpr int max_unknowns = 64, max_coordinates = 64, max_coefficients = 64, max_tangent = max_unknowns * max_unknowns;
 
 const std::vector<Element>& elements();           // all that are registered

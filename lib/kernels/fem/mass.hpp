@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/pack.hpp"
 #include "fem/shapes.hpp"
 
 namespace restshape {
@@ -113,6 +114,22 @@ struct SimplexMassElement : Inertial<SimplexMassElement<Shape, Fields>> {
         }
     }
 
+    // Of several elements, one a lane.
+    static constexpr bool packed = dim == 2;
+
+    [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r) {
+        set_forces(packed_share(X, p), x, r);
+    }
+
+    [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r,
+                                                Pack* K) {
+        const Pack share = packed_share(X, p);
+        set_forces(share, x, r);
+        for (int k = 0; k < nodes * fields; ++k)
+            for (int l = 0; l < nodes * fields; ++l)
+                K[k * nodes * fields + l] = k == l ? 2.0 * share : k % fields == l % fields ? share : 0.0 * share;
+    }
+
     static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
         constexpr int n = nodes * fields, stride = Dual<n>::lanes;
         double G[nodes][dim];
@@ -127,6 +144,19 @@ struct SimplexMassElement : Inertial<SimplexMassElement<Shape, Fields>> {
                 }
                 r[i * fields + a] = sum * share;
             }
+    }
+
+ private:
+    static Pack packed_share(const Pack* X, const Pack* p) {
+        return Shape::volume(0, X) * (p[0] * (1.0 / ((dim + 1) * (dim + 2))));
+    }
+
+    static void set_forces(const Pack& share, const Pack* x, Pack* r) {
+        for (int a = 0; a < fields; ++a) {
+            Pack sum = x[a];
+            for (int j = 1; j < nodes; ++j) sum += x[j * fields + a];
+            for (int i = 0; i < nodes; ++i) r[i * fields + a] = (sum + x[i * fields + a]) * share;
+        }
     }
 };
 

@@ -248,6 +248,14 @@ void Operator::stop_filling() {
     filling_ = false;
 }
 
+bool Operator::packs(const Terms& terms) {
+    // On the diagonal of what is constrained each term adds its size: that is the size of the sum where all are added.
+    const bool single = terms.list.size() == 1;
+    return terms.list.size() <= max_packed_terms &&
+           std::all_of(terms.list.begin(), terms.list.end(),
+                       [&](const Term& t) { return t.element->packed.tangent && (single || t.coef >= 0.0); });
+}
+
 void Operator::constrain(const Element& element, const int32_t* dofs, double coef, double* r, double* K) {
     const int n = element.unknowns(), stride = element.tangent_stride;
     for (int i = 0; i < n; ++i) {

@@ -85,7 +85,8 @@ class Operator {
     template <class Sizes, class Scatter>
     void element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count, Scatter scatter);
 
-    // The same of a sum of one term whose element has a pass of several elements at once.
+    // The same where all terms have a pass of several elements at once.
+    static bool packs(const Terms& terms);
     template <class Sizes, class Scatter>
     void packed_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count, Scatter scatter);
 
@@ -175,8 +176,7 @@ template <class Sizes, class Scatter>
 void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
                             Scatter scatter) {
     if constexpr (Sizes::packs)
-        if (terms.list.size() == 1 && terms.list.front().element->packed.tangent)
-            return packed_loop(sizes, block, terms, list, count, scatter);
+        if (packs(terms)) return packed_loop(sizes, block, terms, list, count, scatter);
     alignas(64) double X[max_coordinates], x[max_unknowns], r[max_unknowns], K[max_tangent], sum[max_tangent];
     alignas(64) double w[max_coefficients];
     const Block& b = blocks_[block];
@@ -219,46 +219,59 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
 template <class Sizes, class Scatter>
 void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
                            Scatter scatter) {
-    const Term& t = terms.list.front();
     const Block& b = blocks_[block];
     const int nodes = sizes.nodes(), dim = sizes.dim(), dof_nodes = sizes.dof_nodes(), fields = sizes.fields();
-    const int n = dof_nodes * fields;
-    const int parameters = static_cast<int>(t.element->parameters.size());
-    const int coefficients = t.element->coefficient_count();
-    Pack X[max_packed], x[max_packed], w[max_coefficients], p[max_parameters], r[max_packed];
-    Pack K[max_packed * max_packed];
+    const int n = dof_nodes * fields, term_count = static_cast<int>(terms.list.size());
+    Pack X[max_packed], x[max_packed], w[max_coefficients], p[max_packed_terms][max_parameters], r[max_packed];
+    Pack K[max_packed * max_packed], force[max_packed], sum[max_packed * max_packed];
     double own[max_coefficients];
     // Element by element, a row in packs.
     constexpr int padded = padded_lanes(max_packed);
     alignas(64) double Ke[pack_lanes][max_packed * padded], re[pack_lanes][padded];
     for (int first = 0; first < count; first += pack_lanes) {
         const int filled = std::min(pack_lanes, count - first);
+        int cells[pack_lanes];
+        // Lanes beyond the last element repeat it.
         for (int lane = 0; lane < pack_lanes; ++lane) {
-            // Lanes beyond the last element repeat it.
-            const int k = first + std::min(lane, filled - 1), e = list ? list[k] : k;
-            const int32_t *cell = b.nodes_of(e), *dofs = b.dofs_of(e);
+            const int k = first + std::min(lane, filled - 1);
+            cells[lane] = list ? list[k] : k;
+            const int32_t* cell = b.nodes_of(cells[lane]);
             for (int i = 0; i < nodes; ++i)
                 set_lane(X + i * dim, lane, terms.X + static_cast<size_t>(cell[i]) * dim, dim);
-            for (int i = 0; i < dof_nodes; ++i)
-                set_lane(x + i * fields, lane, t.x + static_cast<size_t>(dofs[i]) * fields, fields);
-            if (coefficients) {
-                gather(cell, nodes, coefficients, t.coefficients, own);
-                set_lane(w, lane, own, nodes * coefficients);
-            }
-            if (t.parameter_stride || !first)
-                set_lane(p, lane, t.parameters + static_cast<size_t>(e) * t.parameter_stride, parameters);
         }
-        t.element->packed.tangent(X, x, w, p, r, K);
-        for (int i = 0; i < n; ++i) spread(K + i * n, n, Ke[0] + i * sizes.stride(), max_packed * padded);
-        spread(r, n, re[0], padded);
+        for (int q = 0; q < term_count; ++q) {
+            const Term& t = terms.list[q];
+            const int parameters = static_cast<int>(t.element->parameters.size());
+            const int coefficients = t.element->coefficient_count();
+            for (int lane = 0; lane < pack_lanes; ++lane) {
+                const int e = cells[lane];
+                for (int i = 0; i < dof_nodes; ++i)
+                    set_lane(x + i * fields, lane, t.x + static_cast<size_t>(b.dofs_of(e)[i]) * fields, fields);
+                if (coefficients) {
+                    gather(b.nodes_of(e), nodes, coefficients, t.coefficients, own);
+                    set_lane(w, lane, own, nodes * coefficients);
+                }
+                if (t.parameter_stride || !first)
+                    set_lane(p[q], lane, t.parameters + static_cast<size_t>(e) * t.parameter_stride, parameters);
+            }
+            t.element->packed.tangent(X, x, w, p[q], q ? r : force, q ? K : sum);
+            if (q == 0) {
+                if (t.residual_coef != 1.0)
+                    for (int i = 0; i < n; ++i) force[i] *= t.residual_coef;
+                if (t.coef != 1.0)
+                    for (int i = 0; i < n * n; ++i) sum[i] *= t.coef;
+                continue;
+            }
+            for (int i = 0; i < n; ++i) force[i] += t.residual_coef * r[i];
+            for (int i = 0; i < n * n; ++i) sum[i] += t.coef * K[i];
+        }
+        for (int i = 0; i < n; ++i) spread(sum + i * n, n, Ke[0] + i * sizes.stride(), max_packed * padded);
+        spread(force, n, re[0], padded);
         for (int lane = 0; lane < filled; ++lane) {
-            const int k = first + lane, e = list ? list[k] : k;
-            const int32_t* dofs = b.dofs_of(e);
-            if (flagged_[block][e]) constrain(*t.element, dofs, t.coef, re[lane], Ke[lane]);
-            if (terms.rhs) subtract(dofs, dof_nodes, fields, t.residual_coef, re[lane], terms.rhs);
-            if (t.coef != 1.0)
-                for (int i = 0; i < n * sizes.stride(); ++i) Ke[lane][i] *= t.coef;
-            scatter(k, e, dofs, Ke[lane]);
+            const int32_t* dofs = b.dofs_of(cells[lane]);
+            if (flagged_[block][cells[lane]]) constrain(*terms.list.front().element, dofs, 1.0, re[lane], Ke[lane]);
+            if (terms.rhs) subtract(dofs, dof_nodes, fields, 1.0, re[lane], terms.rhs);
+            scatter(first + lane, cells[lane], dofs, Ke[lane]);
         }
     }
 }
