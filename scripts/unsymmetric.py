@@ -1,8 +1,8 @@
-"""Preconditioners for flows beside each other: systems of Newton's steps of `flow.toml`, and of the steady template.
+"""Preconditioners for flows beside each other, on systems of `flow.toml`, of the steady template and of `thermal.toml`.
 
 OMP_NUM_THREADS=1 python scripts/unsymmetric.py [KEY=VALUE ...]
 
-Each KEY=VALUE changes both scenes, such as mesh.size=5mm. Columns: nonzeros over those of the matrix; least ms of a new
+Each KEY=VALUE changes all scenes, such as mesh.size=5mm. Columns: nonzeros over those of the matrix; least ms of a new
 factor on the same pattern; least microseconds of an application, and of an iteration (ten in a row); iterations that
 lower a residual tenfold with a fresh preconditioner, and with that of the first of all systems. Below: what the whole
 edit costs with each candidate alone, by counted work.
@@ -34,9 +34,11 @@ from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
 APPLICATION = Path(__file__).parents[1] / "apps" / "flow"
+HEATED = APPLICATION.with_name("thermal")
 SCENES = {
     "in time": (APPLICATION / "scenes" / "flow.toml", APPLICATION / "edits" / "flow.jsonl", range(60, 68)),
     "steady": (APPLICATION / "template" / "scene.toml", APPLICATION / "template" / "edits.jsonl", range(2, 12)),
+    "with heat, in time": (HEATED / "scenes" / "thermal.toml", HEATED / "edits" / "thermal.jsonl", range(60, 68)),
 }
 KINDS = ("lu", "ilu(0)", "ilu(1)", "ilu(2)", "ilu(3)")
 NODES = {_kernels.node_lu: "lu by nodes", _kernels.node_lu_single: "the same, single"}
