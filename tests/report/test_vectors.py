@@ -1,5 +1,7 @@
 """Line segments of a velocity over the colours of another field, views of a part, and frames by their numbers."""
 
+from argparse import ArgumentParser
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -9,6 +11,7 @@ from PIL import Image
 from restshape_studies.stability.scenery import drag, write_scene, write_script
 
 from restshape.cli.main import main
+from restshape.cli.report_looks import add_looks, read_looks
 from restshape.replay.recording import Recording
 from restshape.report.drawing import Drawing
 from restshape.report.scenery import scenery
@@ -142,3 +145,13 @@ def test_a_recording_without_vectors_shows_none(tmp_path, capsys):
     assert main(["replay", str(write(tmp_path, text)), "--out", str(out)]) == 0
     assert main(["report", str(out), "--show", "vectors", "--out", str(tmp_path / "pictures")]) == 2
     assert "no field of vectors to show" in capsys.readouterr().err
+
+
+def test_frames_by_their_numbers_are_of_shapes_in_the_plane():
+    """Other reports choose their frames, and refuse what they would ignore."""
+    parser = ArgumentParser()
+    add_looks(parser)
+    args = parser.parse_args(["--view=0,1,0,1"])
+    assert read_looks(args).of_plane == ("--view",)
+    args.at = (1, 2)
+    assert read_looks(args).of_plane == ("--view", "--at")

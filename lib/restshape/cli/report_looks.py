@@ -55,7 +55,7 @@ def read_looks(args: argparse.Namespace) -> Looks:
     """
     if not LEAST_DPI <= args.dpi <= MOST_DPI:
         raise UserError(f"pixels an inch must be between {LEAST_DPI} and {MOST_DPI}", f"--dpi {args.dpi}", "--dpi 300")
-    given = tuple(f"--{name}" for name in ("field", "range", "view", "show") if getattr(args, name) is not None)
+    given = tuple(f"--{name}" for name in ("field", "range", "view", "show", "at") if getattr(args, name, None))
     ends = None if args.range is None else _ends(args.range)
     view = None if args.view is None else _view(args.view)
     return Looks(args.field, ends, view, _things(args.show or USUAL), args.dpi, f".{args.format}", given)
