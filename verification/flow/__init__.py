@@ -14,6 +14,7 @@ verification = Verification(
     validation="restshape_verification.flow.validation:CASES",
     hard_cases="restshape_verification.flow.stability:CASES",
     random_scenes="restshape_verification.flow.random_scenes:SCENES",
+    scale="restshape_verification.flow.scale:fluid_scale",
     parameters=PARAMETERS,
     thesis="restshape_verification.flow.thesis:rows",
 )

@@ -8,6 +8,7 @@ verification = Verification(
     hard_cases="restshape_verification.thermal.stability:CASES",
     thesis="restshape_verification.thermal.thesis:rows",
     random_scenes="restshape_verification.thermal.random_scenes:SCENES",
+    scale="restshape_verification.flow.scale:fluid_scale",
     parameters=(
         StudyParameter(
             "effects.storage.time_step",

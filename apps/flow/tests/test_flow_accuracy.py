@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from restshape_apps import flow, thermal
-from restshape_studies.accuracy.setting import Choice, settings
+from restshape_studies.accuracy.setting import Choice, scale_of, settings
 
 from restshape.application import application_of
 from restshape.scene.load import load_scene
@@ -26,3 +26,9 @@ def test_what_is_varied(path, wanted):
     tried, _ = settings(path, (), application_of(scene), Choice())
     assert {setting.varied for setting in tried} - {"", "solve.tolerance"} == wanted
     assert ("effects.flow.time_step" in wanted) == any("effects.flow.steps=2" in one.overrides for one in tried)
+
+
+@pytest.mark.parametrize(("path", "count"), [(SCENES / "flow.toml", 3.0), (HEATED / "thermal.toml", 4.0)])
+def test_unknowns_of_a_node_count(path, count):
+    scene = load_scene(path)
+    assert scale_of(scene, application_of(scene)).per_node == count
