@@ -142,7 +142,7 @@ def test_a_body_that_is_brought_back_has_the_forces_that_it_had(tmp_path):
     made = make_replay(write_scene(tmp_path, text), write_script(tmp_path, drag("body", (1.0, 0.5), [*there, *back])))
     rows = [dict(row) for row in made.frames()]
     assert rows[-1]["level"] < 3 and abs(rows[4]["q_drag"] - rows[0]["q_drag"]) > 0.01
-    assert rows[-1]["q_drag"] == pytest.approx(rows[0]["q_drag"], rel=1e-3)
+    assert rows[-1]["q_drag"] == pytest.approx(rows[0]["q_drag"], rel=1e-8)
 
 
 @pytest.mark.slow

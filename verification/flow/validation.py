@@ -7,7 +7,7 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.each_week import each_week
 from restshape_studies.stability.scenery import across, drag, make_replay, set_value, write_scene, write_script
-from restshape_studies.validation.case import CLOSED_FORM, PUBLISHED, Case, Check
+from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, PUBLISHED, Case, Check
 from restshape_verification.flow.mirrored_channel import write_mesh
 from restshape_verification.flow.scenes import (
     CAVITY,
@@ -15,6 +15,8 @@ from restshape_verification.flow.scenes import (
     STEADY,
     SYMMETRIC_CHANNEL,
     ZONE,
+    channel,
+    disc,
     everywhere,
     forces,
     in_time,
@@ -107,6 +109,18 @@ def motion(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
+def brought_back(comm: PETSc.Comm) -> list[Check]:
+    """A body that is dragged away and brought back has the forces that it had, in steady flow."""
+    asked = '[quantities]\ndrag = { drag = true, at = "body" }\n[solve]\ntolerance = 1e-9\n'
+    mesh = "[mesh]\nsize = 0.1\nnear = { body = 0.04 }\n"
+    text = channel(3, 1, "rho = 1.5\nmu = 0.1\n", holes=disc("body", (1.0, 0.5), 0.15)) + STEADY + asked + mesh
+    path = [*across((1.0, 0.5), (1.2, 0.56), 3), *across((1.2, 0.56), (1.0, 0.5), 3)]
+    with TemporaryDirectory() as folder:
+        made = make_replay(write_scene(Path(folder), text), write_script(Path(folder), drag("body", (1.0, 0.5), path)))
+        forces = [row["q_drag"] for row in made.frames()]
+    return [Check("drag of a body that is brought back [N]", forces[-1], forces[0], 1e-9, "the same shape", IDENTITY)]
+
+
 def uniform(X: np.ndarray, time: float) -> np.ndarray:
     """Velocity and pressure (n, 3) of a uniform stream at places (n, 2)."""
     return np.broadcast_to([1.0, 0.3, 0.0], (len(X), 3))
@@ -123,6 +137,7 @@ CASES: dict[str, Case] = {
     "cylinder": cylinder,
     "street": street,
     "motion": motion,
+    "brought_back": brought_back,
     "vortices_in_space": vortices_in_space,
     "vortices_in_time": vortices_in_time,
     "derivatives": force_derivatives,
