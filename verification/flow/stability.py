@@ -140,7 +140,7 @@ def leaving_vortex(trial: Trial) -> Iterator[Statement]:
         rows.append(dict(row))
     yield from bounded(rows, 1.4)
     yield Statement("the outflow has drawn in", str(drew_in), drew_in)
-    yield near("kinetic energy over that of the stream, after it has left", rows[-1]["q_kinetic"] / STREAM, 1.0, 0.002)
+    yield near("kinetic energy over that of the stream, after it has left", rows[-1]["q_kinetic"] / STREAM, 1.0, 1e-6)
 
 
 def drawn_in(trial: Trial) -> Iterator[Statement]:
