@@ -39,7 +39,7 @@ def test_it_is_said_once_where_a_script_softens_the_body(tmp_path, command):
     soft = [{"t": 0.1 * k, "do": "set", "key": "material.m.E", "value": E} for k, E in enumerate((2e6, 1e6))]
     run = command("replay", scene, write_script(tmp_path, soft), "--json", "out.json")
     assert run.returncode == 0, run.stderr
-    assert run.stdout.count("beyond linear theory") == 1 and "line 2, frame 1: beyond" in run.stdout
+    assert run.stdout.count("beyond linear theory") == 1 and "line 2, frame 1 (2 frames up to 2): beyond" in run.stdout
     found = json.loads((tmp_path / "out.json").read_text())["beyond_linear_theory"]
     assert found == {"displacement_over_size": pytest.approx(1.0, rel=1e-6), "frame": 2}
 
