@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from element_case import TRI3
 from sample_meshes import unit_box
 from test_flow_elements import IN_TIME, MU, RHO, STEADY, WEIGHT, FlowCase
 
@@ -24,6 +25,31 @@ CASES += [case(f"unsteady_heated_{way}", IN_TIME + LIFT + HEAT) for way in (*WAY
 CASES += [case(f"unsteady_lifted_{way}", IN_TIME + LIFT) for way in WAYS]
 CASES += [case("advected_heat", HEAT), case("unsteady_advected_heat", (*HEAT, 15.0, 20.0))]
 globals().update({one.__name__: one for one in CASES})
+FLOWS = [(f"{way}_tri3", STEADY) for way in STEADY_WAYS] + [(f"unsteady_{way}_tri3", IN_TIME) for way in WAYS]
+FLOWS += [(one.name, one.params) for one in CASES if "flow" in one.name]
+
+
+@pytest.mark.parametrize("stepping", [1e-3, 20.0, 2e6])
+@pytest.mark.parametrize("speed", [0.0, 1e-9, 0.05, 1.0, 40.0])
+@pytest.mark.parametrize(("name", "params"), FLOWS)
+def test_tangents_are_those_of_dual_numbers(name, params, speed, stepping):
+    """At rest, on both sides of the bound of tau, and of the Reynolds number at which tau of LSIC changes."""
+    element, p = k.Element(name), np.array(params)
+    if name.startswith("unsteady"):
+        p[6] = stepping
+    rng, cells = np.random.default_rng(5), np.arange(3, dtype=np.int32)[None]
+    x = rng.uniform(-1, 1, (3, element.fields))
+    x[:, :2] *= speed
+    w = rng.uniform(-1, 1, (3, len(element.coefficients))) if element.coefficients else None
+    if w is not None and element.coefficients[0] == "wx":
+        w[:, :2] *= speed
+    found, expected = element.tangent_block(TRI3, x, p, w), []
+    for dx in np.eye(x.size):
+        out = np.zeros_like(x)
+        element.design(TRI3, 0 * TRI3, x, cells, p, out, coefficients=w, dx=dx.reshape(x.shape))
+        expected.append(out.ravel())
+    largest = np.abs(found).max(axis=1, keepdims=True)
+    assert (np.abs(found - np.transpose(expected)) <= 1e-13 * largest).all()
 
 
 def assembled(name, params, x, w=None):

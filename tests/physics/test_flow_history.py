@@ -101,10 +101,11 @@ def test_a_steady_shear_stays_one_whatever_carry_says(tmp_path, carry, scheme, s
     assert worst < 1e-8 and levels >= seen
 
 
+@pytest.mark.parametrize("scheme", ["bdf2", "backward_euler"])
 @pytest.mark.parametrize("carry", ["ale", "remap"])
 @pytest.mark.parametrize("script", [DRAG, FAR])
-def test_a_steady_linear_temperature_stays_one_whatever_carry_says(tmp_path, carry, script):
-    effects = heated_in_time().replace("steps = 1", f'carry = "{carry}"')
+def test_a_steady_linear_temperature_stays_one_whatever_carry_says(tmp_path, carry, scheme, script):
+    effects = heated_in_time(scheme=scheme).replace("steps = 1", f'carry = "{carry}"')
     worst = []
 
     def look(made, row):

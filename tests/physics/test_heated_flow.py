@@ -250,6 +250,25 @@ def test_heat_of_all_edges_and_sources_balances(tmp_path):
     assert row["q_left"] + row["q_bottom"] + row["q_right"] == pytest.approx(0.5 * 2.0, rel=0.02)
 
 
+@pytest.mark.parametrize("wall", ["320 K", "320.000001 K"])
+@pytest.mark.parametrize(("reference", "counted"), [('reference = "300 K"\n', 20.0), ("", 5.0)])
+def test_heat_that_a_stream_carries_counts_from_the_reference(tmp_path, wall, reference, counted):
+    """Else from the temperature at time 0; with and without a difference of temperatures, and without buoyancy."""
+    text = (
+        f"{HEAD}{SQUARE}[fluid]\nrho = 1\nmu = 0.1\nconductivity = 0.3\nheat_capacity = 2\ndepth = 0.5\n{reference}"
+        '[boundary.inlet]\non = "left"\nvelocity = ["4*y*(1 - y)", 0]\ntemperature = "320 K"\n'
+        f'[boundary.wall]\non = "bottom"\nwall = true\ntemperature = "{wall}"\n'
+        '[boundary.out]\non = "right"\noutflow = true\n'
+        f"{STEADY.replace('heat = {}', 'heat = { initial = 315 }')}[mesh]\nsize = 0.1\n"
+        '[quantities]\nout = { heat_flow = true, at = "right" }\nleft = { heat_flow = true, at = "left" }\n'
+        'flux = { flux = true, at = "right" }\n'
+    )
+    row = solved(tmp_path, text).row
+    assert row["q_flux"] == pytest.approx(0.5 * 2 / 3, rel=0.02)
+    assert row["q_out"] == pytest.approx(2 * counted * row["q_flux"], rel=1e-5)
+    assert row["q_left"] == pytest.approx(-row["q_out"], rel=1e-5)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("scheme", "order"), [("bdf2", 2.0), ("backward_euler", 1.0)])
 def test_a_closed_vessel_keeps_its_heat_on_a_moving_mesh(tmp_path, scheme, order):

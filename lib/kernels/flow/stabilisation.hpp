@@ -14,7 +14,7 @@ constexpr double most_stepping = 1.0;
 
 // The square of the length h of a cell in tau, over its area. Linear triangles have no viscous force inside, so that
 // their strong residual lacks it, and a larger h costs accuracy: that of the circle of the same area, 4 / pi, gives the
-// lid-driven cavity at Re = 1000 ten times the error (docs/theory/flow.md).
+// lid-driven cavity at Re = 1000 six times the error (docs/theory/flow.md).
 constexpr double size_by_area = 0.5;
 
 // tau [s], and its derivative by the square of the speed.

@@ -53,7 +53,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     """Flow in time, frame after frame; arguments as `analysis.steady.SteadyAnalysis`.
 
     Each step is a nonlinear problem with the older velocities as nodal coefficients. The first frame shows the fluid
-    at rest and takes no step. A new mesh takes the velocity by interpolation and begins with a step of first order.
+    at rest and takes no step. A new mesh takes both past velocities by interpolation, so that the order stays.
 
     Source: docs/theory/flow.md.
     """

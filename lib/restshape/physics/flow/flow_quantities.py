@@ -85,7 +85,7 @@ def flow_quantity(problem: ObservedFlow, name: str, quantity: Quantity) -> Funct
     if kind == "kinetic":
         return _kinetic(problem)
     if kind == "flux":
-        return _flux(problem, quantity.at)
+        return flux(problem, quantity.at)
     if kind == "pressure_drop":
         return _pressure_drop(problem, name, quantity)
     axis = AXES.get(kind.removesuffix("_coefficient"))
@@ -132,7 +132,7 @@ def _force(problem: ObservedFlow, name: str, quantity: Quantity, axis: int) -> C
     return lambda x: factor * float(force(x)[axis])
 
 
-def _flux(problem: ObservedFlow, edge: str) -> Callable[[np.ndarray], float]:
+def flux(problem: ObservedFlow, edge: str) -> Callable[[np.ndarray], float]:
     """What leaves by an edge [m^3/s]."""
     space = problem.space
     facets = space.facets_of(edge)

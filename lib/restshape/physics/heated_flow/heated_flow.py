@@ -30,7 +30,7 @@ from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_conditions import HeatedFlowConditions
 from restshape.physics.heated_flow.heated_flow_quantities import EdgeHeat, heated_flow_quantity
 from restshape.physics.heated_flow.sourced_integral import SourcedIntegral
-from restshape.physics.heated_flow.temperature_differences import initial
+from restshape.physics.heated_flow.temperature_differences import initial, neutral
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 
@@ -93,10 +93,9 @@ class HeatedFlow(IncompressibleFlow):
         self.capacity, self.conductivity = heat_properties(scene)
         given = [Given(f"heat.{name}.source", one.on, one.source) for name, one in scene.heat.items()]
         self.sources, self.border = CellValues(space, given, scene.parameters), BorderHeat(scene, space)
-        self.lift, self.neutral = np.zeros(2), initial(scene)
+        self.lift, self.neutral = np.zeros(2), neutral(scene)
         if plan.on("buoyancy"):
-            g = np.array(plan.settings("gravity").g)
-            self.lift, self.neutral = -scene.fluid.rho * scene.fluid.expansion * g, scene.fluid.reference
+            self.lift = -scene.fluid.rho * scene.fluid.expansion * np.array(plan.settings("gravity").g)
         self.mass = None
         self.heats: dict[str, EdgeHeat] = {}
         self._pull = float(np.linalg.norm(self.lift))

@@ -4,13 +4,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from restshape.fem.observer import Observer
+from restshape.fem.observer import Function, Observer
 from restshape.fem.problem import Fields
 from restshape.fem.space import Space
-from restshape.physics.flow.flow_quantities import flow_quantity
+from restshape.physics.flow.flow_quantities import flow_quantity, flux
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow
+from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_quantities import KINDS, isothermal_quantity
-from restshape.physics.heated_flow.temperature_differences import uniform
+from restshape.physics.heated_flow.temperature_differences import neutral, uniform
 from restshape.scene.model import Quantity
 
 
@@ -31,12 +32,14 @@ class IsothermalFlow(IncompressibleFlow):
 
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of the unknowns x (n, 3)."""
+        return Observer({name: self._function(name, one) for name, one in quantities.items()})
+
+    def _function(self, name: str, quantity: Quantity) -> Function:
         temperature = uniform(self.scene)
-        return Observer(
-            {
-                name: isothermal_quantity(temperature, name, one)
-                if one.kind in KINDS
-                else flow_quantity(self, name, one)
-                for name, one in quantities.items()
-            }
-        )
+        if quantity.kind not in KINDS:
+            return flow_quantity(self, name, quantity)
+        warmer = temperature - neutral(self.scene)
+        if quantity.kind != "heat_flow" or warmer == 0.0:
+            return isothermal_quantity(temperature, name, quantity)
+        out, (capacity, _) = flux(self, quantity.at), heat_properties(self.scene)
+        return lambda x: capacity * warmer * out(x)

@@ -44,6 +44,12 @@ def initial(scene: Scene) -> float:
     return uniform(scene)
 
 
+def neutral(scene: Scene) -> float:
+    """The temperature [K] from which heat that fluid carries is counted: that which lifts nothing, else at time 0."""
+    reference = scene.fluid.reference
+    return initial(scene) if reference is None else float(reference)
+
+
 def uniform(scene: Scene) -> float:
     """The temperature [K] that everything has where none differs: that of an edge, or the first one that is named."""
     known = [value for _, value in _prescribed(scene) if not isinstance(value, Expression)]
