@@ -1,9 +1,10 @@
-"""Validation cases of heat: a pipe in air, a cooling plate, heat that enters and leaves; a vessel of air."""
+"""Validation cases of heat: a pipe in air, a cooling plate, heat that enters and leaves; in fluids."""
 
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, ROUNDING, Case, Check
 from restshape_verification.flow.heated_cavity import heated_cavity
+from restshape_verification.flow.heated_orders import warm_motion, warm_vortices
 from restshape_verification.flow.validation_derivatives import heat_derivatives
 
 from restshape.application import application
@@ -41,4 +42,6 @@ CASES: dict[str, Case] = {
     "balance": balance,
     "cavity": heated_cavity,
     "derivatives": heat_derivatives,
+    "motion": warm_motion,
+    "vortices": warm_vortices,
 }
