@@ -181,6 +181,21 @@ def test_without_a_difference_no_heat_is_followed_until_an_edit_brings_one(tmp_p
     assert rows[-1]["q_mean"] > 300.01
 
 
+@pytest.mark.parametrize("cold", [True, False])
+def test_a_fluid_is_as_warm_as_it_was_when_an_edit_makes_a_wall_warmer(tmp_path, cold):
+    """Without a reference or a temperature at time 0 it had that of its walls; also where all of them change at once."""
+    text = (CAVITY + in_time(0.002) + COARSE).replace('reference = "300 K"\n', "").replace('expansion = "Ra*Pr"\n', "")
+    text = text.replace("299.5 K", "300 K").replace("300.5 K", "300 K")
+    text = text.replace("[boundary.hot]", '[boundary.lid]\non = "top"\nvelocity = [1, 0]\n[boundary.hot]')
+    if not cold:
+        text = text.replace('[boundary.cold]\non = "right"\nwall = true\ntemperature = "300 K"\n', "")
+        text = text.replace('on = "left"', 'on = ["left", "right"]', 1)
+    events = [{"do": "idle", "frames": 2}, *set_value("boundary.hot.temperature", "310 K"), {"do": "idle", "frames": 2}]
+    mean = [row["q_mean"] for row in make_replay(write_scene(tmp_path, text), write_script(tmp_path, events)).frames()]
+    assert mean[:3] == [300.0] * 3 and all(300.0 < value < 303.0 for value in mean[3:])
+    assert (np.diff(mean[2:]) > 0).all()
+
+
 def test_without_a_difference_nothing_is_conducted_until_an_edit_brings_one(tmp_path):
     begin_log()
     text = CAVITY.replace("299.5 K", "300.5 K") + "[effects]\nheat = {}\n" + COARSE

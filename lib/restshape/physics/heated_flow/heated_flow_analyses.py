@@ -28,7 +28,7 @@ from restshape.physics.heated_flow.isothermal_flow import IsothermalFlow
 from restshape.physics.heated_flow.split_search import SplitParts, SplitSearch
 from restshape.physics.heated_flow.still_fluid import StillFluid
 from restshape.physics.heated_flow.still_fluid_analysis import StillFluidAnalysis
-from restshape.physics.heated_flow.temperature_differences import initial
+from restshape.physics.heated_flow.temperature_differences import uniform
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
@@ -92,17 +92,17 @@ class Switching(NonlinearSteadyAnalysis):
 
     def _switch(self, scene: Scene, wanted: type[IncompressibleFlow]) -> None:
         """Go on with other equations, whose unknowns are those of before, as on a new mesh."""
-        x, bound = self._with_temperature(self.state.x, wanted, scene), self.state.bound
+        x, bound = self._with_temperature(self.state.x, wanted), self.state.bound
         self.make = wanted
         self.solver = self._make_solver(scene)
         # A mesh that is none of the frame's: it is set up again, from the unknowns of before.
         self.state = replace(self.state, x=x, bound=replace(bound, mesh=None), interrupted=True)
 
-    def _with_temperature(self, x: np.ndarray, wanted: type[IncompressibleFlow], scene: Scene) -> np.ndarray:
-        """Unknowns (n, 3) or (n, 4) as those of the wanted equations."""
+    def _with_temperature(self, x: np.ndarray, wanted: type[IncompressibleFlow]) -> np.ndarray:
+        """Unknowns (n, 3) or (n, 4) as those of the wanted equations; the fluid is as warm as its last scene was."""
         if wanted is IsothermalFlow:
             return x[:, :3].copy()
-        return np.column_stack([x[:, :3], np.full(len(x), initial(scene))])
+        return np.column_stack([x[:, :3], np.full(len(x), uniform(self.state.scene))])
 
 
 class SteadyHeatedFlow(Switching, SteadyFlowAnalysis):
@@ -121,10 +121,11 @@ class HeatedFlowInTime(Switching, FlowInTimeAnalysis):
     def _wanted(self, scene: Scene) -> type[IncompressibleFlow]:
         """The equations of a scene; a fluid whose temperatures differ keeps them until they do not."""
         wanted, x = super()._wanted(scene), self.state.x
-        if wanted is IsothermalFlow and x.shape[1] == 4:
-            even = np.abs(x[:, 3] - initial(scene)).max() <= UNIFORM * np.abs(x[:, 3]).max()
-            return wanted if even else HeatedFlow
-        return wanted
+        if wanted is HeatedFlow:
+            return wanted
+        warm = x[:, 3] if x.shape[1] == 4 else np.array([uniform(self.state.scene)])
+        even = np.abs(warm - uniform(scene)).max() <= UNIFORM * np.abs(warm).max()
+        return wanted if even else HeatedFlow
 
     @property
     def _has_solved(self) -> bool:
