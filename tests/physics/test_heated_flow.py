@@ -183,7 +183,7 @@ def test_without_a_difference_no_heat_is_followed_until_an_edit_brings_one(tmp_p
 
 @pytest.mark.parametrize("cold", [True, False])
 def test_a_fluid_is_as_warm_as_it_was_when_an_edit_makes_a_wall_warmer(tmp_path, cold):
-    """Without a reference or a temperature at time 0 it had that of its walls; also where all of them change at once."""
+    """Without a reference or a temperature at time 0 it had that of its walls; also where all change at once."""
     text = (CAVITY + in_time(0.002) + COARSE).replace('reference = "300 K"\n', "").replace('expansion = "Ra*Pr"\n', "")
     text = text.replace("299.5 K", "300 K").replace("300.5 K", "300 K")
     text = text.replace("[boundary.hot]", '[boundary.lid]\non = "top"\nvelocity = [1, 0]\n[boundary.hot]')
