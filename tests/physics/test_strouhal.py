@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from flow_scenes import CYLINDER
-from restshape_verification.flow.scenes import STEADY, in_time
+from restshape_studies.stability.scenery import make_replay, set_value, write_scene, write_script
+from restshape_verification.flow.scenes import HEAD, SQUARE, STEADY, disc, in_time
 from thermal_scenes import solved
 
 from restshape.physics.flow.swing import Swing
@@ -50,6 +51,20 @@ def test_the_last_full_cycles_count():
 )
 def test_what_does_not_swing_has_no_period(values):
     assert np.isnan(period(values))
+
+
+@pytest.mark.slow
+def test_a_lift_that_swings_with_the_stream_has_its_period(tmp_path):
+    """A stream that turns up and down once a second; steps change on the way, and so does the mesh."""
+    text = HEAD + SQUARE + disc("body", (0.4, 0.5), 0.15) + "[fluid]\nrho = 1\nmu = 0.05\n"
+    text += '[boundary.sides]\non = "outline"\nvelocity = [1, "0.3*sin(2*pi*t)"]\n' + in_time(0.05)
+    text += '[quantities]\nst = { strouhal = { speed = 2, length = 0.3 }, at = "body" }\n[mesh]\nsize = 0.2\n'
+    events = [{"do": "idle", "frames": 45}, *set_value("effects.flow.time_step", 0.04), {"do": "idle", "frames": 25}]
+    events += [*set_value("mesh.size", 0.19), {"do": "idle", "frames": 40}]
+    rows = [dict(row) for row in make_replay(write_scene(tmp_path, text), write_script(tmp_path, events)).frames()]
+    assert rows[-1]["time"] > 4.5 and 3 in [row["level"] for row in rows[1:]] and np.isnan(rows[30]["q_st"])
+    found = np.array([row["q_st"] for row in rows if row["time"] > 3.0])
+    np.testing.assert_allclose(found, 0.15, rtol=0.02)
 
 
 def test_a_steady_flow_says_that_it_does_not_swing(tmp_path):
