@@ -101,6 +101,22 @@ def test_a_steady_shear_stays_one_whatever_carry_says(tmp_path, carry, scheme, s
     assert worst < 1e-8 and levels >= seen
 
 
+@pytest.mark.parametrize("carry", ["ale", "remap"])
+@pytest.mark.parametrize("script", [DRAG, FAR])
+def test_a_stream_that_grows_steadily_stays_uniform_whatever_carry_says(tmp_path, carry, script):
+    """u = (t, 0), which a linear pressure drives: past values are prescribed at the times that they are of."""
+    worst = []
+
+    def look(made, row):
+        analysis = made.analysis
+        if row["index"] == 0:
+            analysis.begin(0.0 * analysis.x)
+        worst.append(float(np.abs(analysis.x[:, :2] - [analysis.time, 0.0]).max()))
+
+    rows(tmp_path, everywhere('["t", 0]', in_time(carry=carry)), script, look)
+    assert max(worst) < 1e-7
+
+
 @pytest.mark.parametrize("scheme", ["bdf2", "backward_euler"])
 @pytest.mark.parametrize("carry", ["ale", "remap"])
 @pytest.mark.parametrize("script", [DRAG, FAR])

@@ -117,3 +117,13 @@ def test_an_inflow_that_depends_on_the_time(tmp_path):
 
 def test_a_vessel_into_which_nothing_flows_is_said_without_a_sign():
     assert unequal(np.array([1.5, 0.5])).startswith("0 m^2/s flow in and 2 m^2/s out")
+
+
+def test_pressures_of_a_closed_vessel_have_the_mean_0(tmp_path):
+    """Whatever the node is at which the equations hold them."""
+    text = VESSEL.replace("[effects]", '[boundary.lid]\non = "top"\nvelocity = [1, 0]\n[effects]')
+    row = solved(
+        tmp_path,
+        text + '[quantities]\nmean = { pressure = true, at = "all" }\nmost = { pressure = true, reduce = "max" }\n',
+    ).row
+    assert row["q_most"] > 1.0 and abs(row["q_mean"]) < 1e-9 * row["q_most"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from counted_replays import begin_log, kernels, watched
-from restshape_studies.stability.scenery import across, drag, make_replay, set_value, write_scene, write_script
+from restshape_studies.stability.scenery import across, block, drag, make_replay, set_value, write_scene, write_script
 from restshape_verification.flow.heated_scenes import (
     BUOYANT,
     CAVITY,
@@ -166,6 +166,12 @@ def test_a_fluid_at_rest_warms_up_as_its_series_says(tmp_path, theta, part):
     if theta == 1.0:
         stored = 4 * (rows[-1]["q_mean"] - rows[-2]["q_mean"]) / 0.01
         assert rows[-1]["q_left"] + rows[-1]["q_right"] == pytest.approx(-stored, rel=1e-6)
+
+
+def test_a_nusselt_number_is_that_of_a_mean_flux(tmp_path):
+    """Of walls that are twice as long as they are apart."""
+    row = solved(tmp_path, CAVITY.replace(SQUARE, block(1.0, 2.0)) + "[effects]\nheat = {}\n" + COARSE).row
+    assert row["q_hot"] == pytest.approx(1.0, abs=1e-9) and row["q_cold"] == pytest.approx(1.0, abs=1e-9)
 
 
 def test_without_a_difference_no_heat_is_followed_until_an_edit_brings_one(tmp_path):
