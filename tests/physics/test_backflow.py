@@ -40,6 +40,9 @@ def test_its_element_is_called_where_an_outflow_draws_in_only(tmp_path):
     assert called(tmp_path, drawn_in + in_time(0.1), [*idle(2), *moving]) == {"backflow_edge2"}
     outlet = drag("outlet", (2, 0.5), [(1.95, 0.5)])
     assert "backflow_on_moving_mesh_edge2" in called(tmp_path, drawn_in + in_time(0.1), [*idle(2), *outlet])
+    # An outlet that goes downstream faster than the fluid draws in, relative to the mesh.
+    ahead = drag("outlet", (2, 0.5), [(2.3, 0.5)])
+    assert "backflow_on_moving_mesh_edge2" in called(tmp_path, leaving + in_time(0.1), [*idle(2), *ahead])
 
 
 def test_it_follows_from_the_scene(tmp_path):
