@@ -120,6 +120,14 @@ def test_a_fluid_that_nothing_moves_is_warned_of(text, warning, command, tmp_pat
     assert ("Reynolds number    15" in done.stdout) == (not warning)
 
 
+def test_a_steady_flow_that_will_hardly_be_one_is_warned_of(command, tmp_path):
+    write_scene(tmp_path, BASE.replace("mu = 0.1", "mu = 1e-4"))
+    done = command("check", "scene.toml")
+    assert done.returncode == 0, done.stderr
+    assert "at a Reynolds number of 1.5e+04 flows are hardly ever steady" in done.stdout, done.stdout
+    assert "give [effects.flow] a time_step" in done.stdout
+
+
 @pytest.mark.slow
 def test_a_steady_flow_that_is_not_found_has_its_reynolds_number(command, tmp_path):
     text = BASE.replace("mu = 0.1", "mu = 1e-8").replace("size = 0.3", "size = 0.1\nnear = { body = 0.025 }")

@@ -126,6 +126,20 @@ def test_steps_that_pass_hundreds_of_elements_lead_to_the_steady_flow(tmp_path):
     assert found[-1][0] == pytest.approx(8.82521, rel=0.08)
 
 
+def test_a_step_that_is_far_from_newtons_method_is_found_by_more_of_picards(tmp_path):
+    """With only as many of them as usual the second step is not found."""
+    text = CAVITY + in_time(3e-4) + BUOYANT + "[mesh]\nsize = 0.05\n"
+    script = write_script(tmp_path, [{"do": "idle", "frames": 2}])
+    rows = make_replay(write_scene(tmp_path, text), script, overrides=["parameters.Ra=1e9"]).frames()
+    assert not any(row["refused"] for row in rows)
+
+
+def test_a_check_warns_where_heated_walls_have_turbulent_layers(tmp_path):
+    scene = load_scene(write_scene(tmp_path, CAVITY + STEADY + BUOYANT + COARSE), ["parameters.Ra=1e10"])
+    *_, seen = [one.inspected(scene, outline_from_spec(scene.shape)) for one in application_of(scene).physics]
+    assert "at a Rayleigh number of 1e+10 layers at walls are turbulent" in seen.warnings[0]
+
+
 def test_a_check_says_rayleighs_number(tmp_path):
     scene = load_scene(write_scene(tmp_path, CAVITY + STEADY + BUOYANT + COARSE))
     seen = [one.inspected(scene, outline_from_spec(scene.shape)) for one in application_of(scene).physics]

@@ -9,6 +9,8 @@ from restshape.shape.outline import Outline
 
 TIMES = np.linspace(0.0, 1.0, 11)
 """At which velocities that vary with the time are looked at [s]."""
+STEADY = 2000.0
+"""Reynolds number of the width from which flows are hardly ever steady."""
 
 
 def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
@@ -27,4 +29,13 @@ def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
     width = float(np.ptp(corners, axis=0).min())
     number = scene.fluid.rho * speed * width / scene.fluid.mu
     words = f"{number:.3g}, of the width of the shape and the largest speed given"
-    return Inspection({"reynolds": number}, [("Reynolds number", words)])
+    return Inspection({"reynolds": number}, [("Reynolds number", words)], _doubts(scene, number))
+
+
+def _doubts(scene: Scene, number: float) -> tuple[str, ...]:
+    """That a steady flow at this Reynolds number may be none."""
+    in_time = scene.effects.get("flow", {}).get("time_step") is not None
+    if in_time or "convection" not in scene.effects or number < STEADY:
+        return ()
+    what = f"at a Reynolds number of {number:.3g} flows are hardly ever steady, and a coarse mesh may hide it"
+    return (f"{what}: give [effects.flow] a time_step",)

@@ -18,8 +18,9 @@ ROUGH = 1e-3
 """Tolerance on the way, and of the linear solves of Picard's method."""
 PICARD = 20
 """Steps of Picard's method: each takes the velocity that advects from the one before."""
-NEAR = 0.1
-"""Change of the velocity in one of them, over the velocity, from which Newton's method goes on."""
+NEAR = (0.1, 0.01, 0.001)
+"""Changes of the velocity in one of them, over the velocity, from which Newton's method goes on: a smaller one where it
+failed from the one before."""
 THICKER = (300.0, 100.0, 30.0, 10.0, 5.0, 2.5, 1.5, 1.0)
 """Viscosities over the fluid's through which a steady flow is followed where nothing else finds it."""
 
@@ -70,10 +71,19 @@ class FlowSearch:
             self._change(drawing_in=draws_in)
         outcome = self._solve(x)
         if not outcome.converged:
-            x = start.copy()
-            outcome = self._picard(x).after(outcome)
-            outcome = self._solve(x).after(outcome)
+            outcome, x = self._nearer(start.copy(), outcome)
         return outcome, x
+
+    def _nearer(self, x: np.ndarray, before: Outcome) -> tuple[Outcome, np.ndarray]:
+        """The flow (n, 3) by Picard's method from x (n, 3), as near as Newton's method wants it, and what it took."""
+        found = x
+        for change in NEAR:
+            outcome = self._picard(x, change)
+            before, found = outcome.after(before), x.copy()
+            before = self._solve(found).after(before)
+            if before.converged or not outcome.converged or not self.problem.inertia:
+                break
+        return before, found
 
     def thinned(self, before: Outcome, start: np.ndarray) -> tuple[Outcome, np.ndarray]:
         """The flow from that of a fluid with a large viscosity, which is made smaller in steps.
@@ -94,8 +104,8 @@ class FlowSearch:
             self._change(thickening=1.0)
         return before, x
 
-    def _picard(self, x: np.ndarray) -> Outcome:
-        """Picard's method from x (n, 3), which is changed, until it is near enough for Newton's."""
+    def _picard(self, x: np.ndarray, change: float) -> Outcome:
+        """Picard's method from x (n, 3), which is changed, until a step changes the velocity by this part of it."""
         total = None
         try:
             for _ in range(PICARD if self.problem.inertia else 0):
@@ -104,7 +114,7 @@ class FlowSearch:
                 outcome = self._solve(x, ROUGH)
                 total = outcome if total is None else outcome.after(total)
                 moved = np.linalg.norm(x[:, :2] - before)
-                if not outcome.converged or moved <= NEAR * np.linalg.norm(x[:, :2]):
+                if not outcome.converged or moved <= change * np.linalg.norm(x[:, :2]):
                     break
         finally:
             self._change(advecting=None)

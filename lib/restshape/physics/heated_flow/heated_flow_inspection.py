@@ -8,6 +8,9 @@ from restshape.scene.model import Scene
 from restshape.scene.physics import Inspection
 from restshape.shape.outline import Outline
 
+TURBULENT = 1e9
+"""Rayleigh number of heated walls from which layers on them are turbulent."""
+
 
 def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
     """The Rayleigh number of the shape's length along gravity, and the Prandtl number; nothing without buoyancy."""
@@ -27,4 +30,6 @@ def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
         ("Rayleigh number", f"{rayleigh:.3g}, of the length along gravity and the largest difference given"),
         ("Prandtl number", f"{viscosity / diffusivity:.3g}"),
     ]
-    return Inspection({"rayleigh": rayleigh, "prandtl": viscosity / diffusivity}, rows)
+    what = f"at a Rayleigh number of {rayleigh:.3g} layers at walls are turbulent, for which there is no model"
+    doubts = (f"{what}: cells would have to show the eddies",) if rayleigh > TURBULENT else ()
+    return Inspection({"rayleigh": rayleigh, "prandtl": viscosity / diffusivity}, rows, doubts)
