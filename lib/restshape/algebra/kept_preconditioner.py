@@ -332,6 +332,12 @@ class KeptPreconditioner:
             return 0
         return self._summed(sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
 
+    def has_no_factor(self) -> bool:
+        """Whether a factor that exchanges rows came to no end: of a matrix that stays PETSc (3.18) forgets it."""
+        if not self.exchanges:
+            return False
+        return self._summed(sum(part.getFactorMatrix().getMumpsInfog(1) < 0 for part in factors_of(self.ksp))) > 0
+
     def _summed(self, found: int) -> int:
         return found if self.ranks == 1 else self.ksp.getComm().tompi4py().allreduce(found)
 

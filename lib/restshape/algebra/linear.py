@@ -437,6 +437,9 @@ class LinearSolver:
             most = self.refresh.limit(self.kept.complete, uses) if uses else MOST_ITERATIONS
             self.ksp.setTolerances(max_it=most)
         self._aim()
+        if self.kept.has_no_factor():
+            self.ksp.setConvergedReason(Reason.DIVERGED_PCSETUP_FAILED)
+            return 0
         with self.stages("krylov"):
             solve_from(self.ksp, b, x)
         iterations: int = self.ksp.getIterationNumber()
