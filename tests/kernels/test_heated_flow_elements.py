@@ -33,7 +33,7 @@ FLOWS += [(one.name, one.params) for one in CASES if "flow" in one.name]
 @pytest.mark.parametrize("speed", [0.0, 1e-9, 0.05, 1.0, 40.0])
 @pytest.mark.parametrize(("name", "params"), FLOWS)
 def test_tangents_are_those_of_dual_numbers(name, params, speed, stepping):
-    """At rest, on both sides of the bound of tau, and of the Reynolds number at which tau of LSIC changes."""
+    """At rest, with steps that count in tau and others, on both sides of the bend in tau of LSIC."""
     element, p = k.Element(name), np.array(params)
     if name.startswith("unsteady"):
         p[6] = stepping

@@ -69,7 +69,7 @@ struct Transport {
         }
         if constexpr (by_itself) {
             const StabilisingTime<advects, in_time, T, T, T> time(at.square, at.hh, spreading, at.stepping);
-            for (int c = 0; c < 2; ++c) by_tau[c] = time.slope(at.hh, at.stepping) * at.mean[c] * (2.0 / 3.0);
+            for (int c = 0; c < 2; ++c) by_tau[c] = time.slope(at.hh) * at.mean[c] * (2.0 / 3.0);
         }
     }
 

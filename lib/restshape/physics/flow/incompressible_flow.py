@@ -127,6 +127,15 @@ class IncompressibleFlow(SteadyProblem):
         return max(given, before)
 
     @property
+    def stepping(self) -> float:
+        """2 over the step [1/s] as far as it counts in tau: at most the rate at which a mean cell is passed.
+
+        With a tau that goes to 0 with the step nothing would keep the pressure smooth: docs/theory/flow.md.
+        """
+        viscosity = self.fluid.mu / self.fluid.rho
+        return min(2.0 / self.step.dt, (2.0 * self.speed + 4.0 * viscosity / self.size) / self.size)
+
+    @property
     def continuity(self) -> float:
         """The factor of continuity [kg/(m^2 s)] that makes its residual one of forces."""
         inertia = self.fluid.rho * self.speed if self.inertia else 0.0
@@ -188,7 +197,7 @@ class IncompressibleFlow(SteadyProblem):
     def _parameters(self) -> np.ndarray:
         """Those (p,) of all cells, or (ne, p); those of flow come first."""
         step, always = self.step, [self.fluid.rho, self.fluid.mu * self.thickening, 0.0, 0.0, self.continuity]
-        return np.array(always if step is None else [*always, step.rate, 2.0 / step.dt])
+        return np.array(always if step is None else [*always, step.rate, self.stepping])
 
     def _given(self) -> list[np.ndarray]:
         """Further nodal coefficients (n, c) of the elements."""

@@ -123,7 +123,7 @@ class HeatInFlow(SteadyProblem):
         if step is not None:
             family = UNSTEADY_ADVECTED_HEAT
             given = [velocity if step.mesh_velocity is None else velocity - step.mesh_velocity, step.past[:, 2:]]
-            times = np.broadcast_to([step.rate, 2.0 / step.dt], (*parameters.shape[:-1], 2))
+            times = np.broadcast_to([step.rate, self.whole.stepping], (*parameters.shape[:-1], 2))
             parameters = np.concatenate([parameters, times], axis=-1)
         coefficients = np.ascontiguousarray(np.hstack(given))
         space = self.space
