@@ -211,7 +211,7 @@ LIST = (
     ),
     bench(
         "reuse",
-        f"reuse {PLATE} {BEAM} {FLOW} {TEAPOT} --out results --json results/bench-reuse.json",
+        f"reuse {PLATE} {BEAM} {FLOW} {TEAPOT} --seconds 60 --out results --json results/bench-reuse.json",
         ["bench-reuse.*"],
     ),
     bench(
