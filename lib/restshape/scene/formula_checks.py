@@ -73,5 +73,5 @@ def formulas(value: object, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[s
         for name, one in value.items():
             yield from formulas(one, (*key, str(name)))
     elif isinstance(value, list | tuple):
-        for one in value:
-            yield from formulas(one, key)
+        for place, one in enumerate(value):
+            yield from formulas(one, (*key, str(place)))

@@ -48,19 +48,25 @@ class Parameters:
             UnitError: it adds what cannot be added, or gives another dimension than is wanted of it.
         """
         try:
-            found = powers_of_formula(formula.text, self.powers, self.on_scale)
+            places = formula.names.intersection(formula.coordinates).difference(self.values)
+            wanted = None if formula.wanted is None else plain_powers(formula.wanted)
+            found = powers_of_formula(formula.text, self.powers, self.on_scale, places, wanted)
         except UnitError as error:
-            do = error.do or "give the parameters units that fit"
+            do = error.do or "give parameters and numbers units that fit"
             raise UnitError(f"{formula.text!r} {error.what}", do) from error
         measured = formula.has_units or not formula.names.isdisjoint(self.powers)
-        if found is None or formula.wanted is None or not measured or found == plain_powers(formula.wanted):
+        if found is None or formula.wanted is None or not measured or found == wanted:
             return found if measured else None
         units = ", ".join(
             f"{name} = {self.written[name]!r}" for name in sorted(formula.names.intersection(self.powers))
         )
         given = f" ({units})" if units else ""
         what = f"{formula.text!r} is {article(spelled(found))}{given}, but {article(formula.wanted)} is wanted"
-        raise UnitError(what, f"give the parameter another unit, as in {EXAMPLES[formula.wanted]}")
+        example = EXAMPLES[formula.wanted]
+        do = f"give the parameter another unit, as in {example}"
+        if not units:
+            do = f"multiply by a parameter that makes it one, as [parameters] a = {example} does of a number"
+        raise UnitError(what, do)
 
     def number(self, formula: Expression) -> float:
         """The value of a formula of parameters alone, in SI units.
