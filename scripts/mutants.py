@@ -77,7 +77,7 @@ class Mutant:
 
 
 def test_problem(root: Path, test: str) -> str:
-    """Why a test ``path::name`` or ``path::class::name`` is not there; empty where it is."""
+    """Why a test ``path::name``, with its parameters in brackets or without, or ``path::class::name`` is not there."""
     path, *names = test.split("::")
     if not (root / path).is_file():
         return f"{path} is not there"
@@ -85,7 +85,7 @@ def test_problem(root: Path, test: str) -> str:
     if not names:
         return "no test is named"
     for name in names:
-        found = next((node for node in scope if getattr(node, "name", "") == name), None)
+        found = next((node for node in scope if getattr(node, "name", "") == name.partition("[")[0]), None)
         if found is None:
             return f"{path} has no test {'::'.join(names)}"
         scope = found.body

@@ -27,7 +27,7 @@ def wave(times, length=0.331):
 @pytest.mark.parametrize("times", [EVEN, UNEVEN])
 @pytest.mark.parametrize("mean", [0.0, -7.0])
 def test_the_period_of_a_made_signal(times, mean):
-    assert period(mean + 0.4 * wave(times), times) == pytest.approx(0.331, rel=1e-3)
+    assert period(mean + 0.4 * wave(times), times) == pytest.approx(0.331, rel=1e-4)
 
 
 def test_the_last_full_cycles_count():
