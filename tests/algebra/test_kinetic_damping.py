@@ -165,3 +165,35 @@ def test_a_descent_keeps_within_its_reach():
     way.on_step = lambda x, norm: places.append(x.copy()) or False
     way.run(x, 1e-8, 200)
     assert np.abs(np.diff(places, axis=0)).max() <= 0.02 * (1 + 1e-12)
+
+
+class Wall:
+    """Nothing goes beyond a place, which is below where the chain rests."""
+
+    place = 0.1
+
+    def share(self, x, d):
+        to = x + d
+        over = to > self.place
+        return float(max(1e-6, ((self.place - x[over]) / np.maximum(d[over], 1e-12)).min())) if over.any() else 1.0
+
+
+@pytest.mark.parametrize("kind", ["quasi", "newton", "cg"])
+def test_a_descent_goes_only_the_share_of_a_step_that_it_may(kind):
+    chain, x = Chain(1e5), np.zeros((N, 1))
+    way, places = Descent(PETSc.COMM_SELF, "chain_", chain, (N, 1), slice(0, N), kind), []
+    assert chain.rest().max() > 0.15
+    way.step_share = Wall().share
+    way.on_step = lambda x, norm: places.append(x.copy()) or False
+    for _ in range(5):
+        way.run(x, 1e-6, 20)
+    assert 0.09 < x.max() <= Wall.place * (1 + 1e-4) and np.max(places) <= Wall.place * (1 + 1e-4)
+
+
+def test_a_motion_goes_only_the_share_of_a_step_that_it_may():
+    chain, x, places = Chain(), np.zeros((N, 1)), []
+    way = damping(chain, most=50)
+    way.step_share = Wall().share
+    way.on_step = lambda x, norm: places.append(x.copy()) or False
+    way.run(x, 1e-8)
+    assert 0.09 < np.max(places) <= Wall.place * (1 + 1e-4)

@@ -262,3 +262,20 @@ class TestSaddle:
         system = self.system(np.array([2.5, 1.5]))
         _, outcome = run(system, [0.0, 0.0, 0.0], newton=newton_of(system, 3, traits=self.TRAITS))
         assert not outcome.converged and outcome.why and outcome.why != INDEFINITE
+
+
+@pytest.mark.parametrize("searched", [False, True])
+def test_no_step_goes_farther_than_its_share(searched):
+    seen = []
+    system = System(lambda x: x - 1.0, lambda x: np.eye(len(x)), lambda x: 0.5 * ((x - 1.0) ** 2).sum())
+    newton = newton_of(system, 2)
+
+    def share(x, d):
+        seen.append((x.copy(), d.copy()))
+        return 0.5
+
+    newton.step_share = share
+    x, outcome = run(system, [0.0, 0.0], goal=0.2, newton=newton, searched=searched)
+    # Each step halves the distance: from sqrt(2) to below 0.2 in three.
+    assert outcome.newton == 3 and x == pytest.approx([0.875, 0.875])
+    assert seen[0][1].ravel() == pytest.approx([1.0, 1.0]), "the step leads downwards, where SNES has its negative"

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.step_share import StepShare, whole_step
 from restshape.algebra.weak_calls import weak_call
 from restshape.arrays import Integers, Reals
 
@@ -73,6 +74,7 @@ KINDS = {
 }
 
 
+# More than 15 attributes: what is called on the way, and what is known between two runs.
 class Descent:
     """One SNES on an energy, run again and again from where it has come to.
 
@@ -88,6 +90,7 @@ class Descent:
     Attributes:
         steps: of the last run; norm: of the residual after it.
         on_step: called with positions (n, f) and the norm of the residual at each iterate; a true answer ends the run.
+        step_share: of positions (n, f) and a step (n, f), the largest share of it, at most 1, that may be gone.
 
     Source: docs/theory/cloth.md.
     """
@@ -108,8 +111,10 @@ class Descent:
         self.x, self.f = self.nodal.vector(), self.nodal.vector()
         self.work = np.zeros(shape)
         self.on_step = lambda *_: False
+        self.step_share: StepShare = whole_step
         self.steps, self.norm = 0, np.inf
         self.known: tuple[Reals, float] | None = None
+        self._last = self.work
         self.prefix, self.ksp = prefix, self._solver(comm, prefix, factor) if self.kind.tangent else None
         self.snes = self._made()
 
@@ -134,7 +139,7 @@ class Descent:
 
         Returns: the norm that is reached.
         """
-        self.goal, self.known = goal, None
+        self.goal, self.known, self._last = goal, None, x.copy()
         # A SNES that has run goes on with its steps, when tangent, friction or bodies were others.
         self.snes.destroy()
         self.snes = self._made()
@@ -166,15 +171,35 @@ class Descent:
     def _shortened(self, X: PETSc.Vec, Y: PETSc.Vec) -> bool:
         """Make a step shorter that goes too far; returns whether it did."""
         far = Y.norm(PETSc.NormType.NORM_INFINITY)
-        if far <= self.reach:
+        if far > self.reach:
+            Y.scale(self.reach / far)
+        # SNES goes along -Y. A search that makes steps longer is looked at when it has ended.
+        share = self.step_share(self.nodal.values(X), -self.nodal.values(Y)) if self.kind.tangent else 1.0
+        if share < 1.0:
+            Y.scale(share)
+        return far > self.reach or share < 1.0
+
+    def _turned_back(self) -> bool:
+        """Take back what the last step has gone too far, where its search may make steps longer; returns whether."""
+        if self.kind.tangent:
             return False
-        Y.scale(self.reach / far)
-        return True
+        x = self.nodal.values(self.x).copy()
+        share = self.step_share(self._last, x - self._last)
+        if share < 1.0:
+            x = self._last + share * (x - self._last)
+            self.nodal.put(x, self.x)
+            self.energy.residual(x, self.work)
+            self.norm = float(np.linalg.norm(self.work))
+        self._last = x
+        return share < 1.0
 
     def _test(self, snes: PETSc.SNES, steps: int, norms: tuple[float, float, float]) -> int:
         self.norm = norms[2]
         if not np.isfinite(self.norm):
             return Reason.DIVERGED_FNORM_NAN
+        if self._turned_back():
+            # The next run starts from there.
+            return Reason.CONVERGED_ITS
         if self.norm <= self.goal:
             return Reason.CONVERGED_FNORM_ABS
         return Reason.CONVERGED_ITS if self.on_step(self.nodal.values(self.x), self.norm) else Reason.ITERATING

@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
+from restshape.algebra.step_share import StepShare, whole_step
 from restshape.algebra.step_solver import StepSolver
 from restshape.algebra.weak_calls import weak_call
 from restshape.arrays import Integers, Reals
@@ -111,6 +112,7 @@ class KineticDamping:
         resets: potential energies [J] at resets; rejected: steps taken back.
         on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
         on_move: called with positions (n, f) after each step; returns whether it changed the equations.
+        step_share: of positions (n, f) and a step (n, f), the largest share of it, at most 1, that may be gone.
 
     Source: docs/theory/cloth.md; Baraff and Witkin, SIGGRAPH 1998, 43; Barnes 1999.
     """
@@ -133,6 +135,7 @@ class KineticDamping:
         self.rejected = 0
         self.stuck: ReplayProblem | None = None
         self.on_step = self.on_move = lambda *_: False
+        self.step_share: StepShare = whole_step
         self.x, unused = self.nodal.vector(), self.nodal.vector()
         self.snes = destroyed_at_exit(PETSc.SNES().create(comm))
         self.snes.setOptionsPrefix(prefix)
@@ -246,6 +249,7 @@ class KineticDamping:
             # Each iterate, of CG and guesses, goes down in the step's own energy, so that a short enough step does too.
             d = self.linear.solve(matrix, right)
             if d is not None:
+                d = d * self.step_share(x, d)
                 if not steps.adaptive:
                     return x + d, d / h, potential
                 after = self.motion.energy(x + d)

@@ -13,6 +13,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton_convergence import MOST_SEARCHED, WORDS, ConvergenceTest, Outcome
 from restshape.algebra.newton_step import NewtonStep
 from restshape.algebra.nodal import NodalVectors
+from restshape.algebra.step_share import StepShare
 from restshape.algebra.tangent import Tangent
 from restshape.algebra.weak_calls import weak_call
 from restshape.arrays import Reals
@@ -37,6 +38,9 @@ class Newton:
         shape: (n, f) of the unknowns.
         rows: this rank's, of n f.
 
+    Attributes:
+        step_share: of values (n, f) and a step (n, f), the largest share of it that may be gone; None: all of any.
+
     Source: docs/theory/solids.md.
     """
 
@@ -49,6 +53,7 @@ class Newton:
         self._test = ConvergenceTest(0.0, 0.0, False, 0.0)
         self._offset: Reals | None = None
         self._x, self._f, self._work = self.nodal.vector(), self.nodal.vector(), np.zeros(shape)
+        self.step_share: StepShare | None = None
         self._snes: dict[bool, PETSc.SNES] = {}
         self._handles: dict[bool, int] = {}
 
@@ -157,6 +162,14 @@ class Newton:
         energy = self.equations.energy(x)
         return energy if self._offset is None else energy - float(np.vdot(self._offset, x))
 
+    def _shortened(self, X: PETSc.Vec, Y: PETSc.Vec) -> bool:
+        """Make a step shorter that would pass what must not be passed; returns whether it did."""
+        # SNES goes along -Y.
+        share = self.step_share(self.nodal.values(X), -self.nodal.values(Y)) if self.step_share else 1.0
+        if share < 1.0:
+            Y.scale(share)
+        return share < 1.0
+
     def solve_step(self, b: PETSc.Vec, y: PETSc.Vec) -> bool:
         """Solve for the step y of the residual b; returns whether that went well."""
         target = self._forcing.tolerance(self._test.steps, b.norm())
@@ -202,6 +215,7 @@ class Newton:
         if searched and self.equations.potential:
             snes.setObjective(weak_call(self._objective))
         snes.setConvergenceTest(weak_call(self._converged))
+        snes.setLineSearchPreCheck(weak_call(self._shortened))
         # The test counts the steps; SNES has a limit of its own, below that of a line search.
         snes.setTolerances(max_it=2 * MOST_SEARCHED)
         ksp = snes.getKSP()

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -27,6 +28,13 @@ from restshape.physics.cloth.parameters import Lumped, lumped_rates
 from restshape.physics.cloth.point_forces import PointForces
 from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
+
+
+class Obstacle(Protocol):
+    """What cloth must not pass."""
+
+    def step_share(self, x: np.ndarray, d: np.ndarray) -> float:
+        """The largest share, in (0, 1], of a step d (corners, 3) from x (corners, 3) [m] that lets nothing pass."""
 
 
 # More than 15 attributes: a problem holds what its integrals, contact and quantities share.
@@ -184,6 +192,15 @@ class ClothProblem(SteadyProblem):
         """Whether cloth at x (n, 3) falls without end: nothing supports it, and it goes away from all bodies."""
         way = np.where(self.supports.mask.any(axis=0), 0.0, self.g)
         return bool(way.any()) and (self.contact is None or self.contact.passed(self.corners(x), way))
+
+    def step_share(self, x: np.ndarray, d: np.ndarray) -> float:
+        """The largest share, in (0, 1], of a step d (n, 3) [m] from x (n, 3) [m] that lets nothing pass."""
+        return min((part.step_share(self.corners(x), self.corners(d)) for part in self.obstacles), default=1.0)
+
+    @property
+    def obstacles(self) -> Sequence[Obstacle]:
+        """What corners must not pass."""
+        return ()
 
     # --- integrals ------------------------------------------------------------------------------------------------
 

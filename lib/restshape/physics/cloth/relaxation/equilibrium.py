@@ -81,6 +81,9 @@ class EquilibriumSolver:
         self._moving.on_step = self.descent.on_step = weak_call(self.note)
         # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
         self._moving.on_move = problem.follow_friction
+        self._moving.step_share = self.descent.step_share = problem.step_share
+        if self._newton:
+            self._newton.step_share = problem.step_share
 
     def destroy(self) -> None:
         """Free PETSc's objects."""

@@ -51,6 +51,7 @@ def moved(
     equations = solver.equations
     moving = KineticDamping(solver.comm, "drape_rayleigh_", equations, equations.mass, x.shape, equations.rows, steps)
     moving.on_step, moving.on_move = solver.moving.on_step, solver.moving.on_move
+    moving.step_share = solver.problem.step_share
     try:
         return _in_rounds(solver, moving, lambda: moving.snes.getIterationNumber(), x, most, report)
     finally:
@@ -70,7 +71,7 @@ def descended(
     equations.stabilised, equations.inertia = stabilised, FREELY / solver.problem.swing_time**2
     reach = solver.motion.reach
     descent = Descent(solver.comm, f"drape_{kind}_", equations, x.shape, equations.rows, kind, reach=reach)
-    descent.on_step = solver.descent.on_step
+    descent.on_step, descent.step_share = solver.descent.on_step, solver.problem.step_share
     try:
         return _in_rounds(solver, descent, lambda: descent.steps, x, most, report)
     finally:
