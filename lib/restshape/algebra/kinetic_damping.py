@@ -94,6 +94,7 @@ class SNESContext:
     solve: Callable[[PETSc.SNES, PETSc.Vec | None, PETSc.Vec], None]
 
 
+# More than 15 attributes: what is called on the way, and how the last run went.
 class KineticDamping:
     """Semi-implicit steps (M/h^2 + K) d = -r + M v/h; v = d/h is set to zero when the kinetic energy has passed a peak.
 
