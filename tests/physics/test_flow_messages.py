@@ -107,7 +107,7 @@ def without_boundaries():
     ("text", "warning"),
     [
         (BASE, ""),
-        (BASE.replace(STREAM, "[0, 0]"), "nothing moves the fluid: velocities at edges are 0 in the first second"),
+        (BASE.replace(STREAM, "[0, 0]"), "nothing moves the fluid: velocities at edges are 0"),
         (BASE.replace(f"velocity = {STREAM}", END), "nothing moves the fluid: no edge has a velocity"),
     ],
 )
@@ -116,15 +116,63 @@ def test_a_fluid_that_nothing_moves_is_warned_of(text, warning, command, tmp_pat
     done = command("check", "scene.toml")
     assert done.returncode == 0, done.stderr
     assert warning in done.stdout and ("nothing moves" in done.stdout) == bool(warning)
-    # Of the width of 1 m: rho u / mu, u at the middle of a part of the edge.
-    assert ("Reynolds number    15" in done.stdout) == (not warning)
+    # rho u 0.3 m / mu, u at the middle of a part of the edge, and likewise of sides of 0.3 m.
+    for words in (
+        "4.5, of the size of body across the stream (300 mm)",
+        "4.5, of the largest speed given and sides of",
+    ):
+        assert (words in done.stdout) == (not warning), done.stdout
+
+
+TIMED = BASE.replace("steady = true", "time_step = 0.1, steps = 2")
+CLOSED = TIMED.replace(END, "wall = true")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        # rho u L / mu of the length of 0.2 m, and 1 m/s * 0.1 s / 0.3 m.
+        (
+            TIMED.replace("drag = true", "drag_coefficient = { speed = 1, length = 0.2 }"),
+            "3, of the length that quantities.drag",
+        ),
+        (TIMED, "Courant number        0.333, sides that"),
+        (
+            TIMED[: TIMED.index("[shape.holes]")] + TIMED[TIMED.index("[fluid]") : TIMED.index("drag =")],
+            "15, of the size of the shape",
+        ),
+        (
+            TIMED.replace(STREAM, '["t", 0]'),
+            "90, of the size of body across the stream (300 mm) and the largest speed given, at 20 s",
+        ),
+    ],
+    ids=["coefficient", "Courant", "channel", "largest of all times"],
+)
+def test_numbers_of_a_flow_say_what_they_are_of(text, words, command, tmp_path):
+    write_scene(tmp_path, text)
+    done = command("check", "scene.toml")
+    assert done.returncode == 0 and words in done.stdout, done.stdout + done.stderr
+
+
+def test_an_inflow_that_grows_without_outflow_is_refused_before_a_frame_is(command, tmp_path):
+    write_scene(tmp_path, CLOSED.replace(STREAM, '["0.5*t", 0]'))
+    done = command("check", "scene.toml")
+    # Half of 0.2 s, on an edge of 1 m.
+    assert done.returncode == 2 and "0.1 m^2/s flow in and 0 m^2/s out" in done.stderr, done.stderr
+    write_scene(tmp_path, CLOSED.replace(STREAM, '["max(0, t - 1)", 0]'))
+    done = command("check", "scene.toml")
+    assert done.returncode == 0, done.stderr
+    assert "boundary.inlet.velocity: at 1.2 s, in frame 6, 0.2 m^2/s flow in and 0 m^2/s out" in done.stdout, (
+        done.stdout
+    )
+    assert "add one, such as [boundary.outlet]" in done.stdout
 
 
 def test_a_steady_flow_that_will_hardly_be_one_is_warned_of(command, tmp_path):
     write_scene(tmp_path, BASE.replace("mu = 0.1", "mu = 1e-4"))
     done = command("check", "scene.toml")
     assert done.returncode == 0, done.stderr
-    assert "at a Reynolds number of 1.5e+04 flows are hardly ever steady" in done.stdout, done.stdout
+    assert "at a Reynolds number of 4.5e+03 flows around bodies are hardly ever steady" in done.stdout, done.stdout
     assert "give [effects.flow] a time_step" in done.stdout
 
 
@@ -134,7 +182,9 @@ def test_a_steady_flow_that_is_not_found_has_its_reynolds_number(command, tmp_pa
     write_scene(tmp_path, text)
     done = command("replay", "scene.toml")
     assert done.returncode == 2
-    assert "no steady flow is found at a Reynolds number of 1.5e+08 (of the width of the shape)" in done.stderr
+    assert (
+        "no steady flow is found at a Reynolds number of 4.5e+07 (of the size of body across the stream)" in done.stderr
+    )
     assert "give [effects.flow] a time_step" in done.stderr
 
 

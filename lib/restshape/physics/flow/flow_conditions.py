@@ -216,14 +216,30 @@ def check_shape(scene: Scene, outline: Outline) -> None:
     try:
         kinds = edge_kinds(scene, outline)
         _check_forces(scene, outline, kinds)
-        fluxes = np.array([flux for edge in border(outline) for flux in _fluxes(scene, outline, kinds, edge)])
-        closed = not any(kind == "outflow" for kind, _ in kinds.values())
-        if closed and unbalanced(float(fluxes.sum()), float(np.abs(fluxes).sum())):
-            first = next(name for kind, name in kinds.values() if kind == "velocity")
-            do = "add one, such as [boundary.outlet] with on and outflow = true, or let velocities agree"
-            raise UserError(unequal(fluxes), f"boundary.{first}.velocity", do)
+        settings = scene.effects.get("flow", {})
+        frame = (settings.get("time_step") or 0.0) * settings.get("steps", 1)
+        for time in dict.fromkeys((0.0, frame)):
+            if error := balance(scene, outline, time):
+                raise error
     except UserError as error:
         raise scene.located(error) from error
+
+
+def balance(scene: Scene, outline: Outline, time: float) -> UserError | None:
+    """The error of a vessel without outflow into which more flows at a time [s] than out of it; None of others.
+
+    Raises:
+        UserError: a formula has no number somewhere.
+    """
+    kinds = edge_kinds(scene, outline)
+    parts = [part for edge in border(outline) for part in _parts(scene, outline, kinds, edge, time)]
+    fluxes = np.concatenate([(u[:, 0] * along[1] - u[:, 1] * along[0]) / PIECES for u, along in parts] or [np.zeros(0)])
+    closed = not any(kind == "outflow" for kind, _ in kinds.values())
+    if not closed or not unbalanced(float(fluxes.sum()), float(np.abs(fluxes).sum())):
+        return None
+    first = next(name for kind, name in kinds.values() if kind == "velocity")
+    do = "add one, such as [boundary.outlet] with on and outflow = true, or let velocities agree"
+    return UserError(unequal(fluxes), f"boundary.{first}.velocity", do)
 
 
 def _check_forces(scene: Scene, outline: Outline, kinds: dict[int, tuple[str, str]]) -> None:
@@ -245,12 +261,6 @@ def border_velocities(scene: Scene, outline: Outline, time: float) -> Iterator[n
     kinds = edge_kinds(scene, outline)
     for edge in border(outline):
         yield from (velocity for velocity, _ in _parts(scene, outline, kinds, edge, time))
-
-
-def _fluxes(scene: Scene, outline: Outline, kinds: dict[int, tuple[str, str]], edge: int) -> Iterator[float]:
-    """What flows out by short parts of an edge with a velocity [m^2/s], at time 0."""
-    for velocity, along in _parts(scene, outline, kinds, edge, 0.0):
-        yield from ((velocity[:, 0] * along[1] - velocity[:, 1] * along[0]) / PIECES).tolist()
 
 
 def _parts(

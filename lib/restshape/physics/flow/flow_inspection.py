@@ -1,41 +1,56 @@
 """What a scene of flow shows before it has a mesh: its Reynolds number, and what a user may have meant otherwise."""
 
-import numpy as np
-
-from restshape.physics.flow.flow_conditions import border_velocities, edge_kinds
+from restshape.errors import UserError
+from restshape.physics.flow.flow_conditions import balance, edge_kinds
+from restshape.physics.flow.reynolds import FRAMES, SOON, cell_rows, characteristic_length, looked_at, stream
 from restshape.scene.model import Scene
 from restshape.scene.physics import Inspection
 from restshape.shape.outline import Outline
 
-TIMES = np.linspace(0.0, 1.0, 11)
-"""At which velocities that vary with the time are looked at [s]."""
-STEADY = 2000.0
-"""Reynolds number of the width from which flows are hardly ever steady."""
+STEADY, STEADY_BEHIND = 2000.0, 300.0
+"""Reynolds numbers from which flows of vessels, and those around bodies, are hardly ever steady."""
 
 
 def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
-    """The Reynolds number of the width of the shape, and whether anything moves the fluid."""
-    kinds = edge_kinds(scene, outline)
-    speeds = [np.linalg.norm(u, axis=1).max(initial=0.0) for t in TIMES for u in border_velocities(scene, outline, t)]
-    speed = max(speeds, default=0.0)
+    """The Reynolds number, those of cells, whether anything moves the fluid, and whether it can leave all the time."""
+    speed, along, fastest = stream(scene, outline)
     if speed == 0.0:
         lifted = "buoyancy" in scene.effects and any(scene.effects["gravity"]["g"])
         if lifted or (scene.effects and "flow" not in scene.effects):
             return Inspection()
-        given = any(kind == "velocity" for kind, _ in kinds.values())
-        what = "velocities at edges are 0 in the first second" if given else "no edge has a velocity"
+        given = any(kind == "velocity" for kind, _ in edge_kinds(scene, outline).values())
+        what = "no edge has a velocity"
+        if given:
+            what = f"velocities at edges are 0{f' in the first {SOON} frames' if len(looked_at(scene)) > 1 else ''}"
         return Inspection(warnings=(f"nothing moves the fluid: {what}",))
-    corners = np.concatenate([outline.polyline(edge) for edge in kinds])
-    width = float(np.ptp(corners, axis=0).min())
-    number = scene.fluid.rho * speed * width / scene.fluid.mu
-    words = f"{number:.3g}, of the width of the shape and the largest speed given"
-    return Inspection({"reynolds": number}, [("Reynolds number", words)], _doubts(scene, number))
+    length, words = characteristic_length(scene, outline, along)
+    number = scene.fluid.rho * speed * length / scene.fluid.mu
+    data, cells = cell_rows(scene, speed)
+    of = f"{words} ({1e3 * length:.4g} mm) and the largest speed given{f', at {fastest:g} s' if fastest else ''}"
+    rows = [("Reynolds number", f"{number:.3g}, {of}"), *cells]
+    warnings = (*_doubts(scene, outline, number), *_unbalanced(scene, outline))
+    return Inspection({"reynolds": number, "reynolds_length": length} | data, rows, warnings)
 
 
-def _doubts(scene: Scene, number: float) -> tuple[str, ...]:
+def _doubts(scene: Scene, outline: Outline, number: float) -> tuple[str, ...]:
     """That a steady flow at this Reynolds number may be none."""
     in_time = scene.effects.get("flow", {}).get("time_step") is not None
-    if in_time or "convection" not in scene.effects or number < STEADY:
+    around = any(loop.kind == "hole" for loop in outline.loops)
+    if in_time or "convection" not in scene.effects or number < (STEADY_BEHIND if around else STEADY):
         return ()
-    what = f"at a Reynolds number of {number:.3g} flows are hardly ever steady, and a coarse mesh may hide it"
-    return (f"{what}: give [effects.flow] a time_step",)
+    what = f"at a Reynolds number of {number:.3g} flows {'around bodies ' if around else ''}are hardly ever steady"
+    return (f"{what}, and a coarse mesh may hide it: give [effects.flow] a time_step",)
+
+
+def _unbalanced(scene: Scene, outline: Outline) -> tuple[str, ...]:
+    """That later on more flows into a vessel without outflow than out of it."""
+    for frame, time in zip(FRAMES, looked_at(scene)):
+        try:
+            error = balance(scene, outline, time)
+        except UserError:
+            # The frame will say why it is refused.
+            return ()
+        if error:
+            where = f"{error.where}: at {time:g} s, in frame {frame:g}"
+            return (f"{where}, {error.what}: such frames are refused; {error.do}",)
+    return ()

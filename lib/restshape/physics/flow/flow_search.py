@@ -11,6 +11,7 @@ from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow
+from restshape.physics.flow.reynolds import characteristic_length, stream
 
 SCALE_SLACK = 1.1
 """A residual is measured against forces that are known up to this factor."""
@@ -146,9 +147,11 @@ class FlowSearch:
                 return total
 
     def _reynolds(self) -> str:
-        """The Reynolds number of the whole shape, for people."""
-        if not self.problem.inertia:
+        """The Reynolds number, for people."""
+        problem = self.problem
+        if not problem.inertia:
             return ""
-        low, high = self.problem.space.X.min(axis=0), self.problem.space.X.max(axis=0)
-        number = self.problem.fluid.rho * self.problem.speed * float((high - low).min()) / self.problem.fluid.mu
-        return f" at a Reynolds number of {number:.3g} (of the width of the shape)"
+        scene, outline = problem.scene, problem.space.outline
+        length, words = characteristic_length(scene, outline, stream(scene, outline).along)
+        number = problem.fluid.rho * problem.speed * length / problem.fluid.mu
+        return f" at a Reynolds number of {number:.3g} ({words})"
