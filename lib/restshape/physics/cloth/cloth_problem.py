@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -20,6 +21,7 @@ from restshape.physics.cloth.bending import QUADRATIC, bending_of
 from restshape.physics.cloth.cloth_boundary import ClothDirichlet, ClothSupports
 from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
 from restshape.physics.cloth.cloth_quantities import observer
+from restshape.physics.cloth.collision_surface import CollisionSurface
 from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.material_motion import MaterialPlace
@@ -82,6 +84,11 @@ class ClothProblem(SteadyProblem):
     def space(self) -> MorleySpace | Mesh:
         """Nodes and cells of the unknowns."""
         return self.morley or self.mesh
+
+    @cached_property
+    def surface(self) -> CollisionSurface:
+        """The triangles as what may cross itself, at the places of their corners when it is first asked for."""
+        return CollisionSurface(self.mesh.X, self.mesh.cells)
 
     @property
     def X(self) -> np.ndarray:

@@ -183,6 +183,7 @@ def cloth_columns(scene: Scene) -> dict[str, Any]:
         "factorisations": np.int64,
         "slip_distance": np.float64,
         "max_penetration": np.float64,
+        "crossings": np.int64,
     }
     return own | body_columns(scene.bodies)
 

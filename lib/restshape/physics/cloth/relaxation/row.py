@@ -28,6 +28,8 @@ class Row:
         """The columns at a state."""
         bodies, report = state.scene.bodies, state.report
         notes, max_penetration = _notes(state)
+        crossings = len(state.problem.surface.crossed(state.problem.corners(state.x)))
+        notes += crossing_notes(crossings)
         return {
             "converged": int(report.converged),
             "tangent_positive_definite": -1 if report.stable is None else int(report.stable),
@@ -35,6 +37,7 @@ class Row:
             "factorisations": report.factors,
             "slip_distance": report.slip,
             "max_penetration": max_penetration,
+            "crossings": crossings,
             "note": "; ".join(notes),
             **body_row(dict(zip(bodies, state.bodies)), self.body_columns),
         }
@@ -63,6 +66,11 @@ def convergence_notes(state: RelaxationState) -> list[str]:
     if report.stable is False:
         return ["converged to an unstable equilibrium: the tangent is not positive definite"]
     return []
+
+
+def crossing_notes(crossings: int) -> list[str]:
+    """What there is to say of so many triangles that others cross."""
+    return [f"cloth passes through itself at {crossings} triangle{'s' * (crossings > 1)}"] if crossings else []
 
 
 def penetration_notes(how: str, problem: ClothProblem, scene: Scene, depths: Sequence[float]) -> list[str]:

@@ -1,0 +1,52 @@
+"""Crossings of cloth with itself, counted beside those that are known."""
+
+import numpy as np
+import pytest
+
+from restshape.physics.cloth.collision_surface import CollisionSurface, passes_through
+
+
+def grid(n):
+    """Material coordinates and triangles of a unit square of n by n cells."""
+    side = np.linspace(0.0, 1.0, n + 1)
+    X = np.array([[a, b] for b in side for a in side])
+    first = np.array([j * (n + 1) + i for j in range(n) for i in range(n)])
+    cells = np.vstack([[first, first + 1, first + n + 2], [first, first + n + 2, first + n + 1]]).reshape(2, 3, -1)
+    return X, np.concatenate(cells.transpose(0, 2, 1)).astype(np.int32)
+
+
+def test_two_triangles_cross_where_an_edge_goes_through_the_other():
+    triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    edge = np.array([[[0.2, 0.2, -1.0], [0.2, 0.2, 1.0]]])
+    assert passes_through(edge, triangle).all()
+    assert not passes_through(edge + np.array([1.0, 0, 0]), triangle).any()
+    assert not passes_through(edge + np.array([0, 0, 2.0]), triangle).any()
+    # In the plane of the triangle.
+    assert not passes_through(edge[..., [0, 2, 1]] * [1, 1, 0], triangle).any()
+
+
+@pytest.mark.parametrize(("height", "crosses"), [(0.05, False), (-0.05, True)])
+def test_a_sheet_folded_over_crosses_where_its_flap_dips_below(height, crosses):
+    """The flap stands over the sheet, or its free end is bent to below."""
+    X, cells = grid(10)
+    x = np.column_stack([X, np.zeros(len(X))])
+    flap = X[:, 0] > 0.55
+    x[flap, 0] = 1.1 - X[flap, 0] + 0.01
+    x[flap, 1] += 0.013
+    x[flap, 2] = 0.05
+    x[X[:, 0] > 0.95, 2] = height
+    surface = CollisionSurface(X, cells)
+    crossed = surface.crossed(x)
+    assert surface.crosses(x) is crosses and bool(len(crossed)) is crosses
+    if crosses:
+        # The row of edges that goes down passes through the row of triangles there: by a cell, 10 pairs along it.
+        assert 10 <= len(crossed) <= 60
+        # Nothing crosses away from it.
+        assert x[cells[crossed], 0].max() < 0.4
+
+
+def test_flat_cloth_has_no_crossings_and_no_numbers_none():
+    X, cells = grid(4)
+    x = np.column_stack([X, np.zeros(len(X))])
+    assert len(CollisionSurface(X, cells).crossed(x)) == 0
+    assert len(CollisionSurface(X, cells).crossed(x * np.nan)) == 0
