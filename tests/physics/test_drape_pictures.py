@@ -23,7 +23,7 @@ from restshape.report import space_scene
 from restshape.report.camera import Camera
 from restshape.report.space_axes import marks
 from restshape.report.space_scene import SpaceDrawing, SpaceImage
-from restshape.report.style import new_figure
+from restshape.report.style import INK, REFUSED, UNTRUSTED, new_figure
 from restshape.report.tables import level_table
 from restshape.report.timeline import draw_timeline
 from restshape.scene.bodies import Body
@@ -245,9 +245,19 @@ def test_everything_at_rest_lies_within_the_box(recording):
 def test_captions_report_convergence(recording):
     cloth = recording(0.0, 0.0, 0.0, rests=(1, 0, 1))
     cloth.table["tangent_positive_definite"][2] = 0
-    assert convergence_words(cloth, 0) == ("converged and stable, residual 5e-05", True)
-    assert convergence_words(cloth, 1) == ("NOT CONVERGED, residual 5e-05", False)
-    assert convergence_words(cloth, 2) == ("converged, but not stable, residual 5e-05", False)
+    assert convergence_words(cloth, 0) == ("converged and stable, residual 5e-05", INK)
+    assert convergence_words(cloth, 1) == ("NOT CONVERGED, residual 5e-05", REFUSED)
+    assert convergence_words(cloth, 2) == ("converged, but not stable, residual 5e-05", REFUSED)
+
+
+def test_no_caption_is_black_where_a_frame_is_not_to_be_trusted(recording):
+    cloth = recording(0.0, 0.0, 0.0, rests=(1, 0, 1))
+    cloth.table["untrusted"] = np.array(["an edge is stretched by 40 %", "bodies.ball comes through", ""])
+    words, colour = convergence_words(cloth, 0)
+    assert words.endswith("stable, residual 5e-05; NOT TRUSTED: an edge is stretched by 40 %") and colour == UNTRUSTED
+    words, colour = convergence_words(cloth, 1)
+    assert "NOT CONVERGED" in words and "bodies.ball comes through" in words and colour == REFUSED
+    assert convergence_words(cloth, 2) == ("converged and stable, residual 5e-05", INK)
 
 
 @pytest.mark.slow
@@ -262,8 +272,8 @@ def test_a_refused_frame_shows_the_bodies_of_the_last_one_and_the_reason(recordi
     (ball,) = bodies(cloth, 2).values()
     # The ball of frame 1, which is 0.1 m further along x than that of frame 0.
     assert ball.sphere.center == pytest.approx((0.6, 0.5, -0.5)) and ball.sphere.radius == 0.3
-    words, good = convergence_words(cloth, 2)
-    assert not good and "REFUSED, last solution shown: the radius is given by a formula" in words
+    words, colour = convergence_words(cloth, 2)
+    assert colour == REFUSED and "REFUSED, last solution shown: the radius is given by a formula" in words
     draw_drape_frames(cloth, np.arange(3), drape_scenery(cloth, np.arange(3)), tmp_path / "a.png")
     figure = figures[0]
     renderer = FigureCanvasAgg(figure).get_renderer()
@@ -280,7 +290,7 @@ def test_the_command_draws_cloth_in_space(recording, tmp_path, capsys):
     assert main(["report", str(cloth.path), "--out", str(out), "--json", str(data)]) == 0
     assert "converged: 2 frames, 2 of them stable; not converged: 1" in capsys.readouterr().out
     found = json.loads(data.read_text())
-    assert found["rest"] == {"converged": 2, "tangent_positive_definite": 2, "not_converged": 1}
+    assert found["rest"] == {"converged": 2, "tangent_positive_definite": 2, "untrusted": 0, "not_converged": 1}
     # No levels: only the ball has moved.
     assert [Path(p).name for p in found["pictures"]] == ["frames.png", "timeline.png", "animation.gif"]
     with Image.open(out / "animation.gif") as image:

@@ -73,6 +73,7 @@ def test_the_summary_counts_the_frames_that_converged(cloth, tmp_path, capsys):
         counts = {
             "converged": rests.sum(),
             "tangent_positive_definite": (rests & stays).sum(),
+            "untrusted": (rests & [bool(why) for why in table["untrusted"]]).sum(),
             "not_converged": (~rests).sum(),
         }
         assert rest == counts | {"residual": pytest.approx(max(table["residual"]))}

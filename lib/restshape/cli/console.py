@@ -6,6 +6,8 @@ from rich.console import Console
 
 from restshape.cli.ranks import launched
 
+ORANGE = "#e69f00"
+"""What is not to be trusted, on a terminal that has colours."""
 ENDLESS = 1_000_000
 """Columns of a table where there is no terminal: a row is one line there, for `grep` and `awk`."""
 

@@ -138,7 +138,13 @@ def write_json(args: argparse.Namespace, data: Any) -> None:
         raise UserError(what, "--json", "name another file") from error
 
 
-def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]], right: Sequence[str] = ()) -> None:
+def print_table(
+    title: str,
+    columns: Sequence[str],
+    rows: Iterable[Sequence[Any]],
+    right: Sequence[str] = (),
+    doubtful: bool = False,
+) -> None:
     """Prints a table: ruled on a terminal, elsewhere aligned plain text, a row a line.
 
     Args:
@@ -146,15 +152,16 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]
         columns: heads.
         rows: one cell a column; numbers are shown with six digits.
         right: heads of the columns to align to the right.
+        doubtful: it is of what is not to be trusted: orange on a terminal.
     """
     from rich.table import Table
     from rich.text import Text
 
-    from restshape.cli.console import console
+    from restshape.cli.console import ORANGE, console
 
     out = console()
     box = {} if out.is_terminal else {"box": None, "pad_edge": False, "padding": (0, 2, 0, 0)}
-    table = Table(header_style="bold", **box)
+    table = Table(header_style="bold", style=ORANGE if doubtful else "", row_styles=[ORANGE] * doubtful, **box)
     for column in columns:
         table.add_column(Text(column), justify="right" if column in right else "left", overflow="fold")
     for row in rows:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application, application_of
+from restshape.cli.doubtful import print_doubtful, untrusted_words
 from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
 from restshape.cli.lone_process import set_up
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
@@ -323,7 +324,7 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
             f"{1e3 / ms:,.0f} frames a second"
         )
     if found := summary.get("rest"):
-        print(convergence_line(found))
+        print_doubtful(convergence_line(found), bool(found["untrusted"]))
     for line in estimates(summary):
         print(line)
     print_quantities(summary)
@@ -348,7 +349,7 @@ def convergence_line(found: dict[str, Any]) -> str:
     residual = "-" if found["residual"] is None else f"{found['residual']:.1e}"
     return (
         f"converged: {found['converged']} of {counted(frames, 'frame')}, "
-        f"{found['tangent_positive_definite']} of them stable; "
+        f"{found['tangent_positive_definite']} of them stable{untrusted_words(found)}; "
         f"largest residual {residual} of the weight (of the supports' forces without weight)"
     )
 
@@ -379,8 +380,11 @@ def _distribution(found: dict[str, float]) -> str:
 
 def _print_reasons(column: str, reasons: dict[str, Reason], most: int = 5) -> None:
     """Print why frames were refused, or what there is to note, with the frames that say so but for numbers."""
+    from restshape.replay.columns import UNTRUSTED
+
     for one in list(reasons.values())[:most]:
         more = f" ({counted(one.count, 'frame')} up to {one.last})" if one.count > 1 else ""
-        print(printable(f"  {column}, line {one.line}, frame {one.frame}{more}: {one.text}"))
+        line = printable(f"  {column}, line {one.line}, frame {one.frame}{more}: {one.text}")
+        print_doubtful(line, column == UNTRUSTED)
     if len(reasons) > most:
         print(f"  ... and {counted(len(reasons) - most, 'more reason')}: see the recording or --csv")

@@ -71,6 +71,8 @@ QUANTITY = "q_"
 """Begins the columns of values of quantities."""
 LIMITS = ("min", "max")
 """Keys by which a scene limits a quantity."""
+UNTRUSTED = "untrusted"
+"""Why the answer of a frame cannot be trusted, though it is one: a text; empty where it can."""
 SIMULATED = "time"
 """The simulated time [s] at the end of a frame, of analyses in time: a column of `Application.own_columns`."""
 

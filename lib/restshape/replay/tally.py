@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 
 from restshape.analysis.row_values import number, text, whole
-from restshape.replay.columns import SIMULATED, STAGES, error_column, jump_column, quantity_column, quantity_names
+from restshape.replay.columns import (
+    SIMULATED,
+    STAGES,
+    UNTRUSTED,
+    error_column,
+    jump_column,
+    quantity_column,
+    quantity_names,
+)
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.reservoir import Reservoir
 from restshape.replay.rounding import ROUNDING, largest, scales
@@ -21,7 +29,7 @@ if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
 
 PERCENTS = (50.0, 95.0, 99.0)
-REASONS = ("refused", "note")
+REASONS = ("refused", UNTRUSTED, "note")
 """Columns of texts, of which those that differ by numbers alone are kept as one."""
 MOST_REASONS = 1000
 SINGULAR = "singular"
@@ -165,6 +173,7 @@ class Tally:
             if converged:
                 self._counts["converged"] += 1
                 self._counts["stable"] += row["tangent_positive_definite"] == 1
+                self._counts[UNTRUSTED] += bool(text(row, UNTRUSTED))
 
     def _add_texts(self, row: RowValues) -> None:
         for column, known in self.reasons.items():
@@ -198,6 +207,7 @@ class Tally:
         found = {
             "converged": counts["converged"],
             "tangent_positive_definite": counts["stable"],
+            "untrusted": counts[UNTRUSTED],
             "not_converged": counts["judged"] - counts["converged"],
             "residual": _known(self._rest_residual),
         }

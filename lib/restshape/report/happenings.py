@@ -13,7 +13,7 @@ from restshape.replay.rounding import cleared
 from restshape.report.field import shown_field
 from restshape.report.recorded_quantities import limit_series, quantity_units
 from restshape.report.style import LEVEL_LABELS, SOLVED, VALUES
-from restshape.report.tables import column, predicted, refused, solved_at_rest, with_values
+from restshape.report.tables import column, predicted, refused, solved_at_rest, untrusted, with_values
 
 LONGEST = 90
 """Letters of a reason at most."""
@@ -91,14 +91,16 @@ def _margin(recording: Recording, name: str, i: int) -> str:
 
 
 def events(recording: Recording) -> list[list[int]]:
-    """Frames in which something happens, a list a kind: refused, limits violated, uncertain, level 3, remarks, level 2.
+    """Frames in which something happens, a list a kind.
 
-    Of neighbours of one kind the first stands for all.
+    These are refused, limits violated, not to be trusted, uncertain, level 3, remarks, level 2. Of neighbours of one
+    kind the first stands for all.
     """
     level = column(recording, "level")
     remarks = np.array([bool(text) for text in texts(recording, "note")], dtype=bool)
     later = np.arange(recording.n) > 0
-    kinds = [refused(recording), violated(recording), uncertain(recording), (level == 3) & later, remarks, level == 2]
+    wrong = [refused(recording), violated(recording), untrusted(recording), uncertain(recording)]
+    kinds = [*wrong, (level == 3) & later, remarks, level == 2]
     return [_starts(kind) for kind in kinds]
 
 

@@ -15,6 +15,8 @@ DPI = 150
 COLOURS, SIGNED = "viridis", "RdBu_r"
 INK, FAINT, REFUSED = "#222222", "#9a9a9a", "#c0392b"
 GOAL, RESTLESS = "#d62728", "#e69f00"
+UNTRUSTED = "#b8560f"
+"""Words of what is not to be trusted: an orange that is dark enough to be read on white."""
 MARK = "#ff00aa"
 BODY, MESH = "#c9d3dc", "#ffffff"
 VALUES = -1

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from restshape.replay.columns import error_column, jump_column, quantity_column, quantity_names
+from restshape.replay.columns import UNTRUSTED, error_column, jump_column, quantity_column, quantity_names
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recorded_places import SINGULAR_PLACES, RecordedPlaces, decode_places
 from restshape.replay.recording import Recording
@@ -36,6 +36,12 @@ def row_of(recording: Recording, i: int) -> dict[str, Any]:
 def refused(recording: Recording) -> np.ndarray:
     """Whether each frame was refused (n,)."""
     reasons = recording.table.get("refused", [""] * recording.n)
+    return np.array([bool(reason) for reason in reasons], dtype=bool)
+
+
+def untrusted(recording: Recording) -> np.ndarray:
+    """Whether the answer of each frame (n,) is not to be trusted, though it is one."""
+    reasons = recording.table.get(UNTRUSTED, [""] * recording.n)
     return np.array([bool(reason) for reason in reasons], dtype=bool)
 
 
@@ -111,14 +117,15 @@ def estimate_table(recording: Recording) -> list[dict[str, Any]]:
 
 
 def convergence_counts(recording: Recording) -> dict[str, int]:
-    """How many frames have converged, how many of these where a stable equilibrium is proven, how many are not.
+    """How many frames have converged, of these in a stable equilibrium and not to be trusted, and how many have not.
 
     Nothing where the recording is of what is not relaxed to equilibrium.
     """
     if "converged" not in recording.table:
         return {}
     rests, stays = column(recording, "converged") == 1, column(recording, "tangent_positive_definite") == 1
-    counts = {"converged": rests, "tangent_positive_definite": rests & stays, "not_converged": ~rests}
+    counts = {"converged": rests, "tangent_positive_definite": rests & stays}
+    counts |= {"untrusted": rests & untrusted(recording), "not_converged": ~rests}
     return {name: int(frames.sum()) for name, frames in counts.items()}
 
 
@@ -201,15 +208,15 @@ def jumped(recording: Recording, least: float) -> np.ndarray:
     return np.flatnonzero(frames)
 
 
-def note_table(recording: Recording) -> list[tuple[int, str, str]]:
+def note_table(recording: Recording, column: str = "note") -> list[tuple[int, str, str]]:
     """All notes of a recording: the line of the script, the frames in a row that have it, and what there is to note.
 
     Of notes that differ by numbers alone, that of the first frame.
     """
     found: list[tuple[int, str, str]] = []
-    if not {"line", "index", "note"} <= recording.table.keys():
+    if not {"line", "index", column} <= recording.table.keys():
         return found
-    noted = ((int(row["line"]), int(row["index"]), row["note"] or "") for row in rows_of(recording))
+    noted = ((int(row["line"]), int(row["index"]), row[column] or "") for row in rows_of(recording))
     for (line, _), same in groupby(noted, key=lambda row: (row[0], without_numbers(row[2]))):
         frames = list(same)
         (_, first, note), (_, last, _) = frames[0], frames[-1]

@@ -16,13 +16,15 @@ from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import INK, LEVEL_LABELS, LEVEL_MARKS, LEVELS, REFUSED, RESTLESS, SOLVED, VALUES, new_figure
-from restshape.report.tables import column, jumped, predicted, refused, solved_at_rest, with_values
+from restshape.report.tables import column, jumped, predicted, refused, solved_at_rest, untrusted, with_values
 
 STATUS_MARKS = {UNCERTAIN: ("limit within the error", "d", RESTLESS), FAILS: ("limit violated", "x", REFUSED)}
 """By constraint status: its name in the legend, its mark, its colour."""
 STOPPED = -2
 """Stands for the level of a frame that was refused."""
 REFUSALS: dict[str, Any] = {"linestyle": "none", "marker": "P", "color": REFUSED, "markersize": 4.5}
+HATCHES = "//"
+"""Of bands over frames that are not to be trusted, though they have converged."""
 LARGE_JUMP = 0.005
 """Jumps of a quantity where the mesh changes are marked from this share of its value on."""
 COLUMNS, GAP = 4, 0.12
@@ -41,6 +43,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
     level = np.nan_to_num(column(recording, "level")).astype(int)
     stopped, ahead = refused(recording), predicted(recording)
     restless = column(recording, "converged", 1.0) == 0
+    doubtful = untrusted(recording) & ~restless & ~stopped
     ms, counts = column(recording, "ms"), column(recording, "iterations")
     level_and_rest = np.where(solved_at_rest(recording), SOLVED, level)
     kind = np.where(stopped, STOPPED, np.where(with_values(recording), VALUES, level_and_rest))
@@ -57,6 +60,7 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
         axes.set_axisbelow(True)
         _mark(axes, frames[stopped], REFUSED)
         _mark(axes, frames[restless], RESTLESS)
+        _mark(axes, frames[doubtful], RESTLESS, HATCHES)
     statuses = _mark_status(levels, recording)
     levels.set(ylabel="level", yticks=(0, 1, 2, 3), ylim=(-0.5, 3.5))
     _scale_times(times, ms)
@@ -77,6 +81,9 @@ def draw_timeline(recording: Recording, path: Path, iterations: bool = True) -> 
     if restless.any():
         handles.append(levels.axvspan(np.nan, np.nan, color=RESTLESS, alpha=0.3))
         names.append(f"not converged ({restless.sum()})")
+    if doubtful.any():
+        handles.append(levels.axvspan(np.nan, np.nan, color=RESTLESS, alpha=0.3, hatch=HATCHES))
+        names.append(f"not trusted ({doubtful.sum()})")
     handles, names = handles + list(statuses.values()), names + list(statuses)
     figure.legend(handles, names, loc="lower center", ncols=min(len(names), COLUMNS))
     stack_panels(figure, panels, shown, [0.0, *[GAP] * (len(panels) - 1)], ceil(len(names) / COLUMNS))
@@ -98,11 +105,11 @@ def _mark_status(axes: Axes, recording: Recording) -> dict[str, Artist]:
     return found
 
 
-def _mark(axes: Axes, frames: np.ndarray, colour: str) -> None:
+def _mark(axes: Axes, frames: np.ndarray, colour: str, hatch: str | None = None) -> None:
     """Shades frames, neighbours as one band."""
     if len(frames):
         for run in np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1):
-            axes.axvspan(run[0] - 0.5, run[-1] + 0.5, color=colour, alpha=0.18, linewidth=0, zorder=0)
+            axes.axvspan(run[0] - 0.5, run[-1] + 0.5, color=colour, alpha=0.18, linewidth=0, zorder=0, hatch=hatch)
 
 
 def _scale_times(axes: Axes, ms: np.ndarray) -> None:

@@ -27,12 +27,14 @@ class ClothKeys(Strict):
             between triangles, which depend on the mesh; "none".
         hinges: hinges stand for the stiffness of a wide "plate", or of a narrow "strip" with free sides.
         membrane: the law of St. Venant and Kirchhoff, "stvk", or Hooke's law of the stretch, "corotated".
+        trusted_strain: cloth with an edge that is stretched by more is not trusted, and says so.
     """
 
     model_config = ConfigDict(title="Cloth")
     bending: Literal["morley", "hinge", "nonlinear", "none"] = "morley"
     hinges: Literal["plate", "strip"] = "plate"
     membrane: Literal["stvk", "corotated"] = "stvk"
+    trusted_strain: Annotated[number_of("number"), Field(gt=0)] = 0.05
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
         """The same keys, with a warning where bodies are there that nothing touches.
@@ -175,7 +177,7 @@ class DrapeKeys(Strict):
 
 
 def cloth_columns(scene: Scene) -> dict[str, Any]:
-    """The columns that a replay of cloth has besides: whether it rests and stays, steps, factors, friction, bodies."""
+    """The columns that a replay of cloth has besides: rest, stability, trust, steps, factors, friction, bodies."""
     own = {
         "converged": np.int64,
         "tangent_positive_definite": np.int64,
@@ -184,6 +186,8 @@ def cloth_columns(scene: Scene) -> dict[str, Any]:
         "slip_distance": np.float64,
         "max_penetration": np.float64,
         "crossings": np.int64,
+        "max_strain": np.float64,
+        "untrusted": str,
     }
     return own | body_columns(scene.bodies)
 

@@ -25,11 +25,11 @@ from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames, even, pause, write_animation
 from restshape.report.camera import Camera
 from restshape.report.frames import LETTER, LINE, scene_name
-from restshape.report.happenings import chosen_frames, failure
+from restshape.report.happenings import chosen_frames, failure, texts
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.space_axes import draw_box, marks
 from restshape.report.style import BODY as PLAIN
-from restshape.report.style import INK, REFUSED, new_figure
+from restshape.report.style import INK, REFUSED, UNTRUSTED, new_figure
 from restshape.report.tables import column, refused
 
 WIDTH, ALONE = 9.5, 5.5
@@ -121,20 +121,21 @@ class DrapeDrawing:
             marked.set_data(*at.T)
 
 
-def convergence_words(recording: Recording, i: int) -> tuple[str, bool]:
-    """What is known of a frame's equilibrium, and whether it is a stable one."""
+def convergence_words(recording: Recording, i: int) -> tuple[str, str]:
+    """What is known of a frame's equilibrium, and the colour to say it in: black alone where it can be trusted."""
     rests, stays = column(recording, "converged")[i], column(recording, "tangent_positive_definite")[i]
     residual = column(recording, "residual")[i]
     size = f"residual {residual:.0e}" if np.isfinite(residual) else ""
     if refused(recording)[i]:
-        return failure(recording, i), False
+        return failure(recording, i), REFUSED
+    why = texts(recording, "untrusted")[i]
+    doubts = f"; NOT TRUSTED: {why}" if why else ""
     if rests == 0:
-        return f"NOT CONVERGED, {size}".rstrip(", "), False
+        return f"NOT CONVERGED, {size}".rstrip(", ") + doubts, REFUSED
     if rests == 1 and stays == 0:
-        return f"converged, but not stable, {size}", False
-    if rests == 1:
-        return f"converged{' and stable' if stays == 1 else ''}, {size}".rstrip(", "), True
-    return size, True
+        return f"converged, but not stable, {size}{doubts}", REFUSED
+    words = f"converged{' and stable' if stays == 1 else ''}, {size}".rstrip(", ") if rests == 1 else size
+    return words + doubts, UNTRUSTED if doubts else INK
 
 
 def draw_drape(recording: Recording, options: Namespace, still: Path, moving: Path | None) -> None:
@@ -166,10 +167,10 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
     wide = WIDTH if across > 1 else ALONE
     captions = [_caption(recording, int(i), (wide - BAR) / across) for i in chosen]
     figure, grid = _sheet(scenery, across, down, max(text.count("\n") for text, _ in captions))
-    for i, panels, (text, good) in zip(map(int, chosen), grid, captions):
+    for i, panels, (text, colour) in zip(map(int, chosen), grid, captions):
         drawing = DrapeDrawing(panels, scenery)
         drawing.show(recording, i)
-        panels[0].set_title(text, loc="left", pad=3, color=INK if good else REFUSED)
+        panels[0].set_title(text, loc="left", pad=3, color=colour)
     for panels in grid[len(chosen) :]:
         for axes in panels:
             axes.set_visible(False)
@@ -177,11 +178,11 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
     save_picture(figure, path)
 
 
-def _caption(recording: Recording, i: int, wide: float) -> tuple[str, bool]:
-    """What stands above a frame, in lines for a panel this wide [inch], and whether its equilibrium is a stable one."""
-    words, good = convergence_words(recording, i)
+def _caption(recording: Recording, i: int, wide: float) -> tuple[str, str]:
+    """What stands above a frame, in lines for a panel this wide [inch], and its colour."""
+    words, colour = convergence_words(recording, i)
     lines = [f"frame {i}, t = {recording.times[i]:.2f} s", *wrap(words, int(wide / LETTER) - 1)]
-    return "\n".join(f" {line}" for line in lines), good
+    return "\n".join(f" {line}" for line in lines), colour
 
 
 def _sheet(scenery: DrapeScenery, across: int, down: int, more: int = 1) -> tuple[Figure, list[list[Axes]]]:
@@ -260,10 +261,10 @@ def _pictures(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery) -
     drawing = DrapeDrawing(panels, scenery)
     caption = panels[0].set_title(" ", loc="left")
     _legend(figure, recording, scenery, drawing)
-    for i, (text, good) in captions.items():
+    for i, (text, colour) in captions.items():
         drawing.show(recording, i)
         caption.set_text(text)
-        caption.set_color(INK if good else REFUSED)
+        caption.set_color(colour)
         canvas.draw()
         yield even(canvas)
 
@@ -274,6 +275,6 @@ def _palette() -> np.ndarray:
     lit = np.vstack([light * shades for light in np.linspace(0.45, 1.0, 5)])
     body = np.linspace(0.4, 1.0, 12)[:, None] * BODY
     over = np.vstack([0.6 * body + 0.4 * white for white in (1.0, 0.4)])
-    greys = np.repeat(np.linspace(0, 1, 256 - len(lit) - len(over) - 2)[:, None], 3, axis=1)
-    colours = np.vstack([lit, over, greys, to_rgb(PLAIN), to_rgb(REFUSED)])
+    greys = np.repeat(np.linspace(0, 1, 256 - len(lit) - len(over) - 3)[:, None], 3, axis=1)
+    colours = np.vstack([lit, over, greys, to_rgb(PLAIN), to_rgb(REFUSED), to_rgb(UNTRUSTED)])
     return (255 * colours).round().astype(np.uint8)

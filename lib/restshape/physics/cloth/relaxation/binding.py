@@ -14,9 +14,9 @@ from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
-from restshape.physics.cloth.relaxation.row import penetration_notes
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact
+from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
@@ -60,12 +60,12 @@ def bind(
     if problem.contact and before.friction is not None and not cold:
         state = replace(state, x=move_with_bodies(state, before.bodies))
     if origin:
-        state, cold = replace(state, x=problem.constrain(origin.x)), False
+        state, cold = replace(state, x=problem.constrain(origin.x), softness=origin.softness), False
         if problem.contact and origin.friction is not None:
             problem.contact.history = origin.friction
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
-    return replace(state, observer=problem.observer(scene.quantities), notes=notes), cold
+    return replace(state, observer=problem.observer(scene.quantities), notes=notes, doubts=()), cold
 
 
 def same_elements(problem: ClothProblem, arguments: ClothArguments) -> bool:

@@ -136,6 +136,7 @@ class EquilibriumSolver:
 
     def damp(self, x: np.ndarray, goal: float, report: ConvergenceReport) -> None:
         """Kinetic damping from x (n, 3), which is changed, until the residual over the load is at `goal`."""
+        report.take_softness(self.problem.softness)
         self.problem.update_friction(x)
         try:
             with self.stages("krylov"):
@@ -160,6 +161,7 @@ class EquilibriumSolver:
     def descend(self, x: np.ndarray, goal: float, most: int, report: ConvergenceReport) -> bool:
         """Quasi-Newton steps from x (n, 3), which is changed, on a fresh tangent every few steps; returns success."""
         equations, failed, taken = self.equations, 0, 0
+        report.take_softness(self.problem.softness)
         least = equations.inertia = equations.supporting_inertia
         report.why = ""
         while taken < most:

@@ -20,6 +20,7 @@ class ConvergenceReport:
         steps: of all methods; newton: of Newton's; iterations: of linear solvers; factors: made.
         slip: largest slip distance of friction at the end [m].
         falls: nothing catches the cloth.
+        softness: the least part of its stiffness that the membrane had in a step.
         why: it has not converged, for people.
     """
 
@@ -32,9 +33,14 @@ class ConvergenceReport:
     factors: int = 0
     slip: float = 0.0
     falls: bool = False
+    softness: float = 1.0
     why: str = ""
 
     def count(self, other: ConvergenceReport) -> None:
         """Take over what another relaxation has spent."""
         self.steps, self.newton = self.steps + other.steps, self.newton + other.newton
         self.iterations, self.factors = self.iterations + other.iterations, self.factors + other.factors
+
+    def take_softness(self, part: float) -> None:
+        """Take note of a part of its stiffness that the membrane has in a step."""
+        self.softness = min(self.softness, part)

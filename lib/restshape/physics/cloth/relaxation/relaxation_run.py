@@ -46,7 +46,10 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     if abandoned:
         report.count(abandoned)
     log.info("Relaxation %s: %d steps, residual over load %.3e", _outcome(report), report.steps, report.residual)
-    found = replace(state, x=x, report=report, place=problem.place, friction=friction_of(problem))
+    # Without contact nothing remembers how cloth came to where it rests.
+    kept = state.softness if problem.contact and not cold else 1.0
+    softness = min(kept, report.softness)
+    found = replace(state, x=x, report=report, place=problem.place, friction=friction_of(problem), softness=softness)
     return replace(found, notes=(*state.notes, *notes))
 
 

@@ -18,6 +18,7 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
 
+# More than 15 attributes: all that an equilibrium was found with, which goes from frame to frame as one.
 @dataclass(frozen=True, eq=False)
 class RelaxationState:
     """An equilibrium of cloth, and what it was found with.
@@ -34,6 +35,8 @@ class RelaxationState:
         report: how the last relaxation ended.
         topology, geometry: versions of the mesh that it was found at; -1: on none.
         notes: what a cold start had to say of where it began.
+        doubts: what the way there has to say of why the state cannot be trusted.
+        softness: the least part of its stiffness that the membrane had on the way there, which contact remembers.
         interrupted: the last frame has failed: what was set up for it must be set up again.
     """
 
@@ -50,6 +53,8 @@ class RelaxationState:
     topology: int = -1
     geometry: int = -1
     notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+    softness: float = 1.0
     interrupted: bool = False
 
     @property

@@ -1,0 +1,84 @@
+"""Why cloth at rest is not to be trusted: stretched edges, bodies inside, crossings, a way that softened it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import compress
+
+import numpy as np
+
+from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.tunnelling import penetrations, tunnelling
+from restshape.scene.model import Scene
+
+INSIDE = 0.5
+"""Part of `contact.thickness` below a surface from which on cloth counts as inside a body."""
+
+
+@dataclass(frozen=True)
+class Trust:
+    """What is known of how far a state can be trusted.
+
+    Args:
+        reasons: why it cannot, for people; none: it can.
+        max_strain: of the edge that is stretched most; at least 0.
+        max_penetration: depth [m] of the deepest node in a body.
+        crossings: triangles that the cloth's own edges pass through.
+    """
+
+    reasons: tuple[str, ...]
+    max_strain: float
+    max_penetration: float
+    crossings: int
+
+
+def trust_in(state: RelaxationState) -> Trust:
+    """How far a state can be trusted."""
+    problem, scene = state.problem, state.scene
+    strain, place = largest_stretch(problem, state.x)
+    most = state.plan.settings("cloth").trusted_strain
+    reasons = [stretched(strain, place, most)] if strain > most else []
+    max_penetration = 0.0
+    if problem.contact:
+        corners, kernels = problem.corners(state.x), problem.contact.bodies
+        through = tunnelling(state.bodies, kernels, corners[problem.mesh.cells])
+        reasons += [f"bodies.{name} comes through the cloth" for name in compress(scene.bodies, through)]
+        depths = penetrations(kernels, corners)
+        max_penetration = max(depths, default=0.0)
+        reasons += penetration_notes("lies", problem, scene, depths)
+    crossings = len(problem.surface.crossed(problem.corners(state.x)))
+    reasons += crossing_notes(crossings)
+    if state.softness < 1.0:
+        reasons.append(f"the way to rest softened the membrane, to {100.0 * state.softness:g} % of its stiffness")
+    return Trust((*reasons, *state.doubts), strain, max_penetration, crossings)
+
+
+def stretched(strain: float, place: np.ndarray, most: float) -> str:
+    """An edge that is stretched beyond what is trusted, at a place (2,) [m] of the pattern."""
+    at = ", ".join(f"{1e3 * value:.0f}" for value in place)
+    return f"an edge is stretched by {100.0 * strain:.3g} % at ({at}) mm of the pattern, trusted are {100.0 * most:g} %"
+
+
+def largest_stretch(problem: ClothProblem, x: np.ndarray) -> tuple[float, np.ndarray]:
+    """The strain of the edge that is stretched most at x (n, 3) [m], at least 0, and its middle (2,) in the pattern."""
+    ends = np.vstack([problem.membrane.corners[:, pair] for pair in ((0, 1), (1, 2), (2, 0))])
+    first, second = ends.T
+    X = problem.X
+    lengths = np.linalg.norm(X[first] - X[second], axis=1)
+    strains = np.linalg.norm(x[first] - x[second], axis=1) / lengths - 1.0
+    worst = int(strains.argmax())
+    return max(0.0, float(strains[worst])), 0.5 * (X[first[worst]] + X[second[worst]])
+
+
+def crossing_notes(crossings: int) -> list[str]:
+    """What there is to say of so many triangles that others cross."""
+    return [f"cloth passes through itself at {crossings} triangle{'s' * (crossings > 1)}"] if crossings else []
+
+
+def penetration_notes(how: str, problem: ClothProblem, scene: Scene, depths: Sequence[float]) -> list[str]:
+    """Bodies in which cloth is deeper than half of the distance at which contact begins, by how deep [m] it is."""
+    least = INSIDE * problem.contact.thickness
+    found = zip(scene.bodies, depths)
+    return [f"cloth {how} {1e3 * depth:.3g} mm inside bodies.{name}" for name, depth in found if depth > least]
