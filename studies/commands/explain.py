@@ -11,7 +11,7 @@ from restshape.application import application_of
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parser import add_edits
 from restshape.cli.ranks import launched
-from restshape.cli.script_notes import note_script
+from restshape.cli.script_notes import note_scene, note_script
 from restshape.cli.shipped import script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
@@ -61,6 +61,7 @@ def run(args: argparse.Namespace) -> int:
         if script.error:
             raise script.error
         note_script(scene, script, edits)
+    note_scene(scene)
     asked = Asked(args.scene, edits, tuple(args.set), tuple(args.petsc), args.frames or None, args.seconds)
     with tempfile.TemporaryDirectory(prefix="restshape-explain-") as folder:
         rows = explain(asked, scene, application_of(scene), Path(folder))

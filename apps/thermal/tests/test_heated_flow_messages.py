@@ -8,7 +8,7 @@ OWN = "rho = 1000\nmu = 1e-3\nconductivity = 0.6\nheat_capacity = 4180"
 GRAVITY, REFERENCE, WARM = (
     'gravity = { g = [0, "-9.81 m/s^2"] }\n',
     'reference = "20 degC"\n',
-    'temperature = "21 degC"',
+    'temperature = "21 degC - 1 K*(x/22 mm)^4"',
 )
 EFFECTS = "[effects]"
 REFUSED = {
@@ -86,3 +86,52 @@ def test_a_fluid_that_nothing_moves_is_warned_of(gravity, moves, command, tmp_pa
     done = command("check", "scene.toml")
     assert done.returncode == 0, done.stderr
     assert ("nothing moves the fluid" in done.stdout) != moves
+
+
+BODY = """format = "restshape-scene"
+version = 1
+app = "thermal"
+[shape]
+outline = ["below", "right", "above", "left"]
+vertices = { a = [0, 0], b = [1, 0], c = [1, 1], d = [0, 1] }
+[shape.edges]
+below = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+above = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[material.m]
+conductivity = 1
+[supports.hot]
+on = "below"
+fix = { temperature = 300 }
+[supports.cold]
+on = "right"
+fix = { temperature = "300 + 5*y" }
+[mesh]
+size = 0.2
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "jump"),
+    [
+        (SCENE, ""),
+        (SCENE.replace(WARM, 'temperature = "21 degC"'), "jumps by 1 K where 'bottom' and 'belly' meet"),
+        (SCENE.replace(WARM, 'temperature = "21 degC + 2 K*t"'), "jumps by 3 K where 'bottom' and 'belly' meet"),
+        (BODY, ""),
+        (BODY.replace("300 + 5*y", "305 - 5*y"), "jumps by 5 K where 'below' and 'right' meet"),
+        (BODY.replace('on = "right"', 'on = "above"').replace("300 + 5*y", "310"), ""),
+    ],
+)
+def test_temperatures_that_jump_between_edges_are_warned_of(text, jump, command, tmp_path):
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    done = command("check", "scene.toml")
+    assert done.returncode == 0, done.stderr
+    assert jump in done.stdout and ("jumps" in done.stdout) == bool(jump), done.stdout
+
+
+@pytest.mark.parametrize("kind", [(), ("--kind", "fluid")])
+def test_no_template_has_temperatures_that_jump(kind, command):
+    assert command("new", "thermal", "mine", *kind).returncode == 0
+    done = command("check", "mine/scene.toml")
+    assert done.returncode == 0 and "jumps" not in done.stdout, done.stdout

@@ -7,6 +7,7 @@ import pytest
 from restshape_apps.thermal import application
 
 SCENE = application.folder / "scenes" / "thermal.toml"
+HEAD = {"format": "restshape-edits", "version": 1, "units": "mm"}
 DRAG = [
     {"do": "idle", "frames": 12},
     {"do": "press", "on": "mouth", "at": [47, 35]},
@@ -22,9 +23,23 @@ def test_the_teapot_has_as_many_triangles_as_the_thesis(command, tmp_path):
 
 
 @pytest.mark.slow
+def test_heat_that_enters_converges_as_cells_become_smaller(command, tmp_path):
+    (tmp_path / "still.jsonl").write_text("".join(json.dumps(line) + "\n" for line in (HEAD, {"t": 0, **DRAG[0]})))
+    found = []
+    for size in (1.82, 1.3, 0.91):
+        settings = [f"mesh.size={size}mm", f"mesh.near.bottom={size / 1.82}mm"]
+        asked = [word for setting in settings for word in ("--set", setting)]
+        done = command("replay", SCENE, "--edits", "still.jsonl", *asked, "--json", "out.json")
+        assert done.returncode == 0, done.stderr
+        found.append(json.loads((tmp_path / "out.json").read_text())["quantities"]["nusselt"][-1])
+    first, second = np.diff(found)
+    # With temperatures that jump at the corners both are alike: each halving adds as much.
+    assert abs(second) < 0.65 * abs(first)
+
+
+@pytest.mark.slow
 def test_two_ranks_heat_the_teapot_as_one_does(on_ranks, tmp_path):
-    lines = [{"format": "restshape-edits", "version": 1, "units": "mm"}]
-    lines += [{"t": 0.5 * i, **event} for i, event in enumerate(DRAG)]
+    lines = [HEAD, *({"t": 0.5 * i, **event} for i, event in enumerate(DRAG))]
     (tmp_path / "short.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     found = []
     for ranks in (1, 2):

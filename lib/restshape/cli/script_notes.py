@@ -1,4 +1,4 @@
-"""What is odd about a script, reported before it is replayed many times: refused edits, another scene's name."""
+"""What is odd about a scene and a script, reported before they are replayed many times."""
 
 from __future__ import annotations
 
@@ -11,6 +11,21 @@ from restshape.outputs.si_numbers import counted
 if TYPE_CHECKING:
     from restshape.scene.edit_script import Script
     from restshape.scene.model import Scene
+
+
+def note_scene(scene: Scene) -> None:
+    """Prints what `restshape check` warns of in a scene; nothing where its shape makes no sense."""
+    from restshape.application import application_of
+    from restshape.errors import ReplayProblem, UserError
+    from restshape.scene.plan import plan
+
+    app = application_of(scene)
+    try:
+        data, _, _ = app.editing.checked(scene, plan(scene, app))
+    except (ReplayProblem, UserError):
+        return
+    for warning in data.get("warnings", ()):
+        print(f"note: {warning}", file=sys.stderr)
 
 
 def note_script(scene: Scene, script: Script, path: Path) -> None:

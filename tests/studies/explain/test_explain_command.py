@@ -161,3 +161,13 @@ def test_bad_input_is_refused(tmp_path, capsys, words, message):
     assert main(["explain", str(scene), *words]) == 2
     reported = capsys.readouterr().err
     assert message in reported and "Traceback" not in reported
+
+
+@pytest.mark.slow
+def test_what_check_warns_of_in_a_scene_is_noted(tmp_path, capsys):
+    scene = write_scene(tmp_path, plate(0.3).replace("[loads.", '[loads.x]\non = "left"\ntraction = [0, 0]\n[loads.'))
+    assert main(["explain", str(scene), "--frames", "1", "--seconds", "0"]) == 0
+    warned = capsys.readouterr().err
+    assert main(["check", str(scene)]) == 0
+    lines = [line.partition("warning")[2].strip() for line in capsys.readouterr().out.splitlines() if "warning" in line]
+    assert lines and all(f"note: {line}" in warned for line in lines)

@@ -105,4 +105,5 @@ HEAT = Physics(
     pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},
     orders=(2, 1),
     check=check_heat,
+    inspect_shape="restshape.physics.heat.temperature_jumps:inspect_conduction",
 )

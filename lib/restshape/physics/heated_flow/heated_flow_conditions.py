@@ -7,12 +7,23 @@ import numpy as np
 from restshape.fem.dirichlet import Prescribed
 from restshape.fem.space import PlaneSpace
 from restshape.physics.flow.flow_conditions import FlowConditions
+from restshape.scene.expressions import Value
 from restshape.scene.model import Scene
 
 
 def warm_edges(scene: Scene) -> list[str]:
     """Names of the edges at which the temperature is prescribed."""
-    return [on for table in scene.boundary.values() if table.temperature is not None for on in table.on]
+    return [*given_temperatures(scene)]
+
+
+def given_temperatures(scene: Scene) -> dict[str, tuple[str, Value]]:
+    """The edges at which the temperature is prescribed by name, with where the scene gives it, and the value."""
+    return {
+        on: (f"boundary.{name}.temperature", table.temperature)
+        for name, table in scene.boundary.items()
+        if table.temperature is not None
+        for on in table.on
+    }
 
 
 def prescribed_temperatures(scene: Scene, space: PlaneSpace, column: int) -> Iterator[Prescribed]:

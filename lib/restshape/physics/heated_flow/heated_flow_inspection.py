@@ -1,8 +1,10 @@
-"""What is seen of heat in a scene of a fluid with its outline: the numbers of Rayleigh and of Prandtl."""
+"""What is seen of heat in a scene of a fluid with its outline: Rayleigh and Prandtl numbers, jumps of temperature."""
 
 import numpy as np
 
+from restshape.physics.heat.temperature_jumps import edge_temperatures, temperature_jumps
 from restshape.physics.heated_flow.fluid_heat import heat_properties
+from restshape.physics.heated_flow.heated_flow_conditions import given_temperatures
 from restshape.physics.heated_flow.temperature_differences import span
 from restshape.scene.model import Scene
 from restshape.scene.physics import Inspection
@@ -13,15 +15,19 @@ TURBULENT = 1e9
 
 
 def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
-    """The Rayleigh number of the shape's length along gravity, and the Prandtl number; nothing without buoyancy."""
-    on = frozenset(scene.effects)
+    """Warnings of temperatures that jump; with buoyancy the Rayleigh number of the length along gravity, and Pr."""
+    on, given = frozenset(scene.effects), given_temperatures(scene)
+    jumps = temperature_jumps(scene, outline, given) if "heat" in on else ()
+    still = Inspection(warnings=jumps)
     if "buoyancy" not in on:
-        return Inspection()
+        return still
     g, fluid = np.array(scene.effects["gravity"]["g"], dtype=float), scene.fluid
     size = float(np.linalg.norm(g))
-    low, high = span(scene, on)
-    if size == 0.0 or high == low:
-        return Inspection()
+    known = [values.ravel() for values in edge_temperatures(scene, outline, given).values()]
+    every = np.concatenate([*known, span(scene, on)])
+    low, high = float(every[every > 0.0].min(initial=np.inf)), float(every.max())
+    if size == 0.0 or high <= low:
+        return still
     places = np.concatenate([outline.polyline(edge) for edge in range(len(outline.edges))])
     capacity, conductivity = heat_properties(scene)
     viscosity, diffusivity = fluid.mu / fluid.rho, conductivity / capacity
@@ -32,4 +38,4 @@ def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
     ]
     what = f"at a Rayleigh number of {rayleigh:.3g} layers at walls are turbulent, for which there is no model"
     doubts = (f"{what}: cells would have to show the eddies",) if rayleigh > TURBULENT else ()
-    return Inspection({"rayleigh": rayleigh, "prandtl": viscosity / diffusivity}, rows, doubts)
+    return Inspection({"rayleigh": rayleigh, "prandtl": viscosity / diffusivity}, rows, (*jumps, *doubts))
