@@ -107,7 +107,9 @@ def test_frames_without_an_answer_of_their_own_have_no_estimate(tmp_path):
 
 def test_recording_and_tables_hold_them(tmp_path):
     replay = make_replay(write_scene(tmp_path, plate()), write_script(tmp_path, SHORT), predict="linear")
-    with Recorder.start(tmp_path / "a.vtkhdf", {}, columns_of(replay.session.scene, application("plane"))) as recorder:
+    with Recorder.start(
+        tmp_path / "a.vtkhdf", {}, columns_of(replay.session.scene, application("plane"), predicted=True)
+    ) as recorder:
         replay.recorder = recorder
         rows = rows_of(replay)
     with Recording(tmp_path / "a.vtkhdf") as recording:

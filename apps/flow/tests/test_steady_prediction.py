@@ -56,3 +56,32 @@ def test_the_end_of_a_drag_makes_no_factor(rows):
     """None shows whether a flow is stable."""
     assert happened(rows["none"][WHOLE + 1 :], "MatLUFactorNum") == 0
     assert happened(rows["none"][1:2], "MatLUFactorNum") == 0
+
+
+@pytest.mark.slow
+def test_each_predicted_quantity_says_how_far_off_it_is(tmp_path):
+    """A body that leaves the wake of another: its drag is farther off than velocities are, and that of the other less.
+
+    The estimate is one step with a factor of where the drag began, which far from there is off by half or twice.
+    """
+    text = SCENE.read_text(encoding="utf-8").replace('["60 mm", 0]', '["15 mm", 0]')
+    body = 'body = { loop = ["nose", "belly", "back"] }'
+    text = text.replace(body, f'{body}\nsecond = {{ circle = {{ center = ["80 mm", "2 mm"], radius = "8 mm" }} }}')
+    text = text.replace("near = {", 'near = { second = "2.5 mm",')
+    text += 'behind = { drag_coefficient = { speed = "0.02 m/s", length = "20 mm" }, at = "second" }\n'
+    scene, edits = tmp_path / "two.toml", tmp_path / "two.jsonl"
+    scene.write_text(text, encoding="utf-8")
+    header = '{"format": "restshape-edits", "version": 1, "scene": "two.toml", "units": "mm"}\n'
+    drag = '{"t": 0.1, "do": "drag", "path": [[80, 30]], "frames": 20}\n'
+    edits.write_text(f'{header}{{"t": 0, "do": "press", "on": "second", "at": [80, 2]}}\n{drag}', encoding="utf-8")
+    rows = {way: watched(scene, edits, predict=way)[0] for way in ("none", "linear")}
+    ahead = [k for k, row in enumerate(rows["linear"]) if row["predicted"]]
+    for name, least in (("behind", 0.9), ("drag", 0.4)):
+        off = np.array([abs(rows["none"][k][f"q_{name}"] - rows["linear"][k][f"q_{name}"]) for k in ahead])
+        said = np.array([rows["linear"][k][f"{name}_distance"] for k in ahead])
+        far = off > 1e-3
+        assert (said[far] > least * off[far]).all() and (said[far] < 2.5 * off[far]).all(), (off, said)
+    last = max(k for k in ahead if rows["linear"][k]["estimate"] > 0.15)
+    share = rows["linear"][last]["behind_distance"] / rows["none"][last]["q_behind"]
+    assert share > 2.0 * rows["linear"][last]["estimate"] > 0.3
+    assert all(np.isnan(row["behind_distance"]) for row in rows["linear"] if not row["predicted"])

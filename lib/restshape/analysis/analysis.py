@@ -80,6 +80,12 @@ class Predictor(Protocol):
     def compare_cold(self) -> float:
         """The same distance of the prediction that the analysis holds from a cold solve on the mesh as it lies."""
 
+    def quantity_distances(self) -> dict[str, float]:
+        """Estimated distances of the quantities of the prediction that the analysis holds from those of the solution.
+
+        Of those alone that can be estimated.
+        """
+
 
 class QuantityErrors(Protocol):
     """Estimates the errors of quantities at the state; one that solves for them has a true attribute `solves`."""

@@ -77,6 +77,10 @@ class BucklingPrediction:
         """The largest relative difference of predicted load factors (k,) from the solved ones of the same rank."""
         return largest_difference(predicted, self.analysis.state.modes.load_factors)
 
+    def quantity_distances(self) -> dict[str, float]:
+        """None: all of them are eigenvalues, whose distance `distance` is."""
+        return {}
+
     def compare_cold(self) -> float:
         """The largest relative difference of the predicted load factors from those of a cold solve."""
         state = self.analysis.state

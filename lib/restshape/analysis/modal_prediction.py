@@ -66,6 +66,10 @@ class ModalPrediction:
         """The largest relative difference of predicted frequencies (modes,) from the solved ones."""
         return largest_difference(predicted, self.analysis.state.frequencies)
 
+    def quantity_distances(self) -> dict[str, float]:
+        """None: all of them are eigenvalues, whose distance `distance` is."""
+        return {}
+
     def compare_cold(self) -> float:
         """The largest relative difference of the predicted frequencies from those of a cold solve."""
         analysis = self.analysis

@@ -135,6 +135,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[np.ndarray | None, BoundProblem[P] | None, dict[str, float]] = (None, None, {})
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
+        self._missing: tuple[object, np.ndarray | None] = (None, None)
 
     def _make_solver(self, scene: Scene) -> LinearSolver:
         """The linear solver that outlives all frames."""
@@ -280,8 +281,16 @@ class SteadyAnalysis(Timeless, Generic[P]):
             return {}
         if not state.predicted:
             return {"estimate": estimate.relative(state.x)}
-        missing = correction(state.problem, state.x, self.solver, state.system.rows)
-        return {"estimate": estimate.distance(state.x, state.x + missing)}
+        return {"estimate": estimate.distance(state.x, state.x + made(self.missing()))}
+
+    def missing(self) -> np.ndarray | None:
+        """About what predicted unknowns (n, f) lack to be the solution, found once a prediction; None of a solution."""
+        state = self.state
+        if not state.predicted or self.error_estimate is None:
+            return None
+        if self._missing[0] is not state:
+            self._missing = state, correction(state.problem, state.x, self.solver, state.system.rows)
+        return self._missing[1]
 
     def observed_beside(self, frame: Frame, before: State[Problem] | None) -> dict[str, float] | None:
         """The quantities on another mesh with the same nodes; see `Analysis.observed_beside`."""

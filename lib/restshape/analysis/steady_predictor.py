@@ -7,15 +7,18 @@ from typing import Protocol
 import numpy as np
 
 from restshape.fem.error_estimate import RecoveryEstimate
+from restshape.fem.observer import Observer
 from restshape.fem.problem import SteadyProblem
 from restshape.sensitivity.steady_derivative import design_derivative
 
 
 class Predictable(Protocol):
-    """A state that knows whether it is a prediction."""
+    """A state that knows whether it is a prediction, and what evaluates its quantities."""
 
     @property
     def predicted(self) -> bool: ...
+    @property
+    def observer(self) -> Observer: ...
 
 
 class Steady(Protocol):
@@ -29,6 +32,12 @@ class Steady(Protocol):
     def x(self) -> np.ndarray: ...
     @property
     def error_estimate(self) -> RecoveryEstimate | None: ...
+
+    def observe(self) -> dict[str, float]:
+        """The quantities of interest at the unknowns."""
+
+    def missing(self) -> np.ndarray | None:
+        """About what predicted unknowns (n, f) lack to be the solution; None where that is not known."""
 
     def cold_unknowns(self) -> np.ndarray:
         """The unknowns (n, f) of a cold solve on the space as it lies."""
@@ -77,6 +86,17 @@ class SteadyPredictor:
     def compare_cold(self) -> float:
         """The distance of the predicted unknowns from those of a cold solve on the space as it lies; as `error`."""
         return self._distance(self.analysis.x, self.analysis.cold_unknowns())
+
+    def quantity_distances(self) -> dict[str, float]:
+        """Estimated distances of the quantities of the prediction that the analysis holds from those of the solution.
+
+        They are the changes of quantities by what the prediction lacks, each with all that it depends on.
+        """
+        missing = self.analysis.missing()
+        if missing is None:
+            return {}
+        shown, mended = self.analysis.observe(), self.analysis.state.observer(self.analysis.x + missing)
+        return {name: abs(mended[name] - value) for name, value in shown.items() if name in mended}
 
     def _distance(self, predicted: np.ndarray, exact: np.ndarray) -> float:
         estimate = self.analysis.error_estimate

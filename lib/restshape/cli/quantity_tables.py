@@ -10,6 +10,7 @@ from restshape.outputs.si_numbers import si
 
 SINGULAR = "singular"
 LARGEST, OF_SOLVED = "largest estimated error", ", solved frames"
+AHEAD = "largest distance, predicted"
 PREDICTED_NOTE = "values of predicted frames are further off: see the estimated distance from the solution above"
 
 
@@ -19,6 +20,7 @@ def print_quantities(summary: dict[str, Any]) -> None:
 
     quantities, errors, sizes = summary["quantities"], summary["quantity_errors"], summary["scales"]
     units, beside = summary.get("units", {}), summary.get("beside", {})
+    distances = summary["predicted_distances"]
     said = any(map(any, beside.values()))
     head = LARGEST + (OF_SOLVED if summary["predicted"] else "")
     heads = ("quantity", "first", "last", "min", "max") + ((head,) if errors else ())
@@ -27,7 +29,9 @@ def print_quantities(summary: dict[str, Any]) -> None:
         unit, size = units.get(name, ""), sizes[name]
         row = [name, *cells(_ends(values, size), unit)]
         row += [_largest(errors.get(name, []), size, unit)] if errors else []
+        row += [_largest([distances[name]] if name in distances else [], size, unit)] if distances else []
         rows.append([*row, *(beside.get(name, ()) if said else ())])
+    heads += (AHEAD,) if distances else ()
     heads += ("first note", "last note") if said else ()
     print_table("quantities", heads, rows, right=heads[1:])
     if any(isinstance(error, float) for known in errors.values() for error in known):

@@ -218,7 +218,7 @@ def _start_recorder(path: Path, request: Request, process: Begun) -> Recorder:
     from restshape.replay.recorder import Recorder
 
     # It opens the file while PETSc starts.
-    columns = columns_of(request.scene, request.application)
+    columns = columns_of(request.scene, request.application, request.predict != "none")
     return Recorder.start(path, request.header(), columns, wait=False, process=process)
 
 

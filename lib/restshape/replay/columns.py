@@ -87,6 +87,11 @@ def jump_column(quantity: str) -> str:
     return f"{quantity}_jump"
 
 
+def distance_column(quantity: str) -> str:
+    """The column of how far predicted values of a quantity are from solved ones, as estimated."""
+    return f"{quantity}_distance"
+
+
 def limit_column(quantity: str, key: str) -> str:
     """The column of a limit, `min` or `max`, that follows parameters."""
     return f"{quantity}_{key}"
@@ -99,7 +104,8 @@ def quantity_column(quantity: str) -> str:
 
 def columns_beside(quantity: str) -> list[str]:
     """The columns that a recording may have beside the values of a quantity."""
-    return [error_column(quantity), jump_column(quantity), *(limit_column(quantity, key) for key in LIMITS)]
+    own = [error_column(quantity), jump_column(quantity), distance_column(quantity)]
+    return [*own, *(limit_column(quantity, key) for key in LIMITS)]
 
 
 def quantity_names(table: Iterable[str]) -> list[str]:
@@ -127,8 +133,12 @@ def jumps_wanted(scene: Scene, application: Application) -> bool:
     return scene.solve.jumps is not False and has_mesh and all(one.mesh_jumps for one in application.physics)
 
 
-def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLike]:
+def columns_of(scene: Scene, application: Application, predicted: bool = False) -> dict[str, npt.DTypeLike]:
     """The columns of replays of a scene.
+
+    Args:
+        scene, application: that are replayed.
+        predicted: with frames that are predicted.
 
     Raises:
         UserError: a quantity has a name with which two columns would have the same one.
@@ -140,6 +150,7 @@ def columns_of(scene: Scene, application: Application) -> dict[str, npt.DTypeLik
     own = {error_column(name): name for name in estimated_quantities(scene, application)}
     if jumps_wanted(scene, application):
         own |= {jump_column(name): name for name in scene.quantities}
+    own |= {distance_column(name): name for name in scene.quantities if predicted}
     own |= {limit_column(name, key): name for name, key in moving_limits(scene)}
     values = set(map(quantity_column, scene.quantities))
     beside = {column: name for name in scene.quantities for column in columns_beside(name) if column in values}

@@ -8,7 +8,7 @@ from math import nan
 from typing import TYPE_CHECKING
 
 from restshape.analysis.analysis import Context
-from restshape.replay.columns import ESTIMATES
+from restshape.replay.columns import ESTIMATES, distance_column
 from restshape.replay.constraints import MovingLimits
 from restshape.replay.error_columns import QuantityErrorColumns
 from restshape.replay.estimated_frames import NOTHING, WantedErrors, estimated
@@ -87,6 +87,7 @@ class FrameErrors:
         row.update(self._estimates(row, answered, wanted))
         if not (self.estimating and answered):
             return
+        row.update(self._distances(edit, row, wanted))
         row.update(self.singular(edit, row))
         self.linear_theory.note(row)
         row.update(self.quantity_errors(row, wanted, self.analysis.state))
@@ -94,6 +95,13 @@ class FrameErrors:
         row.update(self.jumps(edit, row, wanted.solves or bool(wanted.answer and edit.scene.solve.jumps)))
         if limits := self.limits(edit.scene.quantities):
             row.update(self.uncertain_limits(row, limits, wanted))
+
+    def _distances(self, edit: ScriptFrame, row: RowValues, wanted: WantedErrors) -> RowValues:
+        """How far quantities of a predicted frame are from those of the solution; not numbers of others."""
+        if self.prediction is None:
+            return {}
+        known = self.prediction.predictor.quantity_distances() if row["predicted"] and wanted.answer else {}
+        return {distance_column(name): known.get(name, nan) for name in edit.scene.quantities}
 
     def _residual(self) -> float:
         """The residual of the answer, computed once a state."""

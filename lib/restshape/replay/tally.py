@@ -15,6 +15,7 @@ from restshape.replay.columns import (
     SIMULATED,
     STAGES,
     UNTRUSTED,
+    distance_column,
     error_column,
     jump_column,
     quantity_column,
@@ -124,6 +125,7 @@ class Tally:
         for name, values in self._errors.items():
             values.append(number(row, error_column(name)))
         self._add_jumps(row)
+        self._add_distances(row)
         self._add_errors(row)
         self._add_texts(row)
 
@@ -149,6 +151,13 @@ class Tally:
             size, known = abs(number(row, jump_column(key[2:]))), self._jumps.get(key[2:])
             if size > (known["largest"] if known else -1.0):
                 self._jumps[key[2:]] = {"largest": float(size), "share": None, "frame": whole(row, "index")}
+
+    def _add_distances(self, row: RowValues) -> None:
+        """Keeps the estimated distances of predicted values of each quantity."""
+        for key in self._series:
+            size = number(row, distance_column(key[2:]))
+            if np.isfinite(size):
+                self._samples[f"distance {key[2:]}"].add(size)
 
     def _shared_jumps(self, sizes: Mapping[str, float]) -> dict[str, Jump]:
         """The largest jumps with their shares; `sizes` as `rounding.scales` gives them."""
@@ -249,6 +258,9 @@ class Tally:
             "stale": list(self._stale),
             "quantities": {key[2:]: values for key, values in series.items() if key != SIMULATED},
             "quantity_errors": {name: list(map(_error, values)) for name, values in self._errors.items()},
+            "predicted_distances": {
+                key[2:]: sample.largest for key in series if (sample := self._samples[f"distance {key[2:]}"]).count
+            },
             "jumps": self._shared_jumps(sizes),
             "scales": sizes,
             **{key: values for key, values in series.items() if key == SIMULATED},

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from restshape.analysis.row_values import number, text, whole
 from restshape.findings import decode_findings, encode_findings
 from restshape.first_use import made
-from restshape.replay.columns import error_column, jump_column
+from restshape.replay.columns import distance_column, error_column, jump_column
 from restshape.replay.constraints import (
     FAILS,
     HOLDS,
@@ -131,9 +131,11 @@ class UncertainLimits:
                 self._errors.pop(name, None)
 
     def _of_prediction(self, name: str, row: RowValues) -> float:
-        """The estimated relative distance of a predicted frame from its solution, of the quantity's value."""
+        """The estimated distance of a predicted quantity from its solution; else that of the frame, of its value."""
         if name in self.exact or not whole(row, "predicted"):
             return 0.0
+        if math.isfinite(own := number(row, distance_column(name))):
+            return own
         share = number(row, "estimate")
         return UNKNOWN if math.isnan(share) else share * abs(number(row, f"q_{name}"))
 

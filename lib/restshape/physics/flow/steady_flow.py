@@ -63,13 +63,19 @@ class SteadyFlowAnalysis(NonlinearSteadyAnalysis):
 
         None where there is no complete factor: what an incomplete one makes of a residual is smaller.
         """
+        state, missing = self.state, self.missing()
+        return {} if missing is None else {"estimate": distance(state.problem, missing, state.x + missing)}
+
+    def missing(self) -> np.ndarray | None:
+        """About what predicted unknowns (n, f) lack to be the flow, found once a prediction; None where not known."""
         state, kept = self.state, self.solver.kept
         if not (state.predicted and kept.ready and kept.exact and kept.size.unknowns == state.x.size):
-            return {}
-        rest = unconstrained_residual(state.problem, state.x)
-        state.problem.boundary.zero(rest)
-        missing = -self._factor(rest.ravel()).reshape(rest.shape)
-        return {"estimate": distance(state.problem, missing, state.x + missing)}
+            return None
+        if self._missing[0] is not state:
+            rest = unconstrained_residual(state.problem, state.x)
+            state.problem.boundary.zero(rest)
+            self._missing = state, -self._factor(rest.ravel()).reshape(rest.shape)
+        return self._missing[1]
 
     def _factor(self, rest: np.ndarray) -> np.ndarray:
         """What the kept factor makes of a residual (n f,), by vectors that stay as long as there are as many rows."""
