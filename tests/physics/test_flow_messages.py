@@ -44,7 +44,10 @@ REFUSED = {
     "kinematic": ("mu = 0.1", "nu = 1e-5", "nu is no key of a fluid, which has its dynamic", "write mu = rho nu"),
     "unknown fluid": ("rho = 1.5\nmu = 0.1", 'name = "oil"', "fluid.name (line 15): 'air'", "use one of: air, water"),
     "depth": ("mu = 0.1", "mu = 0.1\ndepth = -1", "fluid.depth (line 17): -1 is too small", ""),
-    "two conditions": (END, f"{END}\nslip = true", "there is slip and outflow", ""),
+    "two conditions": (END, f"{END}\nslip = true", "there is slip and outflow", "keep one of them: slip or outflow"),
+    "no condition": (f"{END}\n", "", "but there is none of them", "add one of them"),
+    "off by false": ("convection = {}", "convection = false", "wanted here, not False", "leave convection out"),
+    "on by true": ("convection = {}", "convection = true", "wanted here, not True", "write convection = {}"),
     "an edge twice": (EFFECTS, '[boundary.x]\non = "inlet"\nwall = true\n[effects]', "two conditions", "take it out"),
     "no balance": (
         END,
@@ -55,7 +58,12 @@ REFUSED = {
     "a temperature": (STREAM, '["4 degC", 0]', "'4 degC' is a temperature, but a velocity is wanted", "1.5 m/s"),
     "a length": (STREAM, '["1 m", 0]', "boundary.inlet.velocity.0 (line 19): '1 m' is a length", "1.5 m/s"),
     "in a solid": (EFFECTS, f'{SOLID}[boundary.x]\non = "rock"\nvelocity = [1, 0]\n[effects]', "lies inside", "a hole"),
-    "step": ("steady = true", "steady = true, time_step = 0.1", "effects.flow (line 24): a steady flow has no", "one"),
+    "step": (
+        "steady = true",
+        "steady = true, time_step = 0.1",
+        "effects.flow (line 24): a steady flow has no",
+        "two scenes",
+    ),
     "step 0": ("steady = true", "time_step = 0", "effects.flow.time_step (line 24): 0 is too small", ""),
     "supports": (EFFECTS, '[supports.s]\non = "top"\nfix = ["x"]\n[effects]', "no [supports.NAME]", INSTEAD),
     "loads": (EFFECTS, '[loads.s]\non = "top"\nforce = [1, 0]\n[effects]', "no [loads.NAME]", INSTEAD),
@@ -64,7 +72,13 @@ REFUSED = {
     "t": ("4*y*(1 - y)", "t", "boundary.inlet.velocity.0 (line 19): 't' depends on the time t", "add a time_step"),
     "no boundary": ("[boundary.inlet]", None, "there is no [boundary.NAME]: all edges are walls", "add one, such as"),
     "one component": (STREAM, '["1"]', "two numbers [x, y] are wanted here", "write 2"),
-    "one number": (STREAM, "1.0", "boundary.inlet.velocity (line 19): a list is wanted here, not 1.0", ""),
+    "one number": (
+        STREAM,
+        "1.0",
+        "boundary.inlet.velocity (line 19): a velocity has components along x",
+        "write [1.0, 0]",
+    ),
+    "one formula": (STREAM, '"1 m/s"', '"1 m/s" is one number', 'write ["1 m/s", 0]'),
     "no outflow": (END, "outflow = false", "true is wanted here, not false", "leave the key out"),
     "a pressure": (END, f"{END}\npressure = 3", "there is no key 'pressure' here", "use one of: on, velocity, wall"),
     "misspelt": (END, "outlow = true", "there is no key 'outlow' here", "did you mean 'outflow'?"),
@@ -197,6 +211,7 @@ def test_a_steady_flow_that_is_not_found_has_its_reynolds_number(command, tmp_pa
         ("boundary.inlet.velocity", ["t", 0], "depends on the time t, and the flow is steady"),
         ("boundary.outlet.on", "nobody", "there is no entity 'nobody'"),
         ("boundary.sides.slip", True, "there is no boundary.sides"),
+        ("effects.flow.time_step", 0.1, "during an edit neither can change: make it two scenes"),
     ],
 )
 def test_a_value_that_an_edit_sets_is_refused_in_its_frame_alone(key, value, message, tmp_path):

@@ -138,9 +138,15 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "bool_type" | "bool_parsing":
             return f"true or false is wanted here, {shown}", "write true or false, without quotes"
         case "dict_type" | "model_type":
-            return f"a table of keys is wanted here, {shown}", ""
+            if not isinstance(given, bool):
+                return f"a table of keys is wanted here, {shown}", ""
+            name = "".join(str(part) for part in details["loc"][-1:]) or "it"
+            do = f"write {name} = {{}}" if given else f"leave {name} out: what a scene does not name is off"
+            return f"a table of keys is wanted here, {shown}", do
         case "list_type" | "tuple_type":
-            return f"a list is wanted here, {shown}", ""
+            single = isinstance(given, str | int | float) and not isinstance(given, bool)
+            written = f"write it in brackets, as in [{json.dumps(given, ensure_ascii=False)}]" if single else ""
+            return f"a list is wanted here, {shown}", written
         case "string_type":
             return f"text in quotes is wanted here, {shown}", ""
         case "float_type" | "float_parsing" | "int_type" | "int_parsing" | "int_from_float":

@@ -63,7 +63,8 @@ def only_one(model: Strict, keys: Collection[str]) -> str:
     present = [key for key in keys if getattr(model, key) is not None]
     if len(present) != 1:
         found = " and ".join(present) if present else "none of them"
-        raise UnitError(f"exactly one of {', '.join(keys)} is wanted here, but there is {found}")
+        do = f"keep one of them: {' or '.join(present)}" if present else "add one of them"
+        raise UnitError(f"exactly one of {', '.join(keys)} is wanted here, but there is {found}", do)
     return present[0]
 
 

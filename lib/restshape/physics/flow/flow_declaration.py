@@ -1,11 +1,12 @@
 """What scenes of incompressible flow may say."""
 
+import json
 import tomllib
 from collections.abc import Mapping
 from importlib.resources import files
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from restshape.scene.derived_effects import On
 from restshape.scene.effect import DerivedEffect, Effect
@@ -87,6 +88,16 @@ class EdgeCondition(Strict):
     slip: Literal[True] | None = None
     outflow: Literal[True] | None = None
 
+    @field_validator("velocity", mode="before")
+    @classmethod
+    def _has_two_components(cls, raw: object) -> object:
+        if isinstance(raw, int | float | str) and not isinstance(raw, bool):
+            given = json.dumps(raw, ensure_ascii=False)
+            raise UnitError(
+                f"a velocity has components along x and y, and {given} is one number", f"write [{given}, 0]"
+            )
+        return raw
+
     @property
     def kind(self) -> str:
         """Which of the conditions it is."""
@@ -119,7 +130,8 @@ class FlowSettings(Strict):
     @model_validator(mode="after")
     def _is_one_of_both(self) -> Self:
         if self.steady and self.time_step is not None:
-            raise UnitError("a steady flow has no time_step", "take out one of steady and time_step")
+            do = "take out one of steady and time_step; during an edit neither can change: make it two scenes"
+            raise UnitError("a steady flow has no time_step", do)
         key = next(
             (one for one in ("steps", "scheme", "carry") if getattr(self, one) != type(self).model_fields[one].default),
             None,

@@ -69,7 +69,8 @@ class HeatedEdge(Strict):
         keys = ("temperature", "heat_flux", "insulated")
         present = [key for key in keys if getattr(self, key) is not None]
         if len(present) > 1:
-            raise UnitError(f"at most one of {', '.join(keys)} is wanted here, but there is {' and '.join(present)}")
+            what = f"at most one of {', '.join(keys)} is wanted here, but there is {' and '.join(present)}"
+            raise UnitError(what, f"keep one of them: {' or '.join(present)}")
         return self
 
 
