@@ -3,6 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, ROUNDING, Case, Check
+from restshape_verification.flow.gravity_waves import waves_in_space, waves_in_time
 from restshape_verification.flow.heated_cavity import heated_cavity
 from restshape_verification.flow.heated_orders import warm_motion, warm_vortices
 from restshape_verification.flow.validation_derivatives import heat_derivatives
@@ -44,4 +45,6 @@ CASES: dict[str, Case] = {
     "derivatives": heat_derivatives,
     "motion": warm_motion,
     "vortices": warm_vortices,
+    "waves_in_space": waves_in_space,
+    "waves_in_time": waves_in_time,
 }
