@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from restshape.application import VERIFICATION, Application, Command, applications
@@ -59,6 +60,8 @@ class Verification:
         study: path of the study of accuracy of scenes without a mesh: of a case, a function that announces, a folder
             for pages and the command, it prints tables, writes pages, and gives records and the scene's title.
         frame_check: path of the `FrameCheck` of random edits; empty: shown numbers and fields must be finite.
+        drapes: path of the function that gives the scenes by name, as texts or files, on which ways to rest are
+            compared.
         commands: that it adds to `restshape`.
     """
 
@@ -70,6 +73,7 @@ class Verification:
     random_scenes: str = ""
     study: str = ""
     frame_check: str = ""
+    drapes: str = ""
     commands: tuple[Command, ...] = ()
 
     def load_validation(self) -> dict[str, Callable[..., Any]]:
@@ -100,6 +104,10 @@ class Verification:
     def load_study(self) -> Callable[..., tuple[list[dict[str, Any]], str]] | None:
         """The study of scenes without a mesh, imported now; None where there is none."""
         return _attribute(self.study) if self.study else None
+
+    def load_drapes(self) -> dict[str, str | Path]:
+        """The scenes by name on which ways to rest are compared, made now; none where there are none."""
+        return _attribute(self.drapes)() if self.drapes else {}
 
     def load_frame_check(self) -> FrameCheck | None:
         """The function that checks a frame, imported now; None where there is none."""

@@ -10,10 +10,12 @@ from typing import Any
 from restshape_studies.bench.job import Job, Outcome, Row, run
 
 STRATEGIES = ("auto", "kinetic", "rayleigh", "newton", "stabilised", "cg")
+"""Those of `effects.drape.strategy`, which would take long to import for a help."""
 BENDING = ("hinge", "morley", "nonlinear")
 POLICIES = ("rebuild", "thesis", "auto")
-PATIENCE = 30.0
-"""Seconds beyond its limit after which a run that does not look at the clock is ended."""
+SLOWER, PATIENCE = 3.0, 30.0
+"""Multiple of its limit, beside other work, and seconds beyond, after which a run that does not look at the clock is
+ended."""
 Play = Callable[[Job, float], Outcome]
 
 
@@ -25,7 +27,7 @@ class Plan:
         strategies: of `effects.drape.strategy`, each from where the scene lays the cloth.
         bending: kinds of `effects.cloth.bending`, by the strategy that the scene names.
         policies: on the frames of the job's script.
-        seconds: after which a run is given up.
+        seconds: of the processor's work, after which a run is given up.
     """
 
     strategies: Sequence[str] = STRATEGIES
@@ -59,7 +61,9 @@ def study(job: Job, plan: Plan, on_run: Callable[[str], None], play: Play = run)
     ):
         for name in names:
             on_run(f"{kind}: {name}")
-            outcome = play(replace(still, overrides=(*job.overrides, f"effects.{key}={name}")), plan.seconds + PATIENCE)
+            outcome = play(
+                replace(still, overrides=(*job.overrides, f"effects.{key}={name}")), SLOWER * plan.seconds + PATIENCE
+            )
             found[kind][name] = outcome.found or {"problem": outcome.problem}
     add_short(found["strategies"])
     for name in plan.policies if job.edits else ():
@@ -69,8 +73,12 @@ def study(job: Job, plan: Plan, on_run: Callable[[str], None], play: Play = run)
 
 
 def add_short(strategies: Mapping[str, Row]) -> None:
-    """Note in each run how much of the fall of the energy, to the lowest at rest, it has missed: `short`, or None."""
-    resting = [entry["energy"] for entry in strategies.values() if entry.get("converged")]
+    """Note in each run how much of the fall of the energy, to the lowest at rest, it has missed: `short`, or None.
+
+    Cloth that has lost what was in its openings lies lower than it could: where any way has kept it, others count not.
+    """
+    converged = [entry for entry in strategies.values() if entry.get("converged")]
+    resting = [entry["energy"] for entry in [e for e in converged if e.get("kept")] or converged]
     for entry in strategies.values():
         energy = entry.get("energy")
         entry["short"] = None

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import perf_counter, process_time
 from typing import Any, cast
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.bench.openings import inside, kept
 
 from restshape.errors import ReplayProblem, UserError
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+from restshape.physics.cloth.scene import cloth_arguments
+from restshape.physics.cloth.trust import trust_in
 from restshape.replay.event_counts import EventCounts
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -31,11 +35,12 @@ class Trace:
 
     Args:
         analysis: whose iterates these are.
-        limit: seconds after which the run ends.
+        limit: seconds of the processor's work after which the run ends.
 
     Attributes:
         seconds, residuals, energies: one each, and those at the end of a run that is not given up; an energy is None
             where the membrane is soft, or the mesh a coarser one.
+        x: (n, 3) the last iterate [m] on the scene's own mesh; None before the first.
     """
 
     def __init__(self, analysis: RelaxationAnalysis, limit: float) -> None:
@@ -43,13 +48,19 @@ class Trace:
         self.seconds: list[float] = []
         self.residuals: list[float | None] = []
         self.energies: list[float | None] = []
-        self.aside, self.start = 0.0, perf_counter()
+        self.x: np.ndarray | None = None
+        self.aside, self.start, self.begun = 0.0, perf_counter(), process_time()
         analysis.watch = self
 
     @property
     def clock(self) -> float:
         """Seconds of the run."""
         return perf_counter() - self.start - self.aside
+
+    @property
+    def busy(self) -> float:
+        """Seconds that the processor has worked for the run."""
+        return process_time() - self.begun - self.aside
 
     def __call__(self, solver: EquilibriumSolver, x: np.ndarray, residual: float) -> None:
         """Take an iterate down.
@@ -61,10 +72,12 @@ class Trace:
         spent = begun - self.start - self.aside
         self.seconds.append(spent)
         self.residuals.append(_finite(residual))
-        own = solver.problem is self.analysis.bound.problem and solver.problem.softness == 1.0
-        self.energies.append(_finite(solver.problem.energy(x)) if own else None)
+        own = solver.problem is self.analysis.bound.problem
+        self.x = x.copy() if own else self.x
+        stiff = own and solver.problem.softness == 1.0
+        self.energies.append(_finite(solver.problem.energy(x)) if stiff else None)
         self.aside += perf_counter() - begun
-        if spent > self.limit:
+        if self.busy > self.limit:
             raise Over(f"{self.limit:g} s are over")
 
     def end(self, seconds: float) -> None:
@@ -79,15 +92,15 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
 
     Args:
         request: of a scene of cloth; its script is left out.
-        seconds: after which it is given up.
+        seconds: of the processor's work, after which it is given up.
 
     Raises:
         UserError: the scene is not one of cloth.
 
     Returns: converged, stable, residual (over the weight), energy [J], initial_energy (of the weight at the start [J]),
         seconds, busy (those that the processor worked for it), steps, factors (complete ones), applications (of
-        preconditioners and factors), why (it is not in equilibrium), unknowns, elements, and the trace: seconds,
-        residuals, energies.
+        preconditioners and factors), why (it is not in equilibrium), unknowns, elements, the trace: seconds,
+        residuals, energies, and what `trust` gives.
     """
     PETSc.Log.begin()
     if not plan(request.scene, request.application).on("drape"):
@@ -97,7 +110,7 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
     replay = Replay(request, PETSc.COMM_WORLD)
     analysis = cast(RelaxationAnalysis, replay.analysis)
     counts = EventCounts(tuple(COUNTED.values()))
-    begun, trace, over = process_time(), Trace(analysis, seconds), ""
+    trace, over = Trace(analysis, seconds), ""
     try:
         next(replay.frames())
     except Over as problem:
@@ -107,7 +120,7 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         if not isinstance(problem.__cause__, ReplayProblem):
             raise
         over = str(problem.__cause__)
-    spent, busy, events = trace.clock, process_time() - begun - trace.aside, counts.since_last()
+    spent, busy, events = trace.clock, trace.busy, counts.since_last()
     if not over:
         trace.end(spent)
     return {
@@ -118,7 +131,31 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         "initial_energy": _initial_energy(analysis.bound.problem, request.scene),
         "unknowns": int(analysis.bound.x.size),
         "elements": len(analysis.bound.problem.mesh.cells),
+        **trust(analysis, trace.x if over else analysis.x, request.scene),
         "trace": {"seconds": trace.seconds, "residuals": trace.residuals, "energies": trace.energies},
+    }
+
+
+def trust(analysis: RelaxationAnalysis, x: np.ndarray | None, scene: Scene) -> dict[str, Any]:
+    """How far cloth at x (n, 3) [m] can be trusted, in the first frame of a scene; nothing is known of None.
+
+    Returns: max_strain, max_penetration [m], crossings, untrusted (why, for people), kept (what was in openings at
+        first still is; None: there was nothing), inside (what is in openings).
+    """
+    if x is None:
+        return dict.fromkeys(("max_strain", "max_penetration", "crossings", "kept"), None)
+    state = replace(analysis.bound, x=x, scene=scene)
+    found, problem, mesh = trust_in(state), state.problem, state.problem.mesh
+    bodies = dict(zip(scene.bodies, state.bodies))
+    start = cloth_arguments(scene, state.plan, mesh).start
+    before, after = (inside(mesh.X, mesh.cells, places, bodies) for places in (start, problem.corners(x)))
+    return {
+        "max_strain": found.max_strain,
+        "max_penetration": found.max_penetration,
+        "crossings": found.crossings,
+        "untrusted": "; ".join(found.reasons),
+        "kept": kept(before, after),
+        "inside": after,
     }
 
 

@@ -36,6 +36,7 @@ from restshape.outputs.kinds import PictureFile
 from restshape.outputs.picture_files import drawn_from, fingerprint
 
 PLACE = 5
+OWN = "those on which ways to rest are compared"
 MANY = ("several", "unscripted")
 """Kinds of studies whose JSON holds a value for each scene."""
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
@@ -64,9 +65,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             what = f"scene files, or names of installed ones (default: {' '.join(kind.default) or 'all installed'})"
             study.add_argument("scenes", metavar="SCENE", nargs="*", type=Path, help=what)
         elif kind.scenes in ("one", "still"):
-            study.add_argument(
-                "scenes", metavar="SCENE", nargs=1, type=Path, help="scene file, or name of an installed one"
-            )
+            number, what = ("?", f" (default: {OWN})") if kind.own else (None, "")
+            what = f"scene file, or name of an installed one{what}"
+            study.add_argument("scenes", metavar="SCENE", nargs=number, action=Only, type=Path, help=what, default=[])
         if kind.scenes in ("several", "one", "still"):
             what = "edit script (default: the one that names the scene)"
             study.add_argument("--edits", type=Path, metavar="FILE", help=what)
@@ -82,6 +83,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
             study.add_argument("--redraw", type=Path, metavar="FILE", action="append", help=what)
 
 
+class Only(argparse.Action):
+    """Makes a list of the only scene that is named."""
+
+    def __call__(self, parser: object, namespace: argparse.Namespace, value: Path | None, *_: object) -> None:
+        """Takes it; none where it may be left out."""
+        namespace.scenes = [value] if isinstance(value, Path) else []
+
+
 def run(args: argparse.Namespace) -> int:
     """Measure; 0 when it is done, 2 on bad input, or on ranks of MPI."""
     kind = KINDS[args.study]
@@ -90,25 +99,28 @@ def run(args: argparse.Namespace) -> int:
     if launched():
         raise UserError("replays are measured on one core each", "mpiexec", "start it without mpiexec")
     kind.check(args)
-    cases = cases_of(kind, args)
+    own = kind.own is not None and not args.scenes
+    several = own or kind.scenes in MANY
+    cases = kind.own(args) if own else cases_of(kind, args)
     picture = _picture(args.out, kind.picture) if kind.picture else getattr(args, "picture", None)
     found: dict[str, Any] = {}
     start = time.monotonic()
     for case in cases:
         found[case.name] = kind.measure(args, case, announce)
         kind.show(args, case.name, found[case.name])
-        if kind.times:
+        if kind.times and not own:
             tolerance = tolerance_of(case, args)
             print(f"times are of {kind.times}; systems are solved to {tolerance:g}")
-            if kind.scenes not in MANY:
+            if not several:
                 found[case.name] |= {"times": kind.times, "tolerance": tolerance}
-    if kind.sum_up:
+    if kind.sum_up and several:
         kind.sum_up(found)
     print(f"took {time.monotonic() - start:.0f} s")
     note_words(args.petsc)
+    data = found if several else next(iter(found.values()))
     if picture and kind.draw:
-        _draw(picture, lambda: kind.draw(found, args, picture), written(kind, found))
-    write_json(args, written(kind, found))
+        _draw(picture, lambda: kind.draw(found, args, picture), data)
+    write_json(args, data)
     return 0
 
 
@@ -117,11 +129,6 @@ def tolerance_of(case: Case, args: argparse.Namespace) -> float:
     from restshape.scene.load import load_scene
 
     return load_scene(case.scene, args.set).solve.tolerance
-
-
-def written(kind: Kind, found: dict[str, Any]) -> Any:
-    """What the JSON holds of what was found by scene."""
-    return found if kind.scenes in MANY else next(iter(found.values()))
 
 
 def redraw(kind: Kind, args: argparse.Namespace) -> int:

@@ -35,6 +35,7 @@ class Kind:
         picture: file name in the folder after --out; empty: no such picture.
         times: what the times that it prints include; empty where it has none.
         draw: draws the picture; given the scenes' names with what was found, the arguments and the path.
+        own: the cases that a "still" study takes where no scene is named.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Kind:
     picture: str = ""
     times: str = ""
     draw: Callable[[dict[str, Any], argparse.Namespace, Path], None] | None = None
+    own: Callable[[argparse.Namespace], list[Case]] | None = None
 
 
 FRAMES = "whole frames with their residual, without estimates and without a recorder; the first frame is left out"

@@ -271,7 +271,7 @@ def test_a_body_that_comes_through_is_reported(tmp_path):
     """A bar stands between the nodes of a triangle of 0.2 m: all nodes rest, and the bar is in the cloth."""
     pins = "".join(f'[supports.{c}]\non = "{c}"\nfix = ["x", "y", "z"]\n' for c in "abcd")
     tunnelled = solved(cloth(tmp_path, pins, BAR, CONTACT, overrides=("mesh.size=0.3", "effects.cloth.bending=hinge")))
-    assert "bodies.bar comes through the cloth" in tunnelled.row()["note"]
+    assert "bodies.bar comes through the cloth" in tunnelled.row()["untrusted"]
     ball = solved(cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.12", "effects.cloth.bending=hinge")))
     assert ball.row()["note"] == ""
 
@@ -360,5 +360,5 @@ def test_the_node_of_the_largest_penetration_is_reported(tmp_path, stiffness, re
     depth = 0.25 - np.linalg.norm(corners - [0.5, 0.5, -0.3], axis=1).min()
     row = found.row()
     assert row["max_penetration"] == pytest.approx(max(depth, 0.0), abs=1e-12)
-    assert bool(depth > found.problem.contact.thickness) is reported
-    assert (f"cloth lies {1e3 * depth:.3g} mm inside bodies.ball" in row["note"]) is reported
+    assert bool(depth > 0.5 * found.problem.contact.thickness) is reported
+    assert (f"cloth lies {1e3 * depth:.3g} mm inside bodies.ball" in row["untrusted"]) is reported

@@ -12,6 +12,7 @@ verification = Verification(
         StudyParameter("effects.cloth.bending", values=("morley", "hinge", "nonlinear"), reference="morley", grid=True),
     ),
     scale="restshape_verification.couture.scale:scale_of",
+    drapes="restshape_verification.couture.drapes:drapes",
     random_scenes="restshape_verification.couture.random_scenes:SCENES",
     commands=(
         Command(

@@ -70,3 +70,54 @@ def test_bad_input(command, words, reported):
     done = command("bench", "drape", SCENES / words[0], *words[1:])
     assert done.returncode == 2 and "Traceback" not in done.stderr
     assert all(word in done.stderr for word in reported)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
+def test_the_study_s_own_scenes_say_what_is_in_openings_and_what_each_way_did(tmp_path, command):
+    """Newton's method goes nowhere from flat cloth on nothing, and says so; kinetic damping comes to rest."""
+    words = ("--scenes", "mask,curtain", "--ways", "kinetic,cg", "--seconds", 1.5, "--json", "a.json")
+    done = command("bench", "drape", *words, "--set", "effects.cloth.bending=hinge")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert list(found) == ["mask", "curtain"] and not found["mask"]["bending"] and not found["mask"]["policies"]
+    mask = found["mask"]["strategies"]["kinetic"]
+    assert mask["converged"] and mask["kept"] is True and mask["crossings"] == 0 and 0.0 < mask["max_strain"] < 0.05
+    assert mask["inside"] == {"1 around peg_left": 1, "2 around peg_right": 1} or mask["inside"] == {
+        "1 around peg_right": 1,
+        "2 around peg_left": 1,
+    }
+    assert found["curtain"]["strategies"]["kinetic"]["kept"] is None
+    lines = done.stdout.splitlines()
+    summary = next(k for k, line in enumerate(lines) if line == "2 scenes")
+    kinetic = next(line.split() for line in lines[summary:] if line.startswith("kinetic"))
+    assert kinetic[:5] == ["kinetic", "2", "2", "1", "of"]
+
+
+def test_all_scenes_of_the_study_can_be_read(tmp_path):
+    from restshape_studies.verification import verifications
+
+    from restshape.scene.load import load_scene
+
+    known = {name: one for each in verifications().values() for name, one in each.load_drapes().items()}
+    assert len(known) >= 20
+    for name, one in known.items():
+        path = tmp_path / f"{name}.toml"
+        path.write_text(one if isinstance(one, str) else one.read_text())
+        load_scene(path)
+
+
+@pytest.mark.parametrize("words", [("--scenes", "tent"), ("sphere", "--scenes", "mask")])
+def test_scenes_that_are_not_known_or_twice_named_are_refused(command, words):
+    done = command("bench", "drape", *words)
+    assert done.returncode == 2 and "--scenes" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_all_strategies_that_scenes_may_name_are_compared():
+    from typing import get_args
+
+    from restshape_studies.bench.cloth_strategies import STRATEGIES
+
+    from restshape.physics.cloth.effects import DrapeKeys
+
+    assert get_args(DrapeKeys.model_fields["strategy"].annotation) == STRATEGIES

@@ -44,7 +44,7 @@ def trust_in(state: RelaxationState) -> Trust:
     if problem.contact:
         corners, kernels = problem.corners(state.x), problem.contact.bodies
         through = tunnelling(state.bodies, kernels, corners[problem.mesh.cells])
-        reasons += [f"bodies.{name} comes through the cloth" for name in compress(scene.bodies, through)]
+        reasons += coming_through(list(compress(scene.bodies, through)))
         depths = penetrations(kernels, corners)
         max_penetration = max(depths, default=0.0)
         reasons += penetration_notes("lies", problem, scene, depths)
@@ -77,8 +77,18 @@ def crossing_notes(crossings: int) -> list[str]:
     return [f"cloth passes through itself at {crossings} triangle{'s' * (crossings > 1)}"] if crossings else []
 
 
+def coming_through(names: Sequence[str]) -> list[str]:
+    """What there is to say of bodies of these names that come through the cloth."""
+    others = f" and {len(names) - 1} others come" if len(names) > 1 else " comes"
+    return [f"bodies.{names[0]}{others} through the cloth"] if names else []
+
+
 def penetration_notes(how: str, problem: ClothProblem, scene: Scene, depths: Sequence[float]) -> list[str]:
-    """Bodies in which cloth is deeper than half of the distance at which contact begins, by how deep [m] it is."""
+    """The body in which cloth is deepest [m], and how many others, of those that it is in.
+
+    It is in one where it is deeper than half of the distance at which contact begins.
+    """
     least = INSIDE * problem.contact.thickness
-    found = zip(scene.bodies, depths)
-    return [f"cloth {how} {1e3 * depth:.3g} mm inside bodies.{name}" for name, depth in found if depth > least]
+    found = sorted(((depth, name) for name, depth in zip(scene.bodies, depths) if depth > least), reverse=True)
+    others = f", and less in {len(found) - 1} others" if len(found) > 1 else ""
+    return [f"cloth {how} {1e3 * depth:.3g} mm inside bodies.{name}{others}" for depth, name in found[:1]]
