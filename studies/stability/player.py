@@ -39,6 +39,8 @@ ENDLESS = ("mu_", "q_critical")
 """Beginnings of columns that may be infinite: nothing buckles."""
 OWN = {"restshape", "apps", "restshape_apps", "studies", "restshape_studies"}
 """Folders of our own code, in a checkout and installed."""
+UNDEFINED = ("mode", "strouhal", "nusselt", "bulk_temperature")
+"""Kinds of quantities that may have no number: of a mode that is gone, without a swing, a difference, or a stream."""
 BLANK = "buckling_mode"
 """Beginning of fields that have no numbers where there are fewer modes than wanted."""
 
@@ -153,9 +155,8 @@ def _check(check: FrameCheck | None, replay: Replay, row: dict[str, Any]) -> Non
 
 def _check_numbers(replay: Replay, row: dict[str, Any]) -> None:
     """Refuse shown numbers that are none."""
-    # A mode that was followed may have gone from among those wanted, and what does not swing has no period.
     scene = replay.session.scene
-    gone = {f"q_{name}" for name, quantity in scene.quantities.items() if quantity.kind in ("mode", "strouhal")}
+    gone = {f"q_{name}" for name, quantity in scene.quantities.items() if quantity.kind in UNDEFINED}
     # An edit may ask for fewer modes than the columns have room for.
     asked = next((scene.effects[name]["modes"] for name in ("modal", "buckling") if name in scene.effects), 0)
     gone |= {name for name in row if name.startswith(("f_", "mu_")) and int(name.partition("_")[2]) > asked}

@@ -356,6 +356,7 @@ HOT = 'temperature = "300.5 K"'
 def test_the_solution_follows_its_derivative_by_the_design(tmp_path, wall, effects):
     """The remainder of first order, when nodes move, is of second order."""
     text = CAVITY.replace(HOT, wall).replace("diffusivity = 1", "conductivity = 1\nheat_capacity = 1")
+    text = text.replace('difference = "1 K" }, at = "left"', 'against = "right" }, at = "left"')
     text += effects + (BUOYANT if "flow" in effects else "") + "[solve]\ntolerance = 1e-12\n" + COARSE
     text += '[heat.inside]\non = "all"\nsource = "1 + 9*x*x + y"\n'
     analysis = solved(tmp_path, text).analysis

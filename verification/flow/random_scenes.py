@@ -102,6 +102,8 @@ def quantities(draw: st.DrawFn, shape: Table, hot: bool) -> Table:
             {"temperature": True, "at": draw(place), "reduce": draw(st.sampled_from(["max", "min", "mean"]))},
             {"heat_flow": True, "at": draw(side)},
             {"nusselt": {"length": 1.0, "difference": draw(st.sampled_from([10.0, "1 K"]))}, "at": draw(side)},
+            {"nusselt": {"length": 1.0, "against": draw(st.sampled_from(["all", draw(side)]))}, "at": draw(side)},
+            {"bulk_temperature": True, "at": draw(side)},
         ]
     chosen = draw(st.lists(st.integers(0, len(kinds) - 1), min_size=1, max_size=5, unique=True))
     return {"area": {"area": True}} | {f"q{k}": kinds[k] for k in chosen}

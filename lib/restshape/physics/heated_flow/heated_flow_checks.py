@@ -89,6 +89,11 @@ def _check_places(scene: Scene, source: Source) -> None:
     if scene.shape.file or scene.mesh.file:
         return
     kinds = scene.shape.kinds()
+    for name, one in scene.quantities.items():
+        if one.kind == "nusselt" and one.nusselt.against not in (None, *RESERVED, *kinds):
+            do = name_suggestion(one.nusselt.against, sorted(kinds), RESERVED)
+            what = f"there is no entity {one.nusselt.against!r}"
+            raise source.error(("quantities", name, "nusselt", "against"), what, do)
     for name, one in scene.heat.items():
         for at in one.on:
             if at not in kinds:

@@ -4,11 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from restshape.errors import UserError
 from restshape.fem.dirichlet import Prescribed
 from restshape.fem.space import PlaneSpace
-from restshape.physics.flow.flow_conditions import FlowConditions
+from restshape.physics.flow.flow_conditions import FlowConditions, edge_kinds
 from restshape.scene.expressions import Value
-from restshape.scene.model import Scene
+from restshape.scene.model import Quantity, Scene
+from restshape.shape.outline import Outline
 
 
 def warm_edges(scene: Scene) -> list[str]:
@@ -24,6 +26,46 @@ def given_temperatures(scene: Scene) -> dict[str, tuple[str, Value]]:
         if table.temperature is not None
         for on in table.on
     }
+
+
+def check_heated_shape(scene: Scene, outline: Outline) -> None:
+    """Makes sure that heat fluxes that are given are not divided by differences that are, and that fluid passes edges
+    whose bulk temperature is asked for.
+
+    Raises:
+        UserError: they are, or none does.
+    """
+    try:
+        for name, one in scene.quantities.items():
+            check_edge(scene, outline, name, one)
+    except UserError as error:
+        raise scene.located(error) from error
+
+
+def check_edge(scene: Scene, outline: Outline, name: str, quantity: Quantity) -> None:
+    """The same of one quantity.
+
+    Raises:
+        UserError: without the line of the scene.
+    """
+    if quantity.kind == "bulk_temperature":
+        kinds = edge_kinds(scene, outline)
+        if not any(kinds.get(k, ("", ""))[0] in ("velocity", "outflow") for k in outline.entity(quantity.at).edges):
+            what = f"no fluid passes {quantity.at!r}, so that it has no bulk temperature"
+            raise UserError(what, f"quantities.{name}.at", "name an edge with a velocity or an outflow")
+    if quantity.kind != "nusselt" or quantity.nusselt.difference is None:
+        return
+    given = {
+        edge
+        for table in scene.boundary.values()
+        if table.heat_flux is not None
+        for on in table.on
+        for edge in outline.entity(on).edges
+    }
+    if given.intersection(outline.entity(quantity.at).edges):
+        what = f"the heat flux at {quantity.at!r} is given, and so would be all of a Nusselt number with a difference"
+        do = 'give in place of the difference where the other temperature is, as in against = "all"'
+        raise UserError(what, f"quantities.{name}.nusselt", do)
 
 
 def prescribed_temperatures(scene: Scene, space: PlaneSpace, column: int) -> Iterator[Prescribed]:

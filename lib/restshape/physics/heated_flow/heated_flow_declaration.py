@@ -16,7 +16,7 @@ from restshape.scene.physics import Physics, PictureField, Section
 from restshape.scene.quantity import QuantityKind
 from restshape.scene.solver import DEFINITE, UNSYMMETRIC, SolverPlan, System
 from restshape.scene.units import UnitError, declare_dimension
-from restshape.scene.values import Entities, Strict, number_of, value_of
+from restshape.scene.values import Entities, Strict, number_of, only_one, value_of
 
 DIFFUSIVITY = declare_dimension("diffusivity", "m^2/s", "2.1e-5 m^2/s")
 EXPANSION = declare_dimension("expansion", "1/K", "3.4e-3 1/K")
@@ -117,14 +117,19 @@ class NusseltNumber(Strict):
 
     Args:
         length: of the vessel [m].
-        difference: temperature of the edge less that of the fluid, or of the other edge [K].
+        difference: temperature of the edge less that of the fluid, or of the other edge [K]; not where heat fluxes are
+            given, for then all of the number would be.
+        against: in place of it an edge, a region or ``all``: the difference is that of mean temperatures, there and at
+            the edge.
     """
 
     length: Annotated[number_of("length"), Field(gt=0)]
-    difference: number_of(DIFFERENCE)
+    difference: number_of(DIFFERENCE) | None = None
+    against: str | None = None
 
     @model_validator(mode="after")
     def _is_a_difference(self) -> Self:
+        only_one(self, ("difference", "against"))
         if self.difference == 0.0:
             raise UnitError("difference is 0, and heat fluxes are divided by it", "give the difference that drives it")
         return self
@@ -154,6 +159,9 @@ HEATED_FLOW = Physics(
     },
     quantities={
         "temperature": QuantityKind(Literal[True], "temperature", "mean", summary="temperature of an entity"),
+        "bulk_temperature": QuantityKind(
+            Literal[True], "temperature", "mean", summary="temperature of what flows through an edge", on=CURVES
+        ),
         "heat_flow": QuantityKind(Literal[True], "power", "sum", summary="heat that leaves by an edge", on=CURVES),
         "nusselt": QuantityKind(
             NusseltNumber, "number", "mean", summary="Nusselt number of the heat that enters by an edge", on=CURVES
@@ -178,6 +186,7 @@ HEATED_FLOW = Physics(
     pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},
     orders=(1,),
     check=check_heated_flow,
+    check_shape="restshape.physics.heated_flow.heated_flow_conditions:check_heated_shape",
     inspect_shape="restshape.physics.heated_flow.heated_flow_inspection:inspect_heated_flow",
     instead={key: f"leave it out: {ELSEWHERE}" for key in ("material", "supports", "loads")},
 )

@@ -11,13 +11,14 @@ from restshape.fem.integral import Integral
 from restshape.fem.observer import Function, reduction
 from restshape.fem.problem import INTERNAL, Inertia, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
+from restshape.fem.space import PlaneSpace
 from restshape.fem.time_integration import Motion
 from restshape.physics.flow.flow_quantities import ObservedFlow, flow_quantity
 from restshape.physics.heated_flow.border_heat import BorderHeat
-from restshape.physics.heated_flow.heated_flow_conditions import warm_edges
+from restshape.physics.heated_flow.heated_flow_conditions import check_edge, warm_edges
 from restshape.scene.model import Quantity
 
-KINDS = ("temperature", "heat_flow", "nusselt")
+KINDS = ("temperature", "bulk_temperature", "heat_flow", "nusselt")
 
 
 # More than 15 attributes: those of any problem, and of heat.
@@ -54,6 +55,9 @@ def heated_flow_quantity(problem: ObservedHeatedFlow, name: str, quantity: Quant
     """
     if quantity.kind not in KINDS:
         return flow_quantity(problem, name, quantity)
+    if quantity.kind == "bulk_temperature":
+        check_edge(problem.scene, problem.space.outline, name, quantity)
+        return _bulk_temperature(problem, quantity.at)
     if quantity.kind != "heat_flow":
         return heat_quantity(problem, name, quantity)
     conducted, advected = heat_quantity(problem, name, quantity), _advected(problem, quantity.at)
@@ -64,22 +68,56 @@ def heat_quantity(problem: ObservedHeat, name: str, quantity: Quantity) -> Funct
     """Likewise, of the temperature in the last column of x, and of heat that is conducted alone."""
     space = problem.space
     if quantity.kind == "temperature":
-        nodes = observed_nodes(space, name, quantity)
-        reduce = reduction(space, quantity, nodes)
-        return lambda x, *_: reduce(x[nodes, -1])
+        return _temperature(space, name, quantity)
+    check_edge(problem.scene, space.outline, name, quantity)
     if quantity.at not in problem.heats:
         problem.heats[quantity.at] = EdgeHeat(problem, quantity.at)
     leaving = problem.heats[quantity.at]
     if quantity.kind == "heat_flow":
         return lambda x, *motion: problem.scene.fluid.depth * leaving(x, *motion)
     of, facets = quantity.nusselt, space.facets[space.facets_of(quantity.at)]
-    factor = -of.length / (problem.conductivity * of.difference)
-    return lambda x, *motion: factor * leaving(x, *motion) / _length(space.X, facets)
+    factor = -of.length / problem.conductivity
+    if of.against is None:
+        return lambda x, *motion: factor * leaving(x, *motion) / (_length(space.X, facets) * of.difference)
+    here, there = (
+        _temperature(space, name, quantity.model_copy(update={"at": at, "reduce": "mean"}))
+        for at in (quantity.at, of.against)
+    )
+
+    def number(x: np.ndarray, *motion: Motion) -> float:
+        warmer = here(x) - there(x)
+        return factor * leaving(x, *motion) / (_length(space.X, facets) * warmer) if warmer else np.nan
+
+    return number
+
+
+def _temperature(space: PlaneSpace, name: str, quantity: Quantity) -> Function:
+    """The temperature [K] of an entity, reduced as the quantity says."""
+    nodes = observed_nodes(space, name, quantity)
+    reduce = reduction(space, quantity, nodes)
+    return lambda x, *_: reduce(x[nodes, -1])
+
+
+def _bulk_temperature(problem: ObservedHeatedFlow, edge: str) -> Callable[[np.ndarray], float]:
+    """The mean temperature [K] of what flows through an edge: weighted by the velocity across it."""
+    space = problem.space
+    facets = space.facets[space.facets_of(edge)]
+
+    def mean(x: np.ndarray) -> float:
+        along = space.X[facets[:, 1]] - space.X[facets[:, 0]]
+        across = x[facets, 0] * along[:, 1, None] - x[facets, 1] * along[:, 0, None]
+        weights = (across + across.sum(axis=1, keepdims=True)) / 6.0
+        through = float(weights.sum())
+        return float((weights * x[facets, -1]).sum()) / through if through else np.nan
+
+    return mean
 
 
 def isothermal_quantity(temperature: float, name: str, quantity: Quantity) -> Function:
     """The value of a quantity of heat where no temperature differs from another."""
-    value = temperature if quantity.kind == "temperature" else 0.0
+    value = temperature if quantity.kind in ("temperature", "bulk_temperature") else 0.0
+    if quantity.kind == "nusselt" and quantity.nusselt.against is not None:
+        value = np.nan
     return lambda *_: value
 
 

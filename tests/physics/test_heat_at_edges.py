@@ -1,0 +1,83 @@
+"""Numbers of heat at edges of a fluid: Nusselt numbers where a heat flux is given, and bulk temperatures."""
+
+import pytest
+from restshape_studies.stability.scenery import block, make_replay, set_value, write_scene, write_script
+from restshape_verification.flow.heated_scenes import HEAD
+from thermal_scenes import solved
+
+from restshape.errors import UserError
+
+PLACE = f"""{HEAD}{block(2.0, 1.0)}[fluid]
+rho = 1
+mu = 1
+conductivity = 0.5
+heat_capacity = 1
+reference = "300 K"
+[mesh]
+size = 0.25
+"""
+PLATE = f"""{PLACE}
+[boundary.heated]
+on = "left"
+wall = true
+heat_flux = "7 W/m^2"
+[boundary.cold]
+on = "right"
+wall = true
+temperature = "300 K"
+[effects]
+heat = {{}}
+[quantities]
+"""
+COUETTE = f"""{PLACE}
+[boundary.belt]
+on = "top"
+velocity = [1, 0]
+temperature = "301 K"
+[boundary.floor]
+on = "bottom"
+wall = true
+temperature = "300 K"
+[boundary.inlet]
+on = "left"
+velocity = ["y", 0]
+temperature = "300 + y"
+[boundary.outlet]
+on = "right"
+outflow = true
+[effects]
+flow = {{ steady = true }}
+convection = {{}}
+heat = {{}}
+[quantities]
+enters = {{ bulk_temperature = true, at = "left" }}
+leaves = {{ bulk_temperature = true, at = "right" }}
+"""
+
+
+def test_a_nusselt_number_of_a_given_flux_is_over_the_difference_that_it_makes(tmp_path):
+    """By conduction alone q L / k is the difference to the cold wall 2 m away, and twice that of the mean to it."""
+    text = PLATE + 'nu = { nusselt = { length = 2, against = "right" }, at = "left" }\n'
+    row = solved(tmp_path, text + 'mean = { nusselt = { length = 2, against = "all" }, at = "left" }\n').row
+    assert row["q_nu"] == pytest.approx(1.0, rel=1e-6) and row["q_mean"] == pytest.approx(2.0, rel=1e-6)
+
+
+def test_a_given_flux_over_a_given_difference_is_refused_with_what_to_do(tmp_path):
+    text = PLATE + 'nu = { nusselt = { length = 2, difference = 28 }, at = "left" }\n'
+    with pytest.raises(UserError, match="heat flux at 'left' is given") as caught:
+        solved(tmp_path, text)
+    assert 'against = "all"' in caught.value.do and "quantities.nu.nusselt" in caught.value.where
+    plain = text.replace('heat_flux = "7 W/m^2"', 'temperature = "310 K"')
+    script = write_script(tmp_path, set_value("boundary.heated", {"on": "left", "wall": True, "heat_flux": 3}))
+    first, *_, last = [dict(row) for row in make_replay(write_scene(tmp_path, plain), script).frames()]
+    assert not first["refused"] and "heat flux at 'left' is given" in last["refused"]
+
+
+def test_a_bulk_temperature_is_weighted_by_the_velocity(tmp_path):
+    """Couette flow u = y with T = 300 + y: the integral of u T over that of u is 300 + 2/3."""
+    row = solved(tmp_path, COUETTE, "solve.tolerance=1e-10").row
+    assert row["q_enters"] == pytest.approx(300 + 2 / 3, abs=1e-9)
+    assert row["q_leaves"] == pytest.approx(300 + 2 / 3, abs=1e-6)
+    wall = COUETTE.replace('bulk_temperature = true, at = "left"', 'bulk_temperature = true, at = "bottom"')
+    with pytest.raises(UserError, match="no fluid passes 'bottom'"):
+        solved(tmp_path, wall)
