@@ -1,4 +1,4 @@
-"""Triangles that are evaluated several at once: the same numbers as one by one, whatever their number."""
+"""Cells that are evaluated several at once: the same numbers as one by one, whatever their number."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from sample_meshes import unit_box
 
 from restshape import _kernels as k
 
-SOLIDS = ("linear_elastic_tri3", "stvk_tri3")
+SOLIDS = ("linear_elastic_tri3", "stvk_tri3", "linear_elastic_tet4")
 FLOWS = (
     "slow_flow_tri3",
     "flow_tri3",
@@ -23,7 +23,7 @@ ELEMENTS = (*SOLIDS, "mass_tri3", *FLOWS)
 
 def sample(element: str, count: int, seed: int = 0):
     """The element, nodes, unknowns, cells, a row of parameters for each cell, and coefficients of the nodes."""
-    X, cells, _ = unit_box(2, 5)
+    X, cells, _ = unit_box(3, 2) if element.endswith("tet4") else unit_box(2, 5)
     rng = np.random.default_rng(seed)
     e = k.Element(element)
     x = 0.2 * rng.normal(size=(len(X), e.fields))

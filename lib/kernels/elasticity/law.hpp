@@ -35,6 +35,8 @@ R distortion_energy(const R (&E)[D][D], double mu) {
 // Small strains: sigma = lambda tr(eps) I + 2 mu eps (docs/theory/solids.md).
 template <int D>
 struct LinearElastic {
+    static constexpr bool linear = true;
+
     template <class R>
     static void strain(const R (&H)[D][D], R (&E)[D][D]) {
         for (int a = 0; a < D; ++a) {
@@ -59,6 +61,8 @@ struct LinearElastic {
 // St. Venant-Kirchhoff: S = lambda tr(E) I + 2 mu E, E = (F^T F - I)/2, P = F S (docs/theory/solids.md).
 template <int D>
 struct StVenantKirchhoff {
+    static constexpr bool linear = false;
+
     template <class R>
     static void strain(const R (&H)[D][D], R (&E)[D][D]) {
         for (int a = 0; a < D; ++a)

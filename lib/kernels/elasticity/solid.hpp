@@ -37,12 +37,12 @@ struct SolidElement : SolidParts<Shape> {
         }
     }
 
-    // Of several elements, one a lane, where they have one point and few unknowns.
-    static constexpr bool packed = Shape::points == 1 && dim == 2;
+    // Of several elements, one a lane, where they have one point and few unknowns; in space Hooke's law alone.
+    static constexpr bool packed = Shape::points == 1 && (dim == 2 || Law::linear);
 
     [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r) {
         Pack G[nodes][dim], H[dim][dim], P[dim][dim];
-        const Pack volume = Shape::gradients(0, X, G) * p[2];
+        const Pack volume = Parts::times_thickness(Shape::gradients(0, X, G), p);
         Parts::displacement_gradient(G, x, H);
         stress_of(H, p, P);
         Parts::add_forces(0, G, volume, P, Parts::body(p), r);
@@ -51,9 +51,16 @@ struct SolidElement : SolidParts<Shape> {
     [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r,
                                                 Pack* K) {
         Pack G[nodes][dim], H[dim][dim];
-        const Pack volume = Shape::gradients(0, X, G) * p[2];
-        PackDual<dim * dim> Hd[dim][dim], P[dim][dim];
+        const Pack volume = Parts::times_thickness(Shape::gradients(0, X, G), p);
         Parts::displacement_gradient(G, x, H);
+        if constexpr (dim == 3) {
+            Pack stress[dim][dim];
+            stress_of(H, p, stress);
+            Parts::add_forces(0, G, volume, stress, Parts::body(p), r);
+            Parts::set_hooke_tangent(G, volume, p[0], p[1], K);
+            return;
+        }
+        PackDual<dim * dim> Hd[dim][dim], P[dim][dim];
         for (int a = 0; a < dim; ++a)
             for (int k = 0; k < dim; ++k) Hd[a][k] = PackDual<dim * dim>::seed(H[a][k], a * dim + k);
         stress_of(Hd, p, P);

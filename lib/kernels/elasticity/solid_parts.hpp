@@ -29,6 +29,7 @@ struct SolidParts {
     static constexpr int row_stride = Dual<unknowns>::lanes;
 
     static double thickness(const double* p) { return flat ? p[2] : 1.0; }
+    static Pack times_thickness(const Pack& volume, const Pack* p) { return flat ? volume * p[2] : volume; }
     template <class P>
     static const P* body(const P* p) {
         return p + (flat ? 3 : 2);
@@ -115,6 +116,31 @@ struct SolidParts {
                         K[(i * dim + a) * unknowns + j * dim + c] = sum;
                     }
                 }
+    }
+
+    // The tangent of Hooke's law of several elements of one point each. Its sums have the order of
+    // `add_forces_and_tangent`, so that rounding is the same: the bending modes of thin bodies hang on it.
+    static void set_hooke_tangent(const Pack (&G)[nodes][dim], const Pack& volume, const Pack& lambda, const Pack& mu,
+                                  Pack* K) {
+        const Pack stretch = volume * (lambda + 2.0 * mu), side = volume * lambda, shear = volume * mu;
+        for (int j = 0; j < nodes; ++j)
+            for (int c = 0; c < dim; ++c) {
+                const Pack first = side * G[j][c], second = stretch * G[j][c];
+                Pack sheared[dim];
+                for (int k = 0; k < dim; ++k) sheared[k] = shear * G[j][k];
+                for (int i = 0; i < nodes; ++i)
+                    for (int a = 0; a < dim; ++a) {
+                        Pack& entry = K[(i * dim + a) * unknowns + j * dim + c];
+                        if (a == c) {
+                            entry = G[i][0] * (a == 0 ? second : sheared[0]);
+                            for (int k = 1; k < dim; ++k) entry += G[i][k] * (k == a ? second : sheared[k]);
+                        } else if (a < c) {
+                            entry = G[i][a] * first + G[i][c] * sheared[a];
+                        } else {
+                            entry = G[i][c] * sheared[a] + G[i][a] * first;
+                        }
+                    }
+            }
     }
 
     static void spread(const double (&G)[nodes][dim], Row (&gradient)[dim][dim]) {

@@ -111,10 +111,8 @@ void recover_each(const Reals& X, const Ints& cells, const Reals& stress, Reals&
     const py::ssize_t n = X.shape(0), ne = cells.shape(0), count = out.shape(0);
     require(stress.size() == count * ne * Recovery::points * Recovery::values,
             "stress must be (k, ne, 6), or (k, ne, 4, 6) of second order");
-    Recovery recovery(X.data(), cells.data(), n, ne);
-    for (py::ssize_t k = 0; k < count; ++k)
-        recovery.run(stress.data() + k * ne * Recovery::points * Recovery::values,
-                     out.mutable_data() + k * n * Recovery::values);
+    const Recovery recovery(X.data(), cells.data(), n, ne, stress.data(), count);
+    for (py::ssize_t k = 0; k < count; ++k) recovery.write(k, out.mutable_data() + k * n * Recovery::values);
 }
 
 void recover_space(const Reals& X, const Ints& cells, const Reals& stress, Reals out) {

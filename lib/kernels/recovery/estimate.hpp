@@ -4,7 +4,9 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <cstring>
 
+#include "fem/pack.hpp"
 #include "fem/shapes.hpp"
 
 namespace restshape {
@@ -52,12 +54,25 @@ void stress_between(int q, const double* sample, int sampled, Value& s) {
     for (int i = 1; i < corners; ++i) s += (l[i] - a) / range * Eigen::Map<const Value>(sample + i * components);
 }
 
+// Values of one place in one register, zeros behind them: of six in two readings, for what is put together in memory
+// is waited for.
+template <int Components>
+Pack loaded(const double* from) {
+    using Two = double __attribute__((vector_size(2 * sizeof(double))));
+    using Four = double __attribute__((vector_size(4 * sizeof(double))));
+    Four first;
+    Two last{};
+    std::memcpy(&first, from, sizeof(Four));
+    if constexpr (Components == 6) std::memcpy(&last, from + 4, sizeof(Two));
+    const Four rest = __builtin_shufflevector(last, Two{}, 0, 1, 2, 3);
+    return __builtin_shufflevector(first, rest, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
 // The terms of d . C d, one a component: their sum needs no order, and is taken once for all cells.
-template <class Value>
-Value energy_terms(const double* C, const Value& d) {
-    constexpr int components = Value::RowsAtCompileTime;
-    Value image = d[0] * Eigen::Map<const Value>(C);
-    for (int k = 1; k < components; ++k) image += d[k] * Eigen::Map<const Value>(C + k * components);
+template <int Components>
+Pack energy_terms(const Pack (&C)[Components], const Pack& d) {
+    Pack image = d[0] * C[0];
+    for (int k = 1; k < Components; ++k) image += d[k] * C[k];
     return d * image;
 }
 
@@ -66,18 +81,22 @@ Value energy_terms(const double* C, const Value& d) {
 template <class Shape>
 Energies constant_stress_energies(const StressOnCells& on) {
     constexpr int nodes = Shape::nodes, dim = Shape::dim, components = Shape::components;
-    using Value = Eigen::Array<double, components, 1>;
-    Value distance = Value::Zero(), size = Value::Zero();
+    Pack distance{}, size{}, C[components] = {};
+    int kind = -1;
     for (std::ptrdiff_t e = 0; e < on.count; ++e) {
-        const Value s = Eigen::Map<const Value>(on.samples + e * components);
-        const double* C = on.compliance + (on.kinds ? on.kinds[e] : 0) * components * components;
+        const Pack s = loaded<components>(on.samples + e * components);
+        if (const int own = on.kinds ? on.kinds[e] : 0; own != kind) {
+            kind = own;
+            for (int k = 0; k < components; ++k)
+                C[k] = loaded<components>(on.compliance + (kind * components + k) * components);
+        }
         double X[nodes * dim];
-        Value sum = Value::Zero(), squares = Value::Zero();
+        Pack sum{}, squares{};
         for (int i = 0; i < nodes; ++i) {
             const double* place = on.X + static_cast<size_t>(on.cells[e * nodes + i]) * dim;
             for (int a = 0; a < dim; ++a) X[i * dim + a] = place[a];
             const size_t row = static_cast<size_t>(on.rows[e * nodes + i]);
-            const Value d = Eigen::Map<const Value>(on.nodal + row * components) - s;
+            const Pack d = loaded<components>(on.nodal + row * components) - s;
             sum += d;
             squares += energy_terms(C, d);
         }
@@ -85,7 +104,9 @@ Energies constant_stress_energies(const StressOnCells& on) {
         distance += volume / (nodes * (nodes + 1)) * (squares + energy_terms(C, sum));
         size += volume * energy_terms(C, s);
     }
-    return {distance.sum(), size.sum()};
+    Energies total;
+    for (int k = 0; k < components; ++k) total.distance += distance[k], total.size += size[k];
+    return total;
 }
 
 // Integrals of d . C d, of d = nodal - sampled, and of s . C s, of the samples s.

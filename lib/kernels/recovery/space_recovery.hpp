@@ -21,7 +21,7 @@
 
 namespace restshape {
 
-// Fits on one mesh for any number of stresses.
+// Fits on one mesh to any number of stresses.
 template <class Basis, class Samples>
 class SpaceRecovery {
  public:
@@ -29,47 +29,42 @@ class SpaceRecovery {
     static constexpr int terms = Basis::order == 1 ? 4 : 10;  // 1, x, y, z, and their products
     using Value = Eigen::Array<double, values, 1>;
 
-    // X (n, 3), cells (ne, nodes).
-    SpaceRecovery(const double* X, const int32_t* cells, std::ptrdiff_t n, std::ptrdiff_t ne)
+    // X (n, 3), cells (ne, nodes), stress (count, ne, points, 6).
+    SpaceRecovery(const double* X, const int32_t* cells, std::ptrdiff_t n, std::ptrdiff_t ne, const double* stress,
+                  std::ptrdiff_t count)
         : X_(X), cells_(cells), n_(n), ne_(ne), patch_(n, -1) {
+        int count_of_patches = 0;
         for (std::ptrdiff_t e = 0; e < ne_; ++e)
-            for (int i = 0; i < corners; ++i) {
-                int& patch = patch_[cell(e)[i]];
-                if (patch < 0) {
-                    patch = static_cast<int>(patches_.size());
-                    patches_.emplace_back();
-                }
-                for (int j = 0; j < corners; ++j) {
-                    double square = 0.0;
-                    for (int a = 0; a < 3; ++a) {
-                        const double d = place(cell(e)[j])[a] - place(cell(e)[i])[a];
-                        square += d * d;
-                    }
-                    patches_[patch].size = std::max(patches_[patch].size, square);
-                }
-            }
-        for (Patch& p : patches_) p.size = std::sqrt(p.size);
-        visit([this](int patch, const double(&f)[terms], std::ptrdiff_t) {
+            for (int i = 0; i < corners; ++i)
+                if (int& patch = patch_[cell(e)[i]]; patch < 0) patch = count_of_patches++;
+        patches_.resize(count_of_patches);
+        sources_.reserve(n_);
+        for (std::ptrdiff_t e = 0; e < ne_; ++e) measure(cell(e));
+        for (Patch& p : patches_) p.inverse = 1.0 / std::sqrt(p.inverse);
+        moments_.resize(count * patches_.size());
+        visit([this, stress, count](int patch, const double(&f)[terms], std::ptrdiff_t sample) {
             Patch& p = patches_[patch];
-            for (int k = 0; k < terms; ++k)
-                for (int l = 0; l <= k; ++l) p.m[k][l] += f[k] * f[l];
+            using Row = Eigen::Array<double, terms, 1>;
+            for (int k = 0; k < terms; ++k) Eigen::Map<Row>(p.m[k]) += f[k] * Eigen::Map<const Row>(f);
+            for (std::ptrdiff_t s = 0; s < count; ++s) {
+                const Value value = Eigen::Map<const Value>(stress + values * (s * ne_ * points + sample));
+                Moments& moments = moments_[s * patches_.size() + patch];
+                for (int k = 0; k < terms; ++k) moments.b[k] += f[k] * value;
+            }
         });
         for (Patch& p : patches_) factor(p);
         choose();
+        for (std::ptrdiff_t s = 0; s < count; ++s)
+            for (size_t p = 0; p < patches_.size(); ++p) solve(patches_[p], moments_[s * patches_.size() + p]);
     }
 
-    // stress (ne, points, 6), out (n, 6).
-    void run(const double* stress, double* out) {
-        moments_.assign(patches_.size(), Moments{});
-        visit([this, stress](int patch, const double(&f)[terms], std::ptrdiff_t sample) {
-            const Eigen::Map<const Value> value(stress + values * sample);
-            for (int k = 0; k < terms; ++k) moments_[patch].b[k] += f[k] * value;
-        });
-        for (size_t p = 0; p < patches_.size(); ++p) solve(patches_[p], moments_[p]);
+    // The nodal values of the stress of that number, out (n, 6).
+    void write(std::ptrdiff_t number, double* out) const {
+        const Moments* moments = moments_.data() + number * patches_.size();
         std::fill(out, out + values * n_, 0.0);
         for (const Source& s : sources_) {
             Eigen::Map<Value> value(out + values * static_cast<size_t>(s.node));
-            for (int k = 0; k < s.rank; ++k) value += s.share * s.p[k] * moments_[s.patch].b[k];
+            for (int k = 0; k < s.rank; ++k) value += s.share * s.p[k] * moments[s.patch].b[k];
         }
     }
 
@@ -79,9 +74,9 @@ class SpaceRecovery {
     static constexpr double most = 16.0;
 
     struct Patch {
-        double m[terms][terms] = {};  // normal equations, then their factor with the diagonal's reciprocals
-        double size = 0.0;
-        int rank = 0;  // terms that are determined: 1, 4 or 10
+        double m[terms][terms] = {};  // normal equations; below, then, their factor with the diagonal's reciprocals
+        double inverse = 0.0;         // of the length of its longest side
+        int rank = 0;                 // terms that are determined: 1, 4 or 10
     };
     // A part of a node's value: the polynomial of a patch there, times a share.
     struct Source {
@@ -99,9 +94,25 @@ class SpaceRecovery {
     const int32_t* cell(std::ptrdiff_t e) const { return cells_ + e * nodes; }
     const double* place(int32_t a) const { return X_ + 3 * static_cast<size_t>(a); }
 
+    // The squares of the longest sides of patches, as far as a cell has them.
+    void measure(const int32_t* cell) {
+        for (int i = 0; i < corners; ++i)
+            for (int j = 0; j < i; ++j) {
+                double square = 0.0;
+                for (int a = 0; a < 3; ++a) {
+                    const double d = place(cell[j])[a] - place(cell[i])[a];
+                    square += d * d;
+                }
+                for (const int end : {i, j}) {
+                    Patch& p = patches_[patch_[cell[end]]];
+                    p.inverse = std::max(p.inverse, square);
+                }
+            }
+    }
+
     // Of a place relative to the corner, over the patch's size, so that all terms are alike.
     void monomials(int32_t corner, const double* at, double (&f)[terms]) const {
-        const double inverse = 1.0 / patches_[patch_[corner]].size;
+        const double inverse = patches_[patch_[corner]].inverse;
         double d[3];
         for (int a = 0; a < 3; ++a) d[a] = (at[a] - place(corner)[a]) * inverse;
         f[0] = 1.0;

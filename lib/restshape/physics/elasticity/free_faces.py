@@ -12,46 +12,59 @@ SMOOTH = np.cos(np.radians(40.0))
 """Cosine of the angle between two sides of the outline up to which they are one curved wall."""
 
 
-def remove_tractions(nodal: np.ndarray, space: Extrusion, boundary: Dirichlet) -> None:
-    """Takes the tractions out of stresses at the nodes of free faces: of bottom, top and walls.
-
-    Of a stress s the part P s P stays, where P projects onto what is normal to no free face at the node. Nodes that
-    supports constrain, and walls at reentrant corners, where stresses are singular, are left as they are.
+class FreeFaces:
+    """The normals of bottom, top and walls of a body, with what of them stays while its nodes move and its edges flip.
 
     Args:
-        nodal: (k, n, 6) stresses xx, yy, xy, zz, yz, xz, which are changed.
-        space: the body.
+        space: the body; kept by reference.
         boundary: the constrained unknowns of its nodes.
     """
-    normals = np.zeros((3, len(space.plane.X), space.levels, 3))
-    walls, caps = _wall_normals(space), _cap_normals(space)
-    normals[:2, :, :, :2] = walls[:, :, None, :]
-    normals[2, :, [0, -1]] = caps
-    constrained = np.ascontiguousarray(boundary.mask, dtype=np.uint8)
-    _kernels.remove_tractions(normals.reshape(3, -1, 3), constrained, nodal)
 
+    def __init__(self, space: Extrusion, boundary: Dirichlet) -> None:
+        self.space, plane, mesh = space, space.plane, space.mesh
+        shared = np.bincount(mesh.cell_edges.ravel(), minlength=len(mesh.edge_nodes))
+        self._facets = plane.facets[shared[edges_between(mesh.edge_nodes, mesh.facets)] == 1]
+        starts, ends = self._facets[:, 0], self._facets[:, 1]
+        # Where more than two facets meet a corner has no one normal.
+        met = np.bincount(self._facets[:, :2].ravel(), minlength=len(plane.X)) == 2
+        into, out_of = np.full((2, len(plane.X)), -1)
+        into[ends], out_of[starts] = np.arange(len(ends)), np.arange(len(starts))
+        self._corners = np.flatnonzero(met & (into >= 0) & (out_of >= 0))
+        self._into, self._out_of = into[self._corners], out_of[self._corners]
+        self._constrained = np.ascontiguousarray(boundary.mask, dtype=np.uint8)
+        self._normals = np.zeros((3, len(plane.X), space.levels, 3))
+        self._normals[2, :, [0, -1]] = _cap_normals(space)
 
-def _wall_normals(space: Extrusion) -> np.ndarray:
-    """Normals (2, n2, 2) of the walls at plane nodes: one on smooth walls, two at convex corners, else 0."""
-    plane, mesh = space.plane, space.mesh
-    shared = np.bincount(mesh.cell_edges.ravel(), minlength=len(mesh.edge_nodes))
-    facets = plane.facets[shared[edges_between(mesh.edge_nodes, mesh.facets)] == 1]
-    along = plane.X[facets[:, 1]] - plane.X[facets[:, 0]]
-    # The material is on the left of a facet.
-    outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
-    normals = np.zeros((2, len(plane.X), 2))
-    normals[0, facets[:, 1]], normals[1, facets[:, 0]] = outward, outward
-    first, second = normals
-    cosine = np.einsum("na,na->n", first, second)
-    convex = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0] > 0.0
-    smooth, met = cosine > SMOOTH, np.bincount(facets[:, :2].ravel(), minlength=len(plane.X)) == 2
-    mean = first + second
-    mean /= np.maximum(np.linalg.norm(mean, axis=1), 1e-300)[:, None]
-    found = np.where((met & convex & ~smooth)[:, None], normals, 0.0)
-    found[0, met & smooth] = mean[met & smooth]
-    if facets.shape[1] == 3:
-        found[0, facets[:, 2]] = outward
-    return found
+    def remove_tractions(self, nodal: np.ndarray) -> None:
+        """Takes the tractions out of stresses at the nodes of free faces: of bottom, top and walls.
+
+        Of a stress s the part P s P stays, where P projects onto what is normal to no free face at the node. Nodes that
+        supports constrain, and walls at reentrant corners, where stresses are singular, are left as they are.
+
+        Args:
+            nodal: (k, n, 6) stresses xx, yy, xy, zz, yz, xz, which are changed.
+        """
+        self._turn_walls()
+        if self.space.thickness.varies:
+            self._normals[2, :, [0, -1]] = _cap_normals(self.space)
+        _kernels.remove_tractions(self._normals.reshape(3, -1, 3), self._constrained, nodal)
+
+    def _turn_walls(self) -> None:
+        """Write the normals of the walls as they lie: one on smooth walls, two at convex corners, else 0."""
+        X, facets, walls = self.space.plane.X, self._facets, self._normals[:2, :, :, :2]
+        along = X[facets[:, 1]] - X[facets[:, 0]]
+        # The material is on the left of a facet.
+        outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+        first, second = outward[self._into], outward[self._out_of]
+        smooth = ((first * second).sum(axis=1) > SMOOTH)[:, None]
+        convex = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0] > 0.0)[:, None]
+        mean = first + second
+        mean /= np.maximum(np.linalg.norm(mean, axis=1), 1e-300)[:, None]
+        corners = convex & ~smooth
+        walls[0, self._corners] = np.where(smooth, mean, np.where(corners, first, 0.0))[:, None]
+        walls[1, self._corners] = np.where(corners, second, 0.0)[:, None]
+        if facets.shape[1] == 3:
+            walls[0, facets[:, 2]] = outward[:, None]
 
 
 def _cap_normals(space: Extrusion) -> np.ndarray:

@@ -13,7 +13,7 @@ from restshape.fem.error_estimate import NO_KINDS
 from restshape.fem.integral import Integral
 from restshape.fem.recovery import NodalFlux
 from restshape.fem.space import Space
-from restshape.physics.elasticity.free_faces import remove_tractions
+from restshape.physics.elasticity.free_faces import FreeFaces
 from restshape.physics.elasticity.stiffness import plane_strain, plane_stress, stiffness_of
 from restshape.physics.elasticity.vibrating_materials import constant_thickness
 from restshape.scene.model import Material
@@ -94,6 +94,7 @@ class SolidModeEstimate(RecoveryModeEstimate):
 
     def __init__(self, body: EstimatedBody) -> None:
         super().__init__(body)
+        self._faces = FreeFaces(body.space, body.boundary)
         flexible = [np.linalg.inv(stiffness_of(m)) for m in body.materials]
         self._compliance = np.stack([C[np.ix_(COMPONENTS, COMPONENTS)] for C in flexible])
         self._points = _kernels.space_recovery_points() if body.space.cells.shape[1] == 10 else None
@@ -108,7 +109,7 @@ class SolidModeEstimate(RecoveryModeEstimate):
             cells, samples = (np.ascontiguousarray(part) for part in (space.cells[own], stress[:, own]))
             nodal = np.empty((len(modes), len(space.X), 6))
             _kernels.recover_space(space.X, cells, samples, nodal)
-            remove_tractions(nodal, space, self.body.boundary)
+            self._faces.remove_tractions(nodal)
             C = self._compliance[kind : kind + 1]
             for k in range(len(modes)):
                 total[k] += _kernels.recovery_energies(space.X, cells, cells, nodal[k], samples[k], C, NO_KINDS)[0]
