@@ -3,8 +3,9 @@
 python scripts/new_mesh.py
 
 Eddies leave the body; at four moments the mesh is made again, of another size. Printed are the largest changes of drag
-and lift in the first step after and in the second, over the largest drag and over the lift from peak to peak, against
-the mesh of before. The difference of the two meshes, which is in the last column, is part of them.
+and lift in the first step after, in the second and in the sixth, against the mesh of before: over the largest drag and
+over the lift from peak to peak, then over the amplitudes, half from peak to peak. What the two meshes differ by, each
+from the beginning, is printed below: it is part of all of them.
 """
 
 from collections.abc import Iterator
@@ -23,6 +24,7 @@ from restshape.mesh.transfer import Transfer
 from restshape.physics.flow.carry import Carrier, VelocityCorrection
 
 SCENE = application.folder / "scenes" / "flow.toml"
+OTHER = "10.4 mm"
 MOMENTS, RESTING = (85, 92, 100, 108), 8
 WAYS = {
     "interpolated, first order": {"linear", "first", "uncorrected"},
@@ -64,27 +66,33 @@ def changed(how: set[str]) -> Iterator[None]:
         yield
 
 
-def forces(moment: int | None) -> np.ndarray:
-    """Drag and lift (frames, 2), with a new mesh after so many frames, or with none."""
+def forces(moment: int | None, size: str | None = None) -> np.ndarray:
+    """Drag and lift (frames, 2), with a new mesh after so many frames, or with none; on one of a size throughout."""
     rest = max(MOMENTS) + RESTING + 1
     events: list[dict] = [{"do": "idle", "frames": moment or rest}]
     if moment:
-        events += [*set_value("mesh.size", "10.4 mm"), {"do": "idle", "frames": RESTING}]
+        events += [*set_value("mesh.size", OTHER), {"do": "idle", "frames": RESTING}]
     with TemporaryDirectory() as folder:
-        made = make_replay(SCENE, write_script(Path(folder), events))
+        made = make_replay(SCENE, write_script(Path(folder), events), overrides=[f"mesh.size={size}"] if size else [])
         return np.array([(row["q_drag"], row["q_lift"]) for row in made.frames()])
 
 
 def main() -> None:
     """Print a row for each way."""
     kept = forces(None)
-    amplitude = np.array([kept[70:, 0].max(), np.ptp(kept[70:, 1])])
-    print(f"{'':34}  drag: first   second   settled   lift: first   second   settled")
+    swing = np.ptp(kept[70:], axis=0)
+    sizes, amplitudes = np.array([kept[70:, 0].max(), swing[1]]), 0.5 * swing
+    print(f"{'over the largest drag, and the lift from peak to peak':56}over half from peak to peak")
+    print(f"{'':34}{'  drag: 1    2    6   lift: 1    2    6' * 2}")
     for name, how in WAYS.items():
         with changed(how):
             found = [(forces(at)[: len(kept)] - kept[: at + RESTING + 2])[at + 1 :] for at in MOMENTS]
-        most = np.abs(np.array([one[[0, 1, 5]] for one in found])).max(axis=0) / amplitude
-        print(f"{name:34}" + "".join(f"{100 * v:10.1f} %" for v in most.T.ravel()), flush=True)
+        most = np.abs(np.array([one[[0, 1, 5]] for one in found])).max(axis=0)
+        shown = [most / sizes, most / amplitudes]
+        print(f"{name:34}" + "".join(f"{100 * v:6.1f}" for one in shown for v in one.T.ravel()), flush=True)
+    apart = (forces(None, OTHER)[70:] - kept[70:])[:, 0].mean()
+    share, part = 100 * abs(apart) / sizes[0], 100 * abs(apart) / amplitudes[0]
+    print(f"the mean drag of both meshes differs by {share:.1f} % of the largest, {part:.0f} % of the amplitude")
 
 
 if __name__ == "__main__":
