@@ -1,7 +1,8 @@
 """Numbers of heat at edges of a fluid: Nusselt numbers where a heat flux is given, and bulk temperatures."""
 
+import numpy as np
 import pytest
-from restshape_studies.stability.scenery import block, make_replay, set_value, write_scene, write_script
+from restshape_studies.stability.scenery import block, drag, make_replay, set_value, write_scene, write_script
 from restshape_verification.flow.heated_scenes import HEAD
 from thermal_scenes import solved
 
@@ -81,3 +82,47 @@ def test_a_bulk_temperature_is_weighted_by_the_velocity(tmp_path):
     wall = COUETTE.replace('bulk_temperature = true, at = "left"', 'bulk_temperature = true, at = "bottom"')
     with pytest.raises(UserError, match="no fluid passes 'bottom'"):
         solved(tmp_path, wall)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", [-0.04, 0.04])
+@pytest.mark.parametrize("scheme", ["bdf2", "backward_euler"])
+def test_a_wall_that_is_dragged_gives_off_what_it_conducts(tmp_path, way, scheme):
+    """A warm wall is dragged through fluid that its warmth has hardly entered, by a side of a cell in four frames.
+
+    Fields that nodes keep and those at their new places (remap) give the same heat, to within a third; heat
+    that the wall sweeps would be six times that, or against it, and of the other sign in the frame after the drag.
+    """
+    text = f"""{HEAD}{block(0.5, 0.4)}
+[fluid]
+rho = 1
+mu = 0.002
+conductivity = 0.002
+heat_capacity = 1
+[boundary.warm]
+on = "left"
+wall = true
+temperature = "300.5 K"
+[boundary.cold]
+on = "right"
+wall = true
+temperature = "299.5 K"
+[effects]
+flow = {{ time_step = 0.02, scheme = "{scheme}", carry = "CARRY" }}
+heat = {{ initial = 300 }}
+[mesh]
+size = 0.04
+[quantities]
+gives = {{ heat_flow = true, at = "left" }}
+"""
+    events = [{"do": "idle", "frames": 40}, *drag("left", (0.0, 0.2), [(way * k / 4, 0.2) for k in range(1, 5)])]
+    events += [{"do": "idle", "frames": 3}]
+    found = []
+    for carry in ("ale", "remap"):
+        scene = write_scene(tmp_path, text.replace("CARRY", carry))
+        rows = [dict(row) for row in make_replay(scene, write_script(tmp_path, events)).frames()][41:]
+        assert not any(row["refused"] for row in rows)
+        found.append(-np.array([row["q_gives"] for row in rows]))
+    assert min(one.min() for one in found) > 0.0
+    moving = slice(1, 6)
+    np.testing.assert_allclose(found[0][moving], found[1][moving], rtol=0.35, atol=2e-4)

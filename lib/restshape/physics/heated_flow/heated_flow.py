@@ -3,8 +3,9 @@
 # More than 15 modules: conditions, elements, sources and quantities make one problem here.
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -181,6 +182,21 @@ class HeatedFlow(IncompressibleFlow):
     def observer(self, quantities: Mapping[str, Quantity]) -> Observer:
         """What evaluates quantities of the unknowns x (n, 4)."""
         return Observer({name: heated_flow_quantity(self, name, quantity) for name, quantity in quantities.items()})
+
+    @contextmanager
+    def unmoved(self, nodes: np.ndarray) -> Iterator[None]:
+        """Leave out the rate of a step and the velocity of its mesh where it moves these nodes (k,), while this lasts.
+
+        Nodes of a wall take its temperature along, though the fluid that they pass has another one: at the wall these
+        terms are heat of fluid that the wall sweeps, and none that passes it.
+        """
+        step, kept = self.step, self._kept
+        if step is not None and step.mesh_velocity is not None and np.any(step.mesh_velocity[nodes]):
+            self.step = replace(step, rate=0.0, past=np.zeros_like(step.past), mesh_velocity=None)
+        try:
+            yield
+        finally:
+            self.step, self._kept = step, kept
 
     def heat_residual(self, rest: np.ndarray) -> np.ndarray:
         """The heat (n,) [W/m] that a residual (n, 4) of the equations lacks at the nodes."""

@@ -1,6 +1,7 @@
 """Quantities of interest of heat in a fluid: temperatures, heat that passes edges, Nusselt numbers."""
 
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from typing import Protocol
 
 import numpy as np
@@ -37,6 +38,9 @@ class ObservedHeat(SteadyProblem, Protocol):
     border: BorderHeat
     heats: "dict[str, EdgeHeat]"
     mass: Inertia | None
+
+    def unmoved(self, nodes: np.ndarray) -> AbstractContextManager[None]:
+        """Leave out what the motion of these nodes (k,) adds to the residual, while this lasts."""
 
     def heat_residual(self, rest: np.ndarray) -> np.ndarray:
         """The heat (n,) [W/m] that a residual (n, f) of the equations lacks at the nodes."""
@@ -158,7 +162,8 @@ class EdgeHeat:
             return -given
         if self._around[0] != space.topology:
             self._around = space.topology, cells_around(space, on.nodes)
-        rest = problem.heat_residual(unconstrained_residual(problem, x, self._around[1]))
+        with problem.unmoved(on.nodes):
+            rest = problem.heat_residual(unconstrained_residual(problem, x, self._around[1]))
         if problem.mass and motion and motion[0].started:
             rest += problem.mass.apply(motion[0].v)[:, 0]
         return -(given + float(on.parts() @ rest[on.nodes]))

@@ -3,6 +3,7 @@
 # More than 15 modules: conditions, sources, border and quantities make one problem here.
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
 
@@ -141,6 +142,10 @@ class StillFluid(TransientProblem):
         """The recovery-based estimate in the norm of the fluxes' dissipation."""
         resistance = np.diag([1.0, 1.0, 0.0, 0.0]) / self.conductivity
         return RecoveryEstimate(self.space, self.flux, resistance[None], self.stiffest)
+
+    def unmoved(self, nodes: np.ndarray) -> AbstractContextManager[None]:
+        """Nothing is left out: the temperature of a fluid that does not flow knows no velocity of the mesh."""
+        return nullcontext()
 
     def heat_residual(self, rest: np.ndarray) -> np.ndarray:
         """The heat (n,) [W/m] that a residual (n, 1) of the equation lacks at the nodes."""
