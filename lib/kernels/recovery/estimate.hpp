@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 #include "fem/pack.hpp"
 #include "fem/shapes.hpp"
@@ -54,24 +55,31 @@ void stress_between(int q, const double* sample, int sampled, Value& s) {
     for (int i = 1; i < corners; ++i) s += (l[i] - a) / range * Eigen::Map<const Value>(sample + i * components);
 }
 
-// Values of one place in one register, zeros behind them: of six in two readings, for what is put together in memory
-// is waited for.
+// Values of one place in one register: six with zeros behind them.
+using Four = double __attribute__((vector_size(4 * sizeof(double))));
 template <int Components>
-Pack loaded(const double* from) {
-    using Two = double __attribute__((vector_size(2 * sizeof(double))));
-    using Four = double __attribute__((vector_size(4 * sizeof(double))));
+using Register = std::conditional_t<Components == 4, Four, Pack>;
+
+// Six in two readings, for what is put together in memory is waited for.
+template <int Components>
+Register<Components> loaded(const double* from) {
     Four first;
-    Two last{};
     std::memcpy(&first, from, sizeof(Four));
-    if constexpr (Components == 6) std::memcpy(&last, from + 4, sizeof(Two));
-    const Four rest = __builtin_shufflevector(last, Two{}, 0, 1, 2, 3);
-    return __builtin_shufflevector(first, rest, 0, 1, 2, 3, 4, 5, 6, 7);
+    if constexpr (Components == 4) {
+        return first;
+    } else {
+        using Two = double __attribute__((vector_size(2 * sizeof(double))));
+        Two last;
+        std::memcpy(&last, from + 4, sizeof(Two));
+        const Four rest = __builtin_shufflevector(last, Two{}, 0, 1, 2, 3);
+        return __builtin_shufflevector(first, rest, 0, 1, 2, 3, 4, 5, 6, 7);
+    }
 }
 
 // The terms of d . C d, one a component: their sum needs no order, and is taken once for all cells.
 template <int Components>
-Pack energy_terms(const Pack (&C)[Components], const Pack& d) {
-    Pack image = d[0] * C[0];
+Register<Components> energy_terms(const Register<Components> (&C)[Components], const Register<Components>& d) {
+    Register<Components> image = d[0] * C[0];
     for (int k = 1; k < Components; ++k) image += d[k] * C[k];
     return d * image;
 }
@@ -81,28 +89,29 @@ Pack energy_terms(const Pack (&C)[Components], const Pack& d) {
 template <class Shape>
 Energies constant_stress_energies(const StressOnCells& on) {
     constexpr int nodes = Shape::nodes, dim = Shape::dim, components = Shape::components;
-    Pack distance{}, size{}, C[components] = {};
+    using Value = Register<components>;
+    Value distance{}, size{}, C[components] = {};
     int kind = -1;
     for (std::ptrdiff_t e = 0; e < on.count; ++e) {
-        const Pack s = loaded<components>(on.samples + e * components);
+        const Value s = loaded<components>(on.samples + e * components);
         if (const int own = on.kinds ? on.kinds[e] : 0; own != kind) {
             kind = own;
             for (int k = 0; k < components; ++k)
                 C[k] = loaded<components>(on.compliance + (kind * components + k) * components);
         }
         double X[nodes * dim];
-        Pack sum{}, squares{};
+        Value sum{}, squares{};
         for (int i = 0; i < nodes; ++i) {
             const double* place = on.X + static_cast<size_t>(on.cells[e * nodes + i]) * dim;
             for (int a = 0; a < dim; ++a) X[i * dim + a] = place[a];
             const size_t row = static_cast<size_t>(on.rows[e * nodes + i]);
-            const Pack d = loaded<components>(on.nodal + row * components) - s;
+            const Value d = loaded<components>(on.nodal + row * components) - s;
             sum += d;
-            squares += energy_terms(C, d);
+            squares += energy_terms<components>(C, d);
         }
         const double volume = Shape::points * Shape::volume(0, X);
-        distance += volume / (nodes * (nodes + 1)) * (squares + energy_terms(C, sum));
-        size += volume * energy_terms(C, s);
+        distance += volume / (nodes * (nodes + 1)) * (squares + energy_terms<components>(C, sum));
+        size += volume * energy_terms<components>(C, s);
     }
     Energies total;
     for (int k = 0; k < components; ++k) total.distance += distance[k], total.size += size[k];
