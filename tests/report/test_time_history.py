@@ -10,6 +10,8 @@ from restshape.replay.columns import columns
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.report import time_history
+from restshape.report.quantity_panels import cut_start
+from restshape.report.style import new_figure
 from restshape.report.time_history import draw_history, edited_spans, value_step
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
@@ -85,3 +87,20 @@ def test_numbers_along_the_axes_of_short_runs_differ(tmp_path, monkeypatch, scal
     for axis in (panel.xaxis, panel.yaxis, panel.child_axes[0].xaxis):
         texts = [text.get_text() for text in axis.get_ticklabels() if text.get_text()]
         assert len(set(texts)) == len(texts) > 1
+
+
+@pytest.mark.parametrize("start", [13.4, 1.9])
+def test_a_start_far_beyond_all_later_values_is_cut_off_and_named(start):
+    """A drag between 1.4 and 1.8 that begins at 0 and goes up to 13.4, or to 1.9, which is near."""
+    values = np.array([1.4, start, *(1.6 + 0.2 * np.sin(np.arange(30.0)))])
+    axes = new_figure(4.0, 2.0).subplots()
+    axes.plot(values)
+    whole = axes.get_ylim()
+    cut_start(axes, values, "N")
+    low, high = axes.get_ylim()
+    if start == 1.9:
+        assert (low, high) == whole and not axes.texts
+        return
+    later = values[5:]
+    assert low < later.min() and later.max() < high < 2.0
+    assert axes.texts[0].get_text() == "cut off: the first 5 frames go from 1.4 to 13.4 N"

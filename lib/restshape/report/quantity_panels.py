@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import prefix, scaled_unit
-from restshape.replay.columns import error_column, jump_column, quantity_names
+from restshape.replay.columns import SIMULATED, error_column, jump_column, quantity_names
 from restshape.replay.recording import Recording, ranges
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
@@ -45,6 +45,8 @@ FRAMES_LETTERS = 32
 SHORT, ROUND = 5, 4
 """Digits of a limit at most that is shown as it was written, and of all others."""
 Colour = str | tuple[float, ...]
+STARTING, STARTS_BEYOND = 5, 1.0
+"""First frames that are cut off where they are beyond the others by more than so many of their spans."""
 SHOWN_BEYOND = 1.5
 """A limit is in the picture where it is within so many spans of the values; else it is named at its edge."""
 
@@ -72,6 +74,8 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
         seen |= _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
         _jumps(axes, values, jumps, units.get(name, ""))
         _band(axes, values, errors, units.get(name, ""))
+        if SIMULATED in recording.table and not limits.get(name):
+            cut_start(axes, values, units.get(name, ""))
         axes.set_title(_title(recording, name, known), loc="left", pad=2)
         _shade(axes, np.flatnonzero(stopped))
     frame_axis(panels[-1], recording.n)
@@ -124,6 +128,28 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
     else:
         axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
     return seen
+
+
+def cut_start(axes: Axes, values: np.ndarray, unit: str) -> None:
+    """Cuts the first frames off where they are far beyond all others, and says how far.
+
+    A start from rest, as of a wind that blows at once, would leave a line of the swings after it.
+    """
+    first, later = (one[np.isfinite(one)] for one in (values[:STARTING], values[STARTING:]))
+    if len(later) < STARTING or not len(first):
+        return
+    low, high = float(later.min()), float(later.max())
+    room = STARTS_BEYOND * (high - low)
+    if not room or (first.min() >= low - room and first.max() <= high + room):
+        return
+    factor, shown = scaled_unit(float(np.abs(values[np.isfinite(values)]).max()), unit)
+    near = first[(first >= low - room) & (first <= high + room)]
+    low, high = min([low, *near]), max([high, *near])
+    beside = 0.12 * (high - low)
+    axes.set_ylim(factor * (low - beside), factor * (high + beside))
+    ends = f"{factor * first.min():.3g} to {factor * first.max():.3g} {shown}".rstrip()
+    words = f"cut off: the first {STARTING} frames go from {ends}"
+    axes.text(0.995, 0.97, words, transform=axes.transAxes, ha="right", va="top", fontsize=7, color=INK)
 
 
 def _alone(values: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.replay.columns import SIMULATED, quantity_names
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
-from restshape.report.quantity_panels import draw_limits, least_span
+from restshape.report.quantity_panels import cut_start, draw_limits, least_span
 from restshape.report.recorded_quantities import limit_series, quantity_units
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import INK, LEVELS, new_figure
@@ -55,6 +55,8 @@ def draw_history(recording: Recording, path: Path) -> bool:
         for begin, end in edited:
             axes.axvspan(begin, end, color=EDITED, linewidth=0, zorder=0)
         unit = _line(axes, times, values, units.get(name, ""), limits.get(name, {}))
+        if not limits.get(name):
+            cut_start(axes, values, units.get(name, ""))
         axes.set_ylabel("\n".join([*wrap(name, LETTERS)[:2], *([f"[{unit}]"] if unit else [])]))
     panels[-1].set_xlabel("simulated time [s]")
     panels[-1].set_xlim(np.nanmin(times), np.nanmax(times))
