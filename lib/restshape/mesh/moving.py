@@ -18,7 +18,7 @@ from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moved_meshes import OtherMesh, compared_meshes
-from restshape.mesh.moving_state import Generated, GestureMap, Kept, MovingState
+from restshape.mesh.moving_state import Generated, GestureMap, Kept, KeptMesh, MovingState
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.relocate import BoundaryNodes, extension, motion
@@ -268,6 +268,35 @@ class MovingMesh:
             self.space.rollback()
         if kept.X is not None and self.nested:
             self.nested.follow()
+
+    def kept_mesh(self) -> KeptMesh | None:
+        """The mesh as it lies, to return to it later; None where it cannot be, as of second order."""
+        return KeptMesh.of(self.state)
+
+    def return_to(self, kept: KeptMesh, outline: Outline) -> MeshUpdate:
+        """Lay the mesh as it lay in an earlier frame of the same outline; what that did."""
+        self._keep()
+        if kept.lies(self.state):
+            self.state = replace(self.state, scene=kept.state.scene, order=kept.state.order, spec=kept.state.spec)
+            return MeshUpdate.nothing(self.min_quality)
+        old, before = self._generated.mesh, made(self._kept)
+        mesh = made(kept.state.generated).mesh
+        stays = mesh is old and mesh.topology == kept.topology
+        before.X = old.X.copy()
+        before.connectivity = None if stays else {name: getattr(old, name).copy() for name in CONNECTIVITY}
+        former = None if stays else self._former()
+        mesh.X[...] = kept.X
+        mesh.outline, mesh.geometry = outline, mesh.geometry + 1
+        self.state = kept.state
+        if mesh.topology != kept.topology:
+            for name, values in kept.connectivity.items():
+                getattr(mesh, name)[...] = values
+            mesh.topology = next(_reconnections)
+            self.state = replace(self.state, generated=replace(made(kept.state.generated)))
+        self._set_reference(None, (0.0, 0.0))
+        if self.nested:
+            self.nested.follow()
+        return MeshUpdate(1 if stays else 3, 0, NO_CELLS, self.min_quality, former)
 
     def _keep(self) -> None:
         """Note what `rollback` restores; nodes and connectivity are copied when they are about to change."""

@@ -1,11 +1,12 @@
 """The state of a moving mesh: what its frames replace, so that a frame without a solution is taken back by one
 assignment."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from restshape.mesh.advance import CONNECTIVITY
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.nested import NestedMesh
@@ -100,6 +101,44 @@ class MovingState:
         """The state with the nodes placed for coefficients c."""
         known = self.spec, self.scene, self.order, self.generated, self.nested, self.map
         return MovingState(*known, c, min_quality)
+
+
+@dataclass(frozen=True, eq=False)
+class KeptMesh:
+    """A mesh as it lay after a frame, to which it may return.
+
+    Args:
+        state: of the moving mesh, without the map of its gesture.
+        topology: version of the connectivity of its mesh.
+        X: (n, d) nodes [m]; connectivity: copies of the arrays that flips change.
+    """
+
+    state: MovingState
+    topology: int
+    X: np.ndarray
+    connectivity: dict[str, np.ndarray]
+
+    @classmethod
+    def of(cls, state: MovingState) -> "KeptMesh | None":
+        """The mesh of a state of first order; None of second order, whose nodes in the middle of edges are not kept."""
+        generated = state.generated
+        if generated is None or generated.space is not None:
+            return None
+        mesh = generated.mesh
+        connectivity = {name: getattr(mesh, name).copy() for name in CONNECTIVITY}
+        return cls(replace(state, map=None, c=(0.0, 0.0)), mesh.topology, mesh.X.copy(), connectivity)
+
+    @property
+    def nbytes(self) -> int:
+        """Of its arrays."""
+        return self.X.nbytes + sum(values.nbytes for values in self.connectivity.values())
+
+    def lies(self, state: MovingState) -> bool:
+        """Whether the mesh of a state lies as this one did."""
+        now, then = state.generated, self.state.generated
+        if now is None or then is None or now.mesh is not then.mesh or now.mesh.topology != self.topology:
+            return False
+        return np.array_equal(now.mesh.X, self.X)
 
 
 @dataclass(slots=True)

@@ -8,10 +8,12 @@ import numpy as np
 
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.frame import Frame
+from restshape.replay.returns import Returns
 
 if TYPE_CHECKING:
     from restshape.fem.space import Space
     from restshape.mesh.advance import MeshUpdate
+    from restshape.policy import Policy
     from restshape.replay.replay_parts import ReplayParts
     from restshape.shape.script_frame import ScriptFrame
 
@@ -20,17 +22,19 @@ class FrameSolver:
     """Brings the analysis of a replay to each frame whose mesh has been updated.
 
     Args:
-        parts: of the replay.
+        parts: of the replay; policy: what is reused in it.
 
     Attributes:
+        returns: the answers that undo and redo bring back.
         solved: the last frame was solved, or needed no solve since the last one that was.
         known: the analysis has an answer of the shape as it is.
         predicted: the last frame shows a prediction.
     """
 
-    def __init__(self, parts: ReplayParts) -> None:
+    def __init__(self, parts: ReplayParts, policy: Policy) -> None:
         _, self.moving, self.analysis, self.prediction = parts
         self.solved = self.known = self.predicted = False
+        self.returns = Returns(parts, policy)
         self._last = LinearReport(0, False, 0)
 
     @property
@@ -57,6 +61,13 @@ class FrameSolver:
             self.predicted = shown or (prediction is not None and prediction.active)
             return self.no_report()
         self._last = report = self._solve(edit, mesh_update, solved)
+        return report
+
+    def returned(self, report: LinearReport) -> LinearReport:
+        """The report of a frame whose answer is one that there was."""
+        self.solved = self.known = True
+        self.predicted, self._last = False, report
+        self.moving.solved()
         return report
 
     def rollback(self) -> None:

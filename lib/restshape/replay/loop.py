@@ -50,7 +50,7 @@ class Replay:
         self.stages = Stages()
         parts = replay_parts(request, comm, self.stages)
         self.session, self.moving, self.analysis, self.prediction = parts
-        self.solver = FrameSolver(parts)
+        self.solver = FrameSolver(parts, request.policy)
         self.rows = FrameRows(self.solver, request.scene)
         self.errors = FrameErrors(request, comm, self.stages, parts)
         self.recorded_topology: tuple[int, int] | None = None
@@ -94,9 +94,11 @@ class Replay:
         """Compute one frame; one with a problem is recorded as refused, and all goes on from the last solution."""
         solver, refused = self.solver, edit.refused or ""
         try:
-            mesh_update = self.moving.update(edit)
+            solver.returns.leave(edit)
+            known = solver.returns.restored(edit)
+            mesh_update = known[0] if known else self.moving.update(edit)
             self.errors.jumps.note(self.moving, mesh_update)
-            report = solver(edit, mesh_update)
+            report = solver.returned(known[1]) if known else solver(edit, mesh_update)
         except (ReplayProblem, UserError) as problem:
             if edit.index == 0:
                 raise _without_solution(edit, problem, self._petsc) from (
@@ -108,6 +110,8 @@ class Replay:
             if edit.change != "none":
                 self.session.rollback()
             mesh_update, report = MeshUpdate.nothing(), solver.no_report()
+        if not refused:
+            solver.returns.take(edit, solver.known and not solver.predicted)
         with self.stages("observe"):
             quantities = self.rows.observed(edit.scene, refused)
         for stage, seconds in mesh_update.stages.items():

@@ -68,6 +68,38 @@ def bind(
     return replace(state, observer=problem.observer(scene.quantities), notes=notes, doubts=()), cold
 
 
+def restored(
+    kept: RelaxationState, before: RelaxationState, frame: Frame, options: RelaxationOptions
+) -> RelaxationState:
+    """An equilibrium that there was, with problem and solver of a frame that has its mesh and scene.
+
+    Args:
+        kept: the equilibrium.
+        before: the last one, whose problem serves where the mesh has the same cells.
+        frame: as an analysis knows it; options: of its scene.
+    """
+    mesh, arguments = frame.mesh, options.arguments(frame.mesh)
+    if mesh is before.mesh and mesh.topology == before.topology and same_elements(before.problem, arguments):
+        problem = before.problem
+        problem.set_values(arguments.fabric, arguments.supports, arguments.g)
+        if problem.contact:
+            set_contact(problem, arguments)
+    else:
+        problem = cloth_problem(mesh, arguments)
+    # A factor of what was undone would lead what follows to other folds.
+    solver = options.make_solver(problem)
+    if kept.friction is not None:
+        problem.contact.history = kept.friction
+    solver.set_tolerance(options.settings.tolerance)
+    solver.set_reach(options.reach)
+    # What was counted was counted then.
+    report = replace(kept.report, steps=0, newton=0, iterations=0, factors=0)
+    versions = {"topology": mesh.topology, "geometry": mesh.geometry}
+    setup = {"problem": problem, "solver": solver, "observer": problem.observer(frame.scene.quantities)}
+    found = replace(kept, scene=frame.scene, plan=options.plan, bodies=options.bodies, interrupted=False)
+    return replace(found, report=report, place=problem.place, **versions, **setup)
+
+
 def same_elements(problem: ClothProblem, arguments: ClothArguments) -> bool:
     """Whether the elements of a problem are those of other arguments."""
     fabric, new, contact = problem.fabric, arguments.fabric, problem.contact

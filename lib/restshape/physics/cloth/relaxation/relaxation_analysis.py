@@ -24,7 +24,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
 from restshape.physics.cloth.cloth_fields import requested_fields
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.relaxation.binding import bind
+from restshape.physics.cloth.relaxation.binding import bind, restored
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_comparison import compare_cold
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions, Watch
@@ -99,6 +99,26 @@ class RelaxationAnalysis(Timeless):
         self.state = replace(found, topology=mesh.topology, geometry=mesh.geometry)
         report = found.report
         return LinearReport(report.iterations, report.factors > 0, self.age, self._preconditioner, report.newton)
+
+    @property
+    def restorable(self) -> RelaxationAnalysis:
+        """Itself: its equilibria can be brought back; see `analysis.restorable`."""
+        return self
+
+    def kept_answer(self) -> RelaxationState:
+        """The equilibrium, without what was set up to find it."""
+        return replace(self.state, problem=None, solver=None, observer=None)
+
+    def restore(self, kept: RelaxationState, frame: Frame) -> LinearReport:
+        """Have an equilibrium again, friction included, in a frame with its mesh and scene; nothing is solved.
+
+        Raises:
+            UserError: the scene's values make no sense.
+        """
+        with self.context.stages("pattern"):
+            self.state = restored(kept, self.state, frame, self._options(frame.scene, True))
+        self.bound, self.age = self.state, 0
+        return LinearReport(0, False, self.age, self._preconditioner)
 
     def start_from(self, other: RelaxationAnalysis) -> None:
         """Let the first frame start at the equilibrium of another analysis of the same mesh, its friction included."""

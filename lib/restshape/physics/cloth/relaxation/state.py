@@ -58,6 +58,14 @@ class RelaxationState:
     interrupted: bool = False
 
     @property
+    def nbytes(self) -> int:
+        """Of the arrays of the equilibrium itself."""
+        history, place = self.friction, self.place
+        arrays = [self.x, *([history.anchors, history.normals, history.limits] if history else [])]
+        arrays += [values for values in (place.X, place.normals) if values is not None] if place else []
+        return sum(values.nbytes for values in arrays)
+
+    @property
     def mesh(self) -> Mesh | None:
         """Of the cloth."""
         return None if self.problem is None else self.problem.mesh

@@ -1,0 +1,150 @@
+"""Undo and redo bring back the answer that there was, at once: cloth, its friction, its mesh."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cloths import BALL, CONTACT, write_cloth
+from petsc4py import PETSc
+
+from restshape.application import application_of
+from restshape.calibration import Calibration
+from restshape.policy import policy
+from restshape.replay.loop import Replay
+from restshape.replay.request import Request
+from restshape.scene.edit_script import load_script
+from restshape.scene.load import load_scene
+
+SCENES = Path(__file__).parents[1] / "scenes"
+COARSE = ("mesh.size=0.12", "effects.cloth.bending=hinge", "parameters.half=0.5")
+LEVELS = ("mesh.size=0.1", "mesh.levels=2", "effects.cloth.bending=hinge")
+THERE_AND_BACK = (
+    {"do": "press", "on": "ball", "at": [0.5, 0.5, -0.3]},
+    {"do": "drag", "to": [0.6, 0.45, -0.3], "frames": 3},
+    {"do": "release"},
+    {"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.3, "frames": 2},
+    {"do": "undo"},
+    {"do": "undo"},
+    {"do": "redo"},
+    {"do": "redo"},
+    {"do": "idle", "frames": 1},
+)
+SHAPES = (
+    {"do": "scale", "on": "outline", "factor": 1.1, "frames": 2},
+    {"do": "hole", "name": "pocket", "center": [0.12, 0.12], "radius": 0.06},
+    {"do": "press", "on": "c"},
+    {"do": "drag", "to": [0.8, 1.0], "frames": 3},
+    {"do": "release"},
+    {"do": "undo"},
+    {"do": "undo"},
+    {"do": "undo"},
+    {"do": "redo"},
+)
+
+
+@pytest.fixture
+def replay(tmp_path):
+    """Makes replays of the square of cotton on a ball."""
+
+    def made(events, overrides=COARSE, name="auto", most=None) -> Replay:
+        path = write_cloth(tmp_path, CONTACT, BALL.replace('"half"', "0.5"))
+        head = {"format": "restshape-edits", "version": 1, "scene": path.name, "units": "m"}
+        lines = [head, *({"t": 0.1 * k} | event for k, event in enumerate(events, 1))]
+        (tmp_path / "edits.jsonl").write_text("\n".join(map(json.dumps, lines)))
+        scene = load_scene(path, overrides)
+        script = load_script(tmp_path / "edits.jsonl", scene)
+        request = Request(scene, script, application_of(scene), policy(name), Calibration.load())
+        found = Replay(request, PETSc.COMM_SELF)
+        if most is not None:
+            found.solver.returns.most = most
+        return found
+
+    return made
+
+
+def seen(found: Replay) -> list[dict]:
+    """What there is of each frame: its row, places, anchors of friction and nodes of the mesh."""
+    frames = []
+    for row in found.frames():
+        assert not row["refused"], row["refused"]
+        analysis = found.analysis
+        anchors = analysis.problem.contact.history.anchors
+        frames.append(
+            {**row, "x": analysis.x.copy(), "anchors": anchors.copy(), "X": analysis.space.X.copy()}
+            | {"cells": analysis.space.cells.copy(), "energy": analysis.problem.energy(analysis.x)}
+        )
+    return frames
+
+
+def same(one: dict, other: dict) -> bool:
+    """Whether two frames are the same to the last bit."""
+    arrays = ("x", "anchors", "X", "cells")
+    return all(np.array_equal(one[name], other[name]) for name in arrays) and (
+        one["energy"] == other["energy"] and one["residual"] == other["residual"]
+    )
+
+
+def test_undo_and_redo_bring_back_cloth_and_friction_without_a_step(replay):
+    frames = seen(replay(THERE_AND_BACK))
+    start, dragged, grown = frames[0], frames[5], frames[7]
+    assert not same(start, dragged) and not same(dragged, grown)
+    for frame, known in zip(frames[8:], (dragged, start, dragged, grown, grown)):
+        assert same(frame, known) and frame["converged"] == known["converged"]
+        assert frame["untrusted"] == known["untrusted"] and frame["max_strain"] == known["max_strain"]
+        assert frame["relaxation_steps"] == frame["iterations"] == frame["factorisations"] == frame["pc_rebuilt"] == 0
+
+
+def test_without_what_was_kept_the_way_back_ends_elsewhere(replay):
+    """What this is for: friction remembers the way, so that a solve finds another drape."""
+    frames = seen(replay(THERE_AND_BACK, most=0))
+    assert frames[8]["relaxation_steps"] > 0
+    assert np.abs(frames[8]["x"] - frames[5]["x"]).max() > 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("overrides", [COARSE, LEVELS])
+def test_meshes_come_back_too(replay, overrides):
+    """After relocated nodes, and new meshes, with and without levels."""
+    frames = seen(replay(SHAPES, overrides))
+    assert frames[3]["level"] == 3 and len(frames[3]["X"]) != len(frames[2]["X"])
+    known = frames[3], frames[2], frames[0], frames[2]
+    assert all(same(frame, one) for frame, one in zip(frames[9:], known))
+    # A mesh with other triangles is another mesh to who records them.
+    assert [frame["level"] for frame in frames[9:]] == [1, 3, 1, 1]
+
+
+def test_what_follows_an_undo_is_what_would_have_followed(replay):
+    """From the same state the same edit leads to the same drape, within what the residual leaves open."""
+    edit = {"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.28, "frames": 2}
+    other = {"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.2, "frames": 1}
+    frames = seen(replay((edit, {"do": "undo"}, other, {"do": "undo"}, edit)))
+    first, last = frames[2], frames[7]
+    assert np.abs(first["x"] - last["x"]).max() < 2e-3 and last["pc_age"] == first["pc_age"]
+
+
+def test_memory_is_bounded_and_the_oldest_go_first(replay):
+    most = 40_000
+    found = replay(THERE_AND_BACK, most=most)
+    frames = seen(found)
+    assert 0 < found.solver.returns.nbytes <= most
+    full = replay(THERE_AND_BACK)
+    seen(full)
+    assert full.solver.returns.nbytes > most
+    # The last one is still known.
+    assert frames[8]["relaxation_steps"] == 0
+
+
+def test_a_policy_that_rebuilds_all_returns_to_nothing(replay):
+    found = replay(THERE_AND_BACK[:5], name="rebuild")
+    assert seen(found)[-1]["relaxation_steps"] > 0 and found.solver.returns.nbytes == 0
+
+
+def test_a_linear_solution_is_kept_of_nothing(tmp_path):
+    """Analyses that find the same answer again keep none."""
+    scene = load_scene(SCENES / "plate.toml")
+    script = load_script(SCENES / "plate.jsonl", scene)
+    found = Replay(Request(scene, script, application_of(scene), policy("auto"), Calibration.load()), PETSc.COMM_SELF)
+    for _ in zip(found.frames(), range(12)):
+        pass
+    assert found.solver.returns.nbytes == 0
