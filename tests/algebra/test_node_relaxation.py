@@ -10,7 +10,7 @@ N, OMEGA = 40, 1.2
 
 
 def matrix(seed: int) -> np.ndarray:
-    """A symmetric positive definite matrix (3 N, 3 N) of a random graph of nodes."""
+    """A symmetric positive definite matrix (3 N, 3 N) of a random graph of nodes, of numbers of single precision."""
     random = np.random.default_rng(seed)
     joined = np.triu(random.uniform(size=(N, N)) < 0.15, 1)
     dense = np.kron(joined, np.ones((3, 3))) * random.normal(size=(3 * N, 3 * N))
@@ -19,7 +19,7 @@ def matrix(seed: int) -> np.ndarray:
     for k in range(N):
         rows = slice(3 * k, 3 * k + 3)
         dense[rows, rows] = 3.0 * own[k] @ own[k].T
-    return dense + np.diag(0.7 * abs(dense).sum(axis=1))
+    return (dense + np.diag(0.7 * abs(dense).sum(axis=1))).astype(np.float32).astype(float)
 
 
 def petsc(dense: np.ndarray) -> PETSc.Mat:
@@ -109,3 +109,23 @@ def test_what_is_not_definite_has_no_solution(ksp, spoiled):
     ksp.solve(right, way)
     reasons = PETSc.KSP.ConvergedReason
     assert ksp.getConvergedReason() in (reasons.DIVERGED_INDEFINITE_MAT, reasons.DIVERGED_INDEFINITE_PC)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6, 1e-10])
+@pytest.mark.parametrize("held", [1.0, 1e-4])
+def test_residuals_are_those_of_the_matrix_itself(ksp, held, tolerance):
+    """Of a sheet that hardly anything holds, whose rows cancel: rounded to single precision they are another matrix."""
+    dense = matrix(2) * np.pi
+    springs = np.where(np.eye(3 * N, dtype=bool), 0.0, -abs(dense))
+    dense = springs - np.diag(springs.sum(axis=1)) + held * np.eye(3 * N)
+    mat = petsc(dense)
+    right, way = mat.createVecs()
+    b = np.random.default_rng(3).normal(size=3 * N)
+    right.setArray(b)
+    ksp.setTolerances(rtol=tolerance, max_it=500)
+    ksp.setOperators(mat)
+    ksp.solve(right, way)
+    assert ksp.getConvergedReason() > 0
+    left = np.linalg.norm(b - dense @ way.getArray())
+    assert left <= (1.0 + 1e-3) * tolerance * np.linalg.norm(b)
+    assert ksp.getResidualNorm() == pytest.approx(left, rel=0.2)

@@ -1,6 +1,8 @@
 // A symmetric matrix in blocks of three unknowns a node, as its two halves: A = L + D + L^T.
 //
-// Rows of four numbers, the last one zero, take the place of a node's three: one register each.
+// Rows of four numbers, the last one zero, take the place of a node's three: one register each. Sweeps read both halves
+// rounded to single precision, which is most of what they fetch from memory; diagonal blocks and the residual are
+// exact.
 #pragma once
 
 #include <petscsys.h>
@@ -19,6 +21,9 @@ using Rows = std::vector<Row, Eigen::aligned_allocator<Row>>;
 class RelaxedMatrix {
  public:
     static constexpr double relaxation = 1.2;
+    // What A is rounded by, over itself. Off the diagonal a row of elements' matrices is about as large as on it, for a
+    // body that is only moved has no forces.
+    static constexpr double rounding = 6e-8;
 
     // Takes in the pattern: block rows whose columns ascend. Returns whether each has its diagonal.
     bool set_pattern(PetscInt rows, const PetscInt* start, const PetscInt* column) {
@@ -37,6 +42,9 @@ class RelaxedMatrix {
     // Takes in the values, each block by columns. Returns whether all diagonal blocks are positive definite.
     bool set_values(const double* value) {
         value_ = value;
+        const std::size_t count = 9 * static_cast<std::size_t>(start_[n_]);
+        rounded_.resize(count);
+        std::copy_n(value, count, rounded_.data());
         bool good = true;
         for (PetscInt i = 0; i < n_; ++i)
             good = set_diagonal(value + 9 * static_cast<std::size_t>(diagonal_[i]), i) && good;
@@ -45,12 +53,12 @@ class RelaxedMatrix {
 
     PetscInt rows() const { return n_; }
 
-    // r = b - A x.
+    // r = b - A x, from values that are not rounded.
     void residual(const Row* b, const Row* x, Row* r) const {
         for (PetscInt i = 0; i < n_; ++i) {
-            Row sum = less_upper(less_lower(b[i] - times(&own_[3 * i], x[i]), i, x), i, x);
-            sum[3] = 0.0;
-            r[i] = sum;
+            const Row sum = less(b[i] - times(&own_[3 * i], x[i]), value_, start_[i], diagonal_[i], 1, x);
+            r[i] = less(sum, value_, start_[i + 1] - 1, diagonal_[i], -1, x);
+            r[i][3] = 0.0;
         }
     }
 
@@ -75,17 +83,22 @@ class RelaxedMatrix {
         }
     }
 
-    // With g of p as above: q = A p, and change = D/w (D/w + L)^-1 q; s is work. Returns p . q.
-    double product(const Row* g, const Row* p, Row* s, Row* q, Row* change) const {
+    // p . A p, and the square of D p.
+    struct Sizes {
+        double energy = 0.0, own = 0.0;
+    };
+
+    // With g of p as above: q = A p, and change = D/w (D/w + L)^-1 q; s is work.
+    Sizes product(const Row* g, const Row* p, Row* s, Row* q, Row* change) const {
         constexpr double own = 1.0 - 1.0 / relaxation, other = 1.0 - 2.0 / relaxation;
-        double energy = 0.0;
+        Sizes sizes;
         for (PetscInt i = 0; i < n_; ++i) {
             Row of_p[3] = {Row::Zero(), Row::Zero(), Row::Zero()}, of_s[3] = {Row::Zero(), Row::Zero(), Row::Zero()};
             for (PetscInt k = start_[i]; k < diagonal_[i]; ++k) {
-                const double* block = value_ + 9 * static_cast<std::size_t>(k);
+                const float* block = rounded_.data() + 9 * static_cast<std::size_t>(k);
                 const Row &pj = p[column_[k]], &sj = s[column_[k]];
                 for (int c = 0; c < 3; ++c) {
-                    const Eigen::Map<const Row> values(block + 3 * c);
+                    const Row values = padded(block + 3 * c);
                     of_p[c] += values * pj[c];
                     of_s[c] += values * sj[c];
                 }
@@ -96,9 +109,10 @@ class RelaxedMatrix {
             product[3] = changed[3] = 0.0;
             q[i] = product;
             change[i] = changed;
-            energy += (p[i] * product).sum();
+            sizes.energy += (p[i] * product).sum();
+            sizes.own += dp.square().sum();
         }
-        return energy;
+        return sizes;
     }
 
     // The square of z in the norm of (D/w)^-1, for one node.
@@ -113,20 +127,28 @@ class RelaxedMatrix {
     // sum - A x over blocks from:to, the last first. The fourth number is one of the next column, and stays in its
     // lane: no block here is the last of the matrix. Each column has a sum of its own, for one waits for the one
     // before.
-    Row less(const Row& sum, PetscInt from, PetscInt to, PetscInt step, const Row* x) const {
+    template <class Value>
+    Row less(const Row& sum, const Value* values, PetscInt from, PetscInt to, PetscInt step, const Row* x) const {
         Row sums[3] = {Row::Zero(), Row::Zero(), Row::Zero()};
         for (PetscInt k = from; k != to; k += step) {
-            const double* block = value_ + 9 * static_cast<std::size_t>(k);
+            const Value* block = values + 9 * static_cast<std::size_t>(k);
             const Row& xj = x[column_[k]];
-            for (int c = 0; c < 3; ++c) sums[c] += Eigen::Map<const Row>(block + 3 * c) * xj[c];
+            for (int c = 0; c < 3; ++c) sums[c] += padded(block + 3 * c) * xj[c];
         }
         return sum - (sums[0] + sums[1] + sums[2]);
     }
 
+    template <class Value>
+    static Row padded(const Value* column) {
+        return Eigen::Map<const Eigen::Array<Value, 4, 1>>(column).template cast<double>();
+    }
+
     // Rows that a sweep has just come from are the last to be read.
-    Row less_lower(const Row& sum, PetscInt i, const Row* x) const { return less(sum, start_[i], diagonal_[i], 1, x); }
+    Row less_lower(const Row& sum, PetscInt i, const Row* x) const {
+        return less(sum, rounded_.data(), start_[i], diagonal_[i], 1, x);
+    }
     Row less_upper(const Row& sum, PetscInt i, const Row* x) const {
-        return less(sum, start_[i + 1] - 1, diagonal_[i], -1, x);
+        return less(sum, rounded_.data(), start_[i + 1] - 1, diagonal_[i], -1, x);
     }
 
     // The inverse of D/w, by cofactors.
@@ -146,6 +168,7 @@ class RelaxedMatrix {
     const PetscInt *start_ = nullptr, *column_ = nullptr;
     const double* value_ = nullptr;
     std::vector<PetscInt> diagonal_;
+    std::vector<float> rounded_;
     Rows own_, inverse_;  // of each node three columns: D, and w D^-1
 };
 
