@@ -116,10 +116,15 @@ def test_all_reasons_and_notes_are_in_replay_and_report(tmp_path, capsys):
     assert main([*call, "--out", str(recording), "--json", str(data)]) == 0
     said = capsys.readouterr().out
     assert "untrusted, line 0, frame 0 (4 frames up to 5): an edge is stretched by 8." in said
-    rest = json.loads(data.read_text())["rest"]
+    summary = json.loads(data.read_text())
+    rest, first = summary["rest"], summary["first_ms"]
+    # All other times leave it out.
+    assert "first frame: " in said and first > 1.0
     assert rest["untrusted"] == 3 and f"{rest['converged']} of 6 frames" in said and ", 3 not to be trusted;" in said
     assert main(["report", str(recording), "--animation", "none", "--json", str(data)]) == 0
-    said, notes = capsys.readouterr().out, json.loads(data.read_text())["notes"]
+    said, reported = capsys.readouterr().out, json.loads(data.read_text())
+    notes = reported["notes"]
+    assert "first frame: " in said and reported["first_ms"] == pytest.approx(first, rel=0.5)
     assert "frames that are not to be trusted" in said and ", 3 not to be trusted;" in said
     with Recording(recording) as found:
         for name in ("untrusted", "note"):

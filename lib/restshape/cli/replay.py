@@ -27,7 +27,7 @@ from restshape.cli.signals import agreeing, exit_code
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
-from restshape.outputs.si_numbers import counted, unit_of
+from restshape.outputs.si_numbers import counted, si, unit_of
 from restshape.policy import GUESSES, POLICIES, policy
 from restshape.replay.level_names import LEVEL_NAMES
 from restshape.scene.key_aliases import notes
@@ -313,6 +313,7 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     parts = summary["python_ms"]["1"], summary["beside_ms"]["1"]
     python = "Python in a level-1 frame: {:.3f} ms, residual, errors and recording {:.3f} ms (p50)\n".format(*parts)
     python = python if counts["1"] else ""
+    python = first_frame(summary["first_ms"]) + python
     print(
         f"{python}{counted(summary['iterations'], 'iteration')}, {counted(summary['refreshes'], 'factorisation')}, "
         f"largest true residual {summary['largest_residual']:.1e}"
@@ -341,6 +342,11 @@ def print_summary(summary: dict[str, Any], application: Application) -> None:
     if "parity" in summary:
         for line in parity_lines(summary["parity"]):
             print(line)
+
+
+def first_frame(ms: float | None) -> str:
+    """A line on the time of the first frame, which is made from nothing and in no other row; empty where none is."""
+    return "" if ms is None else f"first frame: {si(ms / 1e3, 's', 3)}\n"
 
 
 def convergence_line(found: dict[str, Any]) -> str:

@@ -34,6 +34,7 @@ def print_tables(recording: Recording, application: Application | None) -> dict[
     from restshape.report.tables import (
         convergence_counts,
         estimate_table,
+        first_time,
         level_table,
         note_table,
         quantity_table,
@@ -44,11 +45,12 @@ def print_tables(recording: Recording, application: Application | None) -> dict[
     )
 
     levels, quantities, errors = level_table(recording), quantity_table(recording), estimate_table(recording)
+    first = first_time(recording)
     stopped, found, statuses = int(refused(recording).sum()), convergence_counts(recording), status_counts(recording)
     print(f"{recording.path}: {recording.summary}, {stopped} refused")
     _print_old_names(recording)
     _print_convergence(found)
-    _print_levels(levels)
+    _print_levels(levels, first)
     _print_errors(errors)
     if quantities:
         _print_quantities(recording, quantities)
@@ -66,6 +68,7 @@ def print_tables(recording: Recording, application: Application | None) -> dict[
         "frames": recording.n,
         "refused": stopped,
         "status": recording.status,
+        "first_ms": first,
         "levels": levels,
         "quantities": quantities,
         "singular": singular(recording),
@@ -96,7 +99,9 @@ def _print_convergence(found: dict[str, Any]) -> None:
         )
 
 
-def _print_levels(levels: Sequence[dict[str, Any]]) -> None:
+def _print_levels(levels: Sequence[dict[str, Any]], first: float | None) -> None:
+    if first is not None:
+        print(f"first frame: {si(first / 1e3, 's', 3)}")
     print()
     heads = ("level", "frames", "p50 [ms]", "p95 [ms]", "p99 [ms]", "iterations")
     keys = ("frames", "p50", "p95", "p99", "iterations")

@@ -97,6 +97,12 @@ def level_table(recording: Recording) -> list[dict[str, Any]]:
     return rows
 
 
+def first_time(recording: Recording) -> float | None:
+    """The time of the first frame [ms]; None where the recording lacks it."""
+    ms = float(column(recording, "ms")[0])
+    return ms if np.isfinite(ms) else None
+
+
 def estimate_table(recording: Recording) -> list[dict[str, Any]]:
     """A row a kind of error that the recording reports: error, frames, p50, max; without frames that lack it."""
     ahead = predicted(recording)
