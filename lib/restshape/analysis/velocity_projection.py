@@ -41,13 +41,16 @@ def _linear_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
     """Integral of N_new rho v (n_new, 2) by the rule of the edges' midpoints."""
     # Cells of three nodes are those of the mesh itself.
     mesh = cast(Mesh, new.space)
-    middle = Transfer(old.space, mesh.X[mesh.edge_nodes].mean(axis=1))(v)[mesh.cell_edges]
-    p, q = mesh.X[mesh.cells[:, 1]] - mesh.X[mesh.cells[:, 0]], mesh.X[mesh.cells[:, 2]] - mesh.X[mesh.cells[:, 0]]
-    mass = 0.5 * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]) * np.broadcast_to(new.params, (len(mesh.cells), 1))[:, 0]
-    # The edge opposite to a corner is the one whose midpoint the corner's function does not reach.
-    share = (mass / 6.0)[:, None, None] * (middle.sum(axis=1, keepdims=True) - middle)
-    corners = mesh.cells.ravel()
-    return np.column_stack([np.bincount(corners, share[:, :, a].ravel(), len(mesh.X)) for a in (0, 1)])
+    starts, ends = mesh.edge_nodes.T
+    middle = Transfer(old.space, 0.5 * (mesh.X[starts] + mesh.X[ends]))(v)
+    (ax, ay), (bx, by), (cx, cy) = mesh.X[mesh.cells].transpose(1, 2, 0)
+    area = 0.5 * ((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))
+    mass = area * np.broadcast_to(new.params, (len(mesh.cells), 1))[:, 0]
+    # A third of a cell's mass counts at the middle of each of its edges, where both ends' functions are one half.
+    at_edges = np.bincount(mesh.cell_edges.ravel(), np.repeat(mass / 6.0, 3), len(middle))
+    n = len(mesh.X)
+    parts = [middle[:, a] * at_edges for a in (0, 1)]
+    return np.column_stack([np.bincount(starts, part, n) + np.bincount(ends, part, n) for part in parts])
 
 
 def _quadratic_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
