@@ -93,7 +93,6 @@ class Tally:
         self._status: tuple[str, str] = ("", "")
         self._rest_residual = -np.inf
         self._size = (0, 0)
-        self._first_ms = np.nan
 
     @property
     def frames(self) -> int:
@@ -104,7 +103,7 @@ class Tally:
         """Takes the row of the next frame."""
         counts = self._counts
         if not counts["frames"]:
-            self._first_ms = number(row, "ms")
+            self._samples["ms first"].add(number(row, "ms"))
             names = quantity_names(row)
             times = [SIMULATED] if SIMULATED in row else []
             self._series = {key: array("d") for key in (*map(quantity_column, names), *times)}
@@ -277,7 +276,7 @@ class Tally:
             "still": self._samples["ms still"].count,
             "idle": counts["level 0"],
             "predicted": counts["predicted"],
-            "first_ms": _known(self._first_ms),
+            "first_ms": self._percentiles("ms first")["p50"],
             "predicted_ms": self._percentiles("ms predicted"),
             "ms": {name: self._percentiles(f"ms {name}") for name in ("all", "1", "2", "3", "still")},
             "python_ms": {
