@@ -126,6 +126,32 @@ class Body:
         curved: bool = True,
     ) -> float: ...
     def distance(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple: ...
+    def distances(
+        self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]
+    ) -> numpy.typing.NDArray[numpy.float64]: ...
+    def lowest(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        tolerance: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> tuple: ...
+    def lowest_each(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        tolerance: typing.SupportsFloat | typing.SupportsIndex,
+        enough: typing.SupportsFloat | typing.SupportsIndex = ...,
+    ) -> numpy.typing.NDArray[numpy.float64]: ...
+    def step_share(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        d: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        floor: typing.SupportsFloat | typing.SupportsIndex,
+        deeper: typing.SupportsFloat | typing.SupportsIndex,
+        tolerance: typing.SupportsFloat | typing.SupportsIndex,
+        bottom: typing.SupportsFloat | typing.SupportsIndex = ...,
+    ) -> float: ...
     def update_friction(
         self,
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
@@ -138,6 +164,10 @@ class Body:
         normal: numpy.typing.NDArray[numpy.float64],
         limit: numpy.typing.NDArray[numpy.float64],
     ) -> float: ...
+    @property
+    def inner_radius(self) -> float: ...
+    @property
+    def sharpest(self) -> float: ...
 
 class Element:
     def __init__(self, name: str) -> None: ...
@@ -234,6 +264,7 @@ class Operator:
         X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         terms: list,
         rhs: numpy.typing.NDArray[numpy.float64] | None = None,
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
     ) -> None: ...
     def begin(self, kept: bool = False) -> None: ...
     def end(self) -> None: ...

@@ -3,11 +3,15 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
 #include "cloth/contact.hpp"
+#include "cloth/triangle_distance.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;
@@ -49,6 +53,80 @@ Body box(const Doubles& centre, const Doubles& half, const std::optional<Doubles
     require(!rotation || rotation->size() == 9, "rotation must have the shape (3, 3)");
     return Body::box(vector(centre, "centre").data(), vector(half, "half").data(),
                      rotation ? rotation->data() : identity, radius);
+}
+
+using Cells = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
+using restshape::Vec3;
+
+// The corners of triangles, whose numbers exist.
+struct Triangles {
+    const double* x;
+    const int32_t* cells;
+    py::ssize_t count;
+
+    Triangles(const Doubles& x, const Cells& cells) : x(x.data()), cells(cells.data()), count(cells.shape(0)) {
+        const py::ssize_t n = points(x);
+        require(cells.ndim() == 2 && cells.shape(1) == 3, "cells must have the shape (ne, 3)");
+        const auto inside = [n](int32_t node) { return node >= 0 && node < n; };
+        require(std::all_of(this->cells, this->cells + 3 * count, inside), "a cell names a node that does not exist");
+    }
+    void corners(const double* at, py::ssize_t e, Vec3* p) const {
+        for (int i = 0; i < 3; ++i) {
+            const double* place = at + 3 * static_cast<py::ssize_t>(cells[3 * e + i]);
+            p[i] = {{place[0], place[1], place[2]}};
+        }
+    }
+};
+
+py::array_t<double> distances(const Body& body, const Doubles& x) {
+    const py::ssize_t n = points(x);
+    py::array_t<double> value(n);
+    for (py::ssize_t i = 0; i < n; ++i) value.mutable_data()[i] = body.distance(x.data() + 3 * i, false).value;
+    return value;
+}
+
+py::tuple lowest(const Body& body, const Doubles& x, const Cells& cells, double tolerance) {
+    const Triangles triangles(x, cells);
+    Vec3 p[3];
+    restshape::Lowest best{std::numeric_limits<double>::infinity(), 0.0, {}};
+    py::ssize_t where = -1;
+    for (py::ssize_t e = 0; e < triangles.count; ++e) {
+        triangles.corners(triangles.x, e, p);
+        const restshape::Lowest low = restshape::lowest_on(body, p, tolerance, best.value);
+        if (low.value < best.value) {
+            best = low;
+            where = e;
+        }
+    }
+    return py::make_tuple(best.value, where, Vector{best.b[0], best.b[1], best.b[2]});
+}
+
+py::array_t<double> lowest_each(const Body& body, const Doubles& x, const Cells& cells, double tolerance,
+                                double enough) {
+    const Triangles triangles(x, cells);
+    Vec3 p[3];
+    py::array_t<double> found(triangles.count);
+    for (py::ssize_t e = 0; e < triangles.count; ++e) {
+        triangles.corners(triangles.x, e, p);
+        found.mutable_data()[e] = restshape::lowest_on(body, p, tolerance, enough).value;
+    }
+    return found;
+}
+
+double step_share(const Body& body, const Doubles& x, const Doubles& d, const Cells& cells, double floor, double deeper,
+                  double tolerance, double bottom) {
+    const Triangles triangles(x, cells);
+    require(d.size() == x.size(), "d must have the shape of x");
+    require(deeper > tolerance && tolerance > 0, "deeper must be more than the tolerance, which must be positive");
+    Vec3 p[3], way[3];
+    double share = 1.0;
+    for (py::ssize_t e = 0; e < triangles.count && share > 0.0; ++e) {
+        triangles.corners(triangles.x, e, p);
+        triangles.corners(d.data(), e, way);
+        for (Vec3& w : way) w = share * w;
+        share *= restshape::triangle_share(body, p, way, floor, deeper, bottom, tolerance);
+    }
+    return share;
 }
 
 py::tuple distance(const Body& body, const Doubles& x) {
@@ -147,6 +225,24 @@ void bind_contact(py::module_& m) {
         .def("distance", &distance, "x"_a,
              "Signed distances (n,) [m] of points x (n, 3), negative inside, with gradients (n, 3) and Hessians (n, 3, "
              "3).")
+        .def("distances", &distances, "x"_a, "Signed distances (n,) [m] of points x (n, 3) alone.")
+        .def_property_readonly("sharpest", &Body::sharpest,
+                               "The smallest radius of curvature of its surface [m]; infinite where it is flat.")
+        .def_property_readonly("inner_radius", &Body::inner_radius,
+                               "How deep the place farthest within it is [m]; infinite in a half-space.")
+        .def(
+            "lowest", &lowest, "x"_a, "cells"_a, "tolerance"_a,
+            "The least signed distance [m], within a tolerance [m], over triangles: cells (ne, 3) of corners x (n, 3). "
+            "Returns it, the triangle and the barycentric coordinates of the place.")
+        .def("lowest_each", &lowest_each, "x"_a, "cells"_a, "tolerance"_a,
+             "enough"_a = std::numeric_limits<double>::infinity(),
+             "The least signed distance (ne,) [m] over each triangle, within a tolerance [m]; where that is not below "
+             "`enough`, some distance on it.")
+        .def("step_share", &step_share, "x"_a, "d"_a, "cells"_a, "floor"_a, "deeper"_a, "tolerance"_a,
+             "bottom"_a = -std::numeric_limits<double>::infinity(),
+             "The largest share of a way d (n, 3) from x (n, 3) [m] on which no triangle of cells (ne, 3) has a signed "
+             "distance below a floor [m], or, where it is below that plus `deeper` [m], one that is lower by more than "
+             "`deeper`; and none below a bottom, unless it is there already.")
         .def("update_friction", &update_friction, "x"_a, "area"_a, "stiffness"_a, "thickness"_a, "coefficient"_a,
              "slip"_a, "anchor"_a.noconvert(), "normal"_a.noconvert(), "limit"_a.noconvert(),
              "Takes the normals (n, 3) at x (n, 3), and as limits (n,) [N] the coefficient times the normal forces of "

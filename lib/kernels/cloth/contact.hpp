@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace restshape {
@@ -80,6 +81,31 @@ class Body {
         b.rounded_ = rounded;
         for (int a = 0; a < 3; ++a) b.axis_[a] = along[a] / (2 * b.length_);
         return b;
+    }
+
+    // The smallest radius of curvature of its surface; infinite where it is flat.
+    double sharpest() const {
+        switch (kind_) {
+            case Kind::plane:
+                return std::numeric_limits<double>::infinity();
+            case Kind::cylinder:
+                return rounded_;
+            default:
+                return radius_;
+        }
+    }
+    // The distance of its surface from the place farthest within it.
+    double inner_radius() const {
+        switch (kind_) {
+            case Kind::plane:
+                return std::numeric_limits<double>::infinity();
+            case Kind::cylinder:
+                return std::min(radius_, length_);
+            case Kind::box:
+                return *std::min_element(half_, half_ + 3) + radius_;
+            default:
+                return radius_;
+        }
     }
 
     // Without `curved` the second derivatives are zero.
@@ -218,18 +244,21 @@ struct Ramp {
     double value, slope, curvature;
 };
 
-// Energy an area of a penalty of stiffness k [N/m^3] that begins at the distance `thickness` and whose second
-// derivative rises linearly to k at the surface: with depth s, k s^3/(6 thickness), then k (s^2/2 - thickness s/2 +
-// thickness^2/6).
+// Energy an area of a penalty of stiffness k [N/m^3] that begins at the distance `thickness` t. Its second derivative
+// rises linearly to k at the surface, by e^(16 u) on the way u t below it, so that a corner that bears much is hardly
+// deeper than one that bears little, and stays from half of a thickness below it on.
 inline Ramp penalty(double distance, double stiffness, double thickness) {
-    const double s = thickness - distance;
+    constexpr double growth = 16.0, most = 0.5;
+    const double k = stiffness, t = thickness, s = t - distance;
     if (s <= 0) return {0, 0, 0};
-    if (s < thickness) {
-        const double share = s / thickness;
-        return {stiffness * s * s * share / 6, -stiffness * s * share / 2, stiffness * share};
+    if (s < t) {
+        const double share = s / t;
+        return {k * s * s * share / 6, -k * s * share / 2, k * share};
     }
-    const double t = thickness;
-    return {stiffness * (s * s / 2 - t * s / 2 + t * t / 6), -stiffness * (s - t / 2), stiffness};
+    const double u = std::min(s / t - 1, most), more = std::exp(growth * u);
+    const double slope = k * t * (0.5 + (more - 1) / growth), rest = s - t - u * t;
+    const double value = k * t * t * (1.0 / 6 + u / 2 + (more - 1 - growth * u) / (growth * growth));
+    return {value + slope * rest + k * more * rest * rest / 2, -slope - k * more * rest, k * more};
 }
 
 // Adds to a point's potential (x0, gradient, second derivatives; see element_point.hpp) what the body does to it.

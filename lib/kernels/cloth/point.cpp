@@ -1,4 +1,4 @@
-// Potentials at nodes.
+// Potentials at nodes and at points of triangles.
 #include "cloth/point.hpp"
 
 #include "fem/element.hpp"
@@ -8,6 +8,7 @@ namespace restshape {
 std::vector<Element> point_elements() {
     return {
         element_of<PointPotentialElement>("potential", "point1"),
+        element_of<TrianglePotentialElement>("potential", "tri3"),
     };
 }
 

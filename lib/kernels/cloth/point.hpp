@@ -1,4 +1,4 @@
-// A quadratic potential at one node: what contact, friction or a spring does there, as a block of an operator.
+// Quadratic potentials at a node or at a point of a triangle: what contact, friction or a spring does there.
 #pragma once
 
 #include <string>
@@ -33,6 +33,53 @@ struct PointPotentialElement {
         residual(X, x, p, r);
         for (int a = 0; a < 3; ++a) total += (x[a] - p[a]) * (0.5 * (r[a] + p[3 + a]));
         return Common<SX, Sx>(1.0) * total;
+    }
+};
+
+// The same at the point b0 x0 + b1 x1 + b2 x2 of a triangle, with barycentric coordinates b that add up to 1.
+struct TrianglePotentialElement {
+    static constexpr int nodes = 3, dim = 2, fields = 3;
+    static constexpr bool symmetric = true, has_tangent = true;
+    static constexpr int stress_components = 0;
+
+    // Barycentric coordinates, then what a node has.
+    static std::vector<std::string> parameters() {
+        std::vector<std::string> names = {"b0", "b1", "b2"};
+        for (const std::string& name : PointPotentialElement::parameters()) names.push_back(name);
+        return names;
+    }
+
+    template <class SX, class Sx, class R>
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
+        Sx y[3];
+        R force[3];
+        point(x, p, y);
+        PointPotentialElement::residual(X, y, p + 3, force);
+        for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a) r[3 * i + a] = p[i] * force[a];
+    }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        Sx y[3];
+        point(x, p, y);
+        return PointPotentialElement::energy(X, y, p + 3);
+    }
+
+    // By hand: the block of nodes i and j is b_i b_j H.
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
+        constexpr int stride = Dual<9>::lanes, of[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+        residual(X, x, p, r);
+        for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a)
+                for (int j = 0; j < 3; ++j)
+                    for (int b = 0; b < 3; ++b) K[(3 * i + a) * stride + 3 * j + b] = p[i] * p[j] * p[9 + of[a][b]];
+    }
+
+ private:
+    template <class Sx>
+    static void point(const Sx* x, const double* b, Sx* y) {
+        for (int a = 0; a < 3; ++a) y[a] = x[a] * b[0] + x[3 + a] * b[1] + x[6 + a] * b[2];
     }
 };
 

@@ -71,14 +71,14 @@ void set_sliding(Operator& op, const Indices& list, const Doubles& kept) {
 }
 
 // A term as Python gives it: its arrays stay alive through the tuple.
-restshape::Term term_of(const Operator& op, const Block& b, const Element& e, const Doubles& x, const Doubles& params,
-                        double coef, double residual_coef, const Doubles& coefficients, py::ssize_t rows) {
+restshape::Term term_of(const Operator& op, const Element& e, const Doubles& x, const Doubles& params, double coef,
+                        double residual_coef, const Doubles& coefficients, py::ssize_t rows, py::ssize_t count) {
     const py::ssize_t n = op.nodes(), np = static_cast<py::ssize_t>(e.parameters.size());
     require(x.size() == n * e.fields,
             e.name + " needs x of shape (" + std::to_string(n) + ", " + std::to_string(e.fields) + ")");
-    const bool each = params.ndim() == 2 && params.shape(0) == b.count && params.shape(1) == np;
+    const bool each = params.ndim() == 2 && params.shape(0) == count && params.shape(1) == np;
     require(each || (params.ndim() == 1 && params.size() == np),
-            e.name + " needs params of shape (" + std::to_string(np) + ",) or (" + std::to_string(b.count) + ", " +
+            e.name + " needs params of shape (" + std::to_string(np) + ",) or (" + std::to_string(count) + ", " +
                 std::to_string(np) + ")");
     require(coefficients.size() == (e.coefficients.empty() ? 0 : rows * e.coefficient_count()),
             e.name + " needs coefficients of shape (" + std::to_string(rows) + ", " +
@@ -87,9 +87,16 @@ restshape::Term term_of(const Operator& op, const Block& b, const Element& e, co
     return {&e, x.data(), w, params.data(), each ? static_cast<int>(np) : 0, coef, residual_coef};
 }
 
-void add(Operator& op, int block, const Doubles& X, const py::list& parts, std::optional<Output> rhs) {
+void add(Operator& op, int block, const Doubles& X, const py::list& parts, std::optional<Output> rhs,
+         const std::optional<Indices>& subset) {
     const Block& b = op.block(block);
+    const py::ssize_t count = subset ? subset->size() : b.count;
     restshape::Terms terms{X.data(), rhs ? rhs->mutable_data() : nullptr, {}};
+    if (subset) {
+        if (!count) return;
+        terms.subset = subset->data();
+        terms.subset_count = static_cast<int>(count);
+    }
     std::vector<Doubles> converted;  // copies live until the loop is done
     for (py::handle part : parts) {
         const auto given = py::cast<py::tuple>(part);
@@ -106,7 +113,7 @@ void add(Operator& op, int block, const Doubles& X, const py::list& parts, std::
         converted.push_back(has_coefficients ? given[5].cast<Doubles>() : Doubles(0));
         const Doubles* arrays = converted.data() + converted.size() - 3;
         const double coef = given[3].cast<double>(), residual_coef = given.size() > 4 ? given[4].cast<double>() : coef;
-        terms.list.push_back(term_of(op, b, e, arrays[0], arrays[1], coef, residual_coef, arrays[2], rows));
+        terms.list.push_back(term_of(op, e, arrays[0], arrays[1], coef, residual_coef, arrays[2], rows, count));
     }
     require(!rhs || (rhs->size() == static_cast<py::ssize_t>(op.nodes()) * op.fields() && rhs->writeable()),
             "rhs must be a writeable array of " + std::to_string(op.nodes() * op.fields()) + " numbers");
@@ -167,12 +174,15 @@ void bind_operator(py::module_& m) {
              "Notes the values added since begin, of terms that stay, until the topology, a patch or the constraints "
              "change.")
         .def("add", &add, py::arg("block"), py::arg("X"), py::arg("terms"), py::arg("rhs").noconvert() = py::none(),
+             py::arg("cells") = py::none(),
              "For each term (element, x, params, coef[, residual_coef[, coefficients]]) of a list, adds coef * tangent "
              "to the "
              "matrix "
              "and subtracts residual_coef * residual (coef unless given) from own rows of rhs (n*fields,); all terms "
              "of a cell are scattered together. Constrained rows and columns are left out, their diagonal gets the "
-             "sum of |coef * K_ii|, their rhs nothing.")
+             "sum of |coef * K_ii|, their rhs nothing. With cells (m,), which may name one more than once, these alone "
+             "are "
+             "assembled, and parameters have a row for each.")
         .def("end", &Operator::end, "Hands the values to PETSc.")
         .def_property_readonly("mat", &petsc4py_mat, "The matrix as a petsc4py Mat with a reference of its own.")
         .def_property_readonly(

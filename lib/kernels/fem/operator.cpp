@@ -229,8 +229,10 @@ void Operator::add(int k, const Terms& terms) {
                                         " nodes and dofs on " + std::to_string(b.dof_nodes) + ", the operator " +
                                         std::to_string(fields_) + " fields");
     }
+    if (terms.subset) check_cells(block(k), terms.subset, terms.subset_count);
+    const int count = terms.subset ? terms.subset_count : block(k).count;
     for (const Term& term : terms.list)
-        term.element->tally->add(term.element->has_tangent() ? Purpose::tangent : Purpose::residual, block(k).count);
+        term.element->tally->add(term.element->has_tangent() ? Purpose::tangent : Purpose::residual, count);
     assemble(k, terms);
 }
 

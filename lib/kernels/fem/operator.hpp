@@ -27,11 +27,14 @@ struct Term {
     double coef, residual_coef;
 };
 
-// What `add` assembles on the cells of a block, each scattered once for all terms (rhs may be null).
+// What `add` assembles on the cells of a block, each scattered once for all terms (rhs may be null). Of a subset of
+// them, in which cells may stand more than once, parameters have a row for each entry of it.
 struct Terms {
     const double* X;
     double* rhs;
     std::vector<Term> list;
+    const int32_t* subset = nullptr;
+    int subset_count = 0;
 };
 
 // Stored entries of a matrix.
@@ -176,7 +179,7 @@ template <class Sizes, class Scatter>
 void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
                             Scatter scatter) {
     if constexpr (Sizes::packs)
-        if (packs(terms)) return packed_loop(sizes, block, terms, list, count, scatter);
+        if (!terms.subset && packs(terms)) return packed_loop(sizes, block, terms, list, count, scatter);
     alignas(64) double X[max_coordinates], x[max_unknowns], r[max_unknowns], K[max_tangent], sum[max_tangent];
     alignas(64) double w[max_coefficients];
     const Block& b = blocks_[block];
@@ -193,7 +196,7 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
             for (int i = 0; i < dof_nodes; ++i)
                 for (int a = 0; a < fields; ++a) x[i * fields + a] = t.x[static_cast<size_t>(dofs[i]) * fields + a];
             if (t.coefficients) gather(cell, nodes, t.element->coefficient_count(), t.coefficients, w);
-            const double* p = t.parameters + static_cast<size_t>(e) * t.parameter_stride;
+            const double* p = t.parameters + static_cast<size_t>(terms.subset ? k : e) * t.parameter_stride;
             const bool tangent = t.element->has_tangent();
             if (tangent)
                 t.element->residual_tangent(X, x, w, p, r, K);

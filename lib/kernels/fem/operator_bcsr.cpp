@@ -52,26 +52,30 @@ class BcsrOperator final : public Operator {
         const Block& b = blocks_[block];
         const bool symmetric =
             std::all_of(terms.list.begin(), terms.list.end(), [](const Term& term) { return term.element->symmetric; });
-        element_loop(sizes, block, terms, nullptr, b.count, [=, &b](int, int e, const int32_t* cell, const double* K) {
-            const int count = sizes.dof_nodes(), fields = sizes.fields(), stride = sizes.stride();
-            // Of nodes that touch nothing the memory need not be either.
-            if (count == 1 && std::all_of(K, K + stride * fields, [](double entry) { return entry == 0.0; })) return;
-            const uint16_t* offset = b.offsets(e);
-            for (int i = 0; i < count; ++i, offset += count)
-                for (int j = 0; j < count; ++j) {
-                    constexpr int f = Sizes::fixed_fields;
-                    using Part = Eigen::Matrix<double, f, f>;
-                    double* target = value + static_cast<size_t>(start[cell[i]] + offset[j]) * fields * fields;
-                    // PETSc's blocks go down their columns, which of a symmetric tangent are the rows of the other one.
-                    const double* source = K + (symmetric ? j * stride + i : i * stride + j) * fields;
-                    const Eigen::Map<const Part, 0, Eigen::OuterStride<>> part(source, fields, fields,
-                                                                               Eigen::OuterStride<>(stride));
-                    if (symmetric)
-                        Eigen::Map<Part>(target, fields, fields) += part;
-                    else
-                        Eigen::Map<Part>(target, fields, fields) += part.transpose();
-                }
-        });
+        const int number = terms.subset ? terms.subset_count : b.count;
+        element_loop(
+            sizes, block, terms, terms.subset, number, [=, &b](int, int e, const int32_t* cell, const double* K) {
+                const int count = sizes.dof_nodes(), fields = sizes.fields(), stride = sizes.stride();
+                // Of nodes that touch nothing the memory need not be either.
+                if (count == 1 && std::all_of(K, K + stride * fields, [](double entry) { return entry == 0.0; }))
+                    return;
+                const uint16_t* offset = b.offsets(e);
+                for (int i = 0; i < count; ++i, offset += count)
+                    for (int j = 0; j < count; ++j) {
+                        constexpr int f = Sizes::fixed_fields;
+                        using Part = Eigen::Matrix<double, f, f>;
+                        double* target = value + static_cast<size_t>(start[cell[i]] + offset[j]) * fields * fields;
+                        // PETSc's blocks go down their columns, which of a symmetric tangent are the rows of the other
+                        // one.
+                        const double* source = K + (symmetric ? j * stride + i : i * stride + j) * fields;
+                        const Eigen::Map<const Part, 0, Eigen::OuterStride<>> part(source, fields, fields,
+                                                                                   Eigen::OuterStride<>(stride));
+                        if (symmetric)
+                            Eigen::Map<Part>(target, fields, fields) += part;
+                        else
+                            Eigen::Map<Part>(target, fields, fields) += part.transpose();
+                    }
+            });
     }
 
     void use_graph() {

@@ -41,11 +41,16 @@ class CooOperator final : public Operator {
     void assemble(int block, const Terms& terms) override {
         double* value = value_.data() + first_[block];
         const std::vector<int32_t>& list = touching_[block];
+        const bool whole = !terms.subset;
         with_sizes(*terms.list.front().element, [&](auto sizes) {
-            element_loop(sizes, block, terms, list.data(), static_cast<int>(list.size()),
-                         [=](int k, int, const int32_t*, const double* K) {
+            element_loop(sizes, block, terms, whole ? list.data() : terms.subset,
+                         whole ? static_cast<int>(list.size()) : terms.subset_count,
+                         [=, &list](int k, int e, const int32_t*, const double* K) {
+                             // A subset may name cells that no own node is of.
+                             const auto at = whole ? list.begin() + k : std::lower_bound(list.begin(), list.end(), e);
+                             if (at == list.end() || *at != e) return;
                              const int n = sizes.dof_nodes() * sizes.fields(), stride = sizes.stride();
-                             double* v = value + static_cast<size_t>(k) * n * n;
+                             double* v = value + static_cast<size_t>(at - list.begin()) * n * n;
                              for (int i = 0; i < n; ++i)
                                  for (int j = 0; j < n; ++j) v[i * n + j] += K[i * stride + j];
                          });

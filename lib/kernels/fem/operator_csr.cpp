@@ -79,23 +79,26 @@ class CsrOperator final : public Operator {
         const int32_t* start = graph_.start.data();
         double* value = arrays_->value.data();
         const Block& b = blocks_[block];
-        element_loop(sizes, block, terms, nullptr, b.count, [=, &b](int, int e, const int32_t* cell, const double* K) {
-            const int count = sizes.dof_nodes(), fields = sizes.fields(), stride = sizes.stride();
-            // Of nodes that touch nothing the memory need not be either.
-            if (count == 1 && std::all_of(K, K + stride * fields, [](double entry) { return entry == 0.0; })) return;
-            const uint16_t* offset = b.offsets(e);
-            for (int i = 0; i < count; ++i, offset += count) {
-                const int32_t first = start[cell[i]];
-                const int length = (start[cell[i] + 1] - first) * fields;
-                double* row = value + static_cast<size_t>(first) * fields * fields;
-                for (int a = 0; a < fields; ++a, row += length, K += stride)
-                    for (int j = 0; j < count; ++j) {
-                        using Values = Eigen::Array<double, Sizes::fixed_fields, 1>;
-                        Eigen::Map<Values> target(row + offset[j] * fields, fields);
-                        target += Eigen::Map<const Values>(K + j * fields, fields);
-                    }
-            }
-        });
+        const int number = terms.subset ? terms.subset_count : b.count;
+        element_loop(
+            sizes, block, terms, terms.subset, number, [=, &b](int, int e, const int32_t* cell, const double* K) {
+                const int count = sizes.dof_nodes(), fields = sizes.fields(), stride = sizes.stride();
+                // Of nodes that touch nothing the memory need not be either.
+                if (count == 1 && std::all_of(K, K + stride * fields, [](double entry) { return entry == 0.0; }))
+                    return;
+                const uint16_t* offset = b.offsets(e);
+                for (int i = 0; i < count; ++i, offset += count) {
+                    const int32_t first = start[cell[i]];
+                    const int length = (start[cell[i] + 1] - first) * fields;
+                    double* row = value + static_cast<size_t>(first) * fields * fields;
+                    for (int a = 0; a < fields; ++a, row += length, K += stride)
+                        for (int j = 0; j < count; ++j) {
+                            using Values = Eigen::Array<double, Sizes::fixed_fields, 1>;
+                            Eigen::Map<Values> target(row + offset[j] * fields, fields);
+                            target += Eigen::Map<const Values>(K + j * fields, fields);
+                        }
+                }
+            });
     }
 
     // Arrays that no matrix borrows any more, so that patches do not allocate.

@@ -1,6 +1,7 @@
 """The stiffness operator: nonzero pattern kept over a topology, values refreshed each frame."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
@@ -12,8 +13,22 @@ from restshape.arrays import Bytes, Indices, Reals
 Block = Indices | tuple[Indices, Indices]
 """Cells (m, k) int32; a pair where the nodes of unknowns are others than those of X: cells, and dofs (m, kd) int32."""
 
-MatrixTerm = tuple[int, _kernels.Element, Reals, Reals, Reals, float, *tuple[float | Reals, ...]]
-"""Block, element, X, x, parameters, coefficient[, residual factor[, nodal coefficients]] of a term of a matrix."""
+
+@dataclass(frozen=True, eq=False)
+class CellSubset:
+    """Some cells of a block, which the parameters of a term have a row for each of.
+
+    Args:
+        block: its number.
+        cells: (m,) int32; one may stand there more than once.
+    """
+
+    block: int
+    cells: Indices
+
+
+MatrixTerm = tuple[int | CellSubset, _kernels.Element, Reals, Reals, Reals, float, *tuple[float | Reals, ...]]
+"""Block or cells of one, element, X, x, parameters, coefficient[, residual factor[, nodal coefficients]] of a term."""
 
 
 class Operator:
@@ -109,4 +124,5 @@ class Operator:
         for _, group in groupby(terms, key=lambda term: (term[0], id(term[2]))):
             parts = list(group)
             block, _, X, *_ = parts[0]
-            self.core.add(block, X, [(element, *rest) for _, element, _, *rest in parts], rhs)
+            number, cells = (block.block, block.cells) if isinstance(block, CellSubset) else (block, None)
+            self.core.add(number, X, [(element, *rest) for _, element, _, *rest in parts], rhs, cells)

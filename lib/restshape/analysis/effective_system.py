@@ -140,7 +140,8 @@ class EffectiveSystem:
 
 
 def _block(term: MatrixTerm) -> int:
-    return term[0]
+    block = term[0]
+    return block if isinstance(block, int) else block.block
 
 
 class StepProducts:

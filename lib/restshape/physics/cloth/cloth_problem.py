@@ -26,8 +26,8 @@ from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
-from restshape.physics.cloth.parameters import Lumped, lumped_rates
-from restshape.physics.cloth.point_forces import PointForces
+from restshape.physics.cloth.parameters import Lumped, lumped_rates, triangle_rates
+from restshape.physics.cloth.point_forces import PointForces, TriangleForces
 from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
 
@@ -187,8 +187,12 @@ class ClothProblem(SteadyProblem):
         return x[self.corner_number]
 
     def update_friction(self, x: np.ndarray) -> float:
-        """Let friction follow to x (n, 3); returns the largest slip distance of an anchor [m]."""
-        return self.contact.update_friction(self.corners(x)) if self.contact else 0.0
+        """Let friction, and the points that touch, follow to x (n, 3); returns the largest slip distance [m]."""
+        if not self.contact:
+            return 0.0
+        corners = self.corners(x)
+        self.contact.cut(corners)
+        return self.contact.update_friction(self.contact.place(corners))
 
     def follow_friction(self, x: np.ndarray) -> bool:
         """Let friction follow to x (n, 3); returns whether there is contact, whose energy it changes."""
@@ -207,7 +211,7 @@ class ClothProblem(SteadyProblem):
     @property
     def obstacles(self) -> Sequence[Obstacle]:
         """What corners must not pass."""
-        return ()
+        return [self.contact] if self.contact else ()
 
     # --- integrals ------------------------------------------------------------------------------------------------
 
@@ -216,7 +220,7 @@ class ClothProblem(SteadyProblem):
         bent = self.bending.blocks() if self.bending else []
         return [self.membrane.corners, np.ascontiguousarray(self.corner_number[:, None]), *bent]
 
-    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral | PointForces]:
+    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral | PointForces | TriangleForces]:
         """The integrals of a kind, see `fem.problem`; no load has steps."""
         if kind == STIFFNESS:
             return [self.membrane.integral(self.X, weighs=False), *self.bending_integrals()]
@@ -228,7 +232,7 @@ class ClothProblem(SteadyProblem):
         """Those of bending."""
         return self.bending.integrals(self.X) if self.bending else []
 
-    def tangent_integrals(self, stabilised: bool, inertia: float) -> list[Integral | PointForces]:
+    def tangent_integrals(self, stabilised: bool, inertia: float) -> list[Integral | PointForces | TriangleForces]:
         """Those of a tangent but for quadratic bending.
 
         Args:
@@ -237,21 +241,27 @@ class ClothProblem(SteadyProblem):
         """
         found = [self.membrane.integral(self.X, stabilised)]
         if self.contact or inertia:
-            found.append(self._points(inertia, curved=not stabilised))
+            found += self._points(inertia, curved=not stabilised)
         return found if self.quadratic_bending else found + self.bending_integrals()
 
-    def _contact(self) -> list[PointForces]:
-        return [self._points()] if self.contact else []
+    def _contact(self) -> list[PointForces | TriangleForces]:
+        return self._points() if self.contact else []
 
-    def _points(self, inertia: float = 0.0, curved: bool = True) -> PointForces:
-        numbers = self.corner_number
+    def _points(self, inertia: float = 0.0, curved: bool = True) -> list[PointForces | TriangleForces]:
+        numbers, contact = self.corner_number, self.contact
         entities = np.ascontiguousarray(numbers[:, None])
         mass = self.lumped.mass[numbers]
-        return PointForces(self.X, entities, self.contact, mass, self._area_rates, inertia, curved)
+        nodes = PointForces(self.X, entities, contact, mass, self._area_rates, inertia, curved)
+        if not (contact and contact.points and len(contact.points.cut)):
+            return [nodes]
+        return [nodes, TriangleForces(self.X, entities, contact, self._area_rates, curved)]
 
     def _area_rates(self, dX: np.ndarray) -> np.ndarray:
-        """Rates (corners,) of the areas that corners stand for when nodes move with dX (n, 2)."""
-        return lumped_rates(self.X, self.membrane.corners, dX)[self.corner_number]
+        """Rates (corners + points,) of the areas that both stand for when nodes move with dX (n, 2)."""
+        corners = self.membrane.corners
+        rates = lumped_rates(self.X, corners, dX)[self.corner_number]
+        points = self.contact.points
+        return rates if points is None else points.areas(rates, triangle_rates(self.X, corners, dX))
 
     # --- energies and forces --------------------------------------------------------------------------------------
 

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import is_
 
 import numpy as np
 
 from restshape import _kernels
+from restshape.physics.cloth.contact_points import CLOSE, ContactPoints
 
 POTENTIAL = 12
 """Parameters of the element potential_point1: a place, the gradient there, the second derivatives xx yy zz yz xz xy."""
+PERMITTED, DEEPER = 0.5, 0.25
+"""How deep a step may take triangles into a body, over the thickness of contact, and over the depth of its middle where
+that is less."""
+MIDDLE = 0.9
+"""Part of the depth of a body's middle below which no step leads."""
+LEAST_SHARE = 1e-6
+"""Share of a step that is gone in any case: none would be no step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,20 +27,51 @@ class FrictionHistory:
     """What friction remembers; each update makes another one.
 
     Args:
-        anchors: (bodies, n, 3) [m].
+        anchors: (bodies, n, 3) [m] of the corners, and of the points of triangles where there are any.
         normals: (bodies, n, 3) of the surfaces at the last update.
         limits: (bodies, n) largest forces of friction [N].
+        points: of the triangles that touch with more than their corners; None: corners alone touch.
     """
 
     anchors: np.ndarray
     normals: np.ndarray
     limits: np.ndarray
+    points: ContactPoints | None = None
 
     @classmethod
-    def none(cls, bodies: int, nodes: int) -> FrictionHistory:
+    def none(cls, bodies: int, nodes: int, points: ContactPoints | None = None) -> FrictionHistory:
         """The history of nodes that have touched nothing."""
         shape = (bodies, nodes)
-        return cls(np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape))
+        return cls(np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape), points)
+
+    def at_corners(self, n: int) -> FrictionHistory:
+        """The history of the n corners alone."""
+        points = self.points and ContactPoints.none(self.points.cells)
+        return FrictionHistory(self.anchors[:, :n], self.normals[:, :n], self.limits[:, :n], points)
+
+    def on(self, points: ContactPoints, x: np.ndarray) -> FrictionHistory:
+        """The history on other points of the same triangles, with corners at x (n, 3) [m].
+
+        A new point is as far from its anchor as the pressed ones of its triangle's corners are from theirs.
+        """
+        n, place = len(x), points.place(x)
+        source = points.carried(self.points, n)
+        found = FrictionHistory.none(len(self.anchors), len(place), points)
+        kept, new = source >= 0, np.flatnonzero(source[n:] < 0)
+        nodes, weights = points.nodes[new], points.weights[new]
+        for k in range(len(self.anchors)):
+            for own, old in zip(
+                (found.anchors, found.normals, found.limits), (self.anchors, self.normals, self.limits)
+            ):
+                own[k, kept] = old[k, source[kept]]
+            pressed = weights * (self.limits[k, nodes] > 0.0)
+            total = pressed.sum(axis=1)
+            ways = np.einsum("pk,pka->pa", pressed, (x - self.anchors[k, :n])[nodes])
+            ways /= np.where(total > 0.0, total, 1.0)[:, None]
+            found.anchors[k, n + new] = place[n + new] - ways
+            # Any limit says that it is pressed; the next update gives it its own.
+            found.limits[k, n + new] = np.einsum("pk,pk->p", pressed, self.limits[k, nodes])
+        return found
 
     def mapped(
         self, before: np.ndarray, after: np.ndarray, interpolate: Callable[[np.ndarray], np.ndarray]
@@ -84,14 +123,19 @@ class KnownPotential:
 class Contact:
     """What bodies do to nodes. With one history of friction it is a potential of the positions.
 
+    Where triangles are given, positions are those of their corners, followed by those of `points` between them, see
+    `place`.
+
     Args:
         bodies: of `restshape._kernels.Body`; they may be replaced as they move.
-        area: (n,) that each node stands for [m^2].
+        area: (n,) that each node stands for alone [m^2].
         stiffness: of the penalty [N/m^3]; thickness: distance at which it begins [m].
         friction: coefficient, of all bodies or one of each; slip: way along the surface at which it is all there [m].
+        cells: (ne, 3) int32 triangles; None: nodes alone touch.
+        cell_area: (ne,) of them [m^2].
 
     Attributes:
-        history: of friction; it changes in `update_friction` only.
+        history: of friction, with the points of triangles; it changes in `update_friction` and `cut` only.
 
     Source: docs/theory/cloth.md.
     """
@@ -104,22 +148,68 @@ class Contact:
         thickness: float,
         friction: float | Sequence[float] = 0.0,
         slip: float = 1e-4,
+        cells: np.ndarray | None = None,
+        cell_area: np.ndarray | None = None,
     ) -> None:
         self.bodies = list(bodies)
         self.area, self.stiffness, self.thickness = area, stiffness, thickness
         self.friction, self.slip = np.broadcast_to(friction, len(self.bodies)), slip
-        self.history = FrictionHistory.none(len(self.bodies), len(area))
+        self.cells, self.cell_area = cells, cell_area
+        points = None if cells is None else ContactPoints.none(cells)
+        self.history = FrictionHistory.none(len(self.bodies), len(area), points)
+        self._areas: tuple[object, ...] = ()
         self._known: KnownPotential | None = None
+
+    @property
+    def points(self) -> ContactPoints | None:
+        """Points of triangles that touch with more than their corners; None without triangles."""
+        return self.history.points
+
+    @property
+    def areas(self) -> np.ndarray:
+        """What corners and points stand for (n + m,) [m^2]."""
+        points = self.points
+        if points is None or not len(points.cut):
+            return self.area
+        known = (points, self.area, self.cell_area)
+        if not (self._areas and all(map(is_, self._areas, known))):
+            self._areas = (*known, points.areas(self.area, self.cell_area))
+        return self._areas[3]
+
+    def place(self, x: np.ndarray) -> np.ndarray:
+        """Positions (n + m, 3) [m] of the corners at x (n, 3) and of the points."""
+        return x if self.points is None else self.points.place(x)
+
+    def cut(self, x: np.ndarray) -> None:
+        """Let triangles touch with more than their corners where these at x (n, 3) [m] do not suffice."""
+        if self.points is None:
+            return
+        points = self.points.on(self.bodies, x, self.thickness)
+        if points is not self.points:
+            self.history = self.history.on(points, x)
+
+    def step_share(self, x: np.ndarray, d: np.ndarray) -> float:
+        """The largest share, in (0, 1], of a step d (n, 3) from x (n, 3) [m] that lets no triangle through a body.
+
+        A triangle may get as deep into one as contact bears, or somewhat deeper than it is, but never past its middle.
+        """
+        share = 1.0
+        for body in self.bodies if self.cells is not None else ():
+            depth = min(PERMITTED * self.thickness, DEEPER * body.inner_radius)
+            close, bottom = min(CLOSE * self.thickness, 0.1 * depth), -MIDDLE * body.inner_radius
+            share *= body.step_share(x, share * d, self.cells, -depth, depth, close, bottom)
+        return max(share, LEAST_SHARE)
 
     def update_friction(self, x: np.ndarray) -> float:
         """Take normals and normal forces from x (n, 3), and drag the anchors; returns the largest slip distance [m]."""
         before, slipped = self.history, 0.0
         anchors, normals, limits = before.anchors.copy(), before.normals.copy(), before.limits.copy()
+        areas = self.areas
         for k, body in enumerate(self.bodies):
-            penalty = self.area, self.stiffness, self.thickness
+            penalty = areas, self.stiffness, self.thickness
             memory = anchors[k], normals[k], limits[k]
             slipped = max(slipped, body.update_friction(x, *penalty, self.friction[k], self.slip, *memory))
-        self.history = FrictionHistory(anchors, normals, limits)
+        self.history = replace(before, anchors=anchors, normals=normals, limits=limits)
         return slipped
 
     def passed(self, x: np.ndarray, way: np.ndarray) -> bool:
@@ -171,14 +261,14 @@ class Contact:
     @property
     def dependencies(self) -> tuple[tuple[object, ...], tuple[float, ...]]:
         """What the potential depends on besides positions: objects, none of which changes, and numbers."""
-        return (self.history, self.area, *self.bodies), (self.stiffness, self.thickness, self.slip)
+        return (self.history, self.areas, *self.bodies), (self.stiffness, self.thickness, self.slip)
 
     def _evaluated(self, x: np.ndarray, curved: bool) -> tuple[float, np.ndarray]:
         out = np.zeros((len(x), POTENTIAL))
         out[:, :3] = x
         energy, history = 0.0, self.history
         for k, body in enumerate(self.bodies):
-            energy += body.add_contact(x, self.area, self.stiffness, self.thickness, out, curved)
+            energy += body.add_contact(x, self.areas, self.stiffness, self.thickness, out, curved)
             anchors, normals, limits = history.anchors[k], history.normals[k], history.limits[k]
             energy += _kernels.add_friction(x, anchors, normals, limits, self.slip, out)
         return energy, out

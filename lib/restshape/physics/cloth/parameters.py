@@ -13,6 +13,21 @@ HINGE_STIFFNESS = {"plate": 1.0 / 3.0, "strip": 3.0 / 8.0}
 """Stiffness of `hinge_flap4` that acts on equilateral triangles as 1 of a plate, or of a strip with free sides."""
 
 
+def triangle_areas(X: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Areas (ne,) [m^2] of triangles with corners (ne, 3) at X (n, 2) [m]."""
+    a, b, c = X[corners].swapaxes(0, 1)
+    u, v = b - a, c - a
+    return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+
+def triangle_rates(X: np.ndarray, corners: np.ndarray, dX: np.ndarray) -> np.ndarray:
+    """Rates (ne,) of the areas of triangles when nodes at X (n, 2) [m] move with dX (n, 2)."""
+    a, b, c = X[corners].swapaxes(0, 1)
+    da, db, dc = dX[corners].swapaxes(0, 1)
+    u, v, du, dv = b - a, c - a, db - da, dc - da
+    return 0.5 * (du[:, 0] * v[:, 1] + u[:, 0] * dv[:, 1] - du[:, 1] * v[:, 0] - u[:, 1] * dv[:, 0])
+
+
 def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0) -> np.ndarray:
     """Masses (n,) [kg] of nodes, a third of their triangles', or by default the areas [m^2] that they stand for.
 
@@ -21,19 +36,13 @@ def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0
         corners: (ne, 3) nodes of triangles.
         density: mass by area [kg/m^2], one or (ne,).
     """
-    a, b, c = X[corners].swapaxes(0, 1)
-    u, v = b - a, c - a
-    share = density * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 6.0
+    share = density * (2.0 * triangle_areas(X, corners)) / 6.0
     return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=len(X))
 
 
 def lumped_rates(X: np.ndarray, corners: np.ndarray, dX: np.ndarray) -> np.ndarray:
     """Rates (n,) of the areas that nodes at X (n, 2) [m] stand for when they move with dX (n, 2)."""
-    a, b, c = X[corners].swapaxes(0, 1)
-    da, db, dc = dX[corners].swapaxes(0, 1)
-    u, v, du, dv = b - a, c - a, db - da, dc - da
-    rates = du[:, 0] * v[:, 1] + u[:, 0] * dv[:, 1] - du[:, 1] * v[:, 0] - u[:, 1] * dv[:, 0]
-    return np.bincount(corners.ravel(), np.repeat(rates / 6.0, 3), minlength=len(X))
+    return np.bincount(corners.ravel(), np.repeat(2.0 * triangle_rates(X, corners, dX) / 6.0, 3), minlength=len(X))
 
 
 @dataclass(frozen=True, eq=False)

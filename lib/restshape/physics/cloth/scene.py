@@ -16,6 +16,7 @@ from restshape.physics.cloth.cloth_supports import supports_of
 from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.parameters import triangle_areas
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -75,6 +76,8 @@ def cloth_problem(mesh: Mesh, arguments: ClothArguments) -> ClothProblem:
             settings.thickness,
             [friction for _, friction in arguments.bodies],
             settings.slip,
+            mesh.cells,
+            triangle_areas(problem.X, problem.membrane.corners),
         )
     return problem
 
@@ -84,7 +87,10 @@ def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:
     contact, settings = problem.contact, arguments.contact
     contact.bodies = [body for body, _ in arguments.bodies]
     contact.friction = np.array([friction for _, friction in arguments.bodies])
-    contact.area = problem.lumped.area[problem.corner_number]
+    contact.area, contact.cell_area = (
+        problem.lumped.area[problem.corner_number],
+        triangle_areas(problem.X, problem.membrane.corners),
+    )
     contact.stiffness, contact.thickness, contact.slip = settings.stiffness, settings.thickness, settings.slip
 
 

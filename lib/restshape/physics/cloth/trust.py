@@ -24,7 +24,7 @@ class Trust:
     Args:
         reasons: why it cannot, for people; none: it can.
         max_strain: of the edge that is stretched most; at least 0.
-        max_penetration: depth [m] of the deepest node in a body.
+        max_penetration: depth [m] of the deepest place of a triangle in a body.
         crossings: triangles that the cloth's own edges pass through.
     """
 
@@ -42,10 +42,8 @@ def trust_in(state: RelaxationState) -> Trust:
     reasons = [stretched(strain, place, most)] if strain > most else []
     max_penetration = 0.0
     if problem.contact:
-        corners, kernels = problem.corners(state.x), problem.contact.bodies
-        through = tunnelling(state.bodies, kernels, corners[problem.mesh.cells])
-        reasons += coming_through(list(compress(scene.bodies, through)))
-        depths = penetrations(kernels, corners)
+        depths = penetrations(problem.contact, problem.corners(state.x))
+        reasons += coming_through(list(compress(scene.bodies, tunnelling(state.bodies, depths))))
         max_penetration = max(depths, default=0.0)
         reasons += penetration_notes("lies", problem, scene, depths)
     crossings = len(problem.surface.crossed(problem.corners(state.x)))

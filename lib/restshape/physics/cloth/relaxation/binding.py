@@ -6,6 +6,7 @@ import logging
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from restshape.analysis.frame import Frame
 from restshape.mesh.transfer import transfer
@@ -55,7 +56,7 @@ def bind(
     problem, notes = state.problem, ()
     state = replace(state, plan=options.plan, bodies=options.bodies)
     if cold and problem.contact:
-        depths = penetrations(problem.contact.bodies, problem.corners(state.x))
+        depths = penetrations(problem.contact, problem.corners(state.x))
         notes = tuple(penetration_notes("begins", problem, scene, depths))
     if problem.contact and before.friction is not None and not cold:
         state = replace(state, x=move_with_bodies(state, before.bodies))
@@ -127,8 +128,29 @@ def new_problem(
     if friction is not None and len(friction.anchors) == len(problem.contact.bodies):
         same = frame.mesh is old.mesh
         interpolate = (lambda values: values) if same else (lambda values: transfer(old.mesh, frame.mesh, values))
-        problem.contact.history = friction.mapped(old.corners(before.x), corners, interpolate)
+        at_nodes = friction.at_corners(len(old.mesh.X)).mapped(old.corners(before.x), corners, interpolate)
+        problem.contact.history = replace(at_nodes, points=problem.contact.points)
+        _carry_points(before, problem, corners)
     return replace(before, problem=problem, x=x)
+
+
+def _carry_points(before: RelaxationState, problem: ClothProblem, corners: np.ndarray) -> None:
+    """Let points of triangles at corners (n, 3) [m] have the friction of those nearest in the material before."""
+    contact, friction, old = problem.contact, before.friction, before.problem
+    contact.cut(corners)
+    points, known = contact.points, friction.points
+    if not len(points.cut) or not len(known.cut):
+        return
+    place, found = contact.place(corners), contact.history
+    n = len(corners)
+    material = points.place(problem.mesh.X)[n:]
+    # The material where the nodes of the last equilibrium were.
+    nearest = cKDTree(known.place(before.place.X[old.corner_number])).query(material)[1]
+    offsets = known.place(old.corners(before.x)) - friction.anchors
+    anchors, limits = found.anchors.copy(), found.limits.copy()
+    anchors[:, n:] = place[n:] - offsets[:, nearest]
+    limits[:, n:] = friction.limits[:, nearest]
+    contact.history = replace(found, anchors=anchors, limits=limits)
 
 
 def moved_corners(before: RelaxationState, frame: Frame, scene: Scene) -> np.ndarray:
@@ -152,8 +174,9 @@ def moved_material(before: RelaxationState, arguments: ClothArguments) -> Relaxa
     if problem.contact:
         set_contact(problem, arguments)
         # What sticks does so wherever its nodes are in it.
-        way = problem.corners(x) - problem.corners(before.x)
-        friction = before.friction
+        friction, contact = before.friction, problem.contact
+        contact.history = friction
+        way = contact.place(problem.corners(x)) - contact.place(problem.corners(before.x))
         problem.contact.history = replace(friction, anchors=friction.anchors + way)
     return replace(before, x=problem.constrain(x))
 
@@ -175,7 +198,9 @@ def move_with_bodies(state: RelaxationState, before: tuple[Body, ...]) -> np.nda
     if old.kind != new.kind or old.form == new.form:
         return state.x
     x = state.x.copy()
-    x[problem.corner_number] += surface_motion(old, new, problem.corners(x), contact.history, pressed[0])
+    corners = problem.corners(x)
+    way = surface_motion(old, new, contact.place(corners), contact.history, pressed[0])
+    x[problem.corner_number] += way[: len(corners)]
     return x
 
 

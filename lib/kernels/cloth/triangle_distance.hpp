@@ -1,0 +1,168 @@
+// Signed distances of convex bodies over triangles, and how far triangles may go before one falls below a bound.
+//
+// The signed distance f of a convex set is convex and changes by no more than one goes: f(y) is at least
+// f(c) + g.(y - c) with its gradient g at any c, and at least f(c) - |y - c|. Both bounds are used everywhere.
+// Source: docs/theory/cloth.md.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cloth/contact.hpp"
+
+namespace restshape {
+
+struct Vec3 {
+    double c[3];
+    double& operator[](int a) { return c[a]; }
+    double operator[](int a) const { return c[a]; }
+};
+inline Vec3 operator+(const Vec3& a, const Vec3& b) { return {{a[0] + b[0], a[1] + b[1], a[2] + b[2]}}; }
+inline Vec3 operator-(const Vec3& a, const Vec3& b) { return {{a[0] - b[0], a[1] - b[1], a[2] - b[2]}}; }
+inline Vec3 operator*(double s, const Vec3& a) { return {{s * a[0], s * a[1], s * a[2]}}; }
+inline double inner(const double* a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline double size_of(const Vec3& a) { return std::sqrt(inner(a.c, a)); }
+
+// A triangle in space, and its corners in barycentric coordinates of the one that it is a part of.
+struct Part {
+    Vec3 p[3], b[3];
+
+    static Part whole(const Vec3* p) { return {{p[0], p[1], p[2]}, {{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}}}; }
+    // Halves of its longest side.
+    void halve(Part& first, Part& second) const {
+        int longest = 0;
+        double most = -1.0;
+        for (int i = 0; i < 3; ++i) {
+            const Vec3 side = p[(i + 1) % 3] - p[i];
+            const double square = inner(side.c, side);
+            if (square > most) {
+                most = square;
+                longest = i;
+            }
+        }
+        const int i = longest, j = (longest + 1) % 3;
+        first = second = *this;
+        first.p[j] = second.p[i] = 0.5 * (p[i] + p[j]);
+        first.b[j] = second.b[i] = 0.5 * (b[i] + b[j]);
+    }
+};
+
+// The least distance over a triangle, within a tolerance, and where it is.
+struct Lowest {
+    double value, bound;  // one that is there, and one that none is below
+    double b[3];
+};
+
+// A lower bound of the distance over a part, from its centroid; `best` takes what is there.
+inline double bound_of(const Body& body, const Part& part, Lowest& best) {
+    const Vec3 b = (1.0 / 3.0) * (part.b[0] + part.b[1] + part.b[2]);
+    const Vec3 centre = (1.0 / 3.0) * (part.p[0] + part.p[1] + part.p[2]);
+    const Distance d = body.distance(centre.c, false);
+    if (d.value < best.value) {
+        best.value = d.value;
+        std::copy(b.c, b.c + 3, best.b);
+    }
+    double slope = 0.0, farthest = 0.0;
+    for (const Vec3& p : part.p) {
+        const Vec3 way = p - centre;
+        slope = std::min(slope, inner(d.gradient, way));
+        farthest = std::max(farthest, inner(way.c, way));
+    }
+    return d.value + std::max(slope, -std::sqrt(farthest));
+}
+
+// Parts are halved until none can hold a distance below what is found, less the tolerance. Of no interest is what is
+// not below `enough`: the value is then some that is there, the bound one that is no less than `enough`.
+inline Lowest lowest_on(const Body& body, const Vec3* corners, double tolerance,
+                        double enough = std::numeric_limits<double>::infinity()) {
+    constexpr int most = 64, patience = 4000;
+    struct Open {
+        Part part;
+        double bound;
+    } stack[most];
+    Lowest best{std::numeric_limits<double>::infinity(), 0.0, {}};
+    for (int i = 0; i < 3; ++i) {
+        const double value = body.distance(corners[i].c, false).value;
+        if (value < best.value) {
+            best.value = value;
+            for (int k = 0; k < 3; ++k) best.b[k] = k == i;
+        }
+    }
+    const auto goal = [&] { return std::min(best.value - tolerance, enough); };
+    int open = 0;
+    double bound = std::numeric_limits<double>::infinity();
+    stack[open].part = Part::whole(corners);
+    stack[open].bound = bound_of(body, stack[open].part, best);
+    ++open;
+    for (int k = 0; open && k < patience; ++k) {
+        const Open now = stack[--open];
+        if (now.bound >= goal()) {
+            bound = std::min(bound, now.bound);
+            continue;
+        }
+        if (open + 2 > most) {
+            bound = std::min(bound, now.bound);
+            continue;
+        }
+        Open halves[2];
+        now.part.halve(halves[0].part, halves[1].part);
+        for (Open& half : halves) half.bound = std::max(now.bound, bound_of(body, half.part, best));
+        // The more promising one comes next.
+        const int last = halves[0].bound < halves[1].bound ? 0 : 1;
+        stack[open++] = halves[1 - last];
+        stack[open++] = halves[last];
+    }
+    for (int k = 0; k < open; ++k) bound = std::min(bound, stack[k].bound);
+    best.bound = std::min(bound, best.value);
+    return best;
+}
+
+// The largest share of the way d that a triangle's corners p may go without its distance falling below `floor`, or,
+// where it is nearly there, below what it has by more than `deeper`. Conservative: each advance is one that the slope
+// of the distance at the lowest place, or its Lipschitz constant, allows.
+inline double triangle_share(const Body& body, const Vec3* p, const Vec3* d, double floor, double deeper, double bottom,
+                             double tolerance) {
+    double longest = 0.0;
+    for (int i = 0; i < 3; ++i) longest = std::max(longest, inner(d[i].c, d[i]));
+    longest = std::sqrt(longest);
+    const Vec3 centre = (1.0 / 3.0) * (p[0] + p[1] + p[2]);
+    const Distance middle = body.distance(centre.c, false);
+    double slope = 0.0, farthest = 0.0;
+    for (int i = 0; i < 3; ++i)
+        for (int end = 0; end < 2; ++end) {
+            const Vec3 way = p[i] + static_cast<double>(end) * d[i] - centre;
+            slope = std::min(slope, inner(middle.gradient, way));
+            farthest = std::max(farthest, inner(way.c, way));
+        }
+    if (middle.value + std::max(slope, -std::sqrt(farthest)) >= floor) return 1.0;
+    double t = 0.0, least = floor;
+    for (int k = 0; k < 200; ++k) {
+        const Vec3 now[3] = {p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]};
+        const Lowest low =
+            lowest_on(body, now, tolerance, k ? std::numeric_limits<double>::infinity() : floor + deeper);
+        if (k == 0) least = std::max(std::min(floor, low.value - deeper), std::min(bottom, low.value - tolerance));
+        const double spare = low.bound - least;
+        if (k && low.value - least <= 2.0 * tolerance) return t;
+        double advance = spare > 0.0 ? spare / longest : 0.0;
+        // Beyond the tangent plane at the lowest place the triangle is not either.
+        const Vec3 at = low.b[0] * now[0] + low.b[1] * now[1] + low.b[2] * now[2];
+        const Distance there = body.distance(at.c, false);
+        double allowed = 1.0;
+        for (int i = 0; i < 3; ++i) {
+            const double height = there.value + inner(there.gradient, now[i] - at) - least;
+            const double rate = inner(there.gradient, d[i]);
+            if (height <= 0.0)
+                allowed = 0.0;
+            else if (rate < 0.0)
+                allowed = std::min(allowed, -height / rate);
+        }
+        advance = std::max(advance, allowed);
+        t += advance;
+        if (t >= 1.0) return 1.0;
+        if (!(advance > 1e-9)) return t;
+    }
+    return t;
+}
+
+}  // namespace restshape

@@ -1,0 +1,147 @@
+"""Where cloth touches: corners of triangles, and points between them where corners alone would let a body in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from restshape import _kernels
+
+SAG = 0.5
+"""How much deeper a body may be between two points of a triangle than at these, over the thickness of contact."""
+NEAR, LEFT = 2.0, 6.0
+"""Distances of a body, over the thickness of contact, within which triangles get points, and beyond which they lose
+them."""
+NOTICED = 0.25
+"""How much nearer to a body than its corners a triangle must be to get points, over the thickness of contact."""
+PRESSED = 0.35
+"""Depth of a body in a triangle, over the thickness of contact, at which there are to be more points."""
+FLAT = 0.05
+"""How much deeper a body may be between points, over the thickness of contact, where more of them are of no use."""
+MOST_PARTS = 32
+"""Parts of a triangle's side at most."""
+CLOSE = 0.02
+"""Tolerance of distances over triangles, over the thickness of contact."""
+
+
+@lru_cache(maxsize=MOST_PARTS)
+def lattice(parts: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points between the corners of a triangle whose sides are cut in parts, by the composite rule of the corners.
+
+    Returns: their barycentric coordinates (m, 3), and the share (m,) of the triangle that each stands for. Each corner
+    stands for 1/(3 parts^2) of it.
+    """
+    i, j = (part.ravel() for part in np.mgrid[: parts + 1, : parts + 1])
+    counts = np.column_stack([i, j, parts - i - j])[i + j <= parts]
+    counts = counts[counts.max(axis=1) < parts]
+    # Six of the small triangles meet at a point inside, three at one on a side.
+    met = np.where(counts.min(axis=1) == 0, 3.0, 6.0)
+    return counts / parts, met / (3.0 * parts**2)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPoints:
+    """Points that triangles of a sheet touch with besides their corners.
+
+    Args:
+        cells: (ne, 3) int32 corners of the triangles.
+        parts: (ne,) how many parts a triangle's sides are cut in; 1: it touches with its corners alone.
+    """
+
+    cells: np.ndarray
+    parts: np.ndarray
+
+    @classmethod
+    def none(cls, cells: np.ndarray) -> ContactPoints:
+        """Corners alone."""
+        return cls(cells, np.ones(len(cells), dtype=np.int64))
+
+    @cached_property
+    def cut(self) -> np.ndarray:
+        """The triangles (k,) that have points, in order."""
+        return np.flatnonzero(self.parts > 1)
+
+    @cached_property
+    def counts(self) -> np.ndarray:
+        """Points (ne,) of each triangle."""
+        return np.where(self.parts > 1, (self.parts + 1) * (self.parts + 2) // 2 - 3, 0)
+
+    @cached_property
+    def cell(self) -> np.ndarray:
+        """The triangle (m,) int32 of each point."""
+        return np.repeat(np.arange(len(self.parts), dtype=np.int32), self.counts)
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Barycentric coordinates (m, 3) of the points."""
+        return np.concatenate([np.empty((0, 3)), *(lattice(int(parts))[0] for parts in self.parts[self.cut])])
+
+    @cached_property
+    def share(self) -> np.ndarray:
+        """The part (m,) of its triangle that each point stands for."""
+        return np.concatenate([np.empty(0), *(lattice(int(parts))[1] for parts in self.parts[self.cut])])
+
+    @cached_property
+    def nodes(self) -> np.ndarray:
+        """The corners (m, 3) int32 around each point."""
+        return np.ascontiguousarray(self.cells[self.cell])
+
+    def place(self, values: np.ndarray) -> np.ndarray:
+        """Values (n, f) at the corners, followed by those (m, f) at the points."""
+        if not len(self.cut):
+            return values
+        return np.concatenate([values, np.einsum("pk,pka->pa", self.weights, values[self.nodes])])
+
+    def areas(self, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+        """What corners and points (n + m,) stand for, from what corners do alone (n,) and from triangles (ne,)."""
+        if not len(self.cut):
+            return corners
+        given = triangles[self.cut] * (1.0 - 1.0 / self.parts[self.cut] ** 2) / 3.0
+        left = corners - np.bincount(self.cells[self.cut].ravel(), np.repeat(given, 3), minlength=len(corners))
+        return np.concatenate([left, self.share * triangles[self.cell]])
+
+    def on(self, bodies: Sequence[_kernels.Body], x: np.ndarray, thickness: float) -> ContactPoints:
+        """The points for corners at x (n, 3) [m]; the same object where they are these.
+
+        A triangle gets points where a body is nearer to it than to its corners, and near at all. They are so close that
+        the body is at most half of the thickness deeper between them. It keeps them until the body has left.
+        """
+        parts = np.ones_like(self.parts)
+        for body in bodies:
+            spacing = np.sqrt(8.0 * (body.sharpest + 0.5 * thickness) * SAG * thickness)
+            if np.isfinite(spacing):
+                np.maximum(parts, self._near(body, x, thickness, spacing), out=parts)
+        return self if np.array_equal(parts, self.parts) else ContactPoints(self.cells, parts)
+
+    def _near(self, body: _kernels.Body, x: np.ndarray, thickness: float, spacing: float) -> np.ndarray:
+        """Parts (ne,) of triangles' sides that a body asks for, of a length that is the spacing [m] at most."""
+        found = np.ones_like(self.parts)
+        distance = body.distances(x)
+        corners = x[self.cells]
+        longest = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2).max(axis=1))
+        nearest = distance[self.cells].min(axis=1)
+        # No place of a triangle is farther from its nearest corner than its longest side.
+        near = np.flatnonzero((longest > spacing) & (nearest < longest + LEFT * thickness))
+        if not len(near):
+            return found
+        lowest = body.lowest_each(x, self.cells[near], CLOSE * thickness, LEFT * thickness)
+        had = self.parts[near]
+        kept = (lowest < LEFT * thickness) & (had > 1)
+        deeper = (lowest < NEAR * thickness) & (nearest[near] - lowest > NOTICED * thickness)
+        wanted = np.minimum(np.ceil(longest[near] / spacing), MOST_PARTS).astype(np.int64)
+        # A triangle that stretches a little keeps the points that it has.
+        wanted = np.where(kept & (wanted <= had + 1), had, wanted)
+        sag = (longest[near] / had) ** 2 / (8.0 * (body.sharpest + 0.5 * thickness))
+        wanted[kept & (lowest < -PRESSED * thickness) & (sag > FLAT * thickness)] *= 2
+        found[near] = np.where(kept | deeper, np.minimum(wanted, MOST_PARTS), 1)
+        return found
+
+    def carried(self, before: ContactPoints, n: int) -> np.ndarray:
+        """For each of n corners and of the points the number (n + m,) of the same one before; -1: there was none."""
+        same = (self.parts == before.parts)[self.cell]
+        first, own = (np.cumsum(points.counts) - points.counts for points in (before, self))
+        shifted = n + np.arange(len(self.cell)) + (first - own)[self.cell]
+        return np.concatenate([np.arange(n), np.where(same, shifted, -1)])
