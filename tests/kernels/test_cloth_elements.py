@@ -307,3 +307,15 @@ class TestPointPotential(ElementCase):
         np.testing.assert_array_equal(self.residual(element, self.X, x)[0], [1.0, -2.0, 0.5])
         H = [[3.0, 0.8, 0.7], [0.8, 4.0, 0.6], [0.7, 0.6, 5.0]]
         np.testing.assert_array_equal(element.tangent_block(self.X, x, self.p), H)
+
+
+class TestTrianglePotential(ElementCase):
+    name, X = "potential_tri3", TRI3
+    params = (0.2, 0.5, 0.3, *TestPointPotential.params)
+
+    def test_its_forces_are_those_of_its_point_shared_by_the_corners(self, element):
+        x = np.random.default_rng(4).uniform(-1, 1, (3, 3))
+        b = np.array(self.params[:3])
+        point, alone = k.Element("potential_point1"), np.zeros((1, 3))
+        point.residual(self.X[:1], (b @ x)[None], np.zeros((1, 1), np.int32), np.array(self.params[3:]), alone)
+        np.testing.assert_allclose(self.residual(element, self.X, x), np.outer(b, alone[0]), rtol=1e-12)

@@ -65,14 +65,12 @@ def test_a_fall_ends_at_once_and_is_reported(tmp_path):
 
 
 @pytest.mark.slow
-def test_where_nested_meshes_lead_to_no_rest_one_mesh_does(tmp_path):
-    """Limp cloth that coarse meshes let past its ball: at rest from the finest mesh, and a note says so."""
+def test_coarse_meshes_do_not_let_limp_cloth_past_its_ball(tmp_path):
+    """Their triangles touch the ball between corners: nested meshes lead to rest, and no other start is made."""
     text = square(0.03, ball(0.35, 0.35, 0.2), CONTACT, side=0.7)
     limp = ['material.cotton.E="3.33 kPa"', "mesh.levels=3"]
     made, (row,) = played(Trial(tmp_path), text, overrides=limp)
-    assert all(statements(made, [row]).values()) and row["tangent_positive_definite"] == 1
-    assert row["note"] == "nested meshes led to no equilibrium: the cold start was made on one"
-    assert row["relaxation_steps"] > 200, "those of the first start count"
+    assert all(statements(made, [row]).values()) and row["tangent_positive_definite"] == 1 and row["note"] == ""
     # What nothing catches falls from both.
     _, (row,) = played(Trial(tmp_path), square(0.03, ball(1.5, 1.5), CONTACT, side=0.7), overrides=["mesh.levels=3"])
     assert row["converged"] == 0 and "it falls without end" in row["note"] and "made on one" not in row["note"]

@@ -55,7 +55,7 @@ class FrictionHistory:
         A new point is as far from its anchor as the pressed ones of its triangle's corners are from theirs.
         """
         n, place = len(x), points.place(x)
-        source = points.carried(self.points, n)
+        source = points.sources_in(self.points, n)
         found = FrictionHistory.none(len(self.anchors), len(place), points)
         kept, new = source >= 0, np.flatnonzero(source[n:] < 0)
         nodes, weights = points.nodes[new], points.weights[new]

@@ -139,7 +139,7 @@ class ContactPoints:
         found[near] = np.where(kept | deeper, np.minimum(wanted, MOST_PARTS), 1)
         return found
 
-    def carried(self, before: ContactPoints, n: int) -> np.ndarray:
+    def sources_in(self, before: ContactPoints, n: int) -> np.ndarray:
         """For each of n corners and of the points the number (n + m,) of the same one before; -1: there was none."""
         same = (self.parts == before.parts)[self.cell]
         first, own = (np.cumsum(points.counts) - points.counts for points in (before, self))
