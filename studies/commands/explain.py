@@ -91,11 +91,13 @@ def _line(row: dict[str, Any]) -> list[str]:
     name, part = row["effect"], row["kind"] == "part"
     if not row["on"]:
         return [name, "off", *["-"] * 5, f"nothing calls for it: {row['why']}"]
-    has_share = row["how"] in ("by difference", "measured")
+    has_share = row["how"].startswith("by difference") or row["how"] == "measured"
     core = "solver" in row
     has_counts = has_share or core or any(row[key] for key in COUNTED)
     counts = [str(row[key]) for key in COUNTED[:-1]] if has_counts and not part else ["-"] * 3
     share = f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %" if has_share or core else "-"
+    if row["how"].startswith("by difference of"):
+        return [name, "on", *["-"] * 4, share, f"{row['why']} ({row['how']})"]
     why = row["why"] if has_share else f"{row['why']} ({row['how']})"
     return [name, "" if part else "on", *counts, f"{row['calls']:.3g}" if has_counts else "-", share, why]
 

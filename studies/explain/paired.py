@@ -4,11 +4,12 @@ What a slow spell of the machine does to a frame, it does to all of its kind; an
 what other programs take of it means nothing. So their differences mean something.
 """
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from time import process_time
+from time import monotonic, process_time
 
 from petsc4py import PETSc
 from restshape_studies.explain.calls import Row, difference, moved
@@ -65,7 +66,9 @@ class Counted(Replay):
         row["calls_beside"] = difference(_kernels.calls(), row["calls"])
 
 
-def measure(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None) -> list[Row]:
+def measure(
+    asked: Request, left_out: Sequence[Sequence[str]], frames: int | None, seconds: float = math.inf
+) -> list[Row]:
     """A row for each frame of each replay, with the number of its set of effects as `variant`.
 
     A variant other than the first one that has no solution gives its `problem` instead, and takes part no more.
@@ -74,21 +77,22 @@ def measure(asked: Request, left_out: Sequence[Sequence[str]], frames: int | Non
         asked: the replay.
         left_out: effects that the replays leave out, one set each.
         frames: after so many in which something was solved for, beside the first one, it ends; None for all.
+        seconds: likewise after so long, once there is such a frame.
 
     Raises:
         UserError: the first of the replays cannot be.
     """
     with processor_time(), watched_operators() as watch:
-        return _play(asked, left_out, frames, watch)
+        return _play(asked, left_out, frames, watch, monotonic() + seconds)
 
 
-def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None, watch: Watch) -> list[Row]:
-    """The rows of all replays, whose operators are watched; other arguments as in `measure`."""
+def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None, watch: Watch, end: float) -> list[Row]:
+    """The rows of all replays, whose operators are watched, until a moment; other arguments as in `measure`."""
     running: dict[int, Iterator[Row]] = {}
     rows: list[Row] = []
     matrices, filled = [0 for _ in left_out], [Counter() for _ in left_out]
-    step, left = 0, frames
-    while step == 0 or (running and left != 0):
+    step, left, solved = 0, frames, 0
+    while step == 0 or (running and left != 0 and not (solved and monotonic() > end)):
         # Whoever comes first finds the caches cold: they take turns.
         turns = range(len(left_out)) if step == 0 else sorted(running, key=lambda k: (k + step) % len(left_out))
         for k in turns:
@@ -112,8 +116,8 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None,
             filled[k].subtract(entries)
             mine = {names: counts for names, counts in filled[k].items() if counts}
             kept = {key: row[key] for key in (*KEPT, *TIMES, "calls", "calls_beside")} | {"tried": row.get("tried", 0)}
-            if left is not None and k == 0 and step and moved(row):
-                left -= 1
+            if k == 0 and step and moved(row):
+                solved, left = solved + 1, None if left is None else left - 1
             counts = {"matrices": matrices[k], "entries": sum(mine.values()), "filled": mine}
             rows.append({"variant": k, **counts, **kept})
         step += 1

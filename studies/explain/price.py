@@ -15,6 +15,9 @@ PARTS = ("edit", "mesh", "observation", "record", "solve")
 """What the time of a frame is made of; `solve` is all that is none of the others."""
 TWIN = "twin"
 ANOTHER_WAY = "not determined: without it another state is found, by a way of other length"
+BY_STEP = "by difference of a Newton step: without it another state is found"
+STEP_NOISE = 0.15
+"""Of a share by Newton steps, by which it may be above 1: steps of two states differ in their iterations."""
 OF_EFFECTS = np.array([0.0, 0.0, 1.0, 0.0, 1.0])
 """The parts that effects have a share in: of all others a difference would be noise."""
 
@@ -69,6 +72,7 @@ class Prices:
         beside: calls of kernels off the frames' time.
         shares, spreads: of a frame's time, by effect and by part but "solve", under "" what is always there.
         problems: by effect, why it has no price.
+        by_step: effects whose share is that of their Newton steps, as many as in the whole scene.
         reach: by kernel and purpose, on how many elements the last frame with calls of it called it, on average.
     """
 
@@ -80,6 +84,7 @@ class Prices:
     spreads: dict[str, float]
     problems: dict[str, str]
     reach: dict[tuple[str, str], int]
+    by_step: Names = frozenset()
 
 
 def prices(runs: Sequence[Sequence[Row]], tried: Variants, nonlinear: bool = False) -> Prices:
@@ -88,7 +93,8 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants, nonlinear: bool = Fal
     Of each frame the least time over all runs counts. A spread is half the range of what comes out without one of the
     runs and, for an effect, no less than the largest difference of the twins in a run; a share below 0 by no more than
     that is none. Of nonlinear equations one farther below 0, or above 1, is no price: they may have another solution
-    without the effect, and the time to find that says nothing of the effect.
+    without the effect, and the time to find that says nothing of the effect. What a Newton step takes with and
+    without it does, times the steps of the whole scene; where there are none, or that is no share, there is no price.
     """
     sets = {names: k for k, names in enumerate(tried.sets)}
     count = len(sets) + 1
@@ -99,22 +105,39 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants, nonlinear: bool = Fal
     problems = {name: f"not determined: without it {why}" for name, why in reasons.items() if why}
     counted = {name: pair for name, pair in pairs.items() if not reasons[name]}
     known = {name: pair for name, pair in counted.items() if name in tried.differences}
-    frames = min(len(tables[0][k]) for k in range(count) if k not in failed)
+    frames = min(len(table[k]) for table in tables for k in range(count) if k not in failed)
     ms = [np.array([[parts(row) for row in table[k][:frames]] for table in tables]) for k in range(count)]
     shares, spreads = _shares(ms, known)
     twins = max(abs(_share(ms, {TWIN: (0, count - 1)}, [k])[TWIN]) for k in range(len(runs)))
     spreads |= {name: max(spreads[name], twins) for name in known}
     stray = {name for name in known if nonlinear and not -spreads[name] <= shares[name] <= 1.0 + spreads[name]}
-    problems |= dict.fromkeys(stray, ANOTHER_WAY)
+    steps = [sum(row.get("newton", 0) for row in table[:frames]) for table in tables[0]]
+    stepped = {name: share for name in stray if (share := _of_steps(ms, steps, *known[name])) is not None}
+    problems |= dict.fromkeys(stray.difference(stepped), ANOTHER_WAY)
     known, counted = ({name: pair for name, pair in of.items() if name not in stray} for of in (known, counted))
     noise = {name for name in known if 0.0 > shares[name] >= -spreads[name]}
     shares, _ = _shares(ms, {name: pair for name, pair in known.items() if name not in noise})
+    for name, share in stepped.items():
+        # What other effects have, too, is theirs.
+        shares[name] = min(share, max(shares[""], 0.0))
+        shares[""] -= shares[name]
+    spreads |= dict.fromkeys(stepped, twins)
     kept = [table[:frames] for table in tables[0]]
     found = reach(row["calls"] for table in reversed(kept) for row in table)
     counts = _counts(kept, counted, tried.drivers, found)
     average = float(ms[0].min(axis=0).sum(axis=1).mean())
     beside = total(row["calls_beside"] for row in tables[0][0][:frames])
-    return Prices(frames, average, counts, beside, dict.fromkeys(noise, 0.0) | shares, spreads, problems, found)
+    return Prices(
+        frames,
+        average,
+        counts,
+        beside,
+        dict.fromkeys(noise, 0.0) | shares,
+        spreads,
+        problems,
+        found,
+        frozenset(stepped),
+    )
 
 
 def _by_variant(rows: Sequence[Row], count: int) -> list[list[Row]]:
@@ -150,6 +173,23 @@ def _share(ms: list[np.ndarray], known: dict[str, tuple[int, int]], runs: list[i
         rest -= price
     named = dict(zip(PARTS, (rest / whole).tolist()))
     return shares | {"": named.pop("solve")} | named
+
+
+def _of_steps(ms: list[np.ndarray], steps: list[int], more: int, less: int) -> float | None:
+    """The share of an effect by what a Newton step takes with and without it; None where that is none.
+
+    Args:
+        ms: times (runs, frames, parts) of the variants; steps: of them in these frames.
+        more, less: variants with and without the effect.
+    """
+    if not steps[more]:
+        return None
+    solve = PARTS.index("solve")
+    whole, one, other = (ms[k].min(axis=0).sum(axis=0) for k in (0, more, less))
+    # Without steps nothing moves: then the effect has all of them.
+    without = other[solve] / (steps[less] or steps[more])
+    share = float((one[solve] / steps[more] - without) * steps[0] / whole.sum())
+    return min(max(share, 0.0), 1.0) if share <= 1.0 + STEP_NOISE else None
 
 
 def _counts(

@@ -9,7 +9,7 @@ from pathlib import Path
 from restshape_studies.bench.job import Job, Outcome, run
 from restshape_studies.explain.calls import Row, chosen, keys
 from restshape_studies.explain.filled import of_kernels
-from restshape_studies.explain.price import PARTS, Counts, Prices, prices, widest
+from restshape_studies.explain.price import BY_STEP, PARTS, Counts, Prices, prices, widest
 from restshape_studies.explain.variants import REQUIRED, variants
 
 from restshape.algebra.choice import Choice
@@ -21,6 +21,8 @@ from restshape.scene.model import Scene
 from restshape.scene.plan import Plan, PlannedEffect, as_written, plan
 
 LEAST_RUNS, MOST_RUNS = 2, 5
+LEAST_SECONDS = 10.0
+"""After which a run ends that has measured a frame, however few seconds are asked for."""
 PART_WHY = {
     "solve": "the solution of what all effects leave: none of them is always there",
     "edit": "the script: reading an edit and changing the outline",
@@ -40,7 +42,7 @@ class Asked:
         overrides: ``key=value`` as after --set.
         petsc: words for PETSc's options database.
         frames: most frames, of those in which something is solved for, beside the first one; None for all.
-        seconds: after which no further run begins.
+        seconds: after which no further run begins; after as many, or 10, one ends that has measured a frame.
     """
 
     scene: Path
@@ -79,6 +81,7 @@ def explain(
             # The whole scene twice: what two replays of the same differ by is what a difference is worth.
             "left_out": [sorted(names) for names in (*tried.sets, tried.sets[0])],
             "frames": asked.frames if asked.edits else 0,
+            "seconds": max(asked.seconds, LEAST_SECONDS),
         },
     )
     runs, begin = [], time.monotonic()
@@ -207,9 +210,10 @@ class Report:
             counts = replace(rest, entries=entries, calls=chosen(rest.calls, kept))
             return {**head, **self._numbers("", counts), "how": how, "solver": self.solver}
         counts = self.prices.counts.get(name) or taken.get(name, Counts())
-        how = self.prices.problems.get(name) or "by difference"
+        how = self.prices.problems.get(name) or (BY_STEP if name in self.prices.by_step else "by difference")
         if name in self.kept:
-            how = f"its time is within that of {core}: {self.kept[name]}"
+            within = getattr(known[name], "needs", "") or core
+            how = f"its time is within that of {within}: {self.kept[name]}"
         return {**head, **self._numbers(name, counts), "how": how}
 
     def _own(self, name: str) -> tuple[str, ...]:

@@ -79,5 +79,5 @@ def variants(plan: Plan, application: Application) -> Variants:
 def _hanging_on(name: str, on: list[str], application: Application) -> Names:
     """The effects that are on and cannot be without one, or do their work again for what it adds."""
     repeated = application.effects[name].repeats if name in application.effects else ()
-    derived = application.derived
-    return frozenset(other for other in on if other in repeated or (other in derived and derived[other].needs == name))
+    needing = {other for other, one in application.derived.items() if one.needs == name and one.without is not None}
+    return frozenset(other for other in on if other in repeated or other in needing)

@@ -35,6 +35,8 @@ def without(scene: Scene, application: Application, names: Iterable[str]) -> Sce
             raise UserError(f"{application.name!r} always has {name!r}", str(scene.path), "leave it on")
         effects = {key: value for key, value in raw.get("effects", {}).items() if key != name}
         raw = {**raw, "effects": effects}
+        if effect.without:
+            raw = effect.without(raw, on)
         if quantities := raw.get("quantities"):
             own = set(effect.quantities)
             kept = {key: one for key, one in quantities.items() if not (isinstance(one, dict) and own & set(one))}

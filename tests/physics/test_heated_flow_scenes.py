@@ -1,6 +1,7 @@
 """What scenes of fluids may say of heat, and the messages for those that make no sense."""
 
 import pytest
+from restshape_studies.explain.without import without
 from restshape_studies.stability.scenery import make_replay, set_value, write_scene, write_script
 from restshape_verification.flow.heated_scenes import BUOYANT, CAVITY, HEAD, STEADY
 from thermal_scenes import solved
@@ -8,7 +9,7 @@ from thermal_scenes import solved
 from restshape.application import application_of, applications
 from restshape.errors import UserError
 from restshape.physics.heated_flow.fluid_heat import heat_properties
-from restshape.scene.load import load_scene, remade
+from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 
 TEXT = CAVITY + STEADY + BUOYANT + "[mesh]\nsize = 0.25\n"
@@ -154,7 +155,8 @@ def test_without_a_difference_there_is_the_flow_alone(tmp_path):
     effects = frozenset(scene.effects)
     part = application_of(scene).derived["temperature_difference"]
     assert "heat.h.source" in part.cause(scene, effects) and "boundary.low.heat_flux" in part.cause(scene, effects)
-    assert part.cause(remade(scene, part.without(scene.raw, effects)), effects) == ""
+    alone = without(scene, application_of(scene), ["heat"])
+    assert part.cause(alone, frozenset(alone.effects)) == "" and "buoyancy" not in alone.effects
 
 
 def test_a_fluid_at_rest_has_no_speed(tmp_path):

@@ -63,7 +63,10 @@ class Effect:
         acceleration: the key of its model that is a vector of acceleration of all bodies; empty without one.
         quantities: kinds of quantities that there are with it only.
         kernels: how the names of elements begin that are there for it alone.
-        repeats: effects whose work is done again for what this one adds: its price is that of a scene without them.
+        repeats: effects whose work is done again for what this one adds, or that need it: its price is that of a scene
+            without them.
+        without: the plain tables of a scene with these effects on, copied, without what makes no sense once this one is
+            left out; None where there is nothing such.
     """
 
     model: type[BaseModel]
@@ -76,6 +79,7 @@ class Effect:
     quantities: tuple[str, ...] = ()
     kernels: tuple[str, ...] = ()
     repeats: tuple[str, ...] = ()
+    without: Callable[[Table, frozenset[str]], Table] | None = None
 
     def goes_on(self, settings: Table) -> bool:
         """Whether a frame goes on from the one before it under these plain settings."""

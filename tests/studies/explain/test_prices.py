@@ -154,3 +154,21 @@ def test_what_hangs_on_an_effect_goes_with_it_and_the_last_load_stays(tmp_path):
     both = tried(write_scene(tmp_path, plate() + pushed))
     pressed = frozenset(["following_pressure"])
     assert both.differences["large_deformation"] == Difference(pressed, pressed | {"large_deformation"})
+
+
+def test_where_another_state_is_found_a_newton_step_with_and_without_the_effect_is_compared():
+    """Two steps with b, of 0.5 (SOLVE + a + b) each, and twenty without it, of half of (SOLVE + a)."""
+    rows, step = runs(1, 0.0)[0], 0.5 * (SOLVE + EFFECTS["a"])
+    for row in rows:
+        row["newton"] = 20 if row["variant"] == 2 else 2
+        row["ms"] += 18 * step * (row["variant"] == 2)
+    found = prices([rows], TRIED, nonlinear=True)
+    assert found.by_step == {"b"} and "b" not in found.problems and "b" not in found.counts
+    assert found.shares["b"] == pytest.approx(EFFECTS["b"] / TOTAL)
+    assert sum(found.shares.values()) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_runs_of_unequal_length_are_priced_by_the_frames_that_all_have():
+    long, short = runs(2, 0.0)
+    found = prices([long, [row for row in short if row["index"] < 6]], TRIED)
+    assert found.frames == 5 and found.shares["a"] == pytest.approx(EFFECTS["a"] / TOTAL)

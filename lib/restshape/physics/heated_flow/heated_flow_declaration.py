@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from restshape.physics.heat.heat_declaration import CONDUCTIVITY, HEAT, HEAT_FLUX, HEAT_SOURCE, SPECIFIC_HEAT
 from restshape.physics.heated_flow.heated_flow_checks import check_heated_flow
-from restshape.physics.heated_flow.temperature_differences import differences, evened
+from restshape.physics.heated_flow.temperature_differences import differences, unheated
 from restshape.scene.derived_effects import On
 from restshape.scene.effect import DerivedEffect, Effect, StartOnly
 from restshape.scene.load_kind import CURVES
@@ -169,18 +169,22 @@ HEATED_FLOW = Physics(
     },
     effects={
         "heat": Effect(
-            Heat, "the temperature of the fluid", kernels=("heated_", "unsteady_heated_", "advected_", "conduction")
+            Heat,
+            "the temperature of the fluid",
+            kernels=("heated_", "unsteady_heated_", "advected_", "conduction"),
+            repeats=("buoyancy",),
+            without=unheated,
         ),
         "buoyancy": Effect(Buoyancy, "warm fluid rises", drives=True, kernels=("lifted_", "unsteady_lifted_")),
         "storage": HEAT.effects["storage"],
-        "gravity": Effect(Gravity, "the direction in which warm fluid rises", acceleration="g"),
+        "gravity": Effect(Gravity, "the direction in which warm fluid rises", acceleration="g", repeats=("buoyancy",)),
     },
     derived={
         "temperature_difference": DerivedEffect(
             "temperatures that differ",
             differences,
             "no temperature differs from another: heat has no equation, and nothing is buoyant",
-            evened,
+            needs="heat",
         ),
     },
     pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from restshape.scene.derived_effects import On
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.model import Scene
-from restshape.scene.plain_values import Table, table_in, tables_in
+from restshape.scene.plain_values import Table, tables_in
 
 ROOM = 293.15
 """A temperature [K] where a scene names none."""
@@ -57,15 +57,14 @@ def uniform(scene: Scene) -> float:
     return float(known[0]) if known else ROOM
 
 
-def evened(raw: Table, _: On) -> Table:
-    """The plain tables of a scene with one temperature in place of all, and no heat that enters."""
-    one = table_in(raw, "fluid").get("reference", ROOM)
-    boundary = {}
-    for name, table in tables_in(raw, "boundary").items():
-        kept = {key: value for key, value in table.items() if key != "heat_flux"}
-        boundary[name] = kept | ({"temperature": one} if "temperature" in kept else {})
-    effects = dict(tables_in(raw, "effects"))
-    effects["heat"] = {key: value for key, value in table_in(effects, "heat").items() if key != "initial"}
+def unheated(raw: Table, _: On) -> Table:
+    """The plain tables of a scene without [effects.heat], and without what says something of heat alone."""
+    of_heat = ("temperature", "heat_flux", "insulated")
+    boundary = {
+        name: {key: value for key, value in table.items() if key not in of_heat}
+        for name, table in tables_in(raw, "boundary").items()
+    }
+    effects = {name: one for name, one in tables_in(raw, "effects").items() if name != "buoyancy"}
     rest = {key: value for key, value in raw.items() if key != "heat"}
     return {**rest, "boundary": boundary, "effects": effects}
 

@@ -1,0 +1,21 @@
+"""What `restshape explain` says of heat in a fluid: each effect that is on has a price."""
+
+import json
+
+import pytest
+from restshape_apps.thermal import application
+
+SCENE = application.folder / "scenes" / "thermal.toml"
+
+
+@pytest.mark.slow
+def test_heat_buoyancy_and_gravity_have_a_price(command, tmp_path):
+    done = command("explain", SCENE, "--frames", "4", "--seconds", "0", "--json", "out.json")
+    assert done.returncode == 0, done.stderr
+    rows = {row["effect"]: row for row in json.loads((tmp_path / "out.json").read_text())}
+    for name in ("convection", "heat", "buoyancy", "gravity"):
+        assert rows[name]["on"] and not rows[name]["how"].startswith("not determined"), rows[name]
+    assert rows["heat"]["share"] > 0.2 and rows["heat"]["unknowns"] > 1000
+    assert rows["gravity"]["share"] == pytest.approx(0.0, abs=2 * rows["gravity"]["spread"])
+    assert "within that of heat" in rows["temperature_difference"]["how"]
+    assert sum(row["share"] for row in rows.values()) == pytest.approx(1.0, abs=1e-9)
