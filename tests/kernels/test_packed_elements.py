@@ -18,7 +18,7 @@ FLOWS = (
     "unsteady_heated_slow_flow_on_moving_mesh_tri3",
     "unsteady_lifted_flow_tri3",
 )
-ELEMENTS = (*SOLIDS, "mass_tri3", *FLOWS)
+ELEMENTS = (*SOLIDS, "mass_tri3", "mass_tet4", *FLOWS)
 
 
 def sample(element: str, count: int, seed: int = 0):

@@ -115,7 +115,7 @@ struct SimplexMassElement : Inertial<SimplexMassElement<Shape, Fields>> {
     }
 
     // Of several elements, one a lane.
-    static constexpr bool packed = dim == 2;
+    static constexpr bool packed = true;
 
     [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r) {
         set_forces(packed_share(X, p), x, r);
