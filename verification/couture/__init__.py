@@ -20,5 +20,10 @@ verification = Verification(
             "show what makes cloth cycle for ever, and what cures it",
             "restshape_verification.couture.cycles",
         ),
+        Command(
+            "cloth-paths",
+            "say whether edits of cloth in half as many frames end in the same drape, or in which two",
+            "restshape_verification.couture.paths",
+        ),
     ),
 )

@@ -5,5 +5,6 @@ from restshape_verification.couture.stability_bodies import CASES as BODIES
 from restshape_verification.couture.stability_edits import CASES as EDITS
 from restshape_verification.couture.stability_fabrics import CASES as FABRICS
 from restshape_verification.couture.stability_starts import CASES as STARTS
+from restshape_verification.couture.stability_trust import CASES as TRUST
 
-CASES: dict[str, Case] = {**STARTS, **FABRICS, **BODIES, **EDITS}
+CASES: dict[str, Case] = {**STARTS, **FABRICS, **BODIES, **EDITS, **TRUST}
