@@ -10,16 +10,16 @@ from scipy.spatial import cKDTree
 
 from restshape.analysis.frame import Frame
 from restshape.mesh.transfer import transfer
-from restshape.physics.cloth.body_motion import body_axes, moved_with
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact
 from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
-from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 
 log = logging.getLogger("restshape.physics")
@@ -58,15 +58,17 @@ def bind(
     if cold and problem.contact:
         depths = penetrations(problem.contact, problem.corners(state.x))
         notes = tuple(penetration_notes("begins", problem, scene, depths))
+    state.solver.set_tolerance(options.settings.tolerance)
+    state.solver.set_reach(options.reach)
+    state = replace(state, report=ConvergenceReport(), notes=notes, doubts=())
     if problem.contact and before.friction is not None and not cold:
-        state = replace(state, x=move_with_bodies(state, before.bodies))
+        known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
+        state = follow_bodies(state, before.bodies, np.where(problem.boundary.mask, known, state.x))
     if origin:
         state, cold = replace(state, x=problem.constrain(origin.x), softness=origin.softness), False
         if problem.contact and origin.friction is not None:
             problem.contact.history = origin.friction
-    state.solver.set_tolerance(options.settings.tolerance)
-    state.solver.set_reach(options.reach)
-    return replace(state, observer=problem.observer(scene.quantities), notes=notes, doubts=()), cold
+    return replace(state, observer=problem.observer(scene.quantities)), cold
 
 
 def restored(
@@ -179,43 +181,6 @@ def moved_material(before: RelaxationState, arguments: ClothArguments) -> Relaxa
         way = contact.place(problem.corners(x)) - contact.place(problem.corners(before.x))
         problem.contact.history = replace(friction, anchors=friction.anchors + way)
     return replace(before, x=problem.constrain(x))
-
-
-def move_with_bodies(state: RelaxationState, before: tuple[Body, ...]) -> np.ndarray:
-    """Let anchors go where their bodies have gone; returns a guess (n, 3) of the positions.
-
-    Cloth that lies on one body alone, and hangs nowhere, is guessed to go where this goes.
-    """
-    problem, contact = state.problem, state.problem.contact
-    anchors = contact.history.anchors.copy()
-    for k, (old, new) in enumerate(zip(before, state.bodies)):
-        anchors[k] = moved_with(old, new, anchors[k])
-    contact.history = replace(contact.history, anchors=anchors)
-    pressed = [k for k in range(len(state.bodies)) if contact.history.pressed(k)]
-    if len(pressed) != 1 or len(problem.boundary.constrained):
-        return state.x
-    old, new = before[pressed[0]], state.bodies[pressed[0]]
-    if old.kind != new.kind or old.form == new.form:
-        return state.x
-    x = state.x.copy()
-    corners = problem.corners(x)
-    way = surface_motion(old, new, contact.place(corners), contact.history, pressed[0])
-    x[problem.corner_number] += way[: len(corners)]
-    return x
-
-
-def surface_motion(old: Body, new: Body, corners: np.ndarray, history: FrictionHistory, number: int) -> np.ndarray:
-    """How far (n, 3) [m] cloth at corners (n, 3) [m] goes with the only body that presses it.
-
-    All of it goes with the body's centre. Where the body also grows, shrinks or turns, what touches follows the
-    surface along its normal, and the rest the mean of this: cloth that a shrinking body leaves for one step would land
-    again without the friction that held it, and slide off little by little.
-    """
-    centre = body_axes(new)[0] - body_axes(old)[0]
-    touching, normals = history.limits[number] > 0.0, history.normals[number]
-    own = moved_with(old, new, corners) - corners - centre
-    normal = np.einsum("na,na->n", own, normals)[:, None] * normals
-    return centre + np.where(touching[:, None], normal, normal[touching].mean(axis=0))
 
 
 def friction_of(problem: ClothProblem) -> FrictionHistory | None:

@@ -45,6 +45,7 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     notes = (ONE_MESH,) if abandoned and report.converged else ()
     if abandoned:
         report.count(abandoned)
+    report.count(state.report)
     log.info("Relaxation %s: %d steps, residual over load %.3e", _outcome(report), report.steps, report.residual)
     # Without contact nothing remembers how cloth came to where it rests.
     kept = state.softness if problem.contact and not cold else 1.0

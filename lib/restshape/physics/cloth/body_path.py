@@ -1,0 +1,172 @@
+"""The way of bodies within a frame, and how far along it they may go before they are in the cloth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.scene import kernel_body
+from restshape.physics.cloth.tunnelling import size_of
+from restshape.scene.bodies import Body
+
+TUCKED = 0.25
+"""How deep a body may get into the cloth before this follows, over the body's smallest size."""
+ARRIVED = 0.05
+"""Part of that depth at which a body is there."""
+LOOKS = 300
+"""Distances that are looked at for one advance of a body, at most; it stops where the last one lets it."""
+
+
+def between(before: Body, after: Body, share: float) -> Body:
+    """A body of numbers at a share of its way: all numbers of its form go straight; one of another kind is there."""
+    if before.kind != after.kind or share >= 1.0:
+        return after
+    form = {
+        key: _mixed(getattr(before.form, key), getattr(after.form, key), share) for key in type(after.form).model_fields
+    }
+    return after.model_copy(update={after.kind: after.form.model_copy(update=form)})
+
+
+def _mixed(before: Any, after: Any, share: float) -> Any:
+    """Numbers, or tuples of them, at a share of the way between two."""
+    if isinstance(after, tuple):
+        return tuple(_mixed(a, b, share) for a, b in zip(before, after))
+    return before + share * (after - before)
+
+
+@dataclass(frozen=True)
+class Speed:
+    """How fast a body's surface goes, over the share of its way.
+
+    Args:
+        shift: (3,) with all of it [m].
+        rest: of the farthest place, at most, besides [m].
+    """
+
+    shift: np.ndarray
+    rest: float
+
+
+def speed_of(before: Body, after: Body, x: np.ndarray) -> Speed:
+    """How fast the surface of a body of numbers goes, and that of a half-space where cloth is at x (n, 3) [m]."""
+    old, new = before.form, after.form
+    match after.kind:
+        case "sphere":
+            return Speed(_way(old.center, new.center), abs(new.radius - old.radius))
+        case "box":
+            turned = float(np.abs(_way(old.rotate, new.rotate)).sum())
+            half = max(float(np.linalg.norm(form.half)) for form in (old, new))
+            # A rounding within the sizes moves corners of the box by no more than itself, times the root of 3.
+            rounded = np.sqrt(3.0) * abs(new.radius - old.radius)
+            return Speed(
+                _way(old.center, new.center), float(np.linalg.norm(_way(old.half, new.half))) + turned * half + rounded
+            )
+        case "capsule" | "cylinder":
+            ends = _way(old.start, new.start), _way(old.end, new.end)
+            shift, apart = 0.5 * (ends[0] + ends[1]), 0.5 * float(np.linalg.norm(ends[1] - ends[0]))
+            rest = apart + abs(new.radius - old.radius)
+            if after.kind == "cylinder":
+                axis = _way(old.start, old.end)
+                rest += max(old.radius, new.radius) * _turning(axis, ends[1] - ends[0])
+                rest += np.sqrt(2.0) * abs(new.rounded - old.rounded)
+            return Speed(shift, rest)
+        case _:
+            away = max(float(np.linalg.norm(x - form.point, axis=1).max()) for form in (old, new))
+            turned = _turning(np.array(old.normal), _way(old.normal, new.normal))
+            return Speed(_way(old.point, new.point), turned * away)
+
+
+def _way(before: Sequence[float], after: Sequence[float]) -> np.ndarray:
+    return np.array(after, float) - np.array(before, float)
+
+
+def _turning(direction: np.ndarray, change: np.ndarray) -> float:
+    """The fastest that a direction (3,) turns [rad] while it changes by (3,), over the share of the change."""
+    square = float(change @ change)
+    if square == 0.0:
+        return 0.0
+    nearest = direction + np.clip(-(direction @ change) / square, 0.0, 1.0) * change
+    least = float(np.linalg.norm(nearest))
+    return np.sqrt(square) / least if least > 0.0 else np.inf
+
+
+def _fastest(speed: Speed, rate: np.ndarray) -> float:
+    """How fast a body and cloth that goes at a rate (n, 3) come nearer, at most."""
+    return float(np.linalg.norm(rate - speed.shift, axis=1).max()) + speed.rest
+
+
+class BodyPath:
+    """Bodies on their way from one frame to the next.
+
+    Args:
+        before, after: of numbers, in the scene's order.
+        contact: of the cloth with them.
+
+    Attributes:
+        depths: [m] that each may be in the cloth before this follows.
+
+    Source: docs/theory/cloth.md.
+    """
+
+    def __init__(self, before: Sequence[Body], after: Sequence[Body], contact: Contact) -> None:
+        self.before, self.after, self.contact = before, after, contact
+        sizes = [min(size_of(old), size_of(new)) for old, new in zip(before, after)]
+        # A half-space may get as deep as the smallest other body.
+        finite = [size for size in sizes if np.isfinite(size)]
+        self.depths = [TUCKED * min(size, min(finite, default=size)) for size in sizes]
+
+    @property
+    def moves(self) -> bool:
+        """Whether any body does."""
+        return any(old.form != new.form for old, new in zip(self.before, self.after))
+
+    def at(self, share: float) -> tuple[Body, ...]:
+        """The bodies at a share of their way."""
+        return tuple(between(old, new, share) for old, new in zip(self.before, self.after))
+
+    def farthest(self, begin: float, x: np.ndarray, way: np.ndarray) -> float:
+        """The share up to which no body gets deeper into the cloth than it may, by conservative advancement.
+
+        Args:
+            begin: the share at which the cloth is at x (n, 3) [m].
+            way: (n, 3) [m] that the cloth is guessed to go from there to the end of the bodies' way.
+        """
+        if begin >= 1.0:
+            return 1.0
+        rate, share = way / (1.0 - begin), 1.0
+        for k, depth in enumerate(self.depths):
+            share = min(share, self._advance(k, depth, begin, share, x, rate))
+        return share
+
+    def least(self, begin: float, x: np.ndarray, way: np.ndarray) -> float:
+        """The share of the way on which no body can get deeper by more than it may be in the cloth; see `farthest`."""
+        rate, shares = way / (1.0 - begin), [1.0]
+        for old, new, depth in zip(self.before, self.after, self.depths):
+            fastest = _fastest(speed_of(old, new, x), rate) if old.kind == new.kind else 0.0
+            if np.isfinite(depth) and fastest > 0.0:
+                shares.append(depth / fastest)
+        return min(shares)
+
+    def _advance(self, k: int, depth: float, begin: float, end: float, x: np.ndarray, rate: np.ndarray) -> float:
+        """How far body k may go from a share towards another one; the cloth goes from x (n, 3) at a rate (n, 3)."""
+        old, new = self.before[k], self.after[k]
+        if not np.isfinite(depth) or old.kind != new.kind:
+            return end
+        cells, tolerance = self.contact.cells, 0.5 * ARRIVED * depth
+        relative = _fastest(speed_of(old, new, x), rate)
+        if relative == 0.0:
+            return end
+        share = begin
+        for _ in range(LOOKS):
+            now = x + (share - begin) * rate
+            spare = kernel_body(between(old, new, share)).lowest(now, cells, tolerance)[0] - tolerance + depth
+            if spare <= ARRIVED * depth:
+                break
+            share += spare / relative
+            if share >= end:
+                return end
+        return share

@@ -1,0 +1,115 @@
+"""Cloth that follows bodies through a frame: their way is cut where they would pass it."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+
+from restshape.algebra.descent import MEMORY
+from restshape.physics.cloth.body_motion import body_axes, moved_with
+from restshape.physics.cloth.body_path import BodyPath
+from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.relaxation.equilibrium import ROUGH
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.scene import kernel_body
+from restshape.scene.bodies import Body
+
+log = logging.getLogger("restshape.physics")
+
+ROUNDS = 2
+"""Tangents of the rough descent after each part of the way."""
+PATIENCE = 6
+"""Descents in a row after which a body that has not got any farther goes on all the same; the frame is doubted then."""
+MOST_PARTS = 1_000
+"""Parts of a frame's way at most; the rest is gone at once, and the frame is doubted."""
+STILL = 0.1
+"""A body has not got any farther where it went less than this part of the way that it may be in the cloth."""
+
+
+def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.ndarray) -> RelaxationState:
+    """Cloth that bodies, and what holds it, have taken along to where they are in a frame.
+
+    Where they get there without being deeper in the cloth than a quarter of a body's size, positions are guessed at
+    once. Elsewhere they go as far as that, the cloth goes roughly to rest, and so on.
+
+    Args:
+        state: with problem, solver and bodies of the frame.
+        before: the bodies of the last frame.
+        begin: (n, 3) unknowns with the places of supports in the last frame [m]; those of the state are the frame's.
+    """
+    problem, contact = state.problem, state.problem.contact
+    path, held = BodyPath(before, state.bodies, contact), state.x - begin
+    if not (path.moves or held.any()):
+        return state
+    x, share, parts, still, report = begin.copy(), 0.0, 1, 0, ConvergenceReport()
+    now, doubts = before, set()
+    while True:
+        way = body_guess(problem, x, now, state.bodies) * problem.boundary.free + (1.0 - share) * held
+        corners, ways = problem.corners(x), problem.corners(way)
+        reached = path.farthest(share, corners, ways)
+        least = path.least(share, corners, ways)
+        still = still + 1 if reached < 1.0 and reached - share < STILL * least else 0
+        if still > PATIENCE:
+            reached, still = min(1.0, share + least), 0
+            doubts.add("a body went on before the cloth could follow")
+        if parts == MOST_PARTS:
+            reached = 1.0
+            doubts.add("a body went the rest of its way before the cloth could follow")
+        x = x + (reached - share) / (1.0 - share) * way
+        share, last, now = reached, now, path.at(reached)
+        contact.history = take_along(contact.history, last, now)
+        contact.bodies = [kernel_body(body) for body in now]
+        if share == 1.0:
+            break
+        parts += 1
+        state.solver.descend(x, ROUGH, ROUNDS * MEMORY, report)
+    spent = ConvergenceReport()
+    spent.count(report)
+    notes = state.notes if parts == 1 else (*state.notes, f"the way of the bodies was gone in {parts} parts")
+    if parts > 1:
+        log.info("Bodies went their way in %d parts, %d steps", parts, report.steps)
+    return replace(state, x=problem.constrain(x), report=spent, notes=notes, doubts=tuple(sorted(doubts)))
+
+
+def take_along(history: FrictionHistory, before: tuple[Body, ...], after: tuple[Body, ...]) -> FrictionHistory:
+    """What friction remembers when its anchors have gone where their bodies have."""
+    anchors = history.anchors.copy()
+    for k, (old, new) in enumerate(zip(before, after)):
+        anchors[k] = moved_with(old, new, anchors[k])
+    return replace(history, anchors=anchors)
+
+
+def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], after: tuple[Body, ...]) -> np.ndarray:
+    """How far (n, 3) cloth at x (n, 3) is guessed to go with bodies.
+
+    Cloth that lies on one body alone, and hangs nowhere, goes where this goes.
+    """
+    contact, way = problem.contact, np.zeros_like(x)
+    pressed = [k for k in range(len(after)) if contact.history.pressed(k)]
+    if len(pressed) != 1 or len(problem.boundary.constrained):
+        return way
+    old, new = before[pressed[0]], after[pressed[0]]
+    if old.kind != new.kind or old.form == new.form:
+        return way
+    corners = problem.corners(x)
+    found = surface_motion(old, new, contact.place(corners), contact.history, pressed[0])
+    way[problem.corner_number] = found[: len(corners)]
+    return way
+
+
+def surface_motion(old: Body, new: Body, places: np.ndarray, history: FrictionHistory, number: int) -> np.ndarray:
+    """How far (n, 3) [m] cloth at places (n, 3) [m] goes with the only body that presses it.
+
+    All of it goes with the body's centre. Where the body also grows, shrinks or turns, what touches follows the
+    surface along its normal, and the rest the mean of this: cloth that a shrinking body leaves for one step would land
+    again without the friction that held it, and slide off little by little.
+    """
+    centre = body_axes(new)[0] - body_axes(old)[0]
+    touching, normals = history.limits[number] > 0.0, history.normals[number]
+    own = moved_with(old, new, places) - places - centre
+    normal = np.einsum("na,na->n", own, normals)[:, None] * normals
+    return centre + np.where(touching[:, None], normal, normal[touching].mean(axis=0))
