@@ -42,13 +42,13 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         begin: (n, 3) unknowns with the places of supports in the last frame [m]; those of the state are the frame's.
     """
     problem, contact = state.problem, state.problem.contact
-    path, held = BodyPath(before, state.bodies, contact), state.x - begin
-    if not (path.moves or held.any()):
+    path, pulled = BodyPath(before, state.bodies, contact), state.x - begin
+    if not (path.moves or pulled.any()):
         return state
     x, share, parts, still, report = begin.copy(), 0.0, 1, 0, ConvergenceReport()
     now, doubts = before, set()
     while True:
-        way = body_guess(problem, x, now, state.bodies) * problem.boundary.free + (1.0 - share) * held
+        way = body_guess(problem, x, now, state.bodies) * problem.boundary.free + (1.0 - share) * pulled
         corners, ways = problem.corners(x), problem.corners(way)
         reached = path.farthest(share, corners, ways)
         least = path.least(share, corners, ways)
@@ -106,7 +106,7 @@ def surface_motion(old: Body, new: Body, places: np.ndarray, history: FrictionHi
 
     All of it goes with the body's centre. Where the body also grows, shrinks or turns, what touches follows the
     surface along its normal, and the rest the mean of this: cloth that a shrinking body leaves for one step would land
-    again without the friction that held it, and slide off little by little.
+    again without the friction that kept it, and slide off little by little.
     """
     centre = body_axes(new)[0] - body_axes(old)[0]
     touching, normals = history.limits[number] > 0.0, history.normals[number]

@@ -1,0 +1,23 @@
+"""Bodies that move through cloth, at any speed: it is pushed, and none passes."""
+
+import numpy as np
+import pytest
+from restshape_studies.stability.case import Trial
+from restshape_verification.couture.hard_scenes import BALL, CONTACT, pinned, played, square
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("frames", [1, 3])
+def test_a_ball_pushes_a_curtain_at_every_size_of_step(tmp_path, frames):
+    """Across a curtain that hangs in its way: the curtain is on the side that the ball came to, and back it hangs."""
+    text = square(0.03, BALL.format(x=-0.2, y=0.1, z=-0.12, radius=0.05, friction=0.3), CONTACT, pinned("left"))
+    path = [(-0.2 + 0.25 * (k + 1) / frames, 0.1) for k in range(frames)]
+    events = [{"do": "press", "on": "ball", "at": [-0.2, 0.1]}]
+    events += [{"do": "drag", "to": list(to), "frames": 1} for to in path]
+    made, rows = played(Trial(tmp_path), text, [*events, {"do": "release"}])
+    x, contact = made.analysis.problem.corners(made.analysis.x), made.analysis.problem.contact
+    near = np.abs(x[:, 1] - 0.1) < 0.03
+    ahead = x[near & (np.abs(x[:, 2] + 0.12) < 0.03), 0]
+    assert len(ahead) and ahead.min() > 0.05, "what hangs at the ball's height is before it"
+    assert contact.bodies[0].lowest(x, contact.cells, 1e-5)[0] > -1e-3
+    assert all(row["converged"] for row in rows) and any("parts" in row["note"] for row in rows)
