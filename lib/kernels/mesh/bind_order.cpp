@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "fem/bounds.hpp"
 #include "mesh/order.hpp"
 #include "mesh/relaxation.hpp"
 
@@ -23,9 +24,8 @@ std::int32_t rows_of(const py::array& array, py::ssize_t width, const char* name
 }
 
 void require_nodes(const Indices& nodes, std::int32_t count, const char* name) {
-    for (py::ssize_t i = 0; i < nodes.size(); ++i)
-        if (nodes.data()[i] < 0 || nodes.data()[i] >= count)
-            throw std::invalid_argument(std::string(name) + " names a node that is not there");
+    if (!restshape::all_within(nodes.data(), nodes.size(), count))
+        throw std::invalid_argument(std::string(name) + " names a node that is not there");
 }
 
 double smooth_fresh(Doubles& X, const Indices& cells, std::int32_t fixed, int sweeps) {

@@ -45,7 +45,17 @@ struct MeshOutput {
 
 namespace cgal {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+// Angles decide only whether a side is split: where one is a right one but for rounding, either is well.
+struct Kernel : CGAL::Exact_predicates_inexact_constructions_kernel {
+    struct Angle_2 {
+        using result_type = CGAL::Angle;
+        CGAL::Angle operator()(const Point_2& p, const Point_2& q, const Point_2& r) const {
+            const double dot = (p.x() - q.x()) * (r.x() - q.x()) + (p.y() - q.y()) * (r.y() - q.y());
+            return static_cast<CGAL::Angle>(CGAL::sign(dot));
+        }
+    };
+    Angle_2 angle_2_object() const { return {}; }
+};
 struct Number {
     std::int32_t value = -1;
 };

@@ -48,6 +48,27 @@ inline std::vector<std::int64_t> hilbert_keys(const double* X, std::int32_t node
     return keys;
 }
 
+// First place of each bucket when `count` things are put in order of their bucket.
+template <class Bucket>
+std::vector<std::int32_t> bucket_starts(std::int32_t buckets, std::int32_t count, Bucket bucket) {
+    std::vector<std::int32_t> first(buckets + 1, 0);
+    for (std::int32_t i = 0; i < count; ++i) ++first[bucket(i) + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    return first;
+}
+
+// Sorts few things, by insertion.
+template <class Before>
+void sort_few(std::int32_t* begin, std::int32_t* end, Before before) {
+    if (end - begin > 32) return std::sort(begin, end, before);
+    for (std::int32_t* at = begin; at < end; ++at) {
+        const std::int32_t value = *at;
+        std::int32_t* to = at;
+        for (; to > begin && before(value, to[-1]); --to) *to = to[-1];
+        *to = value;
+    }
+}
+
 // Nodes in their new order: by owner, then along a Hilbert curve.
 inline void node_order(const double* X, const std::int32_t* owner, std::int32_t nodes, std::int32_t* order) {
     const auto keys = hilbert_keys(X, nodes);
@@ -67,15 +88,6 @@ inline void node_order(const double* X, const std::int32_t* owner, std::int32_t 
     for (std::int32_t i = 0; i < nodes; ++i) order[i] = std::get<2>(sorted[i]);
 }
 
-// First place of each bucket when `count` things are put in order of their bucket.
-template <class Bucket>
-std::vector<std::int32_t> bucket_starts(std::int32_t buckets, std::int32_t count, Bucket bucket) {
-    std::vector<std::int32_t> first(buckets + 1, 0);
-    for (std::int32_t i = 0; i < count; ++i) ++first[bucket(i) + 1];
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    return first;
-}
-
 // Triangles in their new order: by the smallest node, then by the others.
 inline void cell_order(const std::int32_t* cells, std::int32_t count, std::int32_t nodes, std::int32_t* order) {
     std::vector<std::array<std::int32_t, 3>> sorted(count);
@@ -88,7 +100,7 @@ inline void cell_order(const std::int32_t* cells, std::int32_t count, std::int32
     const auto first = next;
     for (std::int32_t i = 0; i < count; ++i) order[next[sorted[i][0]]++] = i;
     for (std::int32_t node = 0; node < nodes; ++node)
-        std::sort(order + first[node], order + first[node + 1], [&](std::int32_t a, std::int32_t b) {
+        sort_few(order + first[node], order + first[node + 1], [&](std::int32_t a, std::int32_t b) {
             return sorted[a] != sorted[b] ? sorted[a] < sorted[b] : a < b;
         });
 }
@@ -96,31 +108,25 @@ inline void cell_order(const std::int32_t* cells, std::int32_t count, std::int32
 // Edges of triangles, sorted by their smaller, then their larger node; cell_edges names those opposite to each corner.
 inline std::vector<std::int32_t> edges_of_cells(const std::int32_t* cells, std::int32_t count, std::int32_t nodes,
                                                 std::int32_t* cell_edges) {
-    const auto low = [&](std::int32_t side) {
-        const std::int32_t* cell = cells + side - side % 3;
-        return std::min(cell[(side + 1) % 3], cell[(side + 2) % 3]);
-    };
-    auto next = bucket_starts(nodes, 3 * count, low);
-    const auto first = next;
-    std::vector<std::pair<std::int32_t, std::int32_t>> sides(3 * static_cast<std::size_t>(count));
-    for (std::int32_t i = 0; i < count; ++i) {
-        const std::int32_t* cell = cells + 3 * i;
-        for (int j = 0; j < 3; ++j) {
-            const auto [a, b] = std::minmax(cell[(j + 1) % 3], cell[(j + 2) % 3]);
-            sides[next[a]++] = {b, 3 * i + j};
-        }
-    }
+    // By the larger, then by the smaller node, each time in the order of before.
+    const std::int32_t side_count = 3 * count;
+    std::vector<std::int32_t> low(side_count), high(side_count), by_high(side_count), by_low(side_count);
+    for (std::int32_t i = 0; i < side_count; i += 3)
+        for (int j = 0; j < 3; ++j)
+            std::tie(low[i + j], high[i + j]) = std::minmax(cells[i + (j + 1) % 3], cells[i + (j + 2) % 3]);
+    auto next = bucket_starts(nodes, side_count, [&](std::int32_t side) { return high[side]; });
+    for (std::int32_t side = 0; side < side_count; ++side) by_high[next[high[side]]++] = side;
+    next = bucket_starts(nodes, side_count, [&](std::int32_t side) { return low[side]; });
+    for (const std::int32_t side : by_high) by_low[next[low[side]]++] = side;
     std::vector<std::int32_t> edges;
-    edges.reserve(3 * static_cast<std::size_t>(count) + 3);
-    for (std::int32_t node = 0; node < nodes; ++node) {
-        std::sort(sides.begin() + first[node], sides.begin() + first[node + 1]);
-        for (std::int32_t k = first[node]; k < first[node + 1]; ++k) {
-            if (k == first[node] || sides[k].first != sides[k - 1].first) {
-                edges.push_back(node);
-                edges.push_back(sides[k].first);
-            }
-            cell_edges[sides[k].second] = static_cast<std::int32_t>(edges.size() / 2 - 1);
+    edges.reserve(side_count + 3);
+    std::int32_t a = -1, b = -1;
+    for (const std::int32_t side : by_low) {
+        if (low[side] != a || high[side] != b) {
+            a = low[side], b = high[side];
+            edges.push_back(a), edges.push_back(b);
         }
+        cell_edges[side] = static_cast<std::int32_t>(edges.size() / 2 - 1);
     }
     return edges;
 }

@@ -123,8 +123,8 @@ class Stock {
     static constexpr double MARGIN = 0.6;    // least distance of nodes from the boundary over the size
     static constexpr double EVEN = 0.99;     // least size over the background's
     static constexpr double WIDE = 0.05;  // cosine of angles that the mesher's triangles may not pass opposite to ours
-    static constexpr double FEWEST = 2000.0;  // squares in a shape below which most lie near its boundary
-    static constexpr double SPARSE = 64.0;    // boxes that are larger than their shape by this get none
+    static constexpr double FEWEST = 300.0;  // squares in a shape below which most lie near its boundary
+    static constexpr double SPARSE = 64.0;   // boxes that are larger than their shape by this get none
 
     std::vector<double> X;             // (n, 2): loose nodes, then those on the border of the triangles, then the rest
     std::vector<std::int32_t> cells;   // triangles, by rows of X
@@ -168,7 +168,20 @@ class Stock {
         margin_ = std::max(MARGIN * size, 0.5 * (1.0 + 1e-9) * longest);
         own_ = static_cast<std::int32_t>(tile_.X.size() / 2);
         kind_.assign(static_cast<std::size_t>(tiles_[0] + 1) * (tiles_[1] + 1) * own_, 0);
+        leave_box();
         return true;
+    }
+
+    // Tiles at the right and at the top reach beyond the box.
+    void leave_box() {
+        for (std::int32_t j = 0; j <= tiles_[1]; ++j)
+            for (std::int32_t i = 0; i <= tiles_[0]; ++i) {
+                const double across = squares_[0] - i * Tile::SIDE, up = squares_[1] - j * Tile::SIDE;
+                if (across >= Tile::SIDE && up >= Tile::SIDE) continue;
+                std::uint8_t* kind = kind_.data() + node(i, j, 0);
+                for (std::int32_t k = 0; k < own_; ++k)
+                    if (tile_.X[2 * k] > across || tile_.X[2 * k + 1] > up) kind[k] = OUTSIDE;
+            }
     }
 
     std::int32_t node(std::int32_t i, std::int32_t j, std::int32_t number) const {
