@@ -158,6 +158,21 @@ LIST = (
         ),
         (*REPLAY, *DRAPED),
     ),
+    *(
+        Result(
+            (f"couture-{name}.png",),
+            (
+                recorded(f"couture-{name}", f"{COUTURE}/{scene}", *(f"{COUTURE}/{edits}" for edits in script)),
+                f"restshape drapes results/couture-{name}.vtkhdf --frames {frames} --out results/couture-{name}.png",
+            ),
+            (*REPLAY, *DRAPED),
+        )
+        for name, scene, script, frames in (
+            ("poncho", "scenes/poncho.toml", (), "0"),
+            ("skirt", "scenes/skirt.toml", (), "0"),
+            ("napkin", "template/scene.toml", ("template/edits.jsonl",), "0 8 -1"),
+        )
+    ),
     brought(
         "bridge-study.png",
         "restshape_verification.bridge.study",

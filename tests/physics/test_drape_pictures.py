@@ -1,6 +1,7 @@
 """Pictures of cloth show what is where: areas and outlines in them are those of the shapes."""
 
 import json
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -281,6 +282,22 @@ def test_a_refused_frame_shows_the_bodies_of_the_last_one_and_the_reason(recordi
     titles = [axes._left_title.get_window_extent(renderer) for axes in figure.axes if axes.get_title(loc="left")]
     assert len(titles) == 3 and not any(a.overlaps(b) for k, a in enumerate(titles) for b in titles[:k])
     assert max(box.y1 for box in titles) < figure._suptitle.get_window_extent(renderer).y0
+
+
+@pytest.mark.slow
+def test_the_title_of_a_single_frame_is_within_the_picture(recording, tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    cloth = recording(0.0)
+    scenery = replace(drape_scenery(cloth, np.arange(1)), pins={0: np.arange(3)})
+    draw_drape_frames(cloth, np.arange(1), scenery, tmp_path / "a.png")
+    (figure,) = figures
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    title, width = figure._suptitle.get_window_extent(renderer), figure.get_size_inches()[0] * figure.dpi
+    assert figure._suptitle.get_text().endswith("circles: supports") and title.x0 > 0 and title.x1 < width
+    caption = next(axes._left_title for axes in figure.axes if axes.get_title(loc="left"))
+    assert caption.get_window_extent(renderer).y1 < title.y0
 
 
 @pytest.mark.slow

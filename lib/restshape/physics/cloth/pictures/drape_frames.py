@@ -24,7 +24,7 @@ from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames, even, pause, write_animation
 from restshape.report.camera import Camera
-from restshape.report.frames import LETTER, LINE, scene_name
+from restshape.report.frames import LETTER, LINE, TITLE_LETTER, TITLE_LINE, scene_name
 from restshape.report.happenings import chosen_frames, failure, texts
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.space_axes import draw_box, marks
@@ -199,7 +199,8 @@ def _sheet(scenery: DrapeScenery, across: int, down: int, more: int = 1) -> tupl
     low = scale * max(above[1], flat[1])
     caption = CAPTION + LINE * max(more - 1, 0)
     band = caption + tall + low + UNDER
-    high = TITLE + down * band
+    title = TITLE + TITLE_LINE * (len(_drawn(scenery, wide)) - 1)
+    high = title + down * band
     figure = new_figure(wide, high)
     figure.set_layout_engine("none")
 
@@ -208,7 +209,7 @@ def _sheet(scenery: DrapeScenery, across: int, down: int, more: int = 1) -> tupl
 
     frames = []
     for k in range(across * down):
-        x, y = k % across * each, TITLE + k // across * band + caption
+        x, y = k % across * each, title + k // across * band + caption
         ground = y + tall + low
         frames.append(
             [
@@ -222,7 +223,7 @@ def _sheet(scenery: DrapeScenery, across: int, down: int, more: int = 1) -> tupl
 
 def _legend(figure: Figure, recording: Recording, scenery: DrapeScenery, drawing: DrapeDrawing) -> None:
     """The colour bar, and the name of the scene with what is drawn."""
-    wide, high = figure.get_size_inches()
+    wide, high = map(float, figure.get_size_inches())
     length = min(0.6 * (high - TITLE), 4.0)
     bottom = 1.0 - (TITLE + CAPTION + length) / high
     place = figure.add_axes((1.0 - (BAR - 0.15) / wide, bottom, 0.14 / wide, length / high))
@@ -231,10 +232,15 @@ def _legend(figure: Figure, recording: Recording, scenery: DrapeScenery, drawing
     bar.set_label(scenery.colour[1])
     bar.outline.set_visible(False)
     name = shorten(scene_name(recording), 60, placeholder=" …")
+    figure.suptitle("\n".join([name, *_drawn(scenery, wide)]), color=INK, fontsize=10, y=1.0 - 0.08 / high)
+
+
+def _drawn(scenery: DrapeScenery, wide: float) -> list[str]:
+    """What there is to see, in lines for a figure this wide [inch]."""
     drawn = "true places, in perspective and from above"
     drawn += "; dashes: body behind cloth" * scenery.bodies
     drawn += "; circles: supports" * any(map(len, scenery.pins.values()))
-    figure.suptitle(f"{name}\n{drawn}", color=INK, fontsize=10, y=1.0 - 0.08 / high)
+    return wrap(drawn, int(wide / TITLE_LETTER))
 
 
 def draw_drape_animation(recording: Recording, chosen: np.ndarray, scenery: DrapeScenery, path: Path) -> None:
