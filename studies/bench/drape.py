@@ -49,7 +49,7 @@ class Trace:
         self.residuals: list[float | None] = []
         self.energies: list[float | None] = []
         self.x: np.ndarray | None = None
-        self.aside, self.start, self.begun = 0.0, perf_counter(), process_time()
+        self.aside, self.busy_aside, self.start, self.begun = 0.0, 0.0, perf_counter(), process_time()
         analysis.watch = self
 
     @property
@@ -60,7 +60,7 @@ class Trace:
     @property
     def busy(self) -> float:
         """Seconds that the processor has worked for the run."""
-        return process_time() - self.begun - self.aside
+        return process_time() - self.begun - self.busy_aside
 
     def __call__(self, solver: EquilibriumSolver, x: np.ndarray, residual: float) -> None:
         """Take an iterate down.
@@ -68,7 +68,7 @@ class Trace:
         Raises:
             Over: the seconds are over.
         """
-        begun = perf_counter()
+        begun, worked = perf_counter(), process_time()
         spent = begun - self.start - self.aside
         self.seconds.append(spent)
         self.residuals.append(_finite(residual))
@@ -76,7 +76,7 @@ class Trace:
         self.x = x.copy() if own else self.x
         stiff = own and solver.problem.softness == 1.0
         self.energies.append(_finite(solver.problem.energy(x)) if stiff else None)
-        self.aside += perf_counter() - begun
+        self.aside, self.busy_aside = self.aside + perf_counter() - begun, self.busy_aside + process_time() - worked
         if self.busy > self.limit:
             raise Over(f"{self.limit:g} s are over")
 

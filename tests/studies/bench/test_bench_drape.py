@@ -121,3 +121,21 @@ def test_all_strategies_that_scenes_may_name_are_compared():
     from restshape.physics.cloth.effects import DrapeKeys
 
     assert get_args(DrapeKeys.model_fields["strategy"].annotation) == STRATEGIES
+
+
+def test_waiting_for_the_processor_is_no_work_of_a_run(monkeypatch):
+    """What is taken down takes long by the clock where others have the processor: that is not taken off the work."""
+    from types import SimpleNamespace
+
+    import numpy as np
+    from restshape_studies.bench import drape
+
+    clock = iter(range(0, 1000, 5))
+    monkeypatch.setattr(drape, "perf_counter", lambda: float(next(clock)))
+    monkeypatch.setattr(drape, "process_time", lambda worked=iter(range(100)): float(next(worked)))
+    problem = SimpleNamespace(softness=1.0, energy=lambda x: 0.0)
+    trace = drape.Trace(SimpleNamespace(bound=SimpleNamespace(problem=problem)), limit=1e3)
+    for _ in range(3):
+        trace(SimpleNamespace(problem=problem), np.zeros((2, 3)), 1.0)
+    # Of each second that the processor has worked one in three was for what is taken down.
+    assert trace.busy > 0.0
