@@ -130,9 +130,9 @@ def test_waiting_for_the_processor_is_no_work_of_a_run(monkeypatch):
     import numpy as np
     from restshape_studies.bench import drape
 
-    clock = iter(range(0, 1000, 5))
+    clock, worked = iter(range(0, 1000, 5)), iter(range(100))
     monkeypatch.setattr(drape, "perf_counter", lambda: float(next(clock)))
-    monkeypatch.setattr(drape, "process_time", lambda worked=iter(range(100)): float(next(worked)))
+    monkeypatch.setattr(drape, "process_time", lambda: float(next(worked)))
     problem = SimpleNamespace(softness=1.0, energy=lambda x: 0.0)
     trace = drape.Trace(SimpleNamespace(bound=SimpleNamespace(problem=problem)), limit=1e3)
     for _ in range(3):
