@@ -17,6 +17,7 @@ void bind_operator(py::module_&);
 void bind_increments(py::module_&);
 void bind_mesh(py::module_&);
 void bind_mesher(py::module_&);
+void bind_near_pairs(py::module_&);
 void bind_order(py::module_&);
 void bind_outline(py::module_&);
 void bind_correction(py::module_&);
@@ -46,6 +47,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_increments(m);
     bind_mesh(m);
     bind_mesher(m);
+    bind_near_pairs(m);
     bind_order(m);
     bind_outline(m);
     bind_correction(m);

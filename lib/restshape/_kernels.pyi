@@ -9,6 +9,7 @@ __all__: list[str] = [
     "Element",
     "HarmonicExtension",
     "MesherFailure",
+    "NearPairs",
     "Operator",
     "OutlineCheck",
     "PatchRecovery",
@@ -323,6 +324,25 @@ class Triangulation:
 
 class MesherFailure(Exception):
     pass
+
+class NearPairs:
+    def __init__(
+        self,
+        X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        edges: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    ) -> None: ...
+    def search(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        reach: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> tuple: ...
+    def step_share(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        d: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        reach: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> float: ...
 
 class OutlineCheck:
     def __init__(

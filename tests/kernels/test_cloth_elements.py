@@ -319,3 +319,14 @@ class TestTrianglePotential(ElementCase):
         point, alone = k.Element("potential_point1"), np.zeros((1, 3))
         point.residual(self.X[:1], (b @ x)[None], np.zeros((1, 1), np.int32), np.array(self.params[3:]), alone)
         np.testing.assert_allclose(self.residual(element, self.X, x), np.outer(b, alone[0]), rtol=1e-12)
+
+
+class TestPointCoupling(ElementCase):
+    name, X = "coupling_point2", np.array([[0.2, 0.3], [0.4, -0.1]])
+    params = (0.1, -0.2, 0.3, 1.0, -2.0, 0.5, 3.0, 4.0, 5.0, 0.6, 0.7, 0.8, -1.0, 2.0, 0.4)
+
+    def test_at_its_places_it_couples_and_does_nothing_else(self, element):
+        x = np.array(self.params[:6]).reshape(2, 3)
+        np.testing.assert_array_equal(self.residual(element, self.X, x), np.zeros((2, 3)))
+        B, none = np.array(self.params[6:]).reshape(3, 3), np.zeros((3, 3))
+        np.testing.assert_array_equal(element.tangent_block(self.X, x, self.p), np.block([[none, B], [B.T, none]]))

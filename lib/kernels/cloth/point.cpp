@@ -9,6 +9,7 @@ std::vector<Element> point_elements() {
     return {
         element_of<PointPotentialElement>("potential", "point1"),
         element_of<TrianglePotentialElement>("potential", "tri3"),
+        element_of<PointCouplingElement>("coupling", "point2"),
     };
 }
 

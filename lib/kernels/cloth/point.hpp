@@ -83,4 +83,35 @@ struct TrianglePotentialElement {
     }
 };
 
+// (x - x0) . B (y - y0) of two nodes at x and y: what the second derivatives of a potential of many nodes couple. It
+// has neither value nor force where the nodes are at x0 and y0.
+struct PointCouplingElement {
+    static constexpr int nodes = 2, dim = 2, fields = 3;
+    static constexpr bool symmetric = true, has_tangent = true;
+    static constexpr int stress_components = 0;
+
+    // Places x0 and y0 [m], mixed second derivatives row by row [N/m].
+    static std::vector<std::string> parameters() {
+        return {"x0", "y0", "z0", "x1", "y1", "z1", "Bxx", "Bxy", "Bxz", "Byx", "Byy", "Byz", "Bzx", "Bzy", "Bzz"};
+    }
+
+    template <class SX, class Sx, class R>
+    static void residual(const SX*, const Sx* x, const double* p, R* r) {
+        Sx u[6];
+        for (int a = 0; a < 6; ++a) u[a] = x[a] - p[a];
+        for (int a = 0; a < 3; ++a) {
+            r[a] = R(u[3] * p[6 + 3 * a] + u[4] * p[7 + 3 * a] + u[5] * p[8 + 3 * a]);
+            r[3 + a] = R(u[0] * p[6 + a] + u[1] * p[9 + a] + u[2] * p[12 + a]);
+        }
+    }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        Sx r[6], total(0.0);
+        residual(X, x, p, r);
+        for (int a = 0; a < 3; ++a) total += (x[a] - p[a]) * r[a];
+        return Common<SX, Sx>(1.0) * total;
+    }
+};
+
 }  // namespace restshape

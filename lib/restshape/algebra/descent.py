@@ -116,6 +116,7 @@ class Descent:
         self.known: tuple[Reals, float] | None = None
         self._last = self.work
         self.prefix, self.ksp = prefix, self._solver(comm, prefix, factor) if self.kind.tangent else None
+        self.tangent = PersistentKSP(self.ksp)
         self.snes = self._made()
 
     @property
@@ -144,7 +145,7 @@ class Descent:
         self.snes.destroy()
         self.snes = self._made()
         if self.kind.tangent:
-            self.snes.setJacobian(weak_call(self._jacobian), self.energy.tangent(x))
+            self.snes.setJacobian(weak_call(self._jacobian), self._taken(self.energy.tangent(x)))
         self.snes.setTolerances(max_it=most)
         self.nodal.put(x, self.x)
         self.snes.solve(None, self.x)
@@ -166,7 +167,14 @@ class Descent:
     def _jacobian(self, snes: PETSc.SNES, X: PETSc.Vec, J: PETSc.Mat, P: PETSc.Mat) -> None:
         # That of the first iterate is there already.
         if snes.getIterationNumber():
-            self.energy.tangent(self.nodal.values(X))
+            self._taken(self.energy.tangent(self.nodal.values(X)))
+
+    def _taken(self, matrix: PETSc.Mat) -> PETSc.Mat:
+        """A matrix that the solver takes next; its pattern may be another one, of which nothing informs PETSc."""
+        if self.tangent.matrix.handle != matrix.handle:
+            self.tangent.ksp.reset()
+            self.tangent.matrix = matrix
+        return matrix
 
     def _shortened(self, X: PETSc.Vec, Y: PETSc.Vec) -> bool:
         """Make a step shorter that goes too far; returns whether it did."""
@@ -221,7 +229,7 @@ class Descent:
             ksp = snes.getKSP()
             ksp.setType("preonly")
             ksp.getPC().setType("python")
-            ksp.getPC().setPythonContext(PersistentKSP(self.ksp))
+            ksp.getPC().setPythonContext(self.tangent)
         for key in given:
             options.delValue(key)
         return snes
@@ -245,14 +253,17 @@ class PersistentKSP:
 
     Args:
         ksp: the solver.
+
+    Attributes:
+        matrix: what it solves with; SNES holds the first one of a run.
     """
 
     def __init__(self, ksp: PETSc.KSP) -> None:
-        self.ksp = ksp
+        self.ksp, self.matrix = ksp, PETSc.Mat()
 
     def setUp(self, pc: PETSc.PC) -> None:
         """Take in the matrix."""
-        self.ksp.setOperators(*pc.getOperators())
+        self.ksp.setOperators(self.matrix)
         self.ksp.setUp()
 
     def apply(self, pc: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:

@@ -1,5 +1,6 @@
 """Parts of cloth that follow from a scene without being named among its effects."""
 
+from restshape.physics.cloth.layers import touches_itself
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN
 from restshape.scene.derived_effects import MOVING_SUPPORTS, REGIONS, On, cause_of, listed
 from restshape.scene.effect import DerivedEffect
@@ -20,6 +21,13 @@ def _mirrors(scene: Scene) -> str:
     return listed("supports", [name for name, support in scene.supports.items() if support.symmetry])
 
 
+def _through_itself(raw: Table, on: On) -> Table:
+    """The scene with cloth that passes through itself; without bodies that nothing touches, as contact is named."""
+    effects = tables_in(raw, "effects")
+    rest = raw if "contact" in on else {key: value for key, value in raw.items() if key != "bodies"}
+    return {**rest, "effects": {**effects, "contact": {**effects.get("contact", {}), "self": False}}}
+
+
 FRICTION = DerivedEffect(
     "friction of bodies",
     cause_of(lambda scene, _: listed("bodies", _rough(scene)), "anchors hold what touches them"),
@@ -33,8 +41,15 @@ SYMMETRY = DerivedEffect(
     cause_of(lambda scene, _: _mirrors(scene), "half of the cloth stands for both"),
     "no edge is on a plane of symmetry",
 )
+SELF_CONTACT = DerivedEffect(
+    "contact of the cloth with itself",
+    lambda scene, _: touches_itself(scene),
+    "the outline is held all around, or effects.contact.self is false",
+    _through_itself,
+)
 CLOTH = {
     "friction": FRICTION,
+    "self_contact": SELF_CONTACT,
     "grain": GRAIN,
     "symmetry": SYMMETRY,
     "moving_supports": MOVING_SUPPORTS,

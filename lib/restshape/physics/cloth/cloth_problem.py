@@ -12,7 +12,7 @@ import numpy as np
 
 from restshape.algebra.traits import Traits
 from restshape.fem.assembled import Assembled
-from restshape.fem.integral import Integral
+from restshape.fem.integral import Integral, Term
 from restshape.fem.observer import Observer
 from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, SteadyProblem, Unknown
 from restshape.mesh.mesh import Mesh
@@ -28,6 +28,8 @@ from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.parameters import Lumped, lumped_rates, triangle_rates
 from restshape.physics.cloth.point_forces import PointForces, TriangleForces
+from restshape.physics.cloth.self_contact import SelfContact
+from restshape.physics.cloth.self_forces import SelfCoupling, SelfForces, coupled_nodes
 from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
 
@@ -58,6 +60,7 @@ class ClothProblem(SteadyProblem):
         place: where the nodes were in the material at the last `update`.
         boundary: prescribed unknowns; lumped: areas and masses of the nodes.
         softness: part of the membrane's stiffness that there is.
+        self_contact: of the cloth with itself; None: it passes through itself.
 
     Source: docs/theory/cloth.md.
     """
@@ -71,6 +74,7 @@ class ClothProblem(SteadyProblem):
         self, mesh: Mesh, fabric: Fabric, supports: ClothSupports, g: np.ndarray, contact: Contact | None = None
     ) -> None:
         self.mesh, self.contact = mesh, contact
+        self.self_contact: SelfContact | None = None
         self.morley = MorleySpace(mesh) if fabric.kind == "morley" else None
         nodes = np.arange(len(mesh.X), dtype=np.int32)
         self.corner_number = self.morley.corner_number if self.morley else nodes
@@ -101,9 +105,14 @@ class ClothProblem(SteadyProblem):
         return len(self.X)
 
     @property
-    def version(self) -> tuple[int, object]:
+    def version(self) -> tuple[object, ...]:
         """Another one whenever forces or tangent may be others at the same positions."""
-        return self._changes, self.contact.history if self.contact else None
+        return self._changes, *(part.history for part in (self.contact, self.self_contact) if part)
+
+    @property
+    def coverings(self) -> int:
+        """Another one whenever contact of the cloth with itself may couple other nodes."""
+        return self.self_contact.coverings if self.self_contact else 0
 
     @property
     def stiffness_version(self) -> int:
@@ -164,6 +173,8 @@ class ClothProblem(SteadyProblem):
         self.boundary = ClothDirichlet(self.supports, mesh, self.corner_number, len(self.X), morley)
         self.lumped = Lumped.of(self.X, self.membrane.corners, density, self.g * self.boundary.free)
         self.soften(self.softness)
+        if self.self_contact:
+            self.self_contact.place(mesh.X)
         if self.bending:
             self.bending.update(self.fabric, self.supports)
 
@@ -188,16 +199,26 @@ class ClothProblem(SteadyProblem):
 
     def update_friction(self, x: np.ndarray) -> float:
         """Let friction, and the points that touch, follow to x (n, 3); returns the largest slip distance [m]."""
-        if not self.contact:
-            return 0.0
         corners = self.corners(x)
+        slid = self.self_contact.update_friction(corners) if self.self_contact else 0.0
+        if not self.contact:
+            return slid
         self.contact.cut(corners)
-        return self.contact.update_friction(self.contact.place(corners))
+        return max(slid, self.contact.update_friction(self.contact.place(corners)))
 
     def follow_friction(self, x: np.ndarray) -> bool:
         """Let friction follow to x (n, 3); returns whether there is contact, whose energy it changes."""
         self.update_friction(x)
-        return self.contact is not None
+        return self.contact is not None or (self.self_contact is not None and self.self_contact.rough)
+
+    def begin(self, x: np.ndarray) -> bool:
+        """Begin at x (n, 3), across itself or not; returns whether contact with itself acts, or there is none."""
+        return self.self_contact is None or self.self_contact.begin(self.corners(x))
+
+    def cover(self, x: np.ndarray) -> None:
+        """Let what the blocks hold be all that contact of the cloth with itself couples at x (n, 3)."""
+        if self.self_contact:
+            self.self_contact.cover(self.corners(x))
 
     def falls(self, x: np.ndarray) -> bool:
         """Whether cloth at x (n, 3) falls without end: nothing supports it, and it goes away from all bodies."""
@@ -211,16 +232,17 @@ class ClothProblem(SteadyProblem):
     @property
     def obstacles(self) -> Sequence[Obstacle]:
         """What corners must not pass."""
-        return [self.contact] if self.contact else ()
+        return [part for part in (self.contact, self.self_contact) if part]
 
     # --- integrals ------------------------------------------------------------------------------------------------
 
     def blocks(self) -> list[np.ndarray]:
-        """Nodes of what has a tangent: membrane, points, bending."""
+        """Nodes of what has a tangent: membrane, points, bending, and pairs that contact with itself couples."""
         bent = self.bending.blocks() if self.bending else []
-        return [self.membrane.corners, np.ascontiguousarray(self.corner_number[:, None]), *bent]
+        pairs = [coupled_nodes(self.self_contact, self.corner_number)] if self.self_contact else []
+        return [self.membrane.corners, np.ascontiguousarray(self.corner_number[:, None]), *bent, *pairs]
 
-    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Integral | PointForces | TriangleForces]:
+    def integrals(self, kind: str, part: float = 1.0) -> Sequence[Term]:
         """The integrals of a kind, see `fem.problem`; no load has steps."""
         if kind == STIFFNESS:
             return [self.membrane.integral(self.X, weighs=False), *self.bending_integrals()]
@@ -232,20 +254,28 @@ class ClothProblem(SteadyProblem):
         """Those of bending."""
         return self.bending.integrals(self.X) if self.bending else []
 
-    def tangent_integrals(self, stabilised: bool, inertia: float) -> list[Integral | PointForces | TriangleForces]:
+    def tangent_integrals(self, stabilised: bool, inertia: float) -> list[Term]:
         """Those of a tangent but for quadratic bending.
 
         Args:
             stabilised: without what is compressed, positive semidefinite.
             inertia: [1/s^2] times the mass on the diagonal.
         """
-        found = [self.membrane.integral(self.X, stabilised)]
+        found: list[Term] = [self.membrane.integral(self.X, stabilised)]
         if self.contact or inertia:
             found += self._points(inertia, curved=not stabilised)
+        found += self._own_contact(curved=not stabilised)
         return found if self.quadratic_bending else found + self.bending_integrals()
 
-    def _contact(self) -> list[PointForces | TriangleForces]:
-        return self._points() if self.contact else []
+    def _contact(self) -> list[Term]:
+        return [*(self._points() if self.contact else []), *self._own_contact()]
+
+    def _own_contact(self, curved: bool = True) -> list[Term]:
+        """Those of contact with itself."""
+        if not self.self_contact:
+            return []
+        forces = SelfForces(self.X, np.ascontiguousarray(self.corner_number[:, None]), self.self_contact, curved)
+        return [forces, SelfCoupling(forces, 2 + len(self.bending.blocks() if self.bending else []))]
 
     def _points(self, inertia: float = 0.0, curved: bool = True) -> list[PointForces | TriangleForces]:
         numbers, contact = self.corner_number, self.contact

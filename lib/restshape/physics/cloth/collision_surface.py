@@ -35,8 +35,13 @@ class CollisionSurface:
     """
 
     def __init__(self, X: np.ndarray, cells: np.ndarray) -> None:
-        self.flat = columns(np.column_stack([X, np.zeros(len(X))]))
         self.edges, self.cells = unique_edges(cells), np.array(cells, np.int32)
+        self.place(X)
+
+    def place(self, X: np.ndarray) -> None:
+        """Take in where the nodes are in the material, (n, 2) [m]."""
+        self.flat = columns(np.column_stack([X, np.zeros(len(X))]))
+        self.__dict__.pop("mesh", None)
 
     @cached_property
     def library(self) -> Any:

@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field
 from restshape.bounds import TOLERANCE
 from restshape.errors import UserError
 from restshape.physics.cloth.body_columns import body_columns
+from restshape.physics.cloth.layers import FINE, layer_thickness
 from restshape.physics.cloth.thin_bodies import borne, may_come_through
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
@@ -80,18 +81,25 @@ class SpaceGravityKeys(Strict):
 
 
 class ContactKeys(Strict):
-    """Keys of ``[effects.contact]``: bodies push cloth away along the gradient of their distance.
+    """Keys of ``[effects.contact]``: bodies push cloth away along the gradient of their distance, and so does cloth.
 
     Args:
         thickness: distance from a body at which it begins [m].
         stiffness: pressure by depth [N/m^3]; left out, it is decided from the weight of the cloth.
         slip: way along a surface at which friction is all there [m].
+        self: whether the cloth touches itself; left out, it does unless its outline is held all around.
+        self_thickness: distance between parts of the cloth at which their contact begins [m]; left out, `thickness`,
+            or a tenth of mesh.size where that is less.
+        self_friction: Coulomb's coefficient between parts of the cloth.
     """
 
     model_config = ConfigDict(title="Contact")
     thickness: Annotated[number_of("length"), Field(gt=0)] = 2e-3
     stiffness: Annotated[number_of("body force"), Field(gt=0)] | None = None
     slip: Annotated[number_of("length"), Field(gt=0)] = 1e-4
+    self: bool | None = None
+    self_thickness: Annotated[number_of("length"), Field(gt=0)] | None = None
+    self_friction: Annotated[number_of("number"), Field(ge=0)] = 0.0
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
         """The stiffness, where the scene names none: half of the thickness bears ten times the cloth's weight, or more.
@@ -99,13 +107,15 @@ class ContactKeys(Strict):
         Raises:
             UserError: there is no body, or no weight to decide the stiffness from.
         """
-        if not scene.bodies:
+        if not scene.bodies and self.self is None:
             raise UserError(
                 "there is contact, but no body that could be touched",
                 "effects.contact",
-                "add [bodies.NAME], or leave out [effects.contact]",
+                "add [bodies.NAME], or self = true for cloth that touches itself, or leave out [effects.contact]",
             )
-        warning = may_come_through(scene, self.thickness)
+        warning = "; ".join(filter(None, (may_come_through(scene, self.thickness), self._coarse(scene))))
+        if not scene.bodies:
+            return ResolvedSettings(self, warns=warning)
         if self.stiffness is not None:
             return ResolvedSettings(self, warns=warning)
         gravity = SpaceGravityKeys.model_validate(scene.effects["gravity"]).size if "gravity" in scene.effects else 0.0
@@ -125,6 +135,17 @@ class ContactKeys(Strict):
         )
         why = "; ".join(filter(None, (why, cause)))
         return ResolvedSettings(self.model_copy(update={"stiffness": stiffness}), why, warns=warning)
+
+    def _coarse(self, scene: Scene) -> str:
+        """A warning where the cloth is to touch itself on a mesh that is too coarse for that; empty elsewhere."""
+        size, thickness = scene.mesh.size or 0.0, layer_thickness(scene, self)
+        if not self.self or size <= (1.0 + TOLERANCE) * FINE * thickness:
+            return ""
+        return (
+            f"the cloth touches itself from {1e3 * thickness:.3g} mm on, which a mesh of {1e3 * size:.3g} mm is too "
+            f'coarse for: set mesh.size to "{1e3 * FINE * thickness:.3g} mm", or effects.contact.self_thickness to '
+            f'"{1e3 * size / FINE:.3g} mm"'
+        )
 
 
 class DrapeKeys(Strict):

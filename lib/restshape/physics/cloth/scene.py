@@ -1,5 +1,7 @@
 """What a scene says about its cloth on one mesh: stiffness, mass, supports, bodies, and where it starts."""
 
+# More than 15 modules: what each part of cloth is made from comes from a module of its own.
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,7 +18,9 @@ from restshape.physics.cloth.cloth_supports import supports_of
 from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.layers import layer_values
 from restshape.physics.cloth.parameters import triangle_areas
+from restshape.physics.cloth.self_contact import SelfContact, SelfContactValues
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -34,6 +38,7 @@ class ClothArguments:
         bodies: each with its coefficient of friction, in the scene's order.
         contact: settings of the effect; None: nothing touches, and there are no bodies.
         start: (n, 3) where nodes lie at first [m].
+        layers: how parts of the cloth push each other away; None: they pass through each other.
     """
 
     fabric: Fabric
@@ -42,6 +47,7 @@ class ClothArguments:
     bodies: list[tuple[_kernels.Body, float]]
     contact: Any
     start: np.ndarray
+    layers: SelfContactValues | None = None
 
 
 def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
@@ -53,20 +59,24 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
     gravity = plan.settings("gravity")
     contact = plan.settings("contact")
     placement = InitialPlacement(scene.start, scene.parameters)
+    fabric = fabric_of(scene, plan, mesh)
     supports = supports_of(scene, mesh, placement)
     return ClothArguments(
-        fabric=fabric_of(scene, plan, mesh),
+        fabric=fabric,
         supports=supports,
         g=np.array(gravity.g if gravity else (0.0, 0.0, 0.0)),
         bodies=[] if contact is None else touched(scene),
         contact=contact,
         start=np.where(supports.mask, supports.places, placement.scattered(mesh)),
+        layers=layer_values(scene, plan, mesh, fabric),
     )
 
 
 def cloth_problem(mesh: Mesh, arguments: ClothArguments) -> ClothProblem:
     """The problem of a scene's cloth on a mesh."""
     problem = ClothProblem(mesh, arguments.fabric, arguments.supports, arguments.g)
+    if arguments.layers:
+        problem.self_contact = SelfContact(problem.surface, arguments.layers)
     if arguments.bodies:
         settings = arguments.contact
         problem.contact = Contact(
@@ -84,6 +94,10 @@ def cloth_problem(mesh: Mesh, arguments: ClothArguments) -> ClothProblem:
 
 def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:
     """Let contact be with bodies, and of values, that are others; friction remembers what it did."""
+    if problem.self_contact and problem.self_contact.values != arguments.layers:
+        problem.self_contact.set_values(arguments.layers)
+    if not problem.contact:
+        return
     contact, settings = problem.contact, arguments.contact
     contact.bodies = [body for body, _ in arguments.bodies]
     contact.friction = np.array([friction for _, friction in arguments.bodies])

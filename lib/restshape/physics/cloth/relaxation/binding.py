@@ -1,5 +1,7 @@
 """What a frame changes about cloth before it is solved for: values, mesh, places of the material, bodies, friction."""
 
+# More than 15 modules: all that a frame may change about cloth meets here.
+
 from __future__ import annotations
 
 import logging
@@ -9,10 +11,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from restshape.analysis.frame import Frame
+from restshape.errors import UserError
 from restshape.mesh.transfer import transfer
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
@@ -63,12 +67,34 @@ def bind(
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=())
     if problem.contact and before.friction is not None and not cold:
         known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
+        problem.begin(known)
         state = follow_bodies(state, before.bodies, np.where(problem.boundary.mask, known, state.x))
     if origin:
         state, cold = replace(state, x=problem.constrain(origin.x), softness=origin.softness), False
         if problem.contact and origin.friction is not None:
             problem.contact.history = origin.friction
+        if problem.self_contact and origin.layers is not None:
+            problem.self_contact.history = origin.layers
+    if not problem.begin(state.x) and cold:
+        state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
     return replace(state, observer=problem.observer(scene.quantities)), cold
+
+
+def begins_across(problem: ClothProblem, x: np.ndarray, scene: Scene) -> str:
+    """What there is to say of cloth that begins at x (n, 3) across itself: it passes through itself until it is apart.
+
+    Raises:
+        UserError: the scene says that it touches itself.
+    """
+    corners = problem.corners(x)
+    crossed = problem.surface.crossed(corners)
+    place = ", ".join(f"{1e3 * value:.4g}" for value in corners[problem.mesh.cells[crossed[:1]]].mean(axis=(0, 1)))
+    what = f"the cloth begins across itself at {len(crossed)} triangles, the first at ({place}) mm"
+    if scene.effects.get("contact", {}).get("self"):
+        raise UserError(
+            what, "start", "start it elsewhere, or leave out effects.contact.self to let it come apart first"
+        )
+    return f"{what}: it touches itself once it is apart"
 
 
 def restored(
@@ -85,14 +111,16 @@ def restored(
     if mesh is before.mesh and mesh.topology == before.topology and same_elements(before.problem, arguments):
         problem = before.problem
         problem.set_values(arguments.fabric, arguments.supports, arguments.g)
-        if problem.contact:
-            set_contact(problem, arguments)
+        set_contact(problem, arguments)
     else:
         problem = cloth_problem(mesh, arguments)
     # A factor of what was undone would lead what follows to other folds.
     solver = options.make_solver(problem)
     if kept.friction is not None:
         problem.contact.history = kept.friction
+    problem.begin(kept.x)
+    if kept.layers is not None:
+        problem.self_contact.history = kept.layers
     solver.set_tolerance(options.settings.tolerance)
     solver.set_reach(options.reach)
     # What was counted was counted then.
@@ -106,7 +134,7 @@ def restored(
 def same_elements(problem: ClothProblem, arguments: ClothArguments) -> bool:
     """Whether the elements of a problem are those of other arguments."""
     fabric, new, contact = problem.fabric, arguments.fabric, problem.contact
-    if (contact is None) != (not arguments.bodies):
+    if (contact is None) != (not arguments.bodies) or (problem.self_contact is None) != (arguments.layers is None):
         return False
     if contact is not None and len(contact.bodies) != len(arguments.bodies):
         return False
@@ -173,14 +201,22 @@ def moved_material(before: RelaxationState, arguments: ClothArguments) -> Relaxa
     problem.set_values(arguments.fabric, arguments.supports, arguments.g)
     sides = problem.morley.side_number if problem.morley else None
     x = cloth.unknowns_at(problem.place, sides)
+    set_contact(problem, arguments)
+    # What sticks does so wherever its nodes are in it.
+    way = problem.corners(x) - problem.corners(before.x)
+    if problem.self_contact:
+        problem.self_contact.history = before.layers.moved(way)
     if problem.contact:
-        set_contact(problem, arguments)
-        # What sticks does so wherever its nodes are in it.
         friction, contact = before.friction, problem.contact
         contact.history = friction
         way = contact.place(problem.corners(x)) - contact.place(problem.corners(before.x))
         problem.contact.history = replace(friction, anchors=friction.anchors + way)
     return replace(before, x=problem.constrain(x))
+
+
+def layers_of(problem: ClothProblem) -> LayerFriction | None:
+    """What friction between layers remembers now; None where cloth does not touch itself."""
+    return problem.self_contact.history if problem.self_contact else None
 
 
 def friction_of(problem: ClothProblem) -> FrictionHistory | None:

@@ -64,9 +64,12 @@ class ColdStart:
 
         def prolong(level: int, x: np.ndarray) -> np.ndarray:
             corners = self.hierarchy.prolong(self.skipped + level, solvers[level].problem.corners(x))
-            return solvers[level + 1].problem.flat(corners)
+            x = solvers[level + 1].problem.flat(corners)
+            solvers[level + 1].problem.begin(x)
+            return x
 
         start = solvers[0].problem.flat(self.arguments(self.meshes[0]).start)
+        solvers[0].problem.begin(start)
         try:
             x = stiffen(solvers, prolong, start, most, report, self.replaced)
             return problem.flat(solvers[-1].problem.corners(x)) if self.replaced else x

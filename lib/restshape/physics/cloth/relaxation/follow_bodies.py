@@ -51,6 +51,8 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         way = body_guess(problem, x, now, state.bodies) * problem.boundary.free + (1.0 - share) * pulled
         corners, ways = problem.corners(x), problem.corners(way)
         reached = path.farthest(share, corners, ways)
+        if problem.self_contact:
+            reached = min(reached, share + (1.0 - share) * problem.self_contact.step_share(corners, ways))
         least = path.least(share, corners, ways)
         still = still + 1 if reached < 1.0 and reached - share < STILL * least else 0
         if still > PATIENCE:

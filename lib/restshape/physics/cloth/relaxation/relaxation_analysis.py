@@ -129,6 +129,8 @@ class RelaxationAnalysis(Timeless):
         """Let the problem of a state have its friction and all of its stiffness again."""
         if state.friction is not None:
             state.problem.contact.history = state.friction
+        if state.layers is not None:
+            state.problem.self_contact.history = state.layers
         state.problem.soften(1.0)
 
     def _options(self, scene: Scene, new_values: bool) -> RelaxationOptions:

@@ -94,4 +94,6 @@ def _cold_problem(state: RelaxationState) -> ClothProblem:
     problem = cloth_problem(mesh, cloth_arguments(state.scene, state.plan, mesh))
     if problem.contact:
         problem.contact.history = state.problem.contact.history
+    if problem.self_contact:
+        problem.self_contact.history = state.problem.self_contact.history
     return problem

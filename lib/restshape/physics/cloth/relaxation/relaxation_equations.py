@@ -32,7 +32,7 @@ class KeptOperator:
     def __init__(self, problem: ClothProblem, comm: PETSc.Comm, stages: Stages, backend: str | None) -> None:
         self.stages, self.problem = stages, problem
         self.operator = Operator(comm, 3, problem.space.node_offsets, backend)
-        self.patterned, self._version, self._constant = False, -1, False
+        self.patterned, self._version, self._constant, self._coverings = False, -1, False, 0
         # Elsewhere each rank has the forces on its own nodes alone.
         self.shared = comm.size == 1
 
@@ -43,6 +43,9 @@ class KeptOperator:
         """
         problem = self.problem
         with self.stages("values"):
+            problem.cover(x)
+            if self._coverings != problem.coverings:
+                self.patterned, self._version = False, -1
             if self._version != problem.stiffness_version:
                 self._prepare()
             integrals = problem.tangent_integrals(stabilised, inertia)
@@ -64,7 +67,7 @@ class KeptOperator:
         else:
             with self.stages("pattern"):
                 self.operator.set_topology(problem.blocks(), problem.boundary.mask)
-        self._constant = problem.quadratic_bending
+        self._constant, self._coverings = problem.quadratic_bending, problem.coverings
         if self._constant:
             Assembled(problem.bending_integrals(), self.operator).keep(np.zeros((problem.n_nodes, 3)))
         self.patterned, self._version = True, problem.stiffness_version

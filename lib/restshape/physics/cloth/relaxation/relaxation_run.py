@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.errors import ReplayProblem
-from restshape.physics.cloth.relaxation.binding import friction_of
+from restshape.physics.cloth.relaxation.binding import friction_of, layers_of
 from restshape.physics.cloth.relaxation.cold_start import ColdStart, restart_soft
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
@@ -41,6 +41,7 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     if not np.isfinite(x).all():
         raise ReplayProblem("the cloth's positions are no numbers")
     if report.converged:
+        _come_apart(state, x, options, report)
         _stabilise(state, x, options, report)
     notes = (ONE_MESH,) if abandoned and report.converged else ()
     if abandoned:
@@ -50,8 +51,8 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     # Without contact nothing remembers how cloth came to where it rests.
     kept = state.softness if problem.contact and not cold else 1.0
     softness = min(kept, report.softness)
-    found = replace(state, x=x, report=report, place=problem.place, friction=friction_of(problem), softness=softness)
-    return replace(found, notes=(*state.notes, *notes))
+    found = replace(state, x=x, report=report, place=problem.place, softness=softness, notes=(*state.notes, *notes))
+    return replace(found, friction=friction_of(problem), layers=layers_of(problem))
 
 
 def _equilibrium(
@@ -66,19 +67,31 @@ def _equilibrium(
     report, x = ConvergenceReport(), state.x.copy()
     if not (cold and strategy == "auto"):
         return x, STRATEGIES[strategy](solver, x, most, report), None
-    friction = friction_of(state.problem)
+    friction, layers = friction_of(state.problem), layers_of(state.problem)
     start = ColdStart(solver, options.settings.levels, options.arguments, options.make_solver)
     x = start.find(most, report)
+    state.problem.begin(x)
     STRATEGIES[strategy](solver, x, most, report)
     if report.converged or len(start.meshes) == 1:
         return x, report, None
     log.info("Cold start on %d nested meshes: not converged (%s); again on one", len(start.meshes), report.why)
     if friction is not None:
         state.problem.contact.history = friction
+    if layers is not None:
+        state.problem.self_contact.history = layers
     again = ConvergenceReport()
     x = ColdStart(solver, 1, options.arguments, options.make_solver).find(most, again)
     STRATEGIES[strategy](solver, x, most, again)
     return x, again, report
+
+
+def _come_apart(state: RelaxationState, x: np.ndarray, options: RelaxationOptions, report: ConvergenceReport) -> None:
+    """Go on from x (n, 3), which is changed, with contact of the cloth with itself where it crosses itself no more."""
+    own = state.problem.self_contact
+    if own and not own.active and own.begin(state.problem.corners(x)):
+        log.info("Cloth has come apart: it touches itself from now on")
+        report.converged = False
+        STRATEGIES[options.strategy](state.solver, x, options.settings.steps, report)
 
 
 def _outcome(report: ConvergenceReport) -> str:

@@ -10,6 +10,7 @@ from restshape.fem.observer import Observer
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.material_motion import AdvectedCloth, MaterialPlace
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
@@ -32,6 +33,7 @@ class RelaxationState:
         x: (n, 3) positions [m], and with Morley's triangles slopes of edges.
         place: of the nodes in the material at these positions.
         friction: what it remembers; None where nothing touches.
+        layers: what friction between layers remembers; None where cloth does not touch itself.
         report: how the last relaxation ended.
         topology, geometry: versions of the mesh that it was found at; -1: on none.
         notes: what a cold start had to say of where it began.
@@ -49,6 +51,7 @@ class RelaxationState:
     x: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     place: MaterialPlace | None = None
     friction: FrictionHistory | None = None
+    layers: LayerFriction | None = None
     report: ConvergenceReport = field(default_factory=ConvergenceReport)
     topology: int = -1
     geometry: int = -1

@@ -1,0 +1,334 @@
+// Which parts of a sheet may come near each other on a straight way: edges and edges, triangles and nodes.
+//
+// Trees of boxes over the flat sheet are made once and fitted to each way: what is near in the sheet stays near in
+// space. Source: Ericson, Real-Time Collision Detection, 2005, 5.1 (distances) and 6.6 (refitting).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace restshape {
+
+struct Point3 {
+    double x, y, z;
+    Point3 operator+(const Point3& o) const { return {x + o.x, y + o.y, z + o.z}; }
+    Point3 operator-(const Point3& o) const { return {x - o.x, y - o.y, z - o.z}; }
+    Point3 operator*(double s) const { return {x * s, y * s, z * s}; }
+    double dot(const Point3& o) const { return x * o.x + y * o.y + z * o.z; }
+    double norm() const { return std::sqrt(dot(*this)); }
+};
+
+inline double share(double value) { return std::min(std::max(value, 0.0), 1.0); }
+
+// Of the segments from a to b and from c to d.
+inline double segment_distance(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+    const Point3 u = b - a, v = d - c, w = a - c;
+    const double uu = u.dot(u), vv = v.dot(v), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
+    const double square = uu * vv - uv * uv;
+    double s = square > 0 ? share((uv * vw - vv * uw) / square) : 0.0;
+    double t = vv > 0 ? (uv * s + vw) / vv : 0.0;
+    if (t < 0 || t > 1) {
+        t = share(t);
+        s = uu > 0 ? share((uv * t - uw) / uu) : 0.0;
+    }
+    return (w + u * s - v * t).norm();
+}
+
+// Of a point from the triangle a b c.
+inline double triangle_distance(const Point3& p, const Point3& a, const Point3& b, const Point3& c) {
+    const Point3 u = b - a, v = c - a, w = p - a;
+    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), uw = u.dot(w), vw = v.dot(w);
+    const double square = uu * vv - uv * uv;
+    if (square > 0) {
+        const double s = (vv * uw - uv * vw) / square, t = (uu * vw - uv * uw) / square;
+        if (s >= 0 && t >= 0 && s + t <= 1) return (w - u * s - v * t).norm();
+    }
+    return std::min({segment_distance(p, p, a, b), segment_distance(p, p, b, c), segment_distance(p, p, c, a)});
+}
+
+// Four numbers each, the last ones zero, so that compilers compare them at once.
+struct Box {
+    double low[4], high[4];
+    void hold(const Box& o) {
+        for (int a = 0; a < 4; ++a) {
+            low[a] = std::min(low[a], o.low[a]);
+            high[a] = std::max(high[a], o.high[a]);
+        }
+    }
+    bool meets(const Box& o) const {
+        int apart = 0;
+        for (int a = 0; a < 4; ++a)
+            apart |= static_cast<int>(low[a] > o.high[a]) | static_cast<int>(o.low[a] > high[a]);
+        return !apart;
+    }
+};
+
+// A binary tree over items of so many nodes each; children have larger numbers than their parents.
+class BoxTree {
+ public:
+    BoxTree(const int32_t* nodes, int count, int width, const double* X)
+        : width_(width), nodes_(nodes, nodes + count * width) {
+        std::vector<std::array<double, 2>> middle(count, {0.0, 0.0});
+        for (int i = 0; i < count * width; ++i)
+            for (int a = 0; a < 2; ++a) middle[i / width][a] += X[2 * nodes[i] + a];
+        order_.resize(count);
+        std::iota(order_.begin(), order_.end(), 0);
+        boxes_.resize(count);
+        if (count) split(0, count, middle);
+    }
+
+    // Boxes around the nodes, or their ways, wider by a margin on each side.
+    void fit(const Point3* from, const Point3* way, double margin) {
+        for (size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = around(static_cast<int>(i), from, way, margin);
+        for (size_t k = branches_.size(); k-- > 0;) {
+            Branch& b = branches_[k];
+            b.box = b.left ? branches_[b.left].box : boxes_[order_[b.first]];
+            if (b.left)
+                b.box.hold(branches_[b.right].box);
+            else
+                for (int i = b.first + 1; i < b.end; ++i) b.box.hold(boxes_[order_[i]]);
+        }
+    }
+
+    int count() const { return static_cast<int>(boxes_.size()); }
+    const int32_t* item(int i) const { return nodes_.data() + i * width_; }
+
+    // Calls found(i, j) for pairs of different items of this tree, each once.
+    template <class Found>
+    void with_itself(const Found& found) const {
+        if (!branches_.empty()) itself(0, found);
+    }
+    // Calls found(i, j) for items i of this tree and j of another one.
+    template <class Found>
+    void with(const BoxTree& other, const Found& found) const {
+        if (!branches_.empty() && !other.branches_.empty()) both(0, other, 0, found);
+    }
+
+ private:
+    static constexpr int leaf = 4;
+    struct Branch {
+        int first, end, left = 0, right = 0;
+        Box box{};
+        Branch(int from, int to) : first(from), end(to) {}
+    };
+
+    int split(int first, int end, const std::vector<std::array<double, 2>>& middle) {
+        const int number = static_cast<int>(branches_.size());
+        branches_.emplace_back(first, end);
+        if (end - first <= leaf) return number;
+        std::array<double, 2> low = middle[order_[first]], high = low;
+        for (int i = first; i < end; ++i)
+            for (int a = 0; a < 2; ++a) {
+                low[a] = std::min(low[a], middle[order_[i]][a]);
+                high[a] = std::max(high[a], middle[order_[i]][a]);
+            }
+        const int axis = high[1] - low[1] > high[0] - low[0], half = (first + end) / 2;
+        std::nth_element(order_.begin() + first, order_.begin() + half, order_.begin() + end, [&](int i, int j) {
+            return std::make_pair(middle[i][axis], i) < std::make_pair(middle[j][axis], j);
+        });
+        const int left = split(first, half, middle), right = split(half, end, middle);
+        branches_[number].left = left;
+        branches_[number].right = right;
+        return number;
+    }
+
+    Box around(int i, const Point3* from, const Point3* way, double margin) const {
+        Box box{{INFINITY, INFINITY, INFINITY, 0.0}, {-INFINITY, -INFINITY, -INFINITY, 0.0}};
+        for (int k = 0; k < width_; ++k) {
+            const Point3 &p = from[item(i)[k]], q = way ? p + way[item(i)[k]] : p;
+            box.hold({{std::min(p.x, q.x), std::min(p.y, q.y), std::min(p.z, q.z), 0.0},
+                      {std::max(p.x, q.x), std::max(p.y, q.y), std::max(p.z, q.z), 0.0}});
+        }
+        for (int a = 0; a < 3; ++a) {
+            box.low[a] -= margin;
+            box.high[a] += margin;
+        }
+        return box;
+    }
+
+    template <class Found>
+    void itself(int k, const Found& found) const {
+        const Branch& b = branches_[k];
+        if (b.left) {
+            itself(b.left, found);
+            itself(b.right, found);
+            both(b.left, *this, b.right, found);
+            return;
+        }
+        for (int i = b.first; i < b.end; ++i)
+            for (int j = i + 1; j < b.end; ++j)
+                if (boxes_[order_[i]].meets(boxes_[order_[j]])) found(order_[i], order_[j]);
+    }
+
+    template <class Found>
+    void both(int k, const BoxTree& other, int l, const Found& found) const {
+        const Branch &b = branches_[k], &c = other.branches_[l];
+        if (!b.box.meets(c.box)) return;
+        if (!b.left && !c.left) {
+            for (int i = b.first; i < b.end; ++i)
+                for (int j = c.first; j < c.end; ++j)
+                    if (boxes_[order_[i]].meets(other.boxes_[other.order_[j]])) found(order_[i], other.order_[j]);
+        } else if (b.left && (!c.left || b.end - b.first >= c.end - c.first)) {
+            both(b.left, other, l, found);
+            both(b.right, other, l, found);
+        } else {
+            both(k, other, c.left, found);
+            both(k, other, c.right, found);
+        }
+    }
+
+    int width_;
+    std::vector<int32_t> nodes_;
+    std::vector<int> order_;
+    std::vector<Branch> branches_;
+    std::vector<Box> boxes_;
+};
+
+// Pairs without a common node that are within a reach of each other, and ways on which none of them meets.
+class NearPairs {
+ public:
+    using Pairs = std::vector<std::array<int32_t, 2>>;
+
+    NearPairs(const int32_t* edges, int n_edges, const int32_t* cells, int n_cells, const int32_t* nodes, int n_nodes,
+              const double* X)
+        : edges_(edges, n_edges, 2, X), cells_(cells, n_cells, 3, X), nodes_(nodes, n_nodes, 1, X) {}
+
+    // At one place, from what the last way has found where that holds all of it.
+    void search(const Point3* at, double reach, Pairs& edge_edge, Pairs& cell_node) {
+        const bool known = holds(at, reach);
+        if (!known) {
+            fit(at, nullptr, 0.5 * reach);
+            edges_.with_itself([&](int i, int j) { add_edges(at, reach, i, j, edge_edge); });
+            cells_.with(nodes_, [&](int i, int j) { add_cell(at, reach, i, *nodes_.item(j), cell_node); });
+        } else {
+            for (const auto& [i, j] : near_edges_) add_edges(at, reach, i, j, edge_edge);
+            for (const auto& [i, j] : near_cells_) add_cell(at, reach, i, j, cell_node);
+        }
+        std::sort(edge_edge.begin(), edge_edge.end());
+        std::sort(cell_node.begin(), cell_node.end());
+    }
+
+    // The share of a way, at most 1, on which no pair meets: each comes nearer by nine tenths at most. Keeps what may
+    // come within a reach on that way.
+    double share_of(const Point3* from, const Point3* way, double reach) {
+        const int count = nodes_.count();
+        start_.assign(from, from + count);
+        way_.assign(way, way + count);
+        reach_ = reach;
+        near_edges_.clear();
+        near_cells_.clear();
+        fit(from, way, 0.5 * reach);
+        double share = 1.0;
+        edges_.with_itself([&](int i, int j) {
+            const int32_t *a = edges_.item(i), *b = edges_.item(j);
+            if (share_node(a, b)) return;
+            const int32_t four[4] = {a[0], a[1], b[0], b[1]};
+            const auto [met, near] = advanced<2>(from, way, four, share, reach, [](const Point3* x) {
+                return segment_distance(x[0], x[1], x[2], x[3]);
+            });
+            share = met;
+            if (near) near_edges_.push_back({i, j});
+        });
+        cells_.with(nodes_, [&](int i, int j) {
+            const int32_t *a = cells_.item(i), node = *nodes_.item(j);
+            if (a[0] == node || a[1] == node || a[2] == node) return;
+            const int32_t four[4] = {a[0], a[1], a[2], node};
+            const auto [met, near] = advanced<3>(from, way, four, share, reach, [](const Point3* x) {
+                return triangle_distance(x[3], x[0], x[1], x[2]);
+            });
+            share = met;
+            if (near) near_cells_.push_back({i, node});
+        });
+        return share;
+    }
+
+ private:
+    static constexpr double left = 0.1;  // part of a distance that stays
+
+    void fit(const Point3* from, const Point3* way, double margin) {
+        for (BoxTree* tree : {&edges_, &cells_, &nodes_}) tree->fit(from, way, margin);
+    }
+
+    static bool share_node(const int32_t* a, const int32_t* b) {
+        return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
+    }
+
+    void add_edges(const Point3* at, double reach, int i, int j, Pairs& found) const {
+        const int32_t *a = edges_.item(i), *b = edges_.item(j);
+        if (share_node(a, b)) return;
+        if (segment_distance(at[a[0]], at[a[1]], at[b[0]], at[b[1]]) < reach)
+            found.push_back({std::min(i, j), std::max(i, j)});
+    }
+    void add_cell(const Point3* at, double reach, int i, int32_t node, Pairs& found) const {
+        const int32_t* a = cells_.item(i);
+        if (a[0] == node || a[1] == node || a[2] == node) return;
+        if (triangle_distance(at[node], at[a[0]], at[a[1]], at[a[2]]) < reach) found.push_back({i, node});
+    }
+
+    // Whether what the last way has found is all that is within a reach at a place beside it.
+    bool holds(const Point3* at, double reach) const {
+        const int count = nodes_.count();
+        if (static_cast<int>(start_.size()) != count) return false;
+        double along = 0.0, square = 0.0, farthest = 0.0;
+        for (int i = 0; i < count; ++i) {
+            along += (at[i] - start_[i]).dot(way_[i]);
+            square += way_[i].dot(way_[i]);
+        }
+        const double t = square > 0 ? restshape::share(along / square) : 0.0;
+        for (int i = 0; i < count; ++i) {
+            const Point3 off = at[i] - start_[i] - way_[i] * t;
+            farthest = std::max(farthest, off.dot(off));
+        }
+        return 2.0 * std::sqrt(farthest) + reach <= reach_;
+    }
+
+    // The share of the way, at most `most`, on which the first few of four nodes do not meet the others, and whether
+    // they may come within a reach on all of it. Distances change by no more than the parts move relative to each
+    // other, so that steps of a part of them are safe. Source: Li, Kaufman and Jiang, ACM TOG 40(4) (2021) 170,
+    // algorithm 1.
+    template <int first, class Distance>
+    static std::pair<double, bool> advanced(const Point3* from, const Point3* way, const int32_t* four, double most,
+                                            double reach, const Distance& distance) {
+        Point3 x[4], d[4], mean{0, 0, 0};
+        for (int k = 0; k < 4; ++k) {
+            x[k] = from[four[k]];
+            d[k] = way[four[k]];
+            mean = mean + d[k] * 0.25;
+        }
+        double fastest[2] = {0.0, 0.0};
+        for (int k = 0; k < 4; ++k) {
+            d[k] = d[k] - mean;
+            fastest[k >= first] = std::max(fastest[k >= first], d[k].dot(d[k]));
+        }
+        const double speed = std::sqrt(fastest[0]) + std::sqrt(fastest[1]);
+        double apart = distance(x);
+        const bool near = apart < reach + speed;
+        if (apart >= speed * most || speed == 0.0) return {most, near};
+        const double least = left * apart;
+        double gone = 0.0;
+        for (int steps = 0; steps < most_steps; ++steps) {
+            const double step = (1.0 - left) * apart / speed;
+            for (int k = 0; k < 4; ++k) x[k] = x[k] + d[k] * step;
+            apart = distance(x);
+            if (gone > 0.0 && apart < least) return {gone, near};
+            gone += step;
+            if (gone >= most) return {most, near};
+            if (apart < least) return {gone, near};
+        }
+        return {gone, near};
+    }
+
+    static constexpr int most_steps = 10000;  // of an advance: what is left of the way is not gone
+    BoxTree edges_, cells_, nodes_;
+    // The last way, and what may come within a reach on it.
+    std::vector<Point3> start_, way_;
+    double reach_ = 0.0;
+    Pairs near_edges_, near_cells_;
+};
+
+}  // namespace restshape

@@ -1,0 +1,93 @@
+"""How a scene's cloth touches itself: whether, from which distance on, and how hard."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.self_contact import SelfContactValues
+from restshape.physics.cloth.touching_pairs import barrier_force
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+THICKNESS = 2e-3
+"""Distance [m] at which contact begins where neither the scene nor a fine mesh says less."""
+FINE = 10.0
+"""Mesh size over the distance at which contact begins: folds of cloth are rounder than that by far."""
+APART = 3.0
+"""Distance of parts that are no neighbours in flat cloth, over that at which contact begins, at least."""
+PRESSED = 10.0
+"""Pressure at half of that distance, over what a layer of cloth weighs, or what a fold presses with."""
+ROUND = 10.0
+"""Radius of a fold, over the distance at which contact begins."""
+FAINT = 1e-6
+"""Pressure over the membrane's stiffness by the distance, of cloth that neither weighs nor bends."""
+DIRECTIONS = frozenset("xyz")
+
+
+def constrained_all_around(scene: Scene) -> bool:
+    """Whether supports hold all of the outline where it is."""
+    names: set[str] = set()
+    for support in scene.supports.values():
+        if support.fix.keys() >= DIRECTIONS:
+            names |= {support.on} if isinstance(support.on, str) else set(support.on)
+    return bool(names & {"outline", "all"}) or bool(scene.shape.outline and set(scene.shape.outline) <= names)
+
+
+def touches_itself(scene: Scene) -> str:
+    """Why the cloth of a scene may touch itself, for people; empty where it cannot, or is not to."""
+    wanted = scene.effects.get("contact", {}).get("self")
+    if wanted is not None:
+        return "the scene says so in effects.contact.self" if wanted else ""
+    return "" if constrained_all_around(scene) else "the outline is not held all around: parts of the cloth may meet"
+
+
+def layer_thickness(scene: Scene, settings: Any) -> float:
+    """Distance [m] at which contact of the cloth with itself begins.
+
+    Args:
+        scene: of cloth.
+        settings: of contact; None: the scene has none.
+    """
+    if settings and settings.self_thickness is not None:
+        return settings.self_thickness
+    usual = settings.thickness if settings else THICKNESS
+    return min(usual, scene.mesh.size / FINE) if scene.mesh.size else usual
+
+
+def layer_values(scene: Scene, plan: Plan, mesh: Mesh, fabric: Fabric) -> SelfContactValues | None:
+    """How parts of the cloth push each other away on a mesh; None: they pass through each other.
+
+    Raises:
+        UserError: contact would begin between neighbours in the flat cloth.
+    """
+    if not plan.on("self_contact"):
+        return None
+    settings, gravity = plan.settings("contact"), plan.settings("gravity")
+    thickness, most = layer_thickness(scene, settings), smallest_height(mesh) / APART
+    if thickness > most and settings and settings.self_thickness is not None:
+        raise UserError(
+            f"parts of the flat cloth are {1e3 * APART * most:.3g} mm apart, and contact begins at "
+            f"{1e3 * thickness:.3g} mm: a third of that is the most",
+            "effects.contact.self_thickness",
+            f'set it to "{1e3 * most:.2g} mm" or less, or make mesh.size larger',
+        )
+    thickness = min(thickness, most)
+    weight = float(np.max(fabric.density)) * (gravity.size if gravity else 0.0)
+    fold = float(np.max(fabric.bending)) / (ROUND * thickness) ** 3
+    pressure = PRESSED * max(weight, fold) or FAINT * float(fabric.membrane.max()) / thickness
+    half = float(barrier_force(np.array([0.5]), 1.0)[0])
+    friction, slip = (settings.self_friction, settings.slip) if settings else (0.0, SelfContactValues.slip)
+    return SelfContactValues(thickness, pressure / half, friction, slip)
+
+
+def smallest_height(mesh: Mesh) -> float:
+    """The smallest height of a triangle of a mesh [m]: farther apart are all parts that are no neighbours."""
+    corners = mesh.X[mesh.cells]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return float((np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / sides.max(axis=1)).min())

@@ -1,0 +1,278 @@
+"""Contact of cloth with itself: a barrier between its parts, from IPC Toolkit, and friction between layers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from restshape.physics.cloth.collision_surface import CollisionSurface, columns
+from restshape.physics.cloth.layer_friction import LayerFriction, Touching
+from restshape.physics.cloth.near_pairs import NearPairs
+from restshape.physics.cloth.touching_pairs import node_lists, touching
+
+ROOM = 2.0
+"""Distance within which nodes are coupled in the pattern of matrices, over that at which contact begins."""
+LEAST_SHARE = 1e-12
+"""The share of a step that is gone where parts touch already."""
+STEP = 1e-4
+"""Way of the pattern's nodes in a difference quotient, over the shortest edge."""
+FULL, DIAGONAL = 9, 6
+"""Numbers of a block of second derivatives of two nodes, and of one."""
+VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+"""Place of xx yy zz yz xz xy in a block of one node."""
+
+
+@dataclass(frozen=True)
+class SelfContactValues:
+    """How parts of cloth push each other away.
+
+    Args:
+        thickness: distance at which contact begins [m].
+        stiffness: pressure of the barrier [Pa].
+        friction: coefficient between layers; slip: way at which it is all there [m].
+    """
+
+    thickness: float
+    stiffness: float
+    friction: float = 0.0
+    slip: float = 1e-4
+
+
+class Encounter:
+    """What is near at one place, evaluated as far as it is asked for.
+
+    Args:
+        owner: of candidates and values.
+        x: (n, 3) [m]; a copy is kept.
+
+    Attributes:
+        second: second derivatives, with or without negative ones, with what they depend on.
+    """
+
+    def __init__(self, owner: SelfContact, x: np.ndarray) -> None:
+        self.owner, self.x = owner, x.copy()
+        self.collisions = owner.collisions(x, owner.values.thickness) if owner.active else ()
+        self.places = columns(self.x)
+        self.second: dict[bool, tuple[object, tuple[np.ndarray, np.ndarray]]] = {}
+
+    @cached_property
+    def energy(self) -> float:
+        """Of the barrier [J]."""
+        return float(self.owner.potential(self.collisions, self.owner.mesh, self.places)) if self.near else 0.0
+
+    @cached_property
+    def forces(self) -> np.ndarray:
+        """The gradient (n, 3) [N] of the barrier."""
+        if not self.near:
+            return np.zeros_like(self.x)
+        return self.owner.potential.gradient(self.collisions, self.owner.mesh, self.places).reshape(-1, 3)
+
+    @property
+    def near(self) -> bool:
+        """Whether anything is near."""
+        return len(self.collisions) > 0
+
+    def hessian(self, curved: bool) -> Any:
+        """Second derivatives (3 n, 3 n) [N/m] of the barrier in columns; each pair's without negative ones or not."""
+        method = self.owner.surface.library.PSDProjectionMethod
+        kind = method.NONE if curved else method.CLAMP
+        return self.owner.potential.hessian(self.collisions, self.owner.mesh, self.places, kind)
+
+
+class SelfContact:
+    """What cloth does to itself. With one history of friction it is a potential of the positions.
+
+    Args:
+        surface: of the cloth; its material coordinates are those of the last `place`.
+        values: of contact; others may be set.
+
+    Attributes:
+        active: whether it does anything: cloth that begins across itself must come apart first.
+        history: of friction between layers; it changes in `update_friction` only.
+        pairs: (m, 2) int32 nodes that may be coupled, the smaller one first; coverings: of which set it is.
+
+    Source: docs/theory/cloth.md; Li and others, ACM TOG 39(4), 2020, 49.
+    """
+
+    def __init__(self, surface: CollisionSurface, values: SelfContactValues) -> None:
+        self.surface = surface
+        self.active, self.history = True, LayerFriction.none(len(surface.flat))
+        self.pairs, self.coverings = np.zeros((0, 2), np.int32), 0
+        self._keys = np.zeros(0, np.int64)
+        self.set_values(values)
+
+    def begin(self, x: np.ndarray) -> bool:
+        """Let it act unless the cloth crosses itself at x (n, 3); returns whether it acts."""
+        active = not self.surface.crosses(x)
+        if active != self.active:
+            self.active, self._encounter, self.history = active, None, LayerFriction.none(len(x))
+        return active
+
+    def set_values(self, values: SelfContactValues) -> None:
+        """Take other values; what is near is looked for again."""
+        self.values, self._encounter = values, None
+        self._candidates = NearPairs(self.surface, values.thickness, ROOM * values.thickness)
+
+    def place(self, X: np.ndarray) -> None:
+        """Take in where the nodes are in the material (n, 2) [m]: areas are those of the flat pattern."""
+        if not np.array_equal(self.surface.flat[:, :2], X):
+            self.surface.place(X)
+            self._encounter = None
+
+    @property
+    def rough(self) -> bool:
+        """Whether there is friction between layers."""
+        return self.values.friction > 0.0
+
+    @property
+    def mesh(self) -> Any:
+        """The library's mesh of the surface."""
+        return self.surface.mesh
+
+    @property
+    def potential(self) -> Any:
+        """The library's barrier."""
+        return self.surface.library.BarrierPotential(self.values.thickness, self.values.stiffness, True)
+
+    def collisions(self, x: np.ndarray, distance: float) -> Any:
+        """The library's collisions at x (n, 3), nearer than a distance [m] of up to twice the thickness."""
+        found = self.surface.library.NormalCollisions()
+        found.use_area_weighting = True
+        found.build(self._candidates.at(x), self.mesh, columns(x), distance)
+        return found
+
+    def at(self, x: np.ndarray) -> Encounter:
+        """What is near at x (n, 3); the last place is kept."""
+        known = self._encounter
+        if known is None or known.x.shape != x.shape or not np.array_equal(known.x, x):
+            known = self._encounter = Encounter(self, x)
+        return known
+
+    def step_share(self, x: np.ndarray, d: np.ndarray) -> float:
+        """The largest share, in (0, 1], of a step d (n, 3) from x (n, 3) [m] on which no parts meet."""
+        if not self.active or not d.any() or not np.isfinite(d).all():
+            return 1.0
+        return max(self._candidates.step_share(x, d), LEAST_SHARE)
+
+    def update_friction(self, x: np.ndarray) -> float:
+        """Let friction follow to x (n, 3); returns the largest way [m] that layers have slid on."""
+        if not self.rough:
+            return 0.0
+        near = self.at(x)
+        if not near.near and not len(self.history.offsets):
+            return 0.0
+        values = self.values
+        pairs = touching(self.surface, near.collisions, x, values.thickness, values.stiffness) if near.near else None
+        self.history, slid = self.history.updated(x, pairs or Touching.none(), values.slip)
+        return slid
+
+    # --- the potential --------------------------------------------------------------------------------------------
+
+    def energy(self, x: np.ndarray) -> float:
+        """The potential [J] at x (n, 3) [m]."""
+        return self.at(x).energy + self.history.energy(x, self.values.friction, self.values.slip)
+
+    def forces(self, x: np.ndarray) -> np.ndarray:
+        """The gradient (n, 3) [N] of the potential at x (n, 3) [m]."""
+        forces = self.at(x).forces
+        if not len(self.history.offsets):
+            return forces
+        forces = forces.copy()
+        self.history.add_forces(x, self.values.friction, self.values.slip, forces)
+        return forces
+
+    def force_rates(self, x: np.ndarray, dX: np.ndarray) -> np.ndarray:
+        """Rates (n, 3) of forces at constant x (n, 3) when the pattern's nodes move with rates dX (n, 2).
+
+        By a central difference, as the library has no derivative of all that it takes from the pattern; friction has
+        none, for its limits are those of the last update.
+        """
+        near = self.at(x)
+        if not near.near or not dX.any():
+            return np.zeros_like(x)
+        X, ends = self.surface.flat[:, :2], []
+        lengths = np.linalg.norm(np.diff(X[self.surface.edges], axis=1), axis=2)
+        step = STEP * float(lengths.min()) / float(np.abs(dX).max())
+        for way in (step, -step):
+            surface = CollisionSurface(X + way * dX, self.surface.cells)
+            moved = SelfContact(surface, self.values)
+            ends.append(moved.at(x).forces)
+        return (ends[0] - ends[1]) / (2.0 * step)
+
+    # --- second derivatives ---------------------------------------------------------------------------------------
+
+    def cover(self, x: np.ndarray) -> bool:
+        """Let `pairs` hold all nodes that are coupled at x (n, 3), with room; returns whether they are others now."""
+        near = self.at(x)
+        needed = self._keys_of(node_lists(near.collisions, self.surface) if near.near else np.zeros((0, 4), np.int64))
+        needed = np.union1d(needed, self._keys_of(self.history.touching.nodes))
+        if np.isin(needed, self._keys, assume_unique=True).all():
+            return False
+        wide = node_lists(self.collisions(x, ROOM * self.values.thickness), self.surface)
+        self._keys = np.union1d(needed, self._keys_of(wide))
+        n = len(self.surface.flat)
+        self.pairs = np.ascontiguousarray(np.column_stack([self._keys // n, self._keys % n]).astype(np.int32))
+        self.coverings += 1
+        return True
+
+    def _keys_of(self, nodes: np.ndarray) -> np.ndarray:
+        """The pairs of different nodes in lists (m, 4), the smaller one times their number plus the other."""
+        first, second = (nodes[:, list(which)] for which in zip(*((i, j) for i in range(4) for j in range(i))))
+        low, high = np.minimum(first, second).ravel(), np.maximum(first, second).ravel()
+        different = (low != high) & (low >= 0)
+        return np.unique(low[different] * np.int64(len(self.surface.flat)) + high[different])
+
+    def second_derivatives(self, x: np.ndarray, curved: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Second derivatives at x (n, 3): of nodes (n, 6) xx yy zz yz xz xy, and of `pairs` (m, 9) row by row [N/m].
+
+        Args:
+            x: positions [m].
+            curved: all of the barrier's; without it those of each pair of parts are positive semidefinite.
+        """
+        near = self.at(x)
+        key = curved, self.coverings, self.history
+        known = near.second.get(curved)
+        if known is None or known[0] != key:
+            known = near.second[curved] = key, self._second_derivatives(near, curved)
+        return known[1]
+
+    def _second_derivatives(self, near: Encounter, curved: bool) -> tuple[np.ndarray, np.ndarray]:
+        n = len(near.x)
+        single, coupled = np.zeros((n, DIAGONAL)), np.zeros((len(self.pairs), FULL))
+        if near.near:
+            matrix = near.hessian(curved).tocoo()
+            rows, cols, values = (np.asarray(part) for part in (matrix.row, matrix.col, matrix.data))
+            self._add(single, coupled, rows // 3, cols // 3, rows % 3, cols % 3, values)
+        if len(self.history.offsets):
+            self._add_friction(near.x, single, coupled)
+        return single, coupled
+
+    def _add_friction(self, x: np.ndarray, single: np.ndarray, coupled: np.ndarray) -> None:
+        pairs, values = self.history.touching, self.values
+        blocks = self.history.hessians(x, values.friction, values.slip)
+        shares = np.einsum("mi,mj->mij", pairs.shares, pairs.shares)
+        entries = shares[:, :, :, None, None] * blocks[:, None, None]
+        m, i, j, a, b = np.indices(entries.shape).reshape(5, -1)
+        self._add(single, coupled, pairs.nodes[m, i], pairs.nodes[m, j], a, b, entries.ravel())
+
+    def _add(
+        self,
+        single: np.ndarray,
+        coupled: np.ndarray,
+        row: np.ndarray,
+        col: np.ndarray,
+        a: np.ndarray,
+        b: np.ndarray,
+        values: np.ndarray,
+    ) -> None:
+        """Add entries of rows and columns of nodes, with their components a and b."""
+        own = (row == col) & (a <= b)
+        np.add.at(single, (row[own], VOIGT[a[own], b[own]]), values[own])
+        above = (row < col) & (values != 0.0)
+        keys = row[above] * np.int64(len(self.surface.flat)) + col[above]
+        at = np.searchsorted(self._keys, keys)
+        known = np.append(self._keys, -1)[at] == keys
+        np.add.at(coupled, (at[known], (3 * a[above] + b[above])[known]), values[above][known])
