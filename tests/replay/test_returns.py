@@ -16,6 +16,8 @@ from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
+pytestmark = pytest.mark.slow
+
 SCENES = Path(__file__).parents[1] / "scenes"
 COARSE = ("mesh.size=0.12", "effects.cloth.bending=hinge", "parameters.half=0.5")
 LEVELS = ("mesh.size=0.1", "mesh.levels=2", "effects.cloth.bending=hinge")
@@ -102,7 +104,6 @@ def test_without_what_was_kept_the_way_back_ends_elsewhere(replay):
     assert np.abs(frames[8]["x"] - frames[5]["x"]).max() > 1e-3
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("overrides", [COARSE, LEVELS])
 def test_meshes_come_back_too(replay, overrides):
     """After relocated nodes, and new meshes, with and without levels."""
@@ -137,6 +138,72 @@ def test_memory_is_bounded_and_the_oldest_go_first(replay):
 def test_a_policy_that_rebuilds_all_returns_to_nothing(replay):
     found = replay(THERE_AND_BACK[:5], name="rebuild")
     assert seen(found)[-1]["relaxation_steps"] > 0 and found.solver.returns.nbytes == 0
+
+
+STRIP = """
+format = "restshape-scene"
+version = 1
+app = "plane"
+[shape]
+outline = ["bottom", "right", "top", "left"]
+[shape.vertices]
+a = [0, -0.005]
+b = [1, -0.005]
+c = [1, 0.005]
+d = [0, 0.005]
+[shape.edges]
+bottom = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+top = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[material.strip]
+E = 12e6
+nu = 0
+thickness = 1
+[effects.solid]
+model = "plane_stress"
+[effects.large_deformation]
+[supports.wall]
+on = "left"
+fix = ["x", "y"]
+[supports.end]
+on = "right"
+fix = { x = 0, y = 0 }
+[loads.push]
+on = "top"
+traction = [0, -0.2]
+[mesh]
+size = 0.02
+order = 2
+[quantities]
+lift = { displacement = "y", at = "top", reduce = "mean" }
+"""
+"""A strip between two walls, one of which comes nearer: it buckles to either side."""
+
+
+def test_a_solid_that_has_snapped_through_snaps_back_by_undo(tmp_path):
+    """It bows down, is pushed up until it snaps, and is let go: up it stays. Undo brings back each side that was."""
+    (tmp_path / "strip.toml").write_text(STRIP)
+    head = {"format": "restshape-edits", "version": 1, "units": "m"}
+    push = {"do": "set", "key": "loads.push.traction.1"}
+    events = [
+        {"do": "set", "key": "supports.end.fix.x", "value": -0.02, "frames": 8},
+        push | {"value": 0.2},
+        push | {"value": 60, "frames": 10},
+        push | {"value": 0.2, "frames": 10},
+        *[{"do": "undo"}] * 4,
+        {"do": "redo"},
+    ]
+    lines = [head, *({"t": 0.1 * k} | event for k, event in enumerate(events, 1))]
+    (tmp_path / "strip.jsonl").write_text("\n".join(map(json.dumps, lines)))
+    scene = load_scene(tmp_path / "strip.toml")
+    script = load_script(tmp_path / "strip.jsonl", scene)
+    found = Replay(Request(scene, script, application_of(scene), policy("auto"), Calibration.load()), PETSc.COMM_SELF)
+    rows = list(found.frames())
+    assert not any(row["refused"] for row in rows)
+    lift = [row["q_lift"] for row in rows]
+    assert lift[8] < -0.03 and lift[9] < -0.03 and lift[19] > 0.03 and lift[29] > 0.03
+    assert lift[30:] == pytest.approx([lift[19], lift[9], lift[8], lift[0], lift[8]], rel=1e-6)
 
 
 def test_a_linear_solution_is_kept_of_nothing(tmp_path):

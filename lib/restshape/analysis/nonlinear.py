@@ -18,6 +18,7 @@ from restshape.analysis.equilibrium_search import EquilibriumSearch
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import CurvedGuess
 from restshape.analysis.residual_equations import ResidualEquations
+from restshape.analysis.restorable import KeptUnknowns
 from restshape.analysis.steady import SteadyAnalysis, SteadyState
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import SteadyProblem
@@ -96,6 +97,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
         self.state = NonlinearState(plan, scene)
         self.guess = CurvedGuess(context.policy.extrapolate, context.policy.warm)
         self._made: list[Newton] = []
+        self._recalled: KeptUnknowns | None = None
 
     @property
     def quantity_errors(self) -> None:
@@ -116,6 +118,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
                 self.state.system.newton.set_equations(self.state.equations)
             raise
         finally:
+            self._recalled = None
             self._destroy_unused()
         return self._confirmed(report) if frame.edit_ended and self.state.believed else report
 
@@ -180,7 +183,7 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
         system.newton.begin(new_mesh or state.interrupted, patched, self._rigid_places)
         # A drag goes on from a stable equilibrium in small steps; other edits may leap over a limit.
         dragged = not (new_mesh or state.predicted or state.interrupted) and frame.scene is state.scene
-        guess = self.guess(state.x, frame.hand)
+        guess = self._guessed(frame)
         outcome, x = search.find(guess, state.x, dragged and state.believed + 1 < MOST_BELIEVED)
         refreshed = outcome.refreshed or (search.tested and self._tests_factor)
         self.guess.keep(x, frame.hand)
@@ -199,6 +202,27 @@ class NonlinearSteadyAnalysis(SteadyAnalysis[SteadyProblem]):
             interrupted=False,
         )
         return LinearReport(outcome.iterations, refreshed, self.state.age, self.solver.name, outcome.newton)
+
+    @property
+    def recalling(self) -> "NonlinearSteadyAnalysis | None":
+        """Itself, for it may have several answers: see `analysis.restorable`."""
+        return self
+
+    def kept_answer(self) -> KeptUnknowns:
+        """The unknowns of the last solution."""
+        return KeptUnknowns(self.state.mesh, self.state.topology, self.state.x)
+
+    def recall(self, kept: KeptUnknowns) -> None:
+        """Let the search of the next frame start from unknowns that there were, where the mesh has the same cells."""
+        self._recalled = kept
+
+    def _guessed(self, frame: Frame) -> np.ndarray:
+        """Unknowns (n, f) that the search of a frame starts from."""
+        known = self._recalled
+        same = known is not None and known.mesh is frame.mesh and known.topology == frame.mesh.topology
+        if known is not None and same and known.x.shape == self.state.x.shape:
+            return known.x
+        return self.guess(self.state.x, frame.hand)
 
     def _search(self, equations: ResidualEquations) -> EquilibriumSearch:
         steps = equations.problem.load_steps

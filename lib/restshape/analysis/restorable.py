@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from restshape.algebra.linear_report import LinearReport
     from restshape.analysis.frame import Frame
 
@@ -32,3 +35,35 @@ class RestorableAnalysis(Protocol):
         Raises:
             UserError: the scene's values make no sense; the state is that of before.
         """
+
+
+@dataclass(frozen=True, eq=False)
+class KeptUnknowns:
+    """Unknowns of an answer, for a mesh with the same cells.
+
+    Args:
+        mesh: they are of; topology: version of its cells.
+        x: (n, f) unknowns, to be read only.
+    """
+
+    mesh: object
+    topology: int
+    x: np.ndarray
+
+    @property
+    def nbytes(self) -> int:
+        """Of the unknowns."""
+        return self.x.nbytes
+
+
+class RecallingAnalysis(Protocol):
+    """An analysis that may find another answer than there was where its search starts from the last one.
+
+    Its attribute `recalling` is the analysis itself.
+    """
+
+    def kept_answer(self) -> KeptUnknowns:
+        """The answer that it has."""
+
+    def recall(self, kept: KeptUnknowns) -> None:
+        """Let the search of the next frame start from an answer that there was, where the mesh has the same cells."""

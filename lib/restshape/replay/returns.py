@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from restshape.analysis.frame import Frame
 from restshape.first_use import made
@@ -12,7 +12,7 @@ from restshape.mesh.advance import NO_CELLS, MeshUpdate
 
 if TYPE_CHECKING:
     from restshape.algebra.linear_report import LinearReport
-    from restshape.analysis.restorable import KeptAnswer, RestorableAnalysis
+    from restshape.analysis.restorable import RecallingAnalysis, RestorableAnalysis
     from restshape.mesh.moving import MovingMesh
     from restshape.mesh.moving_state import KeptMesh
     from restshape.policy import Policy
@@ -32,23 +32,24 @@ class KeptFrame(NamedTuple):
 
     Args:
         edit: the last one with its shape and scene; both are kept, so that no others take their identity.
-        mesh, answer: of it.
+        answer: of it; mesh: as it lay, None where it follows the shape again.
     """
 
     edit: ScriptFrame
-    mesh: KeptMesh
-    answer: KeptAnswer
+    answer: Any
+    mesh: KeptMesh | None = None
 
     @property
     def nbytes(self) -> int:
         """Of its arrays."""
-        return self.mesh.nbytes + self.answer.nbytes
+        return int(self.answer.nbytes) + (self.mesh.nbytes if self.mesh else 0)
 
 
 class Returns:
     """Keeps the answers that undo and redo may return to.
 
-    An answer that hangs on the way to it, such as that of cloth with friction, would not be found again by a solve.
+    An answer that hangs on the way to it, such as that of cloth with friction, would not be found again by a solve; one
+    of several, such as that of a solid that has snapped through, only where the solve starts near it.
 
     Args:
         parts: of the replay.
@@ -57,8 +58,9 @@ class Returns:
     """
 
     def __init__(self, parts: ReplayParts, policy: Policy, most: int = MOST_BYTES) -> None:
-        able = parts.prediction is None and not policy.regenerate
-        self._analysis: RestorableAnalysis | None = getattr(parts.analysis, "restorable", None) if able else None
+        able = parts.prediction is None and not policy.regenerate and policy.warm
+        self._restorable: RestorableAnalysis | None = getattr(parts.analysis, "restorable", None) if able else None
+        self._recalling: RecallingAnalysis | None = getattr(parts.analysis, "recalling", None) if able else None
         # What can be restored is of shapes, which such a mesh follows.
         self._moving = cast("MovingMesh", parts.moving)
         self.most = most
@@ -73,35 +75,43 @@ class Returns:
     def leave(self, edit: ScriptFrame) -> None:
         """Keep the answer of the last frame, if an edit has ended with it and this frame changes anything."""
         last = self._last
-        if last is None or edit.change == "none" or edit.refused or self._analysis is None:
+        if last is None or edit.change == "none" or edit.refused:
             return
         if not (last.edit_ended or last.change == "start" or edit.do in RETURNS):
             return
-        mesh = self._moving.kept_mesh()
-        if mesh is None:
-            return
-        key = _identity(last)
+        if self._restorable is not None and (mesh := self._moving.kept_mesh()) is not None:
+            self._keep(KeptFrame(last, self._restorable.kept_answer(), mesh))
+        elif self._recalling is not None:
+            self._keep(KeptFrame(last, self._recalling.kept_answer()))
+
+    def _keep(self, found: KeptFrame) -> None:
+        """Keep a frame, and forget the oldest ones that there is no room for."""
+        key = _identity(found.edit)
         self._kept.pop(key, None)
-        self._kept[key] = KeptFrame(last, mesh, self._analysis.kept_answer())
+        self._kept[key] = found
         while self.nbytes > self.most and self._kept:
             self._kept.popitem(last=False)
 
     def restored(self, edit: ScriptFrame) -> tuple[MeshUpdate, LinearReport] | None:
-        """Bring back the mesh and the answer that an undo or redo returns to; None where they are not known.
+        """Bring back the mesh and the answer that an undo or redo returns to; None where the frame is to be solved.
+
+        Where the answer is one of several, the solve is made to start from it.
 
         Raises:
             UserError: the scene's values make no sense; ReplayProblem: likewise.
         """
-        analysis, moving = self._analysis, self._moving
-        if analysis is None or edit.do not in RETURNS or edit.refused or edit.change == "none" or not edit.analysed:
+        if edit.do not in RETURNS or edit.refused or edit.change == "none" or not edit.analysed:
             return None
         kept = self._kept.get(_identity(edit))
-        if kept is None:
+        if kept is not None and self._recalling is not None:
+            self._recalling.recall(kept.answer)
+        if kept is None or kept.mesh is None or self._restorable is None:
             return None
+        moving = self._moving
         mesh_update = moving.return_to(kept.mesh, made(edit.outline))
         hand = edit.gesture, (edit.c[0], edit.c[1])
         frame = Frame(moving.field_mesh, NO_CELLS, None, edit.scene, hand, (), edit.edit_ended)
-        report = analysis.restore(kept.answer, frame)
+        report = self._restorable.restore(kept.answer, frame)
         log.info("%4d Answer of frame %d brought back by %s", edit.index, kept.edit.index, edit.do)
         return mesh_update, report
 

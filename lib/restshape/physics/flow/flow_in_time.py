@@ -60,6 +60,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
 
     state: FlowState
     predictor = None
+    recalling = None
     why_not = "only steady states and modes are predicted: time integration depends on the past, not on the shape alone"
 
     def __init__(self, scene: Scene, plan: Plan, context: Context, make: type[IncompressibleFlow]) -> None:
