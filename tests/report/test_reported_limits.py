@@ -12,7 +12,7 @@ from small_scenes import make_replay, plate, rows_of, write_scene, write_script
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.cli.main import main
-from restshape.cli.report import _quantity as report_row
+from restshape.cli.report_tables import _quantity as report_row
 from restshape.replay.columns import columns_of, error_column
 from restshape.replay.constraints import Limit, formatted_constraint, violated_constraints
 from restshape.replay.first_frame import first_frame

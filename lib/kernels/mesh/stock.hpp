@@ -123,8 +123,8 @@ class Stock {
     static constexpr double MARGIN = 0.6;    // least distance of nodes from the boundary over the size
     static constexpr double EVEN = 0.99;     // least size over the background's
     static constexpr double WIDE = 0.05;  // cosine of angles that the mesher's triangles may not pass opposite to ours
-    static constexpr double FEWEST = 300.0;  // squares in a shape below which most lie near its boundary
-    static constexpr double SPARSE = 64.0;   // boxes that are larger than their shape by this get none
+    static constexpr double FEWEST = 2000.0;  // squares in a shape below which most lie near its boundary
+    static constexpr double SPARSE = 64.0;    // boxes that are larger than their shape by this get none
 
     std::vector<double> X;             // (n, 2): loose nodes, then those on the border of the triangles, then the rest
     std::vector<std::int32_t> cells;   // triangles, by rows of X
