@@ -49,7 +49,7 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     report.count(state.report)
     log.info("Relaxation %s: %d steps, residual over load %.3e", _outcome(report), report.steps, report.residual)
     # Without contact nothing remembers how cloth came to where it rests.
-    kept = state.softness if problem.contact and not cold else 1.0
+    kept = state.softness if (problem.contact or problem.self_contact) and not cold else 1.0
     softness = min(kept, report.softness)
     found = replace(state, x=x, report=report, place=problem.place, softness=softness, notes=(*state.notes, *notes))
     return replace(found, friction=friction_of(problem), layers=layers_of(problem))

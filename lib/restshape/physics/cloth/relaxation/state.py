@@ -63,8 +63,9 @@ class RelaxationState:
     @property
     def nbytes(self) -> int:
         """Of the arrays of the equilibrium itself."""
-        history, place = self.friction, self.place
+        history, place, layers = self.friction, self.place, self.layers
         arrays = [self.x, *([history.anchors, history.normals, history.limits] if history else [])]
+        arrays += [layers.offsets, layers.places] if layers else []
         arrays += [values for values in (place.X, place.normals) if values is not None] if place else []
         return sum(values.nbytes for values in arrays)
 
