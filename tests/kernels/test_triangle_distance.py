@@ -85,6 +85,6 @@ def test_what_is_below_the_floor_goes_no_deeper_than_allowed_and_may_leave():
     x, cells = np.array([[0.0, 0, 0.05], [0.01, 0, 0.05], [0, 0.01, 0.05]]), np.array([[0, 1, 2]])
     down, up = np.tile([0.0, 0, -0.2], (3, 1)), np.tile([0.0, 0, 0.2], (3, 1))
     assert ball.step_share(x, down, cells, -0.01, 0.02, 1e-5) == pytest.approx(0.1, abs=1e-3)
-    assert ball.step_share(x, down, cells, -0.01, 0.02, 1e-5, -0.06) == pytest.approx(0.05, abs=1e-3)
+    assert ball.step_share(x, down, cells, -0.01, 0.02, 1e-5, -0.06) == pytest.approx(0.025, abs=1e-3)
     assert ball.step_share(x, down, cells, -0.01, 0.02, 1e-5, -0.04) < 1e-3
     assert ball.step_share(x, up, cells, -0.01, 0.02, 1e-5) == 1.0

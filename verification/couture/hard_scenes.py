@@ -14,6 +14,8 @@ REST = 1e-4
 """Residual over weight at which cloth rests: the default of a scene."""
 WAY = 2e-7
 """Half of the distance [m] between two energies whose difference is a force."""
+SAMPLES = 16
+"""Parts of a triangle's side between whose ends it is looked at."""
 HEAD = """format = "restshape-scene"
 version = 1
 app = "couture"
@@ -124,16 +126,24 @@ def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float =
     yield below("residual by differences of the energy", differenced(made, way=way), 1.5 * bound)
 
 
-def depth(made: Replay) -> float:
-    """How deep the deepest node is in a body [m]."""
+def samples(made: Replay) -> np.ndarray:
+    """Places (n, 3) [m] all over the triangles, as they lie now."""
     analysis = made.analysis
-    corners = analysis.problem.corners(analysis.x)
-    return max(float(-body.distance(corners)[0].min()) for body in analysis.problem.contact.bodies)
+    corners = analysis.problem.corners(analysis.x)[analysis.problem.mesh.cells]
+    i, j = (part.ravel() for part in np.mgrid[: SAMPLES + 1, : SAMPLES + 1])
+    inside = np.column_stack([i, j, SAMPLES - i - j])[i + j <= SAMPLES] / SAMPLES
+    return np.einsum("pk,eka->epa", inside, corners).reshape(-1, 3)
+
+
+def depth(made: Replay) -> float:
+    """How deep the deepest of many places of the triangles is in a body [m]."""
+    places = samples(made)
+    return max(float(-body.distances(places).min()) for body in made.analysis.problem.contact.bodies)
 
 
 def outside(made: Replay, bound: float) -> Statement:
-    """The statement that no node is deeper in a body than a bound [m]."""
-    return below("depth of a node in a body [m]", depth(made), bound)
+    """The statement that no place of a triangle is deeper in a body than a bound [m]."""
+    return below("depth of a triangle in a body [m]", depth(made), bound)
 
 
 def turned_over(made: Replay) -> float:

@@ -15,12 +15,13 @@ from restshape_verification.couture.hard_scenes import (
     pinned,
     played,
     resting,
+    samples,
     square,
     start,
 )
 
 THICKNESS = 2e-3
-"""Distance [m] at which contact begins: nodes are to be no deeper in a body than that."""
+"""Distance [m] at which contact begins: cloth is to be no deeper in a body than that."""
 HAMMOCK = pinned("a", "b", "c", "d")
 CENTRE = "bodies.ball.sphere.center"
 BAR = """
@@ -78,18 +79,18 @@ def thin_bar(trial: Trial) -> Iterator[Statement]:
         made, rows = played(trial, text)
         yield from resting(made, rows)
         above_bar = abs(rows[0]["q_highest"] - height - radius)
-        yield below("distance of the highest place from the top of the bar [m]", above_bar, THICKNESS)
+        # Stiff cloth is bent over the bar between two lines where it touches, and highest between them.
+        yield below("distance of the highest place from the top of the bar [m]", above_bar, 1.25 * THICKNESS)
         yield outside(made, THICKNESS)
 
 
-def too_thin(trial: Trial) -> Iterator[Statement]:
-    """A wire that comes through between the nodes of a coarse mesh: warned of, and the cloth rests on the floor."""
+def wire(trial: Trial) -> Iterator[Statement]:
+    """A wire of 1 mm under triangles of 40 mm: the cloth hangs on it, and it does not come through between nodes."""
     text = square(0.04, BAR.format(z=-0.006, radius=0.0005), CONTACT, floor(-0.3))
-    made = trial.replay(text)
-    warned = made.analysis.state.plan.warnings
-    yield true("warned of", any("between" in warning for warning in warned), "; ".join(warned))
-    rows = [dict(row) for row in made.frames()]
+    made, rows = played(trial, text)
     yield from resting(made, rows)
+    yield outside(made, 0.5e-3)
+    yield above("height of the highest place [m]", float(samples(made)[:, 2].max()), -0.0055)
 
 
 def slippery(trial: Trial) -> Iterator[Statement]:
@@ -143,7 +144,7 @@ CASES = {
     "swollen": Case(swollen, weekly=("auto",)),
     "gone": Case(gone),
     "thin_bar": Case(thin_bar, weekly=("auto",)),
-    "too_thin": Case(too_thin),
+    "wire": Case(wire),
     "sharp_rim": Case(sharp_rim),
     "slippery": Case(slippery),
     "dragged_far": Case(dragged_far, share=0.5),

@@ -141,7 +141,10 @@ inline double triangle_share(const Body& body, const Vec3* p, const Vec3* d, dou
         const Vec3 now[3] = {p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]};
         const Lowest low =
             lowest_on(body, now, tolerance, k ? std::numeric_limits<double>::infinity() : floor + deeper);
-        if (k == 0) least = std::max(std::min(floor, low.value - deeper), std::min(bottom, low.value - tolerance));
+        // Half of what is left to the bottom, at most: it is never reached.
+        if (k == 0)
+            least = std::min(floor,
+                             low.value > bottom ? std::max(low.value - deeper, 0.5 * (low.value + bottom)) : low.value);
         const double spare = low.bound - least;
         if (k && low.value - least <= 2.0 * tolerance) return t;
         double advance = spare > 0.0 ? spare / longest : 0.0;

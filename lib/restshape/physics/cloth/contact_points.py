@@ -18,10 +18,10 @@ them."""
 NOTICED = 0.25
 """How much nearer to a body than its corners a triangle must be to get points, over the thickness of contact."""
 PRESSED = 0.35
-"""Depth of a body in a triangle, over the thickness of contact, at which there are to be more points."""
+"""Depth of a body in a triangle, over the thickness of contact or a thinner body's, at which there are more points."""
 FLAT = 0.05
-"""How much deeper a body may be between points, over the thickness of contact, where more of them are of no use."""
-MOST_PARTS = 32
+"""How much deeper a body may be between points, over the same, where more of them are of no use."""
+MOST_PARTS = 48
 """Parts of a triangle's side at most."""
 CLOSE = 0.02
 """Tolerance of distances over triangles, over the thickness of contact."""
@@ -112,6 +112,8 @@ class ContactPoints:
         parts = np.ones_like(self.parts)
         for body in bodies:
             spacing = np.sqrt(8.0 * (body.sharpest + 0.5 * thickness) * SAG * thickness)
+            # Nor does a thin body find its way between them.
+            spacing = min(spacing, 2.0 * (body.inner_radius + 0.25 * thickness))
             if np.isfinite(spacing):
                 np.maximum(parts, self._near(body, x, thickness, spacing), out=parts)
         return self if np.array_equal(parts, self.parts) else ContactPoints(self.cells, parts)
@@ -135,7 +137,9 @@ class ContactPoints:
         # A triangle that stretches a little keeps the points that it has.
         wanted = np.where(kept & (wanted <= had + 1), had, wanted)
         sag = (longest[near] / had) ** 2 / (8.0 * (body.sharpest + 0.5 * thickness))
-        wanted[kept & (lowest < -PRESSED * thickness) & (sag > FLAT * thickness)] *= 2
+        # Thin bodies pass where cloth is as deep as they are.
+        size = min(thickness, body.inner_radius)
+        wanted[kept & (lowest < -PRESSED * size) & (sag > FLAT * size)] *= 2
         found[near] = np.where(kept | deeper, np.minimum(wanted, MOST_PARTS), 1)
         return found
 

@@ -9,7 +9,7 @@ from restshape.bounds import TOLERANCE
 from restshape.errors import UserError
 from restshape.physics.cloth.body_columns import body_columns
 from restshape.physics.cloth.layers import FINE, layer_thickness
-from restshape.physics.cloth.thin_bodies import borne, may_come_through
+from restshape.physics.cloth.thin_bodies import borne
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, Whole, number_of
@@ -113,7 +113,7 @@ class ContactKeys(Strict):
                 "effects.contact",
                 "add [bodies.NAME], or self = true for cloth that touches itself, or leave out [effects.contact]",
             )
-        warning = "; ".join(filter(None, (may_come_through(scene, self.thickness), self._coarse(scene))))
+        warning = self._coarse(scene)
         if not scene.bodies:
             return ResolvedSettings(self, warns=warning)
         if self.stiffness is not None:
@@ -127,7 +127,7 @@ class ContactKeys(Strict):
                 'give it, such as stiffness = "50 kN/m^3", or add [effects.gravity] and material.NAME.rho',
             )
         # At a depth s within the thickness t the pressure is k s^2 / (2 t).
-        times, cause = borne(scene)
+        times, cause = borne(scene, self.thickness)
         stiffness = 8.0 * times * weight / self.thickness
         why = (
             f"stiffness {stiffness:.3g} N/m^3, so that cloth pressed everywhere through half of contact.thickness "

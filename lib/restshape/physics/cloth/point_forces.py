@@ -123,12 +123,13 @@ class TriangleForces:
 
     def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> MatrixTerm:
         """The points at x (n, 3) as a term of `algebra.operator.Operator.assemble`."""
-        _, *rest = self._at(x).term(x, coefficient, residual_factor)
-        return (CellSubset(self.matrix_block, self.points.cell), *rest)
+        active, integral = self._at(x)
+        _, *rest = integral.term(x, coefficient, residual_factor)
+        return (CellSubset(self.matrix_block, self.points.cell[active]), *rest)
 
     def add_tangent_product(self, x: np.ndarray, d: np.ndarray, out: np.ndarray) -> None:
         """Add (dr/dx) d, at x (n, 3) along d (n, 3), to `out` (n, 3)."""
-        self._at(x).add_tangent_product(x, d, out)
+        self._at(x)[1].add_tangent_product(x, d, out)
 
     def add_design_product(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None = None) -> None:
         """Add (dr/dX) dX + (dr/dx) dx to `out` (n, 3); arguments as of `Integral.add_design_product`."""
@@ -139,13 +140,15 @@ class TriangleForces:
 
     def _spread(self, forces: np.ndarray, out: np.ndarray) -> None:
         """Add forces (m, 3) at the points to those `out` (n, 3) of the nodes around them."""
-        table = np.zeros((len(forces), 3 + POTENTIAL))
-        table[:, :3], table[:, 6:9] = self.points.weights, forces
-        Integral(IN_TRIANGLE, self.X, self.nodes, table, block=None).add_residual(np.zeros_like(out), out)
+        active = np.flatnonzero(forces.any(axis=1))
+        table = np.zeros((len(active), 3 + POTENTIAL))
+        table[:, :3], table[:, 6:9] = self.points.weights[active], forces[active]
+        Integral(IN_TRIANGLE, self.X, self.nodes[active], table, block=None).add_residual(np.zeros_like(out), out)
 
-    def _at(self, x: np.ndarray) -> Integral:
-        """The quadratic functions that agree with contact at x (n, 3) in value, slope and curvature."""
+    def _at(self, x: np.ndarray) -> tuple[np.ndarray, Integral]:
+        """The points (k,) that touch, and the quadratic functions that agree with contact there at x (n, 3)."""
         place = self.contact.place(x[self.entities[:, 0]])
         table = self.contact.potential(place, self.curved)[1][len(self.entities) :]
-        whole = np.column_stack([self.points.weights, table])
-        return Integral(IN_TRIANGLE, self.X, self.nodes, whole, block=self.matrix_block)
+        active = np.flatnonzero(table[:, 3:].any(axis=1))
+        touching = np.column_stack([self.points.weights[active], table[active]])
+        return active, Integral(IN_TRIANGLE, self.X, self.nodes[active], touching, block=self.matrix_block)

@@ -1,4 +1,4 @@
-"""Bodies that are small beside the cloth: what they have to bear, and whether they find their way between its nodes."""
+"""Bodies that are small beside the cloth, and what they have to bear."""
 
 import math
 
@@ -10,35 +10,23 @@ BORNE = 10.0
 """Multiple of the cloth's own weight that contact bears at half of its thickness, at least."""
 SPARE = 1.5
 """Multiple of what a body bears on which the whole cloth lies."""
-SPREAD = 1.25
-"""Distance of nodes, over the mesh size, with some to spare."""
 
 
-def borne(scene: Scene) -> tuple[float, str]:
-    """How many times the cloth's weight by area contact must bear at half of its thickness, and what asks for it.
+def borne(scene: Scene, thickness: float) -> tuple[float, str]:
+    """How many times the cloth's weight by area contact must bear at half of its thickness [m], and what asks for it.
 
-    All of a cloth may come to lie on one thin body, which has little of its area below it.
+    All of a cloth may come to lie on one thin body, which has little of its area below it. On one that is thin beside
+    the mesh, each flat triangle lies on a point.
     """
-    sides = _sides(scene)
-    loads = {name: SPARE * _concentration(sides, body) for name, body in _evaluated_bodies(scene).items()}
+    sides, size = _sides(scene), scene.mesh.size or 0.0
+    loads = {
+        name: SPARE * _concentration(sides, body) * max(1.0, size / (min(_diameters(body)) + 2.0 * thickness))
+        for name, body in _evaluated_bodies(scene).items()
+    }
     most = max(loads, key=loads.__getitem__, default="")
     if not most or loads[most] <= BORNE:
         return BORNE, ""
     return loads[most], f"bodies.{most} is small and may have to bear all of the cloth"
-
-
-def may_come_through(scene: Scene, thickness: float) -> str:
-    """A warning of bodies thin enough to come through between nodes, for these alone touch; empty without any."""
-    size = scene.mesh.size or 0.0
-    thin = [
-        name
-        for name, body in _evaluated_bodies(scene).items()
-        if min(_diameters(body)) + 2.0 * thickness < SPREAD * size
-    ]
-    if not thin:
-        return ""
-    names = ", ".join(f"bodies.{name}" for name in thin)
-    return f"cloth touches with its nodes alone, between which {names} may come through: make mesh.size smaller"
 
 
 def _evaluated_bodies(scene: Scene) -> dict[str, Body]:

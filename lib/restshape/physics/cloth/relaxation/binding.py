@@ -22,6 +22,7 @@ from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOpti
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact
+from restshape.physics.cloth.squeezed import refuse_squeezed
 from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.model import Scene
@@ -60,6 +61,7 @@ def bind(
     problem, notes = state.problem, ()
     state = replace(state, plan=options.plan, bodies=options.bodies)
     if cold and problem.contact:
+        refuse_squeezed(problem.contact, problem.corners(state.x), scene.bodies)
         depths = penetrations(problem.contact, problem.corners(state.x))
         notes = tuple(penetration_notes("begins", problem, scene, depths))
     state.solver.set_tolerance(options.settings.tolerance)
