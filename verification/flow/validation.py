@@ -35,6 +35,8 @@ NABH = "G. Nabh, dissertation, Heidelberg (1998); M. Schaefer and S. Turek (1996
 FEATFLOW = "FEATFLOW benchmark page, finest level, last period; M. Schaefer and S. Turek (1996), case 2D-2"
 CYLINDER_SIZES = (0.014, 0.009, 0.007)
 """Sizes of the mesh; a tenth at the cylinder, half behind it [m]."""
+SETTLED = 150
+"""Frames after which a flow at rest again is steady."""
 LAST = 0.0015
 """The time step with which a street is measured [s]."""
 ROUNDED = 1e-10
@@ -118,7 +120,30 @@ def brought_back(comm: PETSc.Comm) -> list[Check]:
     with TemporaryDirectory() as folder:
         made = make_replay(write_scene(Path(folder), text), write_script(Path(folder), drag("body", (1.0, 0.5), path)))
         forces = [row["q_drag"] for row in made.frames()]
-    return [Check("drag of a body that is brought back [N]", forces[-1], forces[0], 1e-9, "the same shape", IDENTITY)]
+    checks = [Check("drag of a body that is brought back [N]", forces[-1], forces[0], 1e-9, "the same shape", IDENTITY)]
+    # In time what the motion brought about must die away first.
+    timed = text.replace(STEADY, in_time(0.2)).replace(
+        "[quantities]", "[quantities]\nlift = { lift = true, at = 'body' }"
+    )
+    still, moved = (_last_forces(timed, events) for events in ([_idle(6)], drag("body", (1.0, 0.5), path)))
+    for name, now, was in zip(("drag", "lift"), moved, still):
+        what = f"{name} of a body that is brought back, in time, over the drag"
+        checks.append(
+            Check(what, 1.0 + (now - was) / still[0], 1.0, 1e-9, "the flow of one that never moved", IDENTITY)
+        )
+    return checks
+
+
+def _idle(frames: int) -> dict[str, object]:
+    return {"do": "idle", "frames": frames}
+
+
+def _last_forces(text: str, events: list[dict[str, object]]) -> tuple[float, float]:
+    """Drag and lift [N] of the body long after a script."""
+    with TemporaryDirectory() as folder:
+        made = make_replay(write_scene(Path(folder), text), write_script(Path(folder), [*events, _idle(SETTLED)]))
+        *_, last = ((row["q_drag"], row["q_lift"]) for row in made.frames())
+    return last
 
 
 def uniform(X: np.ndarray, time: float) -> np.ndarray:

@@ -6,6 +6,7 @@ from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, ROUNDING, C
 from restshape_verification.flow.gravity_waves import waves_in_space, waves_in_time
 from restshape_verification.flow.heated_cavity import heated_cavity
 from restshape_verification.flow.heated_orders import warm_motion, warm_vortices
+from restshape_verification.flow.insulated_vessel import insulated
 from restshape_verification.flow.validation_derivatives import heat_derivatives
 
 from restshape.application import application
@@ -45,6 +46,7 @@ CASES: dict[str, Case] = {
     "derivatives": heat_derivatives,
     "motion": warm_motion,
     "vortices": warm_vortices,
+    "insulated": insulated,
     "waves_in_space": waves_in_space,
     "waves_in_time": waves_in_time,
 }
