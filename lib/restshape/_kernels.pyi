@@ -43,6 +43,7 @@ __all__: list[str] = [
     "largest_size",
     "locate",
     "locate_quadratic",
+    "longest_sides",
     "matrices",
     "matrix_products",
     "mean_at",
@@ -531,6 +532,10 @@ def locate_quadratic(
     cells: numpy.typing.NDArray[numpy.int32],
     points: numpy.typing.NDArray[numpy.float64],
 ) -> tuple: ...
+def longest_sides(
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def matrices() -> list: ...
 def matrix_products(
     handle: typing.SupportsInt | typing.SupportsIndex,

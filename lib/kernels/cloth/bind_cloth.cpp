@@ -113,6 +113,22 @@ py::array_t<double> lowest_each(const Body& body, const Doubles& x, const Cells&
     return found;
 }
 
+py::array_t<double> longest_sides(const Doubles& x, const Cells& cells) {
+    const Triangles triangles(x, cells);
+    Vec3 p[3];
+    py::array_t<double> found(triangles.count);
+    for (py::ssize_t e = 0; e < triangles.count; ++e) {
+        triangles.corners(triangles.x, e, p);
+        double most = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            const Vec3 side = p[(i + 1) % 3] - p[i];
+            most = std::max(most, inner(side.c, side));
+        }
+        found.mutable_data()[e] = std::sqrt(most);
+    }
+    return found;
+}
+
 double step_share(const Body& body, const Doubles& x, const Doubles& d, const Cells& cells, double floor, double deeper,
                   double tolerance, double bottom) {
     const Triangles triangles(x, cells);
@@ -254,6 +270,8 @@ void bind_contact(py::module_& m) {
              "that stand for areas (n,) [m^2]. Adds gradient and Hessian to the columns 3: of potential (n, 12), the "
              "parameters of the element potential_point1; without the curvature of the surface if not curved, which "
              "makes the Hessian positive semidefinite.");
+    m.def("longest_sides", &longest_sides, "x"_a, "cells"_a,
+          "The longest side (ne,) [m] of triangles: cells (ne, 3) of corners x (n, 3).");
     m.def("add_friction", &add_friction, "x"_a, "anchor"_a, "normal"_a, "limit"_a, "slip"_a, "potential"_a.noconvert(),
           "Energy [J] of friction that pulls x (n, 3) to anchors along the surface with the forces limit (n,) [N] at "
           "most, which it reaches where they are a slip [m] away. Adds gradient and Hessian to potential (n, 12).");

@@ -109,30 +109,32 @@ class ContactPoints:
         A triangle gets points where a body is nearer to it than to its corners, and near at all. They are so close that
         the body is at most half of the thickness deeper between them. It keeps them until the body has left.
         """
-        parts = np.ones_like(self.parts)
+        parts, longest = np.ones_like(self.parts), _kernels.longest_sides(x, self.cells)
+        most = longest.max(initial=0.0)
         for body in bodies:
             spacing = np.sqrt(8.0 * (body.sharpest + 0.5 * thickness) * SAG * thickness)
             # Nor does a thin body find its way between them.
             spacing = min(spacing, 2.0 * (body.inner_radius + 0.25 * thickness))
-            if np.isfinite(spacing):
-                np.maximum(parts, self._near(body, x, thickness, spacing), out=parts)
+            if spacing < most:
+                np.maximum(parts, self._near(body, x, longest, thickness, spacing), out=parts)
         return self if np.array_equal(parts, self.parts) else ContactPoints(self.cells, parts)
 
-    def _near(self, body: _kernels.Body, x: np.ndarray, thickness: float, spacing: float) -> np.ndarray:
-        """Parts (ne,) of triangles' sides that a body asks for, of a length that is the spacing [m] at most."""
+    def _near(
+        self, body: _kernels.Body, x: np.ndarray, longest: np.ndarray, thickness: float, spacing: float
+    ) -> np.ndarray:
+        """Parts (ne,) of triangles' sides, the longest (ne,) [m], that a body asks for, of the spacing [m] at most."""
         found = np.ones_like(self.parts)
         distance = body.distances(x)
-        corners = x[self.cells]
-        longest = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2).max(axis=1))
-        nearest = distance[self.cells].min(axis=1)
-        # No place of a triangle is farther from its nearest corner than its longest side.
-        near = np.flatnonzero((longest > spacing) & (nearest < longest + LEFT * thickness))
+        # No place of a triangle is farther from its first corner than its longest side.
+        wide = (longest > spacing) & (distance[self.cells[:, 0]] < longest + LEFT * thickness)
+        near = np.flatnonzero(wide)
         if not len(near):
             return found
+        nearest = distance[self.cells[near]].min(axis=1)
         lowest = body.lowest_each(x, self.cells[near], CLOSE * thickness, LEFT * thickness)
         had = self.parts[near]
         kept = (lowest < LEFT * thickness) & (had > 1)
-        deeper = (lowest < NEAR * thickness) & (nearest[near] - lowest > NOTICED * thickness)
+        deeper = (lowest < NEAR * thickness) & (nearest - lowest > NOTICED * thickness)
         wanted = np.minimum(np.ceil(longest[near] / spacing), MOST_PARTS).astype(np.int64)
         # A triangle that stretches a little keeps the points that it has.
         wanted = np.where(kept & (wanted <= had + 1), had, wanted)
