@@ -153,11 +153,12 @@ def test_the_stiffness_of_contact_comes_from_the_weight(tmp_path):
 
 def test_what_follows_from_a_scene_of_cloth(tmp_path):
     bare = plan(cloth(tmp_path, PIN), COUTURE)
-    assert [effect.name for effect in bare.derived if effect.on] == []
+    assert [effect.name for effect in bare.derived if effect.on] == ["self_contact"]
     mirror = '[supports.mirror]\non = "left"\nsymmetry = "x"\n'
     full = cloth(tmp_path, BALL, CONTACT, mirror, "[supports.up]\non = 'c'\nfix = { z = 0.1 }")
     assert {effect.name for effect in plan(full, COUTURE).derived if effect.on} == {
         "friction",
+        "self_contact",
         "symmetry",
         "moving_supports",
     }

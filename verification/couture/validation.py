@@ -5,6 +5,7 @@ from restshape_verification.couture.validation_buckling import blade
 from restshape_verification.couture.validation_cantilever import cantilever, hinged_cantilever, wide_cantilever
 from restshape_verification.couture.validation_friction import capstan, incline
 from restshape_verification.couture.validation_hanging import catenary, hanging
+from restshape_verification.couture.validation_layers import folded_strip, two_sheets
 from restshape_verification.couture.validation_meshes import meshes
 from restshape_verification.couture.validation_plates import plates
 
@@ -19,4 +20,6 @@ CASES: dict[str, Case] = {
     "incline": incline,
     "capstan": capstan,
     "meshes": meshes,
+    "folded_strip": folded_strip,
+    "two_sheets": two_sheets,
 }

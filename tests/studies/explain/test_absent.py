@@ -100,6 +100,7 @@ def sheets(head):
         "gravity": case(cut + TIGHT.replace("X", '"1 cm"'), GRAVITY),
         "contact": case(hung, FLOOR),
         "friction": Case(placed + STRETCH, placed.replace("friction = 0\n", "friction = 0.3\n") + STRETCH),
+        "self_contact": Case(hung + "[effects.contact]\nself = false\n", hung),
         "grain": Case(hung + STRETCH, hung.replace('E = "2 MPa"\nnu = 0.3', HEMP) + STRETCH),
         # Morley's triangles hold slopes there, and need nothing more; hinges fold against their mirror images.
         "symmetry": case(hinged, MIRROR, ["hinge_mirrored_flap3.residual"]),

@@ -275,6 +275,8 @@ class ClothProblem(SteadyProblem):
         if not self.self_contact:
             return []
         forces = SelfForces(self.X, np.ascontiguousarray(self.corner_number[:, None]), self.self_contact, curved)
+        if not len(self.self_contact.pairs):
+            return [forces]
         return [forces, SelfCoupling(forces, 2 + len(self.bending.blocks() if self.bending else []))]
 
     def _points(self, inertia: float = 0.0, curved: bool = True) -> list[PointForces | TriangleForces]:
