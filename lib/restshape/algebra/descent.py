@@ -174,6 +174,8 @@ class Descent:
         if self.tangent.matrix.handle != matrix.handle:
             self.tangent.ksp.reset()
             self.tangent.matrix = matrix
+            # SNES holds the first matrix of a run, which is as it was: it does not set up again within one.
+            self.tangent.ksp.setOperators(matrix)
         return matrix
 
     def _shortened(self, X: PETSc.Vec, Y: PETSc.Vec) -> bool:
