@@ -88,6 +88,20 @@ def bench(kind: str, words: str, files: Sequence[str], *scenes: str) -> Result:
     return Result(tuple(files), (f"restshape bench {words}",), code, scenes, timed=True)
 
 
+def studied(name: str, scene: str, quantity: str) -> Result:
+    """The page of accuracy of a flow, over a drag that ends before eddies or plumes do."""
+    words = f"{scene} --edits apps/{name}/edits/{name}-early.jsonl --of {quantity} --sizes 1.41,1,0.71"
+    return Result(
+        (f"accuracy-{name}/*.md", f"accuracy-{name}/*.png"),
+        (
+            f"restshape accuracy {words} --policies auto,refactor --budget 120s --seconds 10 --reference-seconds 60 "
+            f"--out results/accuracy-{name} --json results/accuracy-{name}/accuracy.json",
+        ),
+        ("restshape_studies.commands.accuracy", "restshape_studies.accuracy.*"),
+        timed=True,
+    )
+
+
 FINE = ('mesh.size="4 mm"', 'mesh.near.window="1 mm"', "quantities.stress_at_window.error=true")
 """A finer mesh than the README's example has, everywhere, and the error of its stress."""
 EXAMPLE = "docs/examples/bracket"
@@ -275,6 +289,8 @@ LIST = (
         ),
         timed=True,
     ),
+    studied("flow", FLOW, "drag"),
+    studied("thermal", TEAPOT, "nusselt"),
     Result(
         ("stability.json",),
         ("restshape stability --json results/stability.json",),
