@@ -13,6 +13,11 @@ Inside = dict[str, int]
 """By opening and body, such as ``1 around neck``, how often the body's axis passes through; 0 is left out."""
 
 
+BESIDE, ASKEW = 1e-5, np.array([0.5773, 0.3314, 0.7463])
+"""How far the middle of a fan lies beside that of its loop, over the loop's size, and where: what goes exactly through
+the middle, or along a spoke, would be counted more than once."""
+
+
 def inside(X: np.ndarray, cells: np.ndarray, x: np.ndarray, bodies: Mapping[str, Body]) -> Inside:
     """What is in the openings of cloth.
 
@@ -87,7 +92,7 @@ def axis(body: Body, across: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None
 
 def passages(loop: np.ndarray, start: np.ndarray, end: np.ndarray) -> int:
     """How often a way from start to end (3,) passes through the fan that spans a loop (k, 3), by its sense."""
-    middle, second = loop.mean(axis=0), np.roll(loop, -1, axis=0)
+    middle, second = loop.mean(axis=0) + BESIDE * np.ptp(loop, axis=0).max() * ASKEW, np.roll(loop, -1, axis=0)
     u, v, way = loop - middle, second - middle, end - start
     normals = np.cross(u, v)
     steep = normals @ way

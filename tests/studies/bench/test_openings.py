@@ -40,6 +40,15 @@ def test_a_way_through_a_ring_passes_it_once_and_one_beside_it_never(turn, x, hi
     assert passages(RING @ matrix.T, *(matrix @ (x, 0.01, z) for z in (-0.3, -0.1))) == 0
 
 
+@pytest.mark.parametrize("pieces", [3, 4, 23, 24])
+def test_a_way_through_the_very_middle_or_a_spoke_is_counted_once(pieces):
+    """Bodies of scenes stand where the holes of their patterns have their centres."""
+    around = np.linspace(0.0, 2.0 * np.pi, pieces, endpoint=False)
+    ring = np.column_stack([np.cos(around), np.sin(around), 0.0 * around])
+    for x in (0.0, 0.25):
+        assert abs(passages(ring, np.array([x, 0.0, -0.3]), np.array([x, 0.0, 0.2]))) == 1
+
+
 def test_there_and_back_is_no_passage_in_all():
     """A ring that bulges: a way in and out of its fan counts nothing."""
     bulging = RING + np.column_stack([0 * AROUND, 0 * AROUND, 0.4 * np.cos(2 * AROUND)])
