@@ -18,6 +18,7 @@ from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
+from restshape.physics.cloth.relaxation.keep_apart import kept_apart
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
@@ -28,6 +29,9 @@ from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.model import Scene
 
 log = logging.getLogger("restshape.physics")
+
+
+AGAIN = "layers cross on the new mesh: dropped again"
 
 
 def bind(
@@ -45,6 +49,8 @@ def bind(
     mesh, scene = frame.mesh, frame.scene
     arguments = options.arguments(mesh)
     # Cloth that has fallen out of reach is thrown again, so that an edit, or its undo, brings it back.
+    apart = before.problem is not None and before.problem.self_contact is not None
+    apart = apart and before.problem.self_contact.active
     cold = before.problem is None or not options.context.policy.warm or before.report.falls
     if new_mesh or not same_elements(before.problem, arguments):
         corners = None
@@ -67,9 +73,10 @@ def bind(
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=())
+    known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
+    if problem.self_contact and not cold:
+        state = replace(state, x=kept_apart(state, known))
     if problem.contact and before.friction is not None and not cold:
-        known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
-        problem.begin(known)
         state = follow_bodies(state, before.bodies, np.where(problem.boundary.mask, known, state.x))
     if origin:
         state, cold = replace(state, x=problem.constrain(origin.x), softness=origin.softness), False
@@ -77,7 +84,13 @@ def bind(
             problem.contact.history = origin.friction
         if problem.self_contact and origin.layers is not None:
             problem.self_contact.history = origin.layers
-    if not problem.begin(state.x) and cold:
+    acts = problem.begin(state.x)
+    if apart and not (acts or cold or origin):
+        # Contact cannot undo what a new mesh has brought across.
+        log.info("Relaxation from the initial placement after all: the last positions cross themselves on this mesh")
+        state, cold = replace(state, x=problem.flat(arguments.start), notes=(*state.notes, AGAIN)), True
+        acts = problem.begin(state.x)
+    if cold and not acts:
         state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
     return replace(state, observer=problem.observer(scene.quantities)), cold
 
@@ -90,13 +103,13 @@ def begins_across(problem: ClothProblem, x: np.ndarray, scene: Scene) -> str:
     """
     corners = problem.corners(x)
     crossed = problem.surface.crossed(corners)
-    place = ", ".join(f"{1e3 * value:.4g}" for value in corners[problem.mesh.cells[crossed[:1]]].mean(axis=(0, 1)))
-    what = f"the cloth begins across itself at {len(crossed)} triangles, the first at ({place}) mm"
+    place = ", ".join(f"{1e3 * value:.0f}" for value in corners[problem.mesh.cells[crossed[:1]]].mean(axis=(0, 1)))
+    what = f"cloth begins across itself at {len(crossed)} triangles, first at ({place}) mm"
     if scene.effects.get("contact", {}).get("self"):
         raise UserError(
             what, "start", "start it elsewhere, or leave out effects.contact.self to let it come apart first"
         )
-    return f"{what}: it touches itself once it is apart"
+    return f"{what}: it must come apart"
 
 
 def restored(
