@@ -143,7 +143,7 @@ class Body:
         cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
         tolerance: typing.SupportsFloat | typing.SupportsIndex,
         enough: typing.SupportsFloat | typing.SupportsIndex = ...,
-    ) -> numpy.typing.NDArray[numpy.float64]: ...
+    ) -> tuple: ...
     def step_share(
         self,
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

@@ -32,7 +32,7 @@ def sampled(body: k.Body, x: np.ndarray, n: int = 60) -> np.ndarray:
 @pytest.mark.parametrize("size", [0.05, 0.6])
 def test_the_least_distance_over_a_triangle_is_that_of_samples(name, size):
     x, cells = triangles(60, size)
-    found = BODIES[name].lowest_each(x, cells, TOLERANCE)
+    found, _ = BODIES[name].lowest_each(x, cells, TOLERANCE)
     expected = sampled(BODIES[name], x[cells])
     # Samples miss the lowest place by less than their distance, and none is below what is found.
     assert (found <= expected + TOLERANCE).all()
@@ -55,7 +55,7 @@ def test_the_lowest_place_of_a_triangle_over_a_ball_is_below_its_middle():
 def test_a_share_of_a_way_lets_no_triangle_below_the_floor(name):
     body, floor, deeper = BODIES[name], -0.01, 0.02
     x, cells = triangles(40, 0.3, seed=8)
-    outside = np.flatnonzero(body.lowest_each(x, cells, TOLERANCE) > floor + deeper + TOLERANCE)
+    outside = np.flatnonzero(body.lowest_each(x, cells, TOLERANCE)[0] > floor + deeper + TOLERANCE)
     far = np.random.default_rng(2).uniform(-2.0, 2.0, x.shape)
     stopped = 0
     for e in outside:
@@ -88,3 +88,13 @@ def test_what_is_below_the_floor_goes_no_deeper_than_allowed_and_may_leave():
     assert ball.step_share(x, down, cells, -0.01, 0.02, 1e-5, -0.06) == pytest.approx(0.025, abs=1e-3)
     assert ball.step_share(x, down, cells, -0.01, 0.02, 1e-5, -0.04) < 1e-3
     assert ball.step_share(x, up, cells, -0.01, 0.02, 1e-5) == 1.0
+
+
+def test_the_radius_of_curvature_is_that_of_the_nearest_feature():
+    """Of a cylinder of 0.4 with a rounding of 0.1: its side, its rim, its flat end."""
+    drum = k.Body.cylinder((0, 0, -1), (0, 0, 1), 0.4, 0.1)
+    for place, radius in (((0.45, 0, 0), 0.4), ((0.4, 0, 1.0), 0.1), ((0.1, 0, 1.05), np.inf)):
+        x = np.array(place) + 1e-6 * np.array([[0, 1.0, 0], [0, -1, 0], [1, 0, 0]])
+        _, found = drum.lowest_each(x, np.array([[0, 1, 2]]), 1e-8)
+        # At the rim two principal radii add up: the other one is that of the rim's circle.
+        assert found[0] == radius or found[0] == pytest.approx(radius, rel=0.15)

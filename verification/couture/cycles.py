@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -108,8 +108,12 @@ class Cloth:
         """A sheet with one onset of contact or the other, with the history of friction that another one has."""
         sheet = cloth_problem(self.mesh, self.arguments)
         sheet.contact.slip = SLIP
+        # The author's program touches with nodes alone.
+        sheet.contact.history = replace(sheet.contact.history, points=None)
         if kink:
             sheet.contact.thickness = KINK
+            # Below this thin onset the spring is that of the surface.
+            sheet.contact.stiffness *= float(np.exp(-8.0))
         if like:
             sheet.contact.history = like.contact.history
         return sheet

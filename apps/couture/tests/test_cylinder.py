@@ -18,6 +18,7 @@ bending = "none"
 [effects.gravity]
 [effects.contact]
 thickness = "0.5 mm"
+stiffness = "500 kN/m^3"
 [effects.drape]
 tolerance = 1e-5
 [supports.end]

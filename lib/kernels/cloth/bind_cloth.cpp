@@ -101,16 +101,29 @@ py::tuple lowest(const Body& body, const Doubles& x, const Cells& cells, double 
     return py::make_tuple(best.value, where, Vector{best.b[0], best.b[1], best.b[2]});
 }
 
-py::array_t<double> lowest_each(const Body& body, const Doubles& x, const Cells& cells, double tolerance,
-                                double enough) {
+// The radius of curvature of the surface below a place; infinite where it is flat there.
+double radius_below(const Body& body, const double* x, double distance) {
+    const restshape::Distance d = body.distance(x);
+    double square = 0.0;
+    for (int k = 0; k < 6; ++k) square += (k < 3 ? 1 : 2) * d.hessian[k] * d.hessian[k];
+    // Deep inside of edges nothing shows how sharp they are.
+    if (square == 0.0) return distance < 0.0 ? body.sharpest() : std::numeric_limits<double>::infinity();
+    return std::max(body.sharpest(), 1.0 / std::sqrt(square) - distance);
+}
+
+py::tuple lowest_each(const Body& body, const Doubles& x, const Cells& cells, double tolerance, double enough) {
     const Triangles triangles(x, cells);
     Vec3 p[3];
-    py::array_t<double> found(triangles.count);
+    py::array_t<double> found(triangles.count), radius(triangles.count);
     for (py::ssize_t e = 0; e < triangles.count; ++e) {
         triangles.corners(triangles.x, e, p);
-        found.mutable_data()[e] = restshape::lowest_on(body, p, tolerance, enough).value;
+        const restshape::Lowest low = restshape::lowest_on(body, p, tolerance, enough);
+        const Vec3 at = low.b[0] * p[0] + low.b[1] * p[1] + low.b[2] * p[2];
+        found.mutable_data()[e] = low.value;
+        radius.mutable_data()[e] =
+            low.value < enough ? radius_below(body, at.c, low.value) : std::numeric_limits<double>::infinity();
     }
-    return found;
+    return py::make_tuple(found, radius);
 }
 
 py::array_t<double> longest_sides(const Doubles& x, const Cells& cells) {
@@ -252,8 +265,9 @@ void bind_contact(py::module_& m) {
             "Returns it, the triangle and the barycentric coordinates of the place.")
         .def("lowest_each", &lowest_each, "x"_a, "cells"_a, "tolerance"_a,
              "enough"_a = std::numeric_limits<double>::infinity(),
-             "The least signed distance (ne,) [m] over each triangle, within a tolerance [m]; where that is not below "
-             "`enough`, some distance on it.")
+             "The least signed distance (ne,) [m] over each triangle, within a tolerance [m], and the radius of "
+             "curvature "
+             "(ne,) [m] of the surface there; where the distance is not below `enough`, some on it, and no radius.")
         .def("step_share", &step_share, "x"_a, "d"_a, "cells"_a, "floor"_a, "deeper"_a, "tolerance"_a,
              "bottom"_a = -std::numeric_limits<double>::infinity(),
              "The largest share of a way d (n, 3) from x (n, 3) [m] on which no triangle of cells (ne, 3) has a signed "

@@ -17,7 +17,7 @@ NEAR, LEFT = 2.0, 6.0
 them."""
 NOTICED = 0.25
 """How much nearer to a body than its corners a triangle must be to get points, over the thickness of contact."""
-PRESSED = 0.35
+PRESSED = 0.25
 """Depth of a body in a triangle, over the thickness of contact or a thinner body's, at which there are more points."""
 FLAT = 0.05
 """How much deeper a body may be between points, over the same, where more of them are of no use."""
@@ -40,6 +40,15 @@ def lattice(parts: int) -> tuple[np.ndarray, np.ndarray]:
     # Six of the small triangles meet at a point inside, three at one on a side.
     met = np.where(counts.min(axis=1) == 0, 3.0, 6.0)
     return counts / parts, met / (3.0 * parts**2)
+
+
+def spacing_on(body: _kernels.Body, radius: np.ndarray | float, thickness: float) -> np.ndarray:
+    """How far apart points may be [m] where a body's surface has a radius of curvature [m], see `SAG`.
+
+    Nor does a thin body find its way between them.
+    """
+    sagging = np.sqrt(8.0 * (radius + 0.5 * thickness) * SAG * thickness)
+    return np.minimum(sagging, 2.0 * (body.inner_radius + 0.25 * thickness))
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,33 +121,28 @@ class ContactPoints:
         parts, longest = np.ones_like(self.parts), _kernels.longest_sides(x, self.cells)
         most = longest.max(initial=0.0)
         for body in bodies:
-            spacing = np.sqrt(8.0 * (body.sharpest + 0.5 * thickness) * SAG * thickness)
-            # Nor does a thin body find its way between them.
-            spacing = min(spacing, 2.0 * (body.inner_radius + 0.25 * thickness))
-            if spacing < most:
-                np.maximum(parts, self._near(body, x, longest, thickness, spacing), out=parts)
+            if spacing_on(body, body.sharpest, thickness) < most:
+                np.maximum(parts, self._near(body, x, longest, thickness), out=parts)
         return self if np.array_equal(parts, self.parts) else ContactPoints(self.cells, parts)
 
-    def _near(
-        self, body: _kernels.Body, x: np.ndarray, longest: np.ndarray, thickness: float, spacing: float
-    ) -> np.ndarray:
-        """Parts (ne,) of triangles' sides, the longest (ne,) [m], that a body asks for, of the spacing [m] at most."""
+    def _near(self, body: _kernels.Body, x: np.ndarray, longest: np.ndarray, thickness: float) -> np.ndarray:
+        """Parts (ne,) that a body asks for of the sides of triangles, the longest of which are given (ne,) [m]."""
         found = np.ones_like(self.parts)
         distance = body.distances(x)
         # No place of a triangle is farther from its first corner than its longest side.
-        wide = (longest > spacing) & (distance[self.cells[:, 0]] < longest + LEFT * thickness)
-        near = np.flatnonzero(wide)
+        near = np.flatnonzero(distance[self.cells[:, 0]] < longest + LEFT * thickness)
         if not len(near):
             return found
         nearest = distance[self.cells[near]].min(axis=1)
-        lowest = body.lowest_each(x, self.cells[near], CLOSE * thickness, LEFT * thickness)
+        lowest, radius = body.lowest_each(x, self.cells[near], CLOSE * thickness, LEFT * thickness)
+        spacing = spacing_on(body, radius, thickness)
         had = self.parts[near]
         kept = (lowest < LEFT * thickness) & (had > 1)
         deeper = (lowest < NEAR * thickness) & (nearest - lowest > NOTICED * thickness)
         wanted = np.minimum(np.ceil(longest[near] / spacing), MOST_PARTS).astype(np.int64)
         # A triangle that stretches a little keeps the points that it has.
         wanted = np.where(kept & (wanted <= had + 1), had, wanted)
-        sag = (longest[near] / had) ** 2 / (8.0 * (body.sharpest + 0.5 * thickness))
+        sag = (longest[near] / had) ** 2 / (8.0 * (radius + 0.5 * thickness))
         # Thin bodies pass where cloth is as deep as they are.
         size = min(thickness, body.inner_radius)
         wanted[kept & (lowest < -PRESSED * size) & (sag > FLAT * size)] *= 2

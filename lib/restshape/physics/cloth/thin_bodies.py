@@ -16,17 +16,21 @@ def borne(scene: Scene, thickness: float) -> tuple[float, str]:
     """How many times the cloth's weight by area contact must bear at half of its thickness [m], and what asks for it.
 
     All of a cloth may come to lie on one thin body, which has little of its area below it. On one that is thin beside
-    the mesh, each flat triangle lies on a point.
+    the mesh, each flat triangle lies on a point. What hangs over an edge pulls on the quarter of a circle around it.
     """
     sides, size = _sides(scene), scene.mesh.size or 0.0
-    loads = {
-        name: SPARE * _concentration(sides, body) * max(1.0, size / (min(_diameters(body)) + 2.0 * thickness))
-        for name, body in _evaluated_bodies(scene).items()
-    }
+    loads, causes = {}, {}
+    for name, body in _evaluated_bodies(scene).items():
+        whole = _concentration(sides, body) * max(1.0, size / (min(_diameters(body)) + 2.0 * thickness))
+        edge = 0.5 * max(sides) / (0.5 * math.pi * (_edge_radius(body) + thickness))
+        loads[name] = SPARE * max(whole, edge)
+        causes[name] = (
+            "is small and may have to bear all of the cloth" if whole >= edge else "has edges that cloth hangs over"
+        )
     most = max(loads, key=loads.__getitem__, default="")
     if not most or loads[most] <= BORNE:
         return BORNE, ""
-    return loads[most], f"bodies.{most} is small and may have to bear all of the cloth"
+    return loads[most], f"bodies.{most} {causes[most]}"
 
 
 def _evaluated_bodies(scene: Scene) -> dict[str, Body]:
@@ -56,6 +60,17 @@ def _diameters(body: Body) -> tuple[float, float]:
             return 2.0 * first, 2.0 * second
         case _:
             return math.inf, math.inf
+
+
+def _edge_radius(body: Body) -> float:
+    """The radius of a body's edges [m]; infinite without any."""
+    match body.kind:
+        case "box":
+            return body.form.radius
+        case "cylinder":
+            return body.form.rounded
+        case _:
+            return math.inf
 
 
 def _concentration(sides: tuple[float, float], body: Body) -> float:
