@@ -1,0 +1,60 @@
+"""Scenes whose cloth touches itself, or does not: what is decided, refused, warned of, and the same to the bit."""
+
+import pytest
+from cloths import BALL, CONTACT, PIN, cloth
+
+from restshape.application import application_of
+from restshape.errors import UserError
+from restshape.physics.cloth.layers import touches_itself
+from restshape.replay.first_frame import first_frame
+from restshape.scene.plan import plan
+
+SELF = "effects.contact.self"
+
+
+def row_of(scene, *settings):
+    """The row of the first frame of a scene with further settings."""
+    return first_frame(scene.path, list(settings)).row
+
+
+def test_cloth_touches_itself_unless_its_outline_is_constrained(tmp_path):
+    pinned = cloth(tmp_path, PIN)
+    assert touches_itself(pinned) and plan(pinned, application_of(pinned)).on("self_contact")
+    around = cloth(tmp_path, PIN.replace('"a"', '"outline"'))
+    assert not touches_itself(around) and not plan(around, application_of(around)).on("self_contact")
+    off = cloth(tmp_path, BALL, CONTACT + "self = false\n")
+    assert not plan(off, application_of(off)).on("self_contact")
+
+
+@pytest.mark.slow
+def test_where_nothing_meets_energies_are_the_same_to_the_bit(tmp_path):
+    scene = cloth(tmp_path, BALL, CONTACT, "[quantities]\npotential = { energy = 'potential' }\n")
+    large = "bodies.ball.sphere.radius=0.8", "bodies.ball.sphere.center.2=-0.82"
+    on, off = (row_of(scene, f"{SELF}={said}", *large, "mesh.size=0.2") for said in ("true", "false"))
+    assert on["crossings"] == off["crossings"] == 0
+    assert on["q_potential"] == off["q_potential"]
+
+
+def test_too_large_a_thickness_is_refused_and_too_coarse_a_mesh_warned_of(tmp_path):
+    scene = cloth(tmp_path, PIN, CONTACT + 'self = true\nself_thickness = "9 cm"\n')
+    with pytest.raises(UserError, match="a third of that is the most") as refused:
+        row_of(scene)
+    assert "or less" in refused.value.do
+    fine = cloth(tmp_path, PIN, CONTACT + 'self = true\nself_thickness = "1 cm"\n')
+    (warned,) = plan(fine, application_of(fine)).warnings
+    assert 'set mesh.size to "100 mm"' in warned
+    assert (
+        plan(
+            cloth(tmp_path, PIN, CONTACT + "self = true\n", overrides=("mesh.size=0.02",)), application_of(fine)
+        ).warnings
+        == ()
+    )
+
+
+def test_a_start_across_itself_is_refused_with_the_place_or_comes_apart(tmp_path):
+    scene = cloth(tmp_path, PIN, "[start]\nscatter = '30 cm'\n", overrides=("mesh.size=0.2",))
+    with pytest.raises(UserError, match=r"begins across itself at \d+ triangles, first at \("):
+        row_of(scene, f"{SELF}=true", "mesh.size=0.2")
+    row = row_of(scene, "mesh.size=0.2")
+    assert "begins across itself" in row["note"]
+    assert row["crossings"] == 0 or "passes through itself" in row["untrusted"]
