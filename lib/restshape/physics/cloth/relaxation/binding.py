@@ -103,8 +103,11 @@ def begins_across(problem: ClothProblem, x: np.ndarray, scene: Scene) -> str:
     """
     corners = problem.corners(x)
     crossed = problem.surface.crossed(corners)
-    place = ", ".join(f"{1e3 * value:.0f}" for value in corners[problem.mesh.cells[crossed[:1]]].mean(axis=(0, 1)))
-    what = f"cloth begins across itself at {len(crossed)} triangles, first at ({place}) mm"
+    if len(crossed):
+        place = ", ".join(f"{1e3 * value:.0f}" for value in corners[problem.mesh.cells[crossed[0]]].mean(axis=0))
+        what = f"cloth begins across itself at {len(crossed)} triangles, first at ({place}) mm"
+    else:
+        what = "cloth begins across itself in its own plane"
     if scene.effects.get("contact", {}).get("self"):
         raise UserError(
             what, "start", "start it elsewhere, or leave out effects.contact.self to let it come apart first"
