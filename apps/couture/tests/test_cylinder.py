@@ -48,7 +48,8 @@ def test_a_smooth_body_takes_no_tension(tmp_path, form, edge):
 
 
 def test_a_bar_is_a_capsule_as_long_as_nothing_lies_on_its_ends(tmp_path):
-    text = head("couture") + block(LENGTH, WIDTH) + STRIP + "[bodies.drum]\nFORM\nfriction = 0.3\n" + meshed(0.01)
+    # Without friction: where a strip that sticks comes to rest depends on the way there.
+    text = head("couture") + block(LENGTH, WIDTH) + STRIP + "[bodies.drum]\nFORM\n" + meshed(0.01)
     rows = [first_frame(write_scene(tmp_path, text.replace("FORM", form))).row for form in (SIDE, CAPSULE)]
     for key in ("q_pull_x", "q_pull_z", "q_free", "q_side"):
-        assert rows[0][key] == pytest.approx(rows[1][key], rel=1e-4), key
+        assert rows[0][key] == pytest.approx(rows[1][key], rel=1e-3), key

@@ -30,6 +30,9 @@ SLACK = 1e-13
 """Rounding of an energy, over its size."""
 SHORTEST = 1e-9
 """Time step, over the first one, below which there is no use in shorter ones."""
+PLAIN, BALANCED = 2, 0.1
+"""Newton's steps of a time step that may end before energy falls, and the forces left over, of the first ones, at which
+it ends."""
 NO_SOLUTION = "a step of the motion has no solution: part of it has neither mass nor support"
 
 
@@ -65,6 +68,7 @@ class Steps:
         reach: farthest way of a node in one step [m], for bodies are not to be passed through.
         most: steps.
         preconditioner: of PETSc for the linear solves: "sor", "ilu" without fill, or "cholesky", which solves alone.
+        newton: steps of Newton's method in a time step, each on a tangent of its own; 1: steps are semi-implicit.
     """
 
     time_step: float = 1.0 / 60.0
@@ -76,6 +80,7 @@ class Steps:
     reach: float = np.inf
     most: int = 500
     preconditioner: str = "sor"
+    newton: int = 1
 
     @property
     def adaptive(self) -> bool:
@@ -98,7 +103,10 @@ class SNESContext:
 class KineticDamping:
     """Semi-implicit steps (M/h^2 + K) d = -r + M v/h; v = d/h is set to zero when the kinetic energy has passed a peak.
 
-    K is the tangent without its compressed part. A step that makes kinetic and potential energy together larger is
+    K is the tangent without its compressed part. Further steps of Newton's method, where there are any, bring a step
+    near to the implicit one, (M/h^2) (d - h v) = -r(x + d), which turns farther where the body hardly stretches.
+
+    A step that makes kinetic and potential energy together larger is
     rejected and the next one shorter, so that without friction potential energies at successive resets never rise.
 
     Args:
@@ -110,7 +118,7 @@ class KineticDamping:
         steps: how the motion is followed.
 
     Attributes:
-        resets: potential energies [J] at resets; rejected: steps taken back.
+        resets: potential energies [J] at resets; rejected: steps taken back; matrices: made in the last run.
         on_step: called with positions (n, f) and the norm of the residual before each step; a true answer ends it.
         on_move: called with positions (n, f) after each step; returns whether it changed the equations.
         step_share: of positions (n, f) and a step (n, f), the largest share of it, at most 1, that may be gone.
@@ -133,7 +141,7 @@ class KineticDamping:
         self.nodal = NodalVectors(comm, shape, rows)
         self.time_step = steps.time_step
         self.resets: list[float] = []
-        self.rejected = 0
+        self.rejected = self.matrices = 0
         self.stuck: ReplayProblem | None = None
         self.on_step = self.on_move = lambda *_: False
         self.step_share: StepShare = whole_step
@@ -176,7 +184,7 @@ class KineticDamping:
         Raises:
             ReplayProblem: no step leads on from the positions in x.
         """
-        self.goal, self.resets, self.rejected = goal, [], 0
+        self.goal, self.resets, self.rejected, self.matrices = goal, [], 0, 0
         self.steps = replace(self.steps, most=self.steps.most if most is None else most)
         self.stuck = None
         self.linear.begin()
@@ -196,7 +204,7 @@ class KineticDamping:
         try:
             potential = self._potential(x)
             for k in range(steps.most + 1):
-                matrix = motion.step_matrix(x, self._inertia, self.linear.blocks, force)
+                matrix = self._matrix(x, force)
                 self.norm = float(np.linalg.norm(force))
                 snes.setIterationNumber(k)
                 log.debug("%3d TS dt %.3e Function norm %.12e", k, self.time_step, self.norm)
@@ -250,14 +258,14 @@ class KineticDamping:
             # Each iterate, of CG and guesses, goes down in the step's own energy, so that a short enough step does too.
             d = self.linear.solve(matrix, right)
             if d is not None:
-                d = d * self.step_share(x, d)
+                d = self._shortened(x, d)
                 if not steps.adaptive:
                     return x + d, d / h, potential
                 after = self.motion.energy(x + d)
-                # What has no mass, such as slopes, moves at once however short a step is.
-                far = np.abs(d[self.mass[:, 0] > 0.0]).max(initial=0.0) > steps.reach
-                gained = not after + self._kinetic(d / h) <= before + SLACK * abs(before)
-                if not (far or gained):
+                if steps.newton > 1:
+                    d, after = self._balanced(x, v, d, after, before, float(np.linalg.norm(right)))
+                far = self._farthest(d) > (np.inf if steps.newton > 1 else steps.reach)
+                if not (far or self._gained(d, after, before)):
                     break
             elif not steps.adaptive or h < SHORTEST * steps.time_step:
                 raise ReplayProblem(NO_SOLUTION)
@@ -266,9 +274,52 @@ class KineticDamping:
             log.debug("    TS step rejected, dt %.3e", self.time_step)
             if d is not None and self.time_step < SHORTEST * steps.time_step:
                 raise ReplayProblem("no time step is short enough: the energy is no number, or nothing moves")
-            matrix = self.motion.step_matrix(x, self._inertia, self.linear.blocks)
+            matrix = self._matrix(x)
         self.time_step = min(LONGER * self.time_step, steps.longest)
         return x + d, d / h, after
+
+    def _balanced(self, x: Reals, v: Reals, d: Reals, after: float, before: float, first: float) -> tuple[Reals, float]:
+        """A step d (n, f) from x (n, f) brought nearer to the implicit one by Newton's method, and the potential there.
+
+        Args:
+            v: (n, f) velocities.
+            after: potential after the step; before: potential and kinetic energy before it.
+            first: norm of the forces that it was made from.
+        """
+        h, force = self.time_step, np.empty_like(x)
+        for taken in range(1, self.steps.newton):
+            if taken >= PLAIN and not self._gained(d, after, before):
+                break
+            self.motion.residual(x + d, force)
+            right = self.mass * (v - d / h) / h - force
+            right.ravel()[self.motion.constrained] = 0.0
+            if float(np.linalg.norm(right)) <= BALANCED * first:
+                break
+            more = self.linear.solve(self._matrix(x + d), right)
+            if more is None:
+                break
+            d = d + self._shortened(x + d, more)
+            after = self.motion.energy(x + d)
+        return d, after
+
+    def _matrix(self, x: Reals, out: Reals | None = None) -> PETSc.Mat:
+        """The matrix of a step at x (n, f); `out` (n, f), where it is given, is set to the residual there."""
+        self.matrices += 1
+        return self.motion.step_matrix(x, self._inertia, self.linear.blocks, out)
+
+    def _shortened(self, x: Reals, d: Reals) -> Reals:
+        """A step d (n, f) from x (n, f) as far as nothing is passed, and one of several no farther than the reach."""
+        if self.steps.newton > 1 and (far := self._farthest(d)) > self.steps.reach:
+            d = d * (self.steps.reach / far)
+        return d * self.step_share(x, d)
+
+    def _farthest(self, d: Reals) -> float:
+        """The farthest way in a step d (n, f) of what has mass: slopes move at once however short a step is."""
+        return float(np.abs(d[self.mass[:, 0] > 0.0]).max(initial=0.0))
+
+    def _gained(self, d: Reals, after: float, before: float) -> bool:
+        """Whether a step d (n, f) has more energy, with `after` as its potential, than there was before, or none."""
+        return not after + self._kinetic(d / self.time_step) <= before + SLACK * abs(before)
 
     def _potential(self, x: Reals) -> float:
         """The potential energy where steps may be rejected for it; 0 where none is."""

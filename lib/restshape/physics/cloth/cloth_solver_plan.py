@@ -32,7 +32,7 @@ def cloth_plan(scene: Scene, on: On, settings: Mapping[str, Any]) -> SolverPlan:
     ways = {
         "auto": (
             (steps, descent, newton),
-            "a soft membrane and kinetic damping at a cold start, quasi-Newton steps, Newton's method at the end",
+            "implicit steps with kinetic damping at a cold start, quasi-Newton steps, Newton's method at the end",
         ),
         "kinetic": ((steps,), "steps in time that restart at each peak of the kinetic energy"),
         "rayleigh": ((steps,), "steps in time with Rayleigh damping"),

@@ -156,11 +156,11 @@ class DrapeKeys(Strict):
             both over free nodes: another name of solve.tolerance, which it is where left out, or 1e-4 without either.
         strategy: "kinetic", steps in time that restart at each peak of the kinetic energy; "rayleigh", steps with
             Rayleigh damping; "newton", with a line search on the energy; "stabilised", the same with the stabilised
-            tangent; "cg", nonlinear conjugate gradients. The default, "auto", takes kinetic damping with a soft
-            membrane where cloth restarts, then quasi-Newton steps, then Newton's method.
+            tangent; "cg", nonlinear conjugate gradients. The default, "auto", lets cloth fall in
+            implicit steps where it restarts, then takes quasi-Newton steps, then Newton's method.
         steps: most steps in a frame.
         levels: how many of the nested meshes of mesh.levels, the finest among them, lead a cold start to
-            equilibrium, from coarse to fine; left out, all.
+            equilibrium, from coarse to fine; left out, 1: the finest alone.
     """
 
     model_config = ConfigDict(title="Drape")
@@ -193,7 +193,7 @@ class DrapeKeys(Strict):
                 "effects.drape.levels",
                 f"set mesh.levels to {self.levels} or more",
             )
-        settings = self.model_copy(update={"levels": self.levels or there, "tolerance": rest})
+        settings = self.model_copy(update={"levels": self.levels or 1, "tolerance": rest})
         return ResolvedSettings(settings, tolerance=rest)
 
 

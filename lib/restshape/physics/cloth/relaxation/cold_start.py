@@ -1,9 +1,9 @@
-"""Cold starts of cloth, which falls from its initial placement: stiffness continuation over coarse and fine meshes."""
+"""Cold starts of cloth, which falls from its initial placement with all of its stiffness."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,30 +13,37 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
-from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
+from restshape.physics.cloth.relaxation.equilibrium import NEAR, ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem
 
 log = logging.getLogger("restshape.physics")
 
 SOFT = (0.01, 0.05)
-"""Parts of the membrane's stiffness that cloth falls with at first: soft cloth finds its folds in large steps."""
-ROUNDS, LAST_ROUNDS = 4, 2
-"""Tangents of a descent with a soft membrane, on coarse meshes and on the finest one."""
-STIFF_ROUNDS = 30
-"""Tangents of a descent of hinges in place of Morley's triangles, with all of the membrane's stiffness."""
+"""Parts of the membrane's stiffness with which cloth that is scattered gets rid of its crumples."""
+SOFT_ROUNDS, STIFF_ROUNDS = 4, 30
+"""Tangents of a descent with a soft membrane, and with all of its stiffness."""
+FALLS, SHORT_ROUNDS = 4, 2
+"""Falls, where a descent of few tangents leads from one onto a saddle, or off one, instead of to an equilibrium."""
 FEWEST = 60
 """Nodes of a mesh that cloth may fall on: on fewer it finds no folds, and past a body no way back."""
 
 
 class ColdStart:
-    """Finds positions near an equilibrium from the initial placement, on the meshes that a mesh is nested in.
+    """Finds positions near an equilibrium from the initial placement.
+
+    Cloth falls with all of its stiffness: no body is let by an opening that is smaller, and friction remembers nothing
+    that the cloth could not have done. Only cloth that starts scattered at random, and touches nothing, is soft first.
 
     Args:
         solver: of the equilibria wanted.
-        levels: of meshes at most.
+        levels: nested meshes that it falls on at most, from coarse to fine.
         arguments: what a problem on one of the meshes is made from.
         make_solver: of a problem, and a prefix of options in PETSc's database.
+        scattered: the nodes start at random places.
+
+    Source: docs/theory/cloth.md.
     """
 
     def __init__(
@@ -45,6 +52,7 @@ class ColdStart:
         levels: int,
         arguments: Callable[[Mesh], ClothArguments],
         make_solver: Callable[[ClothProblem, str], EquilibriumSolver],
+        scattered: bool = False,
     ) -> None:
         self.solver, self.arguments, self.make_solver = solver, arguments, make_solver
         problem = solver.problem
@@ -54,34 +62,74 @@ class ColdStart:
         self.meshes, self.skipped = meshes[-wanted:], len(meshes) - wanted
         # Morley's triangles have four times as many unknowns as hinges.
         self.replaced = problem.morley is not None
+        self.softened = scattered and problem.contact is None
 
     def find(self, most: int, report: ConvergenceReport) -> np.ndarray:
         """Positions (n, 3) near an equilibrium, in so many steps at most."""
-        problem = self.solver.problem
-        replaced = self.meshes if self.replaced else self.meshes[:-1]
-        own = [self._replacement(mesh, level) for level, mesh in enumerate(replaced)]
-        solvers = own if self.replaced else [*own, self.solver]
+        places = self.arguments(self.meshes[0]).start
+        for level, mesh in enumerate(self.meshes):
+            last = level == len(self.meshes) - 1
+            solver = self.solver if last and not self.replaced else self._stand_in(mesh)
+            log.info("Cold start: mesh of %d nodes", len(mesh.X))
+            try:
+                x = solver.problem.flat(places)
+                solver.problem.begin(x)
+                if level == 0 and self.softened:
+                    soften(solver, x, most, report)
+                self._fall(solver, x, ROUGH, most, report)
+                places = solver.problem.corners(x)
+            finally:
+                if solver is not self.solver:
+                    solver.destroy()
+            if not last:
+                places = self.hierarchy.prolong(self.skipped + level, places)
+        return self.solver.problem.flat(places) if self.replaced else x
 
-        def prolong(level: int, x: np.ndarray) -> np.ndarray:
-            corners = self.hierarchy.prolong(self.skipped + level, solvers[level].problem.corners(x))
-            x = solvers[level + 1].problem.flat(corners)
-            solvers[level + 1].problem.begin(x)
-            return x
+    def go_on(self, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
+        """Fall from positions x (n, 3), which are changed, such as those beside a saddle.
 
-        start = solvers[0].problem.flat(self.arguments(self.meshes[0]).start)
-        solvers[0].problem.begin(start)
-        try:
-            x = stiffen(solvers, prolong, start, most, report, self.replaced)
-            return problem.flat(solvers[-1].problem.corners(x)) if self.replaced else x
-        finally:
-            for solver in own:
-                solver.destroy()
+        It is the cloth itself that falls: where it has a saddle, hinges may have an equilibrium that is stable.
+        """
+        # Beside an unstable equilibrium forces are small, and grow at first.
+        self._fall(self.solver, x, min(ROUGH, 0.1 * self.solver.residual_norm(x)), most, report)
 
-    def _replacement(self, mesh: Mesh, level: int) -> EquilibriumSolver:
-        """What falls on a mesh of the hierarchy in place of the cloth itself."""
+    def _fall(
+        self, solver: EquilibriumSolver, x: np.ndarray, goal: float, most: int, report: ConvergenceReport
+    ) -> None:
+        """Let cloth fall from x (n, 3), which is changed, off saddles of the energy too.
+
+        The cloth that is wanted takes on the friction.
+        """
+        saddle = SaddleEscape(solver)
+        for again in range(FALLS):
+            solver.fall(x, goal, most, report)
+            if report.falls:
+                break
+            if solver.descend(x, NEAR, min(most, SHORT_ROUNDS * MEMORY), report):
+                if again == FALLS - 1 or saddle.is_stable(x) or not saddle.escape(x):
+                    break
+                log.info("Fall from a saddle along the lowest mode")
+                # Beside it forces are small, and grow at first.
+                goal = min(ROUGH, 0.1 * solver.residual_norm(x))
+            elif report.residual <= ROUGH or again == FALLS - 1:
+                solver.descend(x, NEAR, min(most, STIFF_ROUNDS * MEMORY), report)
+                break
+        if solver is not self.solver and solver.problem.mesh is self.solver.problem.mesh:
+            hand_on_friction(solver.problem, self.solver.problem)
+
+    def _stand_in(self, mesh: Mesh) -> EquilibriumSolver:
+        """What falls on a mesh in place of the cloth itself."""
         arguments = self.arguments(mesh)
         problem = cloth_problem(mesh, replace(arguments, fabric=hinged(arguments.fabric)))
-        return self.make_solver(problem, f"drape_level{level}_")
+        return self.make_solver(problem, f"drape_fall{len(mesh.X)}_")
+
+
+def hand_on_friction(before: ClothProblem, after: ClothProblem) -> None:
+    """Let other elements on the same mesh remember what friction has done."""
+    if before.contact:
+        after.contact.history = before.contact.history
+    if before.self_contact:
+        after.self_contact.history = before.self_contact.history
 
 
 def hinged(fabric: Fabric) -> Fabric:
@@ -89,47 +137,12 @@ def hinged(fabric: Fabric) -> Fabric:
     return replace(fabric, kind="hinge", hinge_factor=HINGE_STIFFNESS["plate"]) if fabric.kind == "morley" else fabric
 
 
-def stiffen(
-    solvers: Sequence[EquilibriumSolver],
-    prolong: Callable[[int, np.ndarray], np.ndarray],
-    x: np.ndarray,
-    most: int,
-    report: ConvergenceReport,
-    stiff: bool,
-) -> np.ndarray:
-    """Positions on the finest mesh, near an equilibrium, from a start x (n, 3) on the coarsest one.
-
-    Args:
-        solvers: from the coarsest mesh to the finest.
-        prolong: takes positions on the mesh of a level to the next one.
-        most: steps in all.
-        stiff: the last of the solvers stands in for another one: it descends with all of its stiffness too.
-    """
-    last = len(solvers) - 1
-    for level, solver in enumerate(solvers):
-        # Stiff triangles of a coarse mesh would not let the cloth fold.
-        for part in SOFT if level == 0 else SOFT[-1:]:
-            solver.problem.soften(part)
-            nodes = len(solver.problem.mesh.X)
-            log.info("Cold start: mesh of %d nodes, membrane stiffness times %g", nodes, part)
-            if level == 0 and part == SOFT[0]:
-                solver.damp(x, ROUGH, report)
-            rounds = ROUNDS if level < last else LAST_ROUNDS
-            solver.descend(x, ROUGH, min(most, rounds * MEMORY), report)
-        if level < last:
-            x = prolong(level, x)
-    solver.problem.soften(1.0)
-    if stiff:
-        solver.descend(x, ROUGH, min(most, STIFF_ROUNDS * MEMORY), report)
-    return x
-
-
-def restart_soft(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
-    """Soft for a while, from positions x (n, 3), which are changed, that a stiff membrane leaves in small steps."""
+def soften(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
+    """Positions x (n, 3), which are changed, without the crumples of a random start, by a membrane that is soft."""
     for part in SOFT:
-        log.info("Stiffness continuation from a saddle: membrane stiffness times %g", part)
+        log.info("Cold start from scattered places: membrane stiffness times %g", part)
         solver.problem.soften(part)
-        # Beside an unstable equilibrium forces are small, and grow at first.
-        solver.damp(x, min(ROUGH, 0.1 * solver.residual_norm(x)), report)
-        solver.descend(x, ROUGH, min(most, ROUNDS * MEMORY), report)
+        if part == SOFT[0]:
+            solver.fall(x, ROUGH, most, report)
+        solver.descend(x, ROUGH, min(most, SOFT_ROUNDS * MEMORY), report)
     solver.problem.soften(1.0)

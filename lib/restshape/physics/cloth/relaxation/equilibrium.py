@@ -25,7 +25,12 @@ log = logging.getLogger("restshape.physics")
 NEAR = 1e-3
 """Residual over load at which Newton's method takes over."""
 ROUGH = 0.05
-"""Residual over load at which the next softness, or mesh, takes over."""
+"""Residual over load at which a fall, or its part on a mesh or with a softness, ends."""
+FALL_STEP, FALL_NEWTON, FALLING = 0.2, 4, 500
+"""Of a fall: the longest time step, over `ClothProblem.swing_time`, and the most steps of Newton's method in one; the
+most time steps."""
+STALLED = 1e-4
+"""Part of its energy that a fall must lose in `MEMORY` steps to go on."""
 SLIPPING = 1e-2
 """Slip distance that friction may still have at an equilibrium, over that at which it is all there."""
 STIFFER = 10.0
@@ -73,26 +78,31 @@ class EquilibriumSolver:
         self.equations = ClothEquations(problem, comm, stages, backend)
         rows, shape, mass = self.equations.rows, (problem.n_nodes, 3), self.equations.mass
         self._moving = KineticDamping(comm, f"{prefix}kinetic_", self.equations, mass, shape, rows, self.motion)
+        self._falling = KineticDamping(comm, f"{prefix}fall_", self.equations, mass, shape, rows, self._fall_steps)
         reach = self.motion.reach
         self.descent = Descent(comm, f"{prefix}descent_", self.equations, shape, rows, reach=reach)
         self._newton = Newton(comm, f"{prefix}newton_", linear, shape, rows) if linear else None
         self._met, self._noted = -1, 0
         self.on_iterate: Callable[[EquilibriumSolver, np.ndarray, float], None] = lambda *_: None
-        self._moving.on_step = self.descent.on_step = weak_call(self.note)
-        # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
-        self._moving.on_move = problem.follow_friction
-        self._moving.step_share = self.descent.step_share = problem.step_share
+        self.descent.on_step, self.descent.step_share = weak_call(self.note), problem.step_share
+        self._moving.on_step, self._falling.on_step = weak_call(self.note), weak_call(self._note_fall)
+        self._fell = np.inf
+        for motion in (self._moving, self._falling):
+            motion.step_share = problem.step_share
+            # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
+            motion.on_move = problem.follow_friction
         if self._newton:
             self._newton.step_share = problem.step_share
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
-        self._moving.free()
+        for motion in (self._moving, self._falling):
+            motion.free()
         for part in (self.descent, self._newton):
             if part:
                 part.destroy()
         # Matrices go with the operator, which must not wait until Python looks for cycles.
-        del self.equations, self._moving, self.descent, self._newton
+        del self.equations, self._moving, self._falling, self.descent, self._newton
 
     @property
     def newton(self) -> Newton | None:
@@ -122,7 +132,16 @@ class EquilibriumSolver:
     def set_reach(self, reach: float) -> None:
         """Let no node go farther in one step than so much [m]."""
         self.motion = replace(self.motion, reach=reach)
-        self._moving.steps, self.descent.reach = self.motion, reach
+        self._moving.steps, self._falling.steps, self.descent.reach = self.motion, self._fall_steps, reach
+
+    @property
+    def _fall_steps(self) -> Steps:
+        """How cloth falls: implicit steps, by few steps of Newton's method with a complete factor each."""
+        longest = FALL_STEP * self.problem.swing_time
+        first = min(self.motion.time_step, longest)
+        return replace(
+            self.motion, time_step=first, longest=longest, preconditioner="cholesky", newton=FALL_NEWTON, most=FALLING
+        )
 
     def scale(self, x: np.ndarray) -> float:
         """What residuals are measured against [N]: the weight, or without any the forces at supports."""
@@ -134,27 +153,35 @@ class EquilibriumSolver:
         least = LEAST * problem.fabric.membrane.max() * lumped.area.sum() ** 0.5
         return max(float(np.linalg.norm(forces[problem.boundary.mask.astype(bool)])), least)
 
-    def damp(self, x: np.ndarray, goal: float, report: ConvergenceReport) -> None:
-        """Kinetic damping from x (n, 3), which is changed, until the residual over the load is at `goal`."""
+    def fall(self, x: np.ndarray, goal: float, most: int, report: ConvergenceReport) -> None:
+        """Fall from x (n, 3), which is changed, until the residual over the load is at `goal`, in `most` steps.
+
+        The motion of cloth with kinetic damping, in implicit steps, each of which lowers its energy and moves friction.
+        """
         report.take_softness(self.problem.softness)
         self.problem.update_friction(x)
+        falling, self._fell = self._falling, np.inf
+        falling.set_mass(self.equations.mass)
         try:
             with self.stages("krylov"):
-                self.moving.run(x, goal * self.scale(x))
+                falling.run(x, goal * self.scale(x), min(most, FALLING))
         except ReplayProblem as problem:
             # From where it has come to, other methods may get on.
             report.why = str(problem)
         report.residual = self.residual_norm(x)
-        moving, steps = self._moving, self._moving.snes.getIterationNumber()
-        report.steps += steps
-        report.iterations += moving.iterations
+        steps = falling.snes.getIterationNumber()
+        report.steps, report.factors = report.steps + steps, report.factors + falling.matrices
+        report.iterations += falling.iterations
+        if self.problem.falls(x):
+            report.falls, report.why = True, FALLS
         log.info(
-            "TS kinetic damping to %g: %d steps, %d kinetic-energy peaks, %d rejected, dt %.1e, residual/load %.3e",
+            "TS fall to %g: %d steps, %d matrices, %d kinetic-energy peaks, %d rejected, dt %.1e, residual/load %.3e",
             goal,
             steps,
-            len(moving.resets),
-            moving.rejected,
-            moving.time_step,
+            falling.matrices,
+            len(falling.resets),
+            falling.rejected,
+            falling.time_step,
             report.residual,
         )
 
@@ -270,3 +297,11 @@ class EquilibriumSolver:
         self._noted += 1
         # Looked at in every step it would cost a twentieth of it.
         return self._noted % MEMORY == 0 and self.problem.falls(x)
+
+    def _note_fall(self, x: np.ndarray, norm: float) -> bool:
+        """The same of a fall; true too where the energy hardly falls any more, as where something stands in the way."""
+        ends = self.note(x, norm)
+        if ends or self._noted % MEMORY:
+            return ends
+        before, self._fell = self._fell, self.problem.energy(x)
+        return before - self._fell < STALLED * abs(self._fell)

@@ -9,7 +9,8 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.binding import friction_of, layers_of
-from restshape.physics.cloth.relaxation.cold_start import ColdStart, restart_soft
+from restshape.physics.cloth.relaxation.cold_start import ColdStart
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
@@ -21,8 +22,8 @@ log = logging.getLogger("restshape.physics")
 ESCAPES = 5
 """Saddles of the energy that are left in one frame before the cloth is said to rest on one."""
 ONE_MESH = "nested meshes led to no equilibrium: the cold start was made on one"
-SHORT = 300
-"""Steps from a saddle after which the membrane is softened for the rest of the way."""
+SHORT = 60
+"""Steps from a saddle after which the cloth falls for the rest of the way."""
 
 
 def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> RelaxationState:
@@ -68,7 +69,7 @@ def _equilibrium(
     if not (cold and strategy == "auto"):
         return x, STRATEGIES[strategy](solver, x, most, report), None
     friction, layers = friction_of(state.problem), layers_of(state.problem)
-    start = ColdStart(solver, options.settings.levels, options.arguments, options.make_solver)
+    start = _cold_start(solver, options, options.settings.levels)
     x = start.find(most, report)
     state.problem.begin(x)
     STRATEGIES[strategy](solver, x, most, report)
@@ -80,7 +81,7 @@ def _equilibrium(
     if layers is not None:
         state.problem.self_contact.history = layers
     again = ConvergenceReport()
-    x = ColdStart(solver, 1, options.arguments, options.make_solver).find(most, again)
+    x = _cold_start(solver, options, 1).find(most, again)
     STRATEGIES[strategy](solver, x, most, again)
     return x, again, report
 
@@ -92,6 +93,13 @@ def _come_apart(state: RelaxationState, x: np.ndarray, options: RelaxationOption
         log.info("Cloth has come apart: it touches itself from now on")
         report.converged = False
         STRATEGIES[options.strategy](state.solver, x, options.settings.steps, report)
+
+
+def _cold_start(solver: EquilibriumSolver, options: RelaxationOptions, levels: int) -> ColdStart:
+    """What lets the cloth of a scene fall, on so many nested meshes at most."""
+    start = options.scene.start
+    scattered = start is not None and start.scatter > 0.0
+    return ColdStart(solver, levels, options.arguments, options.make_solver, scattered)
 
 
 def _outcome(report: ConvergenceReport) -> str:
@@ -118,6 +126,6 @@ def _stabilise(state: RelaxationState, x: np.ndarray, options: RelaxationOptions
         report.converged = False
         converge(solver, x, min(most, SHORT), report)
         if not report.converged:
-            restart_soft(solver, x, most, report)
+            _cold_start(solver, options, 1).go_on(x, most, report)
             converge(solver, x, most, report)
     report.stable = saddle.is_stable(x) if report.converged else None

@@ -59,7 +59,7 @@ class SaddleEscape:
         if inertia == least:
             return False
         mode = self._lowest_mode(matrix)
-        sides = x + mode, x - mode
+        sides = [x + solver.problem.step_share(x, way) * way for way in (mode, -mode)]
         best = min(sides, key=solver.problem.energy)
         if not mode.any() or not solver.is_valid(best):
             return False
