@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from restshape.analysis.frame import Frame
 from restshape.first_use import made
@@ -12,7 +12,7 @@ from restshape.mesh.advance import NO_CELLS, MeshUpdate
 
 if TYPE_CHECKING:
     from restshape.algebra.linear_report import LinearReport
-    from restshape.analysis.restorable import RecallingAnalysis, RestorableAnalysis
+    from restshape.analysis.restorable import KeptAnswer, KeptUnknowns, RecallingAnalysis, RestorableAnalysis
     from restshape.mesh.moving import MovingMesh
     from restshape.mesh.moving_state import KeptMesh
     from restshape.policy import Policy
@@ -36,13 +36,13 @@ class KeptFrame(NamedTuple):
     """
 
     edit: ScriptFrame
-    answer: Any
+    answer: KeptAnswer
     mesh: KeptMesh | None = None
 
     @property
     def nbytes(self) -> int:
         """Of its arrays."""
-        return int(self.answer.nbytes) + (self.mesh.nbytes if self.mesh else 0)
+        return self.answer.nbytes + (self.mesh.nbytes if self.mesh else 0)
 
 
 class Returns:
@@ -104,7 +104,7 @@ class Returns:
             return None
         kept = self._kept.get(_identity(edit))
         if kept is not None and self._recalling is not None:
-            self._recalling.recall(kept.answer)
+            self._recalling.recall(cast("KeptUnknowns", kept.answer))
         if kept is None or kept.mesh is None or self._restorable is None:
             return None
         moving = self._moving
