@@ -80,7 +80,10 @@ def test_each_predicted_quantity_says_how_far_off_it_is(tmp_path):
         off = np.array([abs(rows["none"][k][f"q_{name}"] - rows["linear"][k][f"q_{name}"]) for k in ahead])
         said = np.array([rows["linear"][k][f"{name}_distance"] for k in ahead])
         far = off > 1e-3
-        assert (said[far] > least * off[far]).all() and (said[far] < 2.5 * off[far]).all(), (off, said)
+        share = [rows["linear"][k]["estimate"] * abs(rows["linear"][k][f"q_{name}"]) for k in ahead]
+        assert (said >= 0.999 * np.array(share)).all(), (said, share)
+        most = np.maximum(2.5 * off, 1.001 * np.array(share))
+        assert (said[far] > least * off[far]).all() and (said[far] < most[far]).all(), (off, said)
     last = max(k for k in ahead if rows["linear"][k]["estimate"] > 0.15)
     share = rows["linear"][last]["behind_distance"] / rows["none"][last]["q_behind"]
     assert share > 2.0 * rows["linear"][last]["estimate"] > 0.3

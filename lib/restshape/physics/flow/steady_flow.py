@@ -36,6 +36,16 @@ def distance(problem: SteadyProblem, between: np.ndarray, x: np.ndarray) -> floa
 class SteadyFlowPredictor(SteadyPredictor):
     """A `SteadyPredictor` of flows, whose distances are those of velocities."""
 
+    def quantity_distances(self) -> dict[str, float]:
+        """As of `SteadyPredictor`, but at least the share of each quantity by which velocities may be off.
+
+        A step with the kept factor is one of an equation that is not linear: what it leaves of a drag may be larger
+        than what it changes.
+        """
+        found, share = super().quantity_distances(), self.analysis.errors().get("estimate", 0.0)
+        shown = self.analysis.observe() if found else {}
+        return {name: max(one, share * abs(shown[name])) for name, one in found.items()}
+
     def _distance(self, predicted: np.ndarray, exact: np.ndarray) -> float:
         return distance(self.analysis.problem, predicted - exact, exact)
 
