@@ -5,7 +5,7 @@ from cloths import BALL, CONTACT, PIN, cloth
 
 from restshape.application import application_of
 from restshape.errors import UserError
-from restshape.physics.cloth.layers import touches_itself
+from restshape.physics.cloth.touching_itself import touches_itself
 from restshape.replay.first_frame import first_frame
 from restshape.scene.plan import plan
 

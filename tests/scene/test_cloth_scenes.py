@@ -211,9 +211,9 @@ def test_a_list_of_another_length_is_reported_by_its_key_with_an_example(tmp_pat
     assert what in reported.value.what and reported.value.do == do
 
 
-def test_all_levels_of_the_mesh_lead_to_rest_unless_fewer_are_asked_for(tmp_path):
+def test_one_level_of_the_mesh_leads_to_rest_unless_more_are_asked_for(tmp_path):
     scene = cloth(tmp_path, PIN, overrides=("mesh.levels=3",))
-    assert plan(scene, COUTURE).settings("drape").levels == 3
+    assert plan(scene, COUTURE).settings("drape").levels == 1
     assert plan(revise(scene, "effects.drape.levels", 2), COUTURE).settings("drape").levels == 2
     with pytest.raises(UserError, match="the mesh has 3 levels"):
         revise(scene, "effects.drape.levels", 4)
@@ -226,14 +226,6 @@ def test_bodies_that_nothing_touches_ask_for_contact_alone(tmp_path):
     with pytest.raises(UserError, match="nothing catches it") as refused:
         plan(cloth(tmp_path), COUTURE)
     assert "[supports.NAME]" in refused.value.do and "[bodies.NAME]" in refused.value.do
-
-
-def test_a_warning_of_bodies_that_come_through_holds_nothing_else(tmp_path):
-    found = plan(cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=2",)), COUTURE)
-    (reported,) = found.warnings
-    assert "bodies.ball may come through" in reported and "stiffness" not in reported
-    (why,) = (effect.why for effect in found.effects if effect.name == "contact")
-    assert "stiffness" in why and "may come through" not in why
 
 
 def test_a_body_holds_no_cloth_by_its_name(tmp_path):

@@ -155,17 +155,16 @@ def thinnest(trial: Trial) -> Iterator[Statement]:
 
 
 def limp_on_nested_meshes(trial: Trial) -> Iterator[Statement]:
-    """A membrane of 3 N/m on a ball, which coarse meshes let past it: it rests as on one mesh, and a note says so."""
+    """A membrane of 3 N/m on a ball, which coarse meshes hardly see: it rests as on one mesh."""
     limp = 'material.cotton.E="10 kPa"'
     text = square(0.0209, ball(0.35, 0.35, 0.2), CONTACT, side=0.7)
     alone, rows = played(trial, text, overrides=[limp])
     yield from resting(alone, rows)
     wanted = rows[0]["q_potential"]
-    nested, rows = played(trial, text, overrides=[limp, "mesh.levels=3"])
+    nested, rows = played(trial, text, overrides=[limp, "mesh.levels=3", "effects.drape.levels=3"])
     yield from resting(nested, rows)
     yield true("stable", rows[0]["tangent_positive_definite"] == 1)
     yield near("energy is that on one mesh [J]", rows[0]["q_potential"], wanted, FOLDS)
-    yield true("a note says that one mesh was used", "made on one" in rows[0]["note"], rows[0]["note"] or "no note")
 
 
 CASES = {

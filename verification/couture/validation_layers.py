@@ -88,7 +88,7 @@ def folded_strip(comm: PETSc.Comm) -> list[Check]:
     sheet.set_values(sheet.fabric, replace(sheet.supports, mask=mask, places=places), sheet.g)
     y, report, solver = sheet.flat(x), ConvergenceReport(), analysis.state.solver
     assert sheet.begin(y)
-    solver.damp(y, 0.05, report)
+    solver.fall(y, 0.05, MOST, report)
     solver.converge(y, MOST, report)
     corners = sheet.corners(y)
     low = corners[(along > 0.05 * along.max()) & (along < 0.25 * along.max()), 2].mean()

@@ -12,6 +12,7 @@ from restshape_verification.solid.stability_large import SPRINGS, UNVERIFIED, re
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
+NEAR_THE_LIMIT = Known(1e-7, "rounding, 25 times as large in a column at 0.98 of the length at which it buckles")
 E, THICKNESS, DEPTH = 1e6, 0.05, 0.1
 EULER = np.pi**2 * E * THICKNESS * DEPTH**3 / 12 / 4
 """What a clamped column of length 1 with a free end bears [N]."""
@@ -117,7 +118,7 @@ def dragged_to_the_limit(trial: Trial) -> Iterator[Statement]:
     for predict in ("none", "linear"):
         if predict == "none" or trial.policy not in SPRINGS:
             rows = trial.rows(column(0.8 * EULER), drag("top", (DEPTH / 2, 1.0), path), predict=predict)
-            yield below("sway [m]", max(abs(row["q_sway"]) for row in rows), trial.solved(CONDITIONED))
+            yield below("sway [m]", max(abs(row["q_sway"]) for row in rows), trial.solved(NEAR_THE_LIMIT))
             yield from valid(rows)
 
 

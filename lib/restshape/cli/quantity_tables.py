@@ -20,7 +20,7 @@ def print_quantities(summary: dict[str, Any]) -> None:
 
     quantities, errors, sizes = summary["quantities"], summary["quantity_errors"], summary["scales"]
     units, beside = summary.get("units", {}), summary.get("beside", {})
-    distances = summary["predicted_distances"]
+    distances = summary.get("predicted_distances", {})
     said = any(map(any, beside.values()))
     head = LARGEST + (OF_SOLVED if summary["predicted"] else "")
     heads = ("quantity", "first", "last", "min", "max") + ((head,) if errors else ())

@@ -116,7 +116,7 @@ def test_of_cloth_on_a_ball_all_that_is_known_is_reported(tmp_path):
     rows = {row["effect"]: row for row in json.loads((tmp_path / "found.json").read_text())}
     app = application("cloth")
     assert list(rows) == [*app.effects, *app.derived, *PARTS]
-    assert [name for name, row in rows.items() if row["on"]] == [*app.effects, "friction", *PARTS]
+    assert [name for name, row in rows.items() if row["on"]] == [*app.effects, "friction", "self_contact", *PARTS]
     assert sum(row["share"] for row in rows.values()) == pytest.approx(1.0, abs=1e-9)
     assert all(-row["spread"] <= row["share"] <= 1.0 + row["spread"] for row in rows.values())
     core = rows["cloth"]

@@ -8,8 +8,8 @@ from pydantic import ConfigDict, Field
 from restshape.bounds import TOLERANCE
 from restshape.errors import UserError
 from restshape.physics.cloth.body_columns import body_columns
-from restshape.physics.cloth.layers import FINE, layer_thickness
 from restshape.physics.cloth.thin_bodies import borne
+from restshape.physics.cloth.touching_itself import FINE, layer_thickness
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, Whole, number_of
