@@ -24,7 +24,7 @@ from restshape.algebra.traits import Traits
 from restshape.application import application, application_of
 from restshape.calibration import Calibration
 from restshape.cli.options import add_json, write_json
-from restshape.errors import one_line
+from restshape.errors import ReplayProblem, one_line
 from restshape.mesh.generate import generate
 from restshape.outputs.kinds import PictureFile
 from restshape.physics.cloth.cloth_problem import ClothProblem
@@ -145,8 +145,13 @@ def move(sheet: ClothProblem, x: np.ndarray, manner: Manner, most: int) -> Cours
         moving.on_step = note
         if manner.refreshed:
             moving.on_move = sheet.follow_friction
-        norm = moving.run(x, REST * sheet.lumped.load)
-        moving.free()
+        try:
+            norm = moving.run(x, REST * sheet.lumped.load)
+        except ReplayProblem:
+            # Steps that nothing checks may go so deep into a body that the next one has no solution.
+            break
+        finally:
+            moving.free()
         if norm > REST * sheet.lumped.load:
             break
         note(x, norm)
