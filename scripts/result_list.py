@@ -95,7 +95,7 @@ def studied(name: str, scene: str, quantity: str) -> Result:
         (f"accuracy-{name}/*.md", f"accuracy-{name}/*.png"),
         (
             f"restshape accuracy {words} --policies auto,refactor --budget 120s --seconds 10 --reference-seconds 60 "
-            f"--out results/accuracy-{name} --json results/accuracy-{name}/accuracy.json",
+            f"--out results/accuracy-{name}",
         ),
         ("restshape_studies.commands.accuracy", "restshape_studies.accuracy.*"),
         timed=True,
