@@ -8,9 +8,8 @@ from petsc4py import PETSc
 from restshape_studies.stability.scenery import across, drag
 from restshape_studies.validation.case import CLOSED_FORM, Check
 from restshape_verification.flow.heated_scenes import BUOYANT, in_time, warm_everywhere
-from restshape_verification.flow.shown import played, shown
+from restshape_verification.flow.shown import played, shown, swing
 
-from restshape.analysis.frame import Frame
 from restshape.fem.elements import MASS
 from restshape.fem.space import Space
 
@@ -98,15 +97,8 @@ def waves_in_time(comm: PETSc.Comm) -> list[Check]:
 def _swung(comm: PETSc.Comm, steps: int, way: float) -> np.ndarray:
     """Velocities and temperatures (n, 3) after so many steps, in which nodes go to and fro by a way [m]."""
     analysis = shown(waving(END / steps, 0.05), comm).analysis
-    space, scene = analysis.space, analysis.state.scene
-    X = space.X.copy()
-    analysis.begin(waves_at(X, 0.0))
-    bump = np.sin(np.pi * X[:, :1]) * np.sin(np.pi * X[:, 1:])
-    for k in range(steps):
-        if way:
-            space.X[:] = X + way * np.sin(2 * np.pi * (k + 1) / steps) * bump
-            space.geometry += 1
-        analysis.solve(Frame(space, np.empty(0, np.int32), None, scene, (None, (0.0, 0.0))))
+    analysis.begin(waves_at(analysis.space.X, 0.0))
+    swing(analysis, steps, way)
     return analysis.x[:, [0, 1, 3]].copy()
 
 

@@ -9,6 +9,8 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.stability.scenery import make_replay, write_scene, write_script
 
+from restshape.analysis.analysis import Analysis
+from restshape.analysis.frame import Frame
 from restshape.fem.space import Space
 from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
@@ -47,3 +49,15 @@ def played(
                 analysis.begin(exact(analysis.space.X, 0.0))
             found.append(measure(analysis.space, analysis.x - exact(analysis.space.X, analysis.time)))
     return found
+
+
+def swing(analysis: Analysis, steps: int, way: float) -> None:
+    """Steps of a flow in the unit square, in which nodes inside go to and fro by a way [m], and end where they were."""
+    space, scene = analysis.space, analysis.state.scene
+    X = space.X.copy()
+    bump = np.sin(np.pi * X[:, :1]) * np.sin(np.pi * X[:, 1:])
+    for k in range(steps):
+        if way:
+            space.X[:] = X + way * np.sin(2 * np.pi * (k + 1) / steps) * bump
+            space.geometry += 1
+        analysis.solve(Frame(space, np.empty(0, np.int32), None, scene, (None, (0.0, 0.0))))

@@ -8,10 +8,9 @@ from petsc4py import PETSc
 from restshape_studies.stability.scenery import across, drag
 from restshape_studies.validation.case import CLOSED_FORM, Check
 from restshape_verification.flow.scenes import everywhere, in_time, kovasznay
-from restshape_verification.flow.shown import played, shown
+from restshape_verification.flow.shown import played, shown, swing
 
 from restshape.analysis.analysis import Analysis
-from restshape.analysis.frame import Frame
 from restshape.fem.elements import MASS
 from restshape.fem.space import Space
 
@@ -105,13 +104,6 @@ def vortices_in_time(comm: PETSc.Comm) -> list[Check]:
 def _swung(comm: PETSc.Comm, scheme: str, steps: int, way: float) -> np.ndarray:
     """The velocities (n, 2) after so many steps, in which nodes go to and fro by a way [m]."""
     analysis: Analysis = shown(_vortices(in_time(END / steps, scheme), 0.03), comm).analysis
-    space, scene = analysis.space, analysis.state.scene
-    X = space.X.copy()
-    analysis.begin(vortices_at(X, 0.0))
-    bump = np.sin(np.pi * X[:, :1]) * np.sin(np.pi * X[:, 1:])
-    for k in range(steps):
-        if way:
-            space.X[:] = X + way * np.sin(2 * np.pi * (k + 1) / steps) * bump
-            space.geometry += 1
-        analysis.solve(Frame(space, np.empty(0, np.int32), None, scene, (None, (0.0, 0.0))))
+    analysis.begin(vortices_at(analysis.space.X, 0.0))
+    swing(analysis, steps, way)
     return analysis.x[:, :2].copy()
