@@ -98,6 +98,20 @@ def test_a_mass_by_area_is_reported_what_density_it_makes():
 
 
 @pytest.mark.parametrize(
+    ("text", "dimension", "remedy"),
+    [
+        ("25 C", "temperature", 'write "25 degC"'),
+        ("77 F", "temperature", 'write "25 degC"'),
+        ("0.1 m/s*t", "velocity", 'write a = "0.1 m/s" in [parameters], and "a*t/(1 s)" here'),
+    ],
+)
+def test_a_unit_that_looks_like_another_thing_is_told_what_was_meant(text: str, dimension: str, remedy: str):
+    with pytest.raises(UnitError) as reported:
+        quantity(text, dimension)
+    assert remedy in str(reported.value)
+
+
+@pytest.mark.parametrize(
     "text", ["12 parsec", "12 mm mm/", "twelve mm", "", "nan", "inf", "1e999", "12 m//s", "1 m**2"]
 )
 def test_what_is_no_quantity_is_refused(text):

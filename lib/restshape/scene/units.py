@@ -327,12 +327,7 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
                 what = f"{value!r} is a temperature on a scale, but {article(dimension)} is wanted"
                 raise UnitError(what, f"write the difference in K: {example}")
             if dimension is not None and powers != DIMENSIONS[dimension]:
-                if dimension == "density" and powers == MASS_BY_AREA:
-                    by_area = float(match[1]) * factor
-                    example = (
-                        "divide it by the thickness, for rho times thickness is the mass by area: "
-                        f'{value} that are 0.4 mm thick have rho = "{by_area / 4e-4:.6g} kg/m^3"'
-                    )
+                example = _meant(match, factor, powers, dimension) or example
                 raise UnitError(f"{value!r} is {article(spelled(powers))}, but {article(dimension)} is wanted", example)
         value = match[1]
     number = _as_float(value) * factor + zero
@@ -340,6 +335,31 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
         shown = quoted(value) if isinstance(value, str) else "the number" if isinstance(value, int) else value
         raise UnitError(f"{shown} is not a finite number")
     return number, "temperature" if zero else dimension
+
+
+def _meant(match: re.Match[str], factor: float, powers: Powers, dimension: str) -> str:
+    """What to write in place of a number whose unit is one of another dimension; empty where nothing is known.
+
+    Args:
+        match: of NUMBER_UNIT, with a unit.
+        factor: to SI of that unit.
+        powers: of that unit.
+        dimension: that is wanted.
+    """
+    number, text = match[1], match[2].strip()
+    if dimension == "density" and powers == MASS_BY_AREA:
+        return (
+            "divide it by the thickness, for rho times thickness is the mass by area: "
+            f'{number} {text} that are 0.4 mm thick have rho = "{float(number) * factor / 4e-4:.6g} kg/m^3"'
+        )
+    if dimension == "temperature" and text == "C":
+        return f'C is the coulomb: write "{number} degC"'
+    if dimension == "temperature" and text == "F":
+        return f'F is the farad, and degrees Fahrenheit are not read: write "{(float(number) - 32) / 1.8:.6g} degC"'
+    if re.search(r"\*\s*t\b", text):
+        given = f"{number} {text[: text.index('*')].strip()}"
+        return f't is the tonne in a unit; if it is the time, write a = "{given}" in [parameters], and "a*t/(1 s)" here'
+    return ""
 
 
 def _unit_of(value: str, text: str) -> tuple[float, Powers]:

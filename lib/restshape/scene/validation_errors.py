@@ -51,6 +51,8 @@ def _reported(details: ErrorDetails, source: Source, root: type[BaseModel], pref
         key = key[:-1]
     what, do = plain(details)
     match details["type"]:
+        case "missing" if len(location) == 1 and (inner := known_keys(root, location)):
+            return source.error(key, f"the table [{location[0]}] is missing", f"add it; its keys: {', '.join(inner)}")
         case "extra_forbidden":
             known = known_keys(root, location[:-1])
             do = f"write [shape.{key[0]}]" if tuple(key) in IN_SHAPE else suggestion(str(key[-1]), known)
