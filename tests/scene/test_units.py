@@ -105,7 +105,7 @@ def test_a_mass_by_area_is_reported_what_density_it_makes():
         ("0.1 m/s*t", "velocity", 'write a = "0.1 m/s" in [parameters], and "a*t/(1 s)" here'),
     ],
 )
-def test_a_unit_that_looks_like_another_thing_is_told_what_was_meant(text: str, dimension: str, remedy: str):
+def test_a_unit_that_looks_like_another_thing_is_reported_with_what_was_meant(text: str, dimension: str, remedy: str):
     with pytest.raises(UnitError) as reported:
         quantity(text, dimension)
     assert remedy in str(reported.value)
