@@ -14,7 +14,7 @@ from restshape.fem.observer import Observer
 from restshape.fem.problem import Fields, Inertia, TransientProblem, Unknown
 from restshape.fem.region_materials import by_cell, table_by_region
 from restshape.fem.space import Space
-from restshape.fem.supports import dirichlet_of
+from restshape.fem.supports import scalar_dirichlet_of
 from restshape.fem.time_integration import Theta, TimeIntegration
 from restshape.physics.heat.heat_quantities import heat_quantity
 from restshape.physics.heat.surface import SurfaceHeat
@@ -58,7 +58,7 @@ class HeatConduction(TransientProblem):
             blocks += load.kind == "convection"
             if load.kind != "source":
                 self.surfaces.append(SurfaceHeat(key, scene, space, thickness, blocks))
-        self.boundary = dirichlet_of(scene, space, self.unknowns)
+        self.boundary = scalar_dirichlet_of(scene, space, self.unknowns[0])
         self.boundary.evaluate(space.X)
         self.bare = by_cell(np.pad(self.materials[:, :2], ((0, 0), (0, self.sources.points))), space.cell_region)
         self.params = self._with_sources()

@@ -1,4 +1,7 @@
-"""Corners at which two edges with different temperatures meet: heat that flows there has no limit as cells shrink."""
+"""Corners at which two edges with different temperatures meet: heat that flows there has no limit as cells shrink.
+
+And loads at edges whose temperature is fixed.
+"""
 
 from collections.abc import Iterator, Mapping
 
@@ -21,14 +24,25 @@ Given = Mapping[str, tuple[str, Value]]
 
 
 def inspect_conduction(scene: Scene, outline: Outline) -> Inspection:
-    """Warnings of temperatures that jump between edges of a body that conducts heat."""
+    """Warnings of a body that conducts heat: temperatures that jump between edges, and loads where they are fixed."""
     given = {
         on: (f"supports.{name}.fix.temperature", support.fix["temperature"])
         for name, support in scene.supports.items()
         if "temperature" in support.fix
         for on in support.on
     }
-    return Inspection(warnings=temperature_jumps(scene, outline, given))
+    return Inspection(warnings=(*temperature_jumps(scene, outline, given), *_idle_loads(scene, outline, given)))
+
+
+def _idle_loads(scene: Scene, outline: Outline, given: Given) -> Iterator[str]:
+    """A warning for each load on edges whose temperature is fixed: its heat changes no temperature."""
+    fixed = {edge for on in given for edge in outline.entity(on).edges}
+    for name, load in scene.loads.items():
+        edges = {edge for on in load.on for edge in outline.entity(on).edges} if load.kind != "source" else set()
+        if both := sorted(fixed & edges):
+            names = ", ".join(repr(outline.edges[edge].name) for edge in both)
+            what = f"loads.{name} changes no temperature at {names}, where a support fixes it"
+            yield f"{what}; take out one of the two there"
 
 
 def temperature_jumps(scene: Scene, outline: Outline, given: Given) -> tuple[str, ...]:
