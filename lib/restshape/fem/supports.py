@@ -30,7 +30,7 @@ def dirichlet_of(scene: Scene, space: Space, unknowns: Sequence[Unknown]) -> Dir
 
 
 def scalar_dirichlet_of(scene: Scene, space: PlaneSpace, unknown: Unknown) -> Dirichlet:
-    """The same of one unknown that may jump at corners: where edges meet, that of the support that comes first holds."""
+    """The same of one unknown that may jump at corners: where edges meet the support that comes first holds."""
     conditions, before = [], list[tuple[np.ndarray, np.ndarray]]()
     for name, support in scene.supports.items():
         nodes, facets = nodes_on(space, support.on), facets_on(space, support.on)
