@@ -47,6 +47,7 @@ __all__: list[str] = [
     "matrices",
     "matrix_products",
     "mean_at",
+    "mean_value",
     "move_and_check",
     "multiply_in_registers",
     "narrow_widths",
@@ -549,6 +550,12 @@ def mean_at(
     at: numpy.typing.NDArray[numpy.int32],
     values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> float: ...
+def mean_value(
+    points: numpy.typing.NDArray[numpy.float64],
+    vertices: numpy.typing.NDArray[numpy.float64],
+    segments: numpy.typing.NDArray[numpy.int32],
+    values: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def move_and_check(
     X_reference: numpy.typing.NDArray[numpy.float64],
     Psi: numpy.typing.NDArray[numpy.float64],

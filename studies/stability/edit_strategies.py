@@ -67,7 +67,7 @@ def sets(scene: Table) -> st.SearchStrategy[list[Table]]:
         "parameters.k": [0.0, 0.1, -3.0],
         "mesh.size": [1.3 * size, 2 * size, 10.0],
         "mesh.order": [1, 2],
-        "mesh.relocation": ["mvc", "laplacian", "harmonic"],
+        "mesh.relocation": ["mvc", "pmvc", "laplacian", "harmonic"],
         "solve.tolerance": [1e-2, 1e-10],
         "supports.s0.fix": [["x"], ["x", "y"], {"x": 0.02}],
         "supports.s0.on": ["e2", "outline", "p1"],

@@ -125,7 +125,7 @@ def meshes(draw: st.DrawFn, area: float, effects: Table) -> Table:
     if model == "solid":
         mesh["layers"] = draw(st.integers(1, 2))
     if draw(st.integers(0, 2)) == 0:
-        mesh["relocation"] = draw(st.sampled_from(["harmonic", "mvc", "laplacian"]))
+        mesh["relocation"] = draw(st.sampled_from(["harmonic", "pmvc", "mvc", "laplacian"]))
     if draw(st.integers(0, 3)) == 0:
         mesh["mesher"] = draw(st.sampled_from(["cgal", "gmsh"]))
     if draw(st.integers(0, 3)) == 0:

@@ -11,11 +11,12 @@ import pytest
 from small_scenes import HEAD, block, meshed, plate, write_scene
 
 from restshape.cli.check_scene import add_drawing, starting_outline
-from restshape.cli.doubts import doubts
+from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.limits import large_drawing, messages
 from restshape.errors import UserError
 from restshape.physics.elasticity.inspection import inspect_solid
 from restshape.scene.descriptions import but_rounding
+from restshape.scene.edit_script import read_script
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
@@ -131,6 +132,27 @@ def test_a_mesh_file_and_a_size(tmp_path):
     scene = load_scene(write_scene(tmp_path, text))
     size, new = doubts(scene, starting_outline(scene))
     assert size.startswith("mesh.size") and "takes its place: refinements of the file are lost" in new
+
+
+HOLED = "shape.holes={window={circle={center=[1,0.5],radius=0.1}}}"
+
+
+@pytest.mark.parametrize(("shape", "count"), [("", 0), (HOLED, 1)])
+def test_the_old_name_of_positive_mean_values(tmp_path, shape, count):
+    path = scene_of(tmp_path).path
+    for word, many in (("mvc", count), ("pmvc", 0), ("harmonic", 0)):
+        scene = load_scene(path, [f"mesh.relocation={word}", *[shape] * bool(shape)])
+        found = doubts(scene, starting_outline(scene))
+        assert len(found) == many and all('set "pmvc" for those, which "mvc" meant before' in one for one in found)
+
+
+def test_the_old_name_of_positive_mean_values_that_a_script_sets(tmp_path):
+    scene = load_scene(scene_of(tmp_path).path, [HOLED])
+    lines = [{"format": "restshape-edits", "version": 1}, {"t": 0, "do": "set", "key": "mesh.relocation"}]
+    lines[1]["value"] = "mvc"
+    text = "".join(f"{json.dumps(line)}\n" for line in lines)
+    (found,) = script_doubts(scene, starting_outline(scene), read_script(text, tmp_path / "edits.jsonl", scene))
+    assert found.startswith('line 2: set mesh.relocation: "mvc" is plain')
 
 
 @pytest.mark.parametrize("size", ["'6 Mm'", "'3 m'"])

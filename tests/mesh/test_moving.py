@@ -20,7 +20,7 @@ from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame
 
-KINDS = ("harmonic", "mvc", "laplacian")
+KINDS = ("harmonic", "pmvc", "mvc", "laplacian")
 
 
 def plate(radius: float = 0.12, x: float = 0.3) -> Outline:
@@ -100,7 +100,7 @@ def test_a_hole_dragged_there_and_back(kind, criterion):
     assert levels <= {1, 2, 3} and {1, 3} <= levels
 
 
-@pytest.mark.parametrize("kind", ["harmonic", "mvc"])
+@pytest.mark.parametrize("kind", ["harmonic", "pmvc", "mvc"])
 def test_nodes_move_by_the_linear_map_and_come_back(kind):
     mesh, hand, gesture = begin(kind)
     start, Psi = mesh.mesh.X.copy(), mesh.Psi
@@ -349,7 +349,7 @@ def test_its_dimension_is_that_of_the_mesh_it_has():
     assert mesh.dim == 3
 
 
-@pytest.mark.parametrize("kind", ["harmonic", "mvc", "laplacian"])
+@pytest.mark.parametrize("kind", ["harmonic", "pmvc", "mvc", "laplacian"])
 @pytest.mark.parametrize("spec", [{}, {"order": 2}, {"levels": 2}])
 def test_its_motion_has_the_dimension_of_the_mesh(kind, spec):
     outline = plate()

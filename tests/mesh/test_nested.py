@@ -163,7 +163,7 @@ def same(nested: NestedMesh, coarse: Mesh) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["harmonic", "mvc", "laplacian"])
+@pytest.mark.parametrize("kind", ["harmonic", "pmvc", "mvc", "laplacian"])
 @pytest.mark.parametrize("levels", [2, 3])
 def test_a_hole_dragged_there_and_back(kind, levels):
     mesh, hand, gesture = begin(kind, levels=levels)

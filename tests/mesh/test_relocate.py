@@ -5,14 +5,14 @@ import pytest
 from mesh_samples import SQUARE, grid, holed_mesh, l_mesh, mesh_of, polygon_outline, shaken
 
 from restshape import _kernels
-from restshape.mesh.relocate import BoundaryNodes, HarmonicExtension, MeanValueExtension, extension, motion
+from restshape.mesh.relocate import BoundaryNodes, HarmonicExtension, PositiveMeanValueExtension, extension, motion
 from restshape.shape.gesture import drag
 
 LINEAR = np.array([[2.0, -1.0, 0.5], [0.3, 4.0, -2.0]])
 
 
 @pytest.mark.parametrize("make", [l_mesh, holed_mesh])
-@pytest.mark.parametrize(("kind", "tolerance"), [("harmonic", 1e-12), ("mvc", 1e-13)])
+@pytest.mark.parametrize(("kind", "tolerance"), [("harmonic", 1e-12), ("pmvc", 1e-13), ("mvc", 1e-12)])
 def test_linear_functions_are_reproduced_in_concave_shapes_and_around_holes(make, kind, tolerance):
     mesh = make()
     boundary = BoundaryNodes(mesh)
@@ -21,7 +21,7 @@ def test_linear_functions_are_reproduced_in_concave_shapes_and_around_holes(make
     assert np.abs(found - linear).max() < tolerance * np.abs(linear).max()
 
 
-@pytest.mark.parametrize("kind", ["harmonic", "mvc"])
+@pytest.mark.parametrize("kind", ["harmonic", "pmvc", "mvc"])
 def test_the_map_is_linear_in_the_boundary(kind):
     mesh = holed_mesh()
     nodes = BoundaryNodes(mesh).nodes
@@ -55,6 +55,52 @@ def test_positive_mean_value_equals_mean_value_weights_where_all_is_visible():
     weights = (tangents + np.roll(tangents, 1)) / r
     found = _kernels.positive_mean_value(point[None], corners, segments, np.eye(5))[0]
     assert np.allclose(found, weights / weights.sum(), rtol=0, atol=1e-14)
+
+
+def mean_value_weights(point, loops):
+    """Floater's weights of a point in nested polygons, straight from signed angles; the inside is on their left."""
+    found = []
+    for corners in loops:
+        arms = corners - point
+        angles = np.angle(np.roll(arms, -1, axis=0) @ [1, 1j] * np.conj(arms @ [1, 1j]))
+        tangents = np.tan(angles / 2)
+        found.append((tangents + np.roll(tangents, 1)) / np.linalg.norm(arms, axis=1))
+    weights = np.concatenate(found)
+    return weights / weights.sum()
+
+
+def test_mean_value_weights_are_those_of_signed_angles_with_negative_ones():
+    outer = np.array([[0.0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]])
+    hole = np.array([[0.4, 0.4], [0.4, 0.6], [0.6, 0.6], [0.6, 0.4]])
+    points = np.array([[1.8, 0.5], [0.2, 1.7], [0.5, 0.2], [0.9, 0.9], [1.0, 0.999]])
+    segments = [[i, (i + 1) % 6] for i in range(6)] + [[6 + i, 6 + (i + 1) % 4] for i in range(4)]
+    vertices = np.concatenate([outer, hole])
+    found = _kernels.mean_value(points, vertices, np.array(segments, dtype=np.int32), np.eye(10))
+    expected = [mean_value_weights(point, [outer, hole]) for point in points]
+    assert np.allclose(found, expected, rtol=0, atol=1e-12)
+    assert found.min() < -0.01 and np.abs(found.sum(axis=1) - 1).max() < 1e-13
+
+
+@pytest.mark.parametrize("kind", ["pmvc", "mvc"])
+def test_mean_values_of_both_kinds_are_one_in_a_convex_shape(kind):
+    X, cells = grid(12, 12, 1.0, 1.0)
+    mesh = shaken(mesh_of(polygon_outline(SQUARE), X, cells), 0.02)
+    nodes = BoundaryNodes(mesh).nodes
+    values = np.random.default_rng(5).normal(size=(len(nodes), 2))
+    found = extension(mesh, nodes, kind)(values)
+    assert np.allclose(found, extension(mesh, nodes, "pmvc")(values), rtol=0, atol=1e-13)
+
+
+def test_mean_values_over_the_border_of_a_region_leave_no_jump():
+    """Around a node on it, neighbours on both sides have nearly its value."""
+    mesh = holed_mesh(16)
+    nodes = BoundaryNodes(mesh).nodes
+    smooth = np.sin(3 * mesh.X[:, :1]) * np.cos(2 * mesh.X[:, 1:])
+    found = extension(mesh, nodes, "mvc")(smooth[nodes])
+    border = np.isin(np.arange(len(mesh.X)), mesh.facets[mesh.facets_of("patch")])
+    ends = mesh.edge_nodes[border[mesh.edge_nodes].any(axis=1)]
+    steps, lengths = np.ptp(found[ends, 0], axis=1), np.linalg.norm(np.ptp(mesh.X[ends], axis=1), axis=1)
+    assert (steps < 6 * lengths).all()
 
 
 def test_positive_mean_value_ignores_what_is_hidden():
@@ -111,7 +157,7 @@ def test_harmonic_error_falls_with_the_square_of_the_size():
     assert np.log2(errors[0] / errors[2]) / 2 > 1.8
 
 
-@pytest.mark.parametrize("kind", ["harmonic", "mvc"])
+@pytest.mark.parametrize("kind", ["harmonic", "pmvc", "mvc"])
 def test_a_dragged_hole_moves_its_boundary_by_the_hand_and_leaves_the_rest(kind):
     mesh = holed_mesh()
     outline = mesh.outline
@@ -135,7 +181,7 @@ def test_mean_values_reach_embedded_points():
     values = np.zeros((len(boundary.nodes), 1))
     probe = mesh.vertex_node[mesh.outline.vertex_names.index("probe")]
     values[boundary.nodes == probe] = 1.0
-    found = MeanValueExtension(mesh, boundary.nodes)(values)
+    found = PositiveMeanValueExtension(mesh, boundary.nodes)(values)
     assert found[probe, 0] == pytest.approx(1.0, abs=1e-13)
     assert np.array_equal(found[boundary.nodes[boundary.nodes != probe]], np.zeros((len(boundary.nodes) - 1, 1)))
     neighbours = np.unique(mesh.cells[(mesh.cells == probe).any(axis=1)])

@@ -110,7 +110,7 @@ def test_the_area_is_that_of_the_parabolas(size):
     assert _kernels.total_area(space.X, space.cells) == pytest.approx(2.0 - polygon - parabolas, rel=1e-13)
 
 
-@pytest.mark.parametrize("kind", ["harmonic", "mvc", "laplacian"])
+@pytest.mark.parametrize("kind", ["harmonic", "pmvc", "mvc", "laplacian"])
 def test_a_hole_dragged_there_and_back(kind):
     mesh, hand, gesture = begin(kind)
     levels = set()

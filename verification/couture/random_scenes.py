@@ -120,7 +120,7 @@ def meshes(draw: st.DrawFn, area: float) -> Table:
     if draw(st.integers(0, 3)) == 0:
         mesh["levels"] = draw(st.sampled_from([2, 2, 3]))
     if draw(st.integers(0, 2)) == 0:
-        mesh["relocation"] = draw(st.sampled_from(["harmonic", "mvc", "laplacian"]))
+        mesh["relocation"] = draw(st.sampled_from(["harmonic", "pmvc", "mvc", "laplacian"]))
     if draw(st.integers(0, 9)) == 0:
         mesh["order"] = draw(st.sampled_from([1, 1, 2]))
     return mesh

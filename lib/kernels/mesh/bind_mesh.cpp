@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "mesh/harmonic.hpp"
 #include "mesh/location.hpp"
@@ -77,8 +78,9 @@ py::tuple relax_and_check(const Doubles& X_reference, const Doubles& Psi, double
     return as_tuple(restshape::check_cells(X.data(), cells.data(), cells.shape(0), area_floor, quality_floor));
 }
 
-Doubles positive_mean_value(const Doubles& points, const Doubles& vertices, const Indices& segments,
-                            const Doubles& values) {
+// Checked arguments of mean value coordinates; the array that their values go to.
+Doubles room_for_mean_values(const Doubles& points, const Doubles& vertices, const Indices& segments,
+                             const Doubles& values) {
     require_rows(points, 2, "points");
     require_rows(vertices, 2, "vertices");
     require_rows(segments, 2, "segments");
@@ -89,14 +91,30 @@ Doubles positive_mean_value(const Doubles& points, const Doubles& vertices, cons
         if (vertex < 0 || vertex >= vertices.shape(0))
             throw std::invalid_argument("segments name a vertex that is not there");
     }
-    restshape::PositiveMeanValue coordinates(vertices.data(), static_cast<std::int32_t>(vertices.shape(0)),
-                                             segments.data(), static_cast<std::int32_t>(segments.shape(0)));
+    return Doubles({points.shape(0), values.shape(1)});
+}
+
+template <class Coordinates>
+Doubles interpolated(Coordinates coordinates, const Doubles& points, const Doubles& values, Doubles out) {
     const py::ssize_t width = values.shape(1);
-    Doubles out({points.shape(0), width});
     for (py::ssize_t i = 0; i < points.shape(0); ++i) {
         coordinates.interpolate(points.data() + 2 * i, values.data(), width, out.mutable_data() + width * i);
     }
     return out;
+}
+
+Doubles mean_value(const Doubles& points, const Doubles& vertices, const Indices& segments, const Doubles& values) {
+    Doubles out = room_for_mean_values(points, vertices, segments, values);
+    const auto count = static_cast<std::int32_t>(segments.shape(0));
+    return interpolated(restshape::MeanValue(vertices.data(), segments.data(), count), points, values, out);
+}
+
+Doubles positive_mean_value(const Doubles& points, const Doubles& vertices, const Indices& segments,
+                            const Doubles& values) {
+    Doubles out = room_for_mean_values(points, vertices, segments, values);
+    restshape::PositiveMeanValue coordinates(vertices.data(), static_cast<std::int32_t>(vertices.shape(0)),
+                                             segments.data(), static_cast<std::int32_t>(segments.shape(0)));
+    return interpolated(std::move(coordinates), points, values, out);
 }
 
 py::tuple locate(const Doubles& X, const Indices& cells, const Doubles& points) {
@@ -173,6 +191,9 @@ void bind_mesh(py::module_& m) {
           py::arg("fixed").noconvert(), "sweeps"_a, "area_floor"_a, "quality_floor"_a,
           "check_cells after fixed nodes went to X_reference + c0 Psi[0] + c1 Psi[1], and the others `sweeps` times to "
           "the mean of their neighbours, in place.");
+    m.def("mean_value", &mean_value, py::arg("points").noconvert(), py::arg("vertices").noconvert(),
+          py::arg("segments").noconvert(), py::arg("values").noconvert(),
+          "Values (n, columns) at points on the left of all segments, by mean value coordinates.");
     m.def("positive_mean_value", &positive_mean_value, py::arg("points").noconvert(), py::arg("vertices").noconvert(),
           py::arg("segments").noconvert(), py::arg("values").noconvert(),
           "Values (n, columns) at points inside the segments, by positive mean value coordinates.");

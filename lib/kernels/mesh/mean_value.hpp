@@ -1,4 +1,4 @@
-// Positive mean value coordinates: mean value weights over the part of the boundary that a point sees.
+// Mean value coordinates: over the whole boundary, and positive ones over the part of it that a point sees.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,42 @@
 #include <vector>
 
 namespace restshape {
+
+// Interpolates boundary values into points strictly inside (Hormann and Floater 2006; docs/theory/moving-the-mesh.md).
+//
+// A segment (a, b) seen under the angle alpha has the share tan(alpha/2) (f(a) + f(b)), f being value over distance.
+// With the inside on the left of each segment, what turns its back to the point counts negative. All segments count.
+class MeanValue {
+ public:
+    MeanValue(const double* vertices, const std::int32_t* segments, std::int32_t segment_count)
+        : vertices_(vertices), segments_(segments), segment_count_(segment_count) {}
+
+    // Adds up `width` columns of values for one point.
+    void interpolate(const double* point, const double* values, std::ptrdiff_t width, double* out) const {
+        std::fill(out, out + width, 0.0);
+        double total = 0.0;
+        for (std::int32_t s = 0; s < segment_count_; ++s) {
+            const std::int32_t a = segments_[2 * s], b = segments_[2 * s + 1];
+            const double ax = vertices_[2 * a] - point[0], ay = vertices_[2 * a + 1] - point[1];
+            const double bx = vertices_[2 * b] - point[0], by = vertices_[2 * b + 1] - point[1];
+            const double turn = ax * by - bx * ay, along = ax * bx + ay * by;
+            const double ra = std::sqrt(ax * ax + ay * ay), rb = std::sqrt(bx * bx + by * by);
+            // Two forms of the tangent of half the angle, each without cancellation on its side of a right angle.
+            const double tangent = along > 0.0 ? turn / (ra * rb + along) : (ra * rb - along) / turn;
+            const double wa = tangent / ra, wb = tangent / rb;
+            const double* at_a = values + width * a;
+            const double* at_b = values + width * b;
+            for (std::ptrdiff_t c = 0; c < width; ++c) out[c] += wa * at_a[c] + wb * at_b[c];
+            total += wa + wb;
+        }
+        for (std::ptrdiff_t c = 0; c < width; ++c) out[c] /= total;
+    }
+
+ private:
+    const double* vertices_;
+    const std::int32_t* segments_;
+    std::int32_t segment_count_;
+};
 
 // Interpolates boundary values into points strictly inside (Lipman et al. 2007; docs/theory/moving-the-mesh.md).
 //

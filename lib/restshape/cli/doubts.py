@@ -1,5 +1,7 @@
 """What is odd in a scene of any physics, though it can be simulated: units left out, keys that have no effect."""
 
+# More than 15 modules: each kind of doubt looks at another part of a scene.
+
 from __future__ import annotations
 
 import math
@@ -7,6 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from restshape.application import application_of
 from restshape.cli.bare_numbers import FULL_TURN, bare_numbers
+from restshape.cli.relocation_word import relocation_word
 from restshape.errors import UserError
 from restshape.mesh.curve_edges import curve_edges
 from restshape.mesh.sizing import PER_CIRCLE
@@ -78,6 +81,7 @@ def _values(scene: Scene, outline: Outline) -> list[str]:
         *_far_limits(scene, size),
         *_high_loads(scene, size),
         *_strong_gravity(scene),
+        *relocation_word(scene, outline),
     ]
 
 

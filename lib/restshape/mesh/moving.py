@@ -149,7 +149,7 @@ class MovingMesh:
 
     @property
     def relocation(self) -> str:
-        """Kind of relocation in force: "harmonic", "mvc" or "laplacian"."""
+        """Kind of relocation in force, one of `relocate.KINDS`."""
         return self._chosen_relocation or self.spec.relocation
 
     @property

@@ -45,14 +45,7 @@ def cell_regions(
     """
     if not polygons:
         return np.zeros(len(cells), dtype=np.int32)
-    # Late, as scipy is all over: it takes longer to import than the first frame of a plain scene.
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    pairs = inner_sides(cell_edges)
-    left, right = pairs[~barrier[cell_edges.ravel()[pairs[:, 0]]]].T // 3
-    links = coo_array((np.ones(len(left), dtype=bool), (left, right)), shape=(len(cells), len(cells)))
-    _, patch = connected_components(links, directed=False)
+    patch = cell_patches(cell_edges, barrier)
     _, one_of = np.unique(patch, return_index=True)
     inside = X[cells[one_of]].mean(axis=1)
     number = np.zeros(len(one_of), dtype=np.int32)
@@ -61,3 +54,21 @@ def cell_regions(
     for i in sorted(range(len(polygons)), key=lambda i: -areas[i]):
         number[contains(polygons[i], inside)] = i + 1
     return number[patch]
+
+
+def cell_patches(cell_edges: np.ndarray, barrier: np.ndarray) -> np.ndarray:
+    """Numbers (ne,), from 0, of the connected patches of triangles that mesh edges part.
+
+    Args:
+        cell_edges: (ne, 3) mesh edge opposite to each corner.
+        barrier: (n_edges,) whether a mesh edge parts them.
+    """
+    # Late, as scipy is all over: it takes longer to import than the first frame of a plain scene.
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    pairs = inner_sides(cell_edges)
+    left, right = pairs[~barrier[cell_edges.ravel()[pairs[:, 0]]]].T // 3
+    links = coo_array((np.ones(len(left), dtype=bool), (left, right)), shape=(len(cell_edges), len(cell_edges)))
+    patch: np.ndarray = connected_components(links, directed=False)[1]
+    return patch

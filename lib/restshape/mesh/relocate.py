@@ -1,12 +1,15 @@
 """Level 1: how mesh nodes follow the boundary, as a linear map that stays fixed during a gesture."""
 
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.reconnect import edges_between
+from restshape.mesh.regions import cell_patches
 from restshape.shape.outline import Outline
 
 
@@ -94,10 +97,80 @@ class HarmonicExtension:
         return self(values)
 
 
-class MeanValueExtension:
-    """Positive mean value coordinates: non-negative weights over what a node sees of the boundary.
+class CoordinateExtension(ABC):
+    """Weights over the facets, the mesh edges on the outline, on holes and on borders of regions.
 
     Embedded vertices have no extent that could be seen: what they lack is spread harmonically.
+
+    Args:
+        mesh: the mesh.
+        nodes: (nb,) boundary nodes.
+    """
+
+    def __init__(self, mesh: Mesh, nodes: np.ndarray) -> None:
+        self.nodes = nodes
+        on_facets = np.zeros(len(mesh.X), dtype=bool)
+        on_facets[mesh.facets] = True
+        self._seen = np.flatnonzero(on_facets[nodes])
+        self._row = np.full(len(mesh.X), -1, dtype=np.int32)
+        self._row[nodes[self._seen]] = np.arange(len(self._seen))
+        self._vertices = mesh.X[nodes[self._seen]]
+        self._inside = np.flatnonzero(~on_facets)
+        self._harmonic = HarmonicExtension(mesh, nodes) if len(self._seen) < len(nodes) else None
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """Values (n, k) at all nodes from values (nb, k) at the boundary nodes."""
+        visible = values[self._seen]
+        result = np.empty((len(self._inside) + len(self._seen), values.shape[1]))
+        result[self.nodes[self._seen]] = visible
+        self._fill(result, visible)
+        if self._harmonic:
+            result += self._harmonic(values - result[self.nodes])
+        return result
+
+    def adapted(self, values: np.ndarray) -> np.ndarray:
+        """As it is: the weights know the boundary alone."""
+        return self(values)
+
+    @abstractmethod
+    def _fill(self, result: np.ndarray, visible: np.ndarray) -> None:
+        """Set the rows inside of `result` (n, k) from values (ns, k) at the nodes on facets."""
+
+
+class MeanValueExtension(CoordinateExtension):
+    """Mean value coordinates: smooth, but with negative weights where the boundary turns its back.
+
+    Each patch between facets has weights over its own border alone, so that the map is continuous across regions.
+
+    Args:
+        mesh: the mesh.
+        nodes: (nb,) boundary nodes.
+
+    Source: docs/theory/moving-the-mesh.md; Hormann and Floater 2006.
+    """
+
+    def __init__(self, mesh: Mesh, nodes: np.ndarray) -> None:
+        super().__init__(mesh, nodes)
+        barrier = np.zeros(len(mesh.edge_nodes), dtype=bool)
+        barrier[edges_between(mesh.edge_nodes, mesh.facets)] = True
+        patch = cell_patches(mesh.cell_edges, barrier)
+        cell, corner = np.nonzero(barrier[mesh.cell_edges])
+        # Counter-clockwise around its triangle, so that the patch is on the left.
+        sides = np.stack([mesh.cells[cell, (corner + k) % 3] for k in (1, 2)], axis=1)
+        own = np.empty(len(mesh.X), dtype=patch.dtype)
+        own[mesh.cells] = patch[:, None]
+        self._patches = []
+        for k in range(patch.max() + 1):
+            points = self._inside[own[self._inside] == k]
+            self._patches.append((points, mesh.X[points], self._row[sides[patch[cell] == k]]))
+
+    def _fill(self, result: np.ndarray, visible: np.ndarray) -> None:
+        for nodes, points, segments in self._patches:
+            result[nodes] = _kernels.mean_value(points, self._vertices, segments, visible)
+
+
+class PositiveMeanValueExtension(CoordinateExtension):
+    """Positive mean value coordinates: non-negative weights over what a node sees of the boundary.
 
     Args:
         mesh: the mesh.
@@ -107,30 +180,11 @@ class MeanValueExtension:
     """
 
     def __init__(self, mesh: Mesh, nodes: np.ndarray) -> None:
-        self.nodes = nodes
-        on_facets = np.zeros(len(mesh.X), dtype=bool)
-        on_facets[mesh.facets] = True
-        self._seen = np.flatnonzero(on_facets[nodes])
-        row = np.full(len(mesh.X), -1, dtype=np.int32)
-        row[nodes[self._seen]] = np.arange(len(self._seen))
-        self._segments, self._vertices = row[mesh.facets], mesh.X[nodes[self._seen]]
-        self._seeing = np.flatnonzero(~on_facets)
-        self._points = mesh.X[self._seeing]
-        self._harmonic = HarmonicExtension(mesh, nodes) if len(self._seen) < len(nodes) else None
+        super().__init__(mesh, nodes)
+        self._segments, self._points = self._row[mesh.facets], mesh.X[self._inside]
 
-    def __call__(self, values: np.ndarray) -> np.ndarray:
-        """Values (n, k) at all nodes from values (nb, k) at the boundary nodes."""
-        visible = values[self._seen]
-        result = np.empty((len(self._seeing) + len(self._seen), values.shape[1]))
-        result[self.nodes[self._seen]] = visible
-        result[self._seeing] = _kernels.positive_mean_value(self._points, self._vertices, self._segments, visible)
-        if self._harmonic:
-            result += self._harmonic(values - result[self.nodes])
-        return result
-
-    def adapted(self, values: np.ndarray) -> np.ndarray:
-        """As it is: the weights know the boundary alone."""
-        return self(values)
+    def _fill(self, result: np.ndarray, visible: np.ndarray) -> None:
+        result[self._inside] = _kernels.positive_mean_value(self._points, self._vertices, self._segments, visible)
 
 
 class NoExtension:
@@ -150,15 +204,24 @@ class NoExtension:
         return self(values)
 
 
+KINDS: dict[str, Callable[[Mesh, np.ndarray], Extension]] = {
+    "harmonic": HarmonicExtension,
+    "mvc": MeanValueExtension,
+    "pmvc": PositiveMeanValueExtension,
+    "laplacian": NoExtension,
+}
+"""Kinds of relocation, as `mesh.relocation` names them; of "laplacian" the boundary nodes alone move."""
+
+
 def extension(mesh: Mesh, nodes: np.ndarray, kind: str) -> Extension:
     """The way of a kind to extend boundary displacements into a mesh.
 
     Args:
         mesh: the mesh as it lies now.
         nodes: (nb,) boundary nodes.
-        kind: "harmonic", "mvc" or "laplacian".
+        kind: one of `KINDS`.
     """
-    return {"harmonic": HarmonicExtension, "mvc": MeanValueExtension, "laplacian": NoExtension}[kind](mesh, nodes)
+    return KINDS[kind](mesh, nodes)
 
 
 def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
@@ -169,7 +232,7 @@ def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
     Args:
         mesh: the mesh as it lies now.
         boundary_basis: (2, nb, d) displacements of the boundary nodes, in the order of ``Boundary(mesh).nodes``.
-        kind: "harmonic", "mvc" or "laplacian" (boundary nodes alone).
+        kind: one of `KINDS`.
 
     Source: docs/theory/moving-the-mesh.md.
     """

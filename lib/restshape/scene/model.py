@@ -258,7 +258,7 @@ class MeshSpec(Strict):
     levels: Annotated[Whole, Field(ge=1, le=5)] = 1
     order: Literal[1, 2] | None = None
     layers: Annotated[Whole, Field(ge=1)] | None = None
-    relocation: Literal["harmonic", "mvc", "laplacian"] = "harmonic"
+    relocation: Literal["harmonic", "pmvc", "mvc", "laplacian"] = "harmonic"
     criterion: Literal["quality", "author"] = "quality"
     min_quality: Annotated[Number, Field(gt=0, lt=1)] = 0.3
     mesher: Literal["auto", "cgal", "gmsh"] = "auto"
