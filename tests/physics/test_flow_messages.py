@@ -219,3 +219,19 @@ def test_a_value_that_an_edit_sets_is_refused_in_its_frame_alone(key, value, mes
     first, *_, before, last = [dict(row) for row in make_replay(write_scene(tmp_path, BASE), script).frames()]
     assert message in before["refused"], before["refused"]
     assert not last["refused"] and last["q_drag"] > 1.5 * first["q_drag"]
+
+
+def test_steps_that_pass_many_cells_are_warned_of(command, tmp_path):
+    write_scene(tmp_path, TIMED.replace("time_step = 0.1", "time_step = 6"))
+    said = command("check", "scene.toml").stdout
+    # 1 m/s * 6 s / 0.3 m
+    assert "passes 20 sides of the largest cells in a step" in said and "a time_step near 0.3 s" in said
+    write_scene(tmp_path, TIMED)
+    assert "largest cells" not in command("check", "scene.toml").stdout
+
+
+def test_a_strouhal_number_of_a_steady_flow_is_refused(command, tmp_path):
+    write_scene(tmp_path, BASE.replace("drag = true", "strouhal = { speed = 1, length = 0.2 }"))
+    for words in ("check", "replay"):
+        done = command(words, "scene.toml")
+        assert done.returncode == 2 and "a lift that swings in time, and the flow is steady" in done.stderr

@@ -1,5 +1,8 @@
 """What a scene of flow shows before it has a mesh: its Reynolds number, and what a user may have meant otherwise."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from restshape.errors import UserError
 from restshape.physics.flow.flow_conditions import balance, edge_kinds
 from restshape.physics.flow.reynolds import FRAMES, SOON, cell_rows, characteristic_length, looked_at, stream
@@ -9,6 +12,8 @@ from restshape.shape.outline import Outline
 
 STEADY, STEADY_BEHIND = 2000.0, 300.0
 """Reynolds numbers from which flows of vessels, and those around bodies, are hardly ever steady."""
+LONG_STEP = 10.0
+"""Courant number of the largest cells from which a step is longer than what a mesh can show takes to pass."""
 
 
 def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
@@ -28,7 +33,7 @@ def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
     data, cells = cell_rows(scene, speed)
     of = f"{words} ({1e3 * length:.4g} mm) and the largest speed given{f', at {fastest:g} s' if fastest else ''}"
     rows = [("Reynolds number", f"{number:.3g}, {of}"), *cells]
-    warnings = (*_doubts(scene, outline, number), *_unbalanced(scene, outline))
+    warnings = (*_doubts(scene, outline, number), *_long_steps(scene, data), *_unbalanced(scene, outline))
     return Inspection({"reynolds": number, "reynolds_length": length} | data, rows, warnings)
 
 
@@ -40,6 +45,18 @@ def _doubts(scene: Scene, outline: Outline, number: float) -> tuple[str, ...]:
         return ()
     what = f"at a Reynolds number of {number:.3g} flows {'around bodies ' if around else ''}are hardly ever steady"
     return (f"{what}, and a coarse mesh may hide it: give [effects.flow] a time_step",)
+
+
+def _long_steps(scene: Scene, numbers: Mapping[str, Any]) -> tuple[str, ...]:
+    """That what the mesh can show passes its cells within a step."""
+    passed = float(min(numbers.get("courant", [0.0])))
+    if passed <= LONG_STEP:
+        return ()
+    what = (
+        f"the fluid passes {passed:.3g} sides of the largest cells in a step: it is stable, but eddies are smeared out"
+    )
+    step = scene.effects["flow"]["time_step"] / passed
+    return (f"{what}; what changes needs a time_step near {step:.2g} s",)
 
 
 def _unbalanced(scene: Scene, outline: Outline) -> tuple[str, ...]:
