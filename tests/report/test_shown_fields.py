@@ -1,5 +1,6 @@
 """Pictures show the stress that quantities report: its values, its place, its range over all frames, its limit."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -149,6 +150,9 @@ def test_a_singular_stress_lies_beyond_the_colours_and_a_rare_frame_does_not(rec
     # A frame in which all is three times as high has colours of its own right.
     seen.usual[np.flatnonzero(shown)[0]] = 90.0 * seen.usual[shown].max()
     assert colour_range(field, seen)[1] == seen.top[shown].max()
+    # But the first frame of a motion that is set off at once is far above all others.
+    set_off = replace(seen, start=1)
+    assert shown[0] and colour_range(field, set_off)[1] == seen.top[shown][1:].max()
 
 
 def test_the_worst_frame_and_those_that_fail_are_shown_and_say_so(recorded):

@@ -5,14 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.replay.columns import SIMULATED
 from restshape.replay.recording import Recording
 from restshape.report.field import ShownField
-from restshape.report.tables import refused
+from restshape.report.tables import column, refused
 
 USUAL = 99.5
 """Percentile of a frame's values that a range shows in any case."""
 FAR = 3.0
 """Values beyond this multiple of usual ones lie above the range: a singular corner must not darken all the rest."""
+START = 20
+"""The first of so many frames may lie above the range likewise: the pressure of a flow that is set off at once."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,7 @@ class Survey:
         bottom, top: least and largest value of the field.
         usual: its `USUAL` percentile, of sizes where the field is signed.
         solved: the frame has a solution of its own.
+        start: how many frames may be those of a motion that is set off at once; 0 without a motion.
     """
 
     low: np.ndarray
@@ -34,6 +38,7 @@ class Survey:
     top: np.ndarray
     usual: np.ndarray
     solved: np.ndarray
+    start: int = 0
 
 
 def survey(recording: Recording, field: ShownField | None) -> Survey:
@@ -60,7 +65,8 @@ def survey(recording: Recording, field: ShownField | None) -> Survey:
                 sizes = np.abs(values) if field.look.signed else values
                 place = int(USUAL / 100.0 * (len(sizes) - 1))
                 usual[i] = np.partition(sizes, place)[place]
-    return Survey(low, high, largest, bottom, top, usual, solved)
+    start = n // START if np.nanmax(column(recording, SIMULATED), initial=0.0) > 0.0 else 0
+    return Survey(low, high, largest, bottom, top, usual, solved, start)
 
 
 def displacement(recording: Recording, i: int) -> np.ndarray | None:
@@ -81,6 +87,10 @@ def colour_range(field: ShownField, seen: Survey, frames: Sequence[int] = ()) ->
         known &= np.isin(np.arange(len(known)), frames)
     if not known.any():
         return 0.0, 1.0
+    known = np.flatnonzero(known)
+    start, then = known[known < seen.start], known[known >= seen.start]
+    if seen.usual[start].max(initial=0.0) > FAR * seen.usual[then].max(initial=0.0) > 0.0:
+        known = then
     bottom, top, usual = float(seen.bottom[known].min()), float(seen.top[known].max()), float(seen.usual[known].max())
     if field.look.signed:
         size = max(-bottom, top)
