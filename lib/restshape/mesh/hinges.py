@@ -47,3 +47,11 @@ def normals(X: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """Unit vectors (k, 2) on the right of the ways from the first to the second of nodes (k, 2 or more) at X (n, 2)."""
     d = X[nodes[:, 1]] - X[nodes[:, 0]]
     return np.column_stack([d[:, 1], -d[:, 0]]) / np.linalg.norm(d, axis=1)[:, None]
+
+
+def normal_rates(X: np.ndarray, nodes: np.ndarray, dX: np.ndarray) -> np.ndarray:
+    """Rates (k, 2) of `normals` when nodes at X (n, 2) move with dX (n, 2)."""
+    d, dd = (values[nodes[:, 1]] - values[nodes[:, 0]] for values in (X, dX))
+    n = normals(X, nodes)
+    turned = np.column_stack([dd[:, 1], -dd[:, 0]])
+    return (turned - np.einsum("ka,ka->k", turned, n)[:, None] * n) / np.linalg.norm(d, axis=1)[:, None]

@@ -4,7 +4,7 @@ import numpy as np
 
 from restshape.fem.elements import HINGE, HINGE_MIRRORED, HINGE_NONLINEAR, HINGE_NONLINEAR_MIRRORED, MORLEY
 from restshape.fem.integral import Integral
-from restshape.mesh.hinges import border_cells, hinges, inner_sides, normals
+from restshape.mesh.hinges import border_cells, hinges, inner_sides, normal_rates, normals
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.physics.cloth.cloth_boundary import ClothSupports
@@ -46,6 +46,10 @@ class MorleyBending:
         """Over triangles at X (n, 2)."""
         return [Integral(self.element, X, self.space.cells, self.parameters, block=self.block)]
 
+    def rates(self, X: np.ndarray, x: np.ndarray, dX: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Zero (n, 3): the triangles' parameters do not depend on places; arguments as of `HingeBending.rates`."""
+        return np.zeros_like(x)
+
     def cell_energies(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Energies (ne,) [J] of the triangles at x (n, 3)."""
         found = np.zeros(len(self.mesh.cells))
@@ -68,7 +72,7 @@ class HingeBending:
         self.mesh, self.block = mesh, block
         self.element = HINGES[kind][0]
         self.nodes = hinges(mesh.cells, mesh.cell_edges)
-        self.parameters = np.empty(0)
+        self.parameters, self.fabric, self.clamps = np.empty(0), None, len(supports.clamped)
         edges = np.concatenate([supports.clamped, supports.mirrored])
         self.mirror = HINGES[kind][1] if len(edges) else None
         if self.mirror:
@@ -82,6 +86,7 @@ class HingeBending:
 
     def update(self, fabric: Fabric, supports: ClothSupports) -> None:
         """Take in stiffness: a hinge knows one, that of bending about its edge, from both sides."""
+        self.fabric = fabric
         D = np.broadcast_to(fabric.bending, (len(self.mesh.cells), 3, 3))
         sides = self._cells_of_hinges()
         self.parameters = self._across(self.nodes, 0.5 * (D[sides[:, 0]] + D[sides[:, 1]]), fabric)
@@ -98,6 +103,54 @@ class HingeBending:
             nodes, parameters = self.mirrored_nodes, self.mirrored_parameters
             found.append(Integral(self.mirror, X, nodes, parameters, block=self.block + 1))
         return found
+
+    def rates(self, X: np.ndarray, x: np.ndarray, dX: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Rates (n, 3) [N] of the forces at constant x (n, 3), from the parameters alone, when nodes move.
+
+        Across a grain a hinge's stiffness follows its direction. The direction of a clamp follows its edge: forces turn
+        with positions and direction together, which gives what they do when the direction alone turns.
+
+        Args:
+            X: (n, 2) material coordinates [m]; x: (n, 3) positions [m].
+            dX: (n, 2) rates of the material coordinates [m].
+            turn: (3, 2) that takes directions in the flat pattern to those of clamps in space.
+        """
+        out = np.zeros_like(x)
+        D = np.broadcast_to(self.fabric.bending, (len(self.mesh.cells), 3, 3))
+        sides = self._cells_of_hinges()
+        stiffness = self._across_rates(self.nodes, 0.5 * (D[sides[:, 0]] + D[sides[:, 1]]), dX)
+        Integral(self.element, X, self.nodes, stiffness, block=self.block).add_residual(x, out)
+        if self.mirror:
+            nodes, parameters = self.mirrored_nodes, self.mirrored_parameters.copy()
+            parameters[:, :1] = self._across_rates(nodes, D[self.mirrored_in], dX)
+            Integral(self.mirror, X, nodes, parameters, block=self.block + 1).add_residual(x, out)
+            self._add_turned(X, x, dX, turn, out)
+        return out
+
+    def _add_turned(self, X: np.ndarray, x: np.ndarray, dX: np.ndarray, turn: np.ndarray, out: np.ndarray) -> None:
+        """Add to `out` (n, 3) the rates of forces as the directions of clamps turn; arguments as of `rates`."""
+        nodes, parameters = self.mirrored_nodes[: self.clamps], self.mirrored_parameters[: self.clamps]
+        if not len(nodes):
+            return
+        directions = parameters[:, 1:]
+        axes = np.cross(directions, normal_rates(X, nodes, dX) @ turn.T)
+        # Each hinge with nodes of its own, for each turns about another axis.
+        own = np.arange(nodes.size, dtype=np.int32).reshape(nodes.shape)
+        places = np.ascontiguousarray(x[nodes].reshape(-1, 3))
+        hinge = Integral(self.mirror, np.ascontiguousarray(X[nodes].reshape(-1, 2)), own, parameters, block=None)
+        forces, found, about = np.zeros_like(places), np.zeros_like(places), np.repeat(axes, nodes.shape[1], axis=0)
+        hinge.add_residual(places, forces)
+        hinge.add_tangent_product(places, np.cross(about, places), found)
+        np.add.at(out, nodes.ravel(), np.cross(about, forces) - found)
+
+    def _across_rates(self, cells: np.ndarray, D: np.ndarray, dX: np.ndarray) -> np.ndarray:
+        """The rates (m, 1) of `_across` when nodes move with dX (n, 2)."""
+        n, dn = normals(self.mesh.X, cells), normal_rates(self.mesh.X, cells, dX)
+        curvature = np.column_stack([n[:, 0] ** 2, n[:, 1] ** 2, 2.0 * n[:, 0] * n[:, 1]])
+        change = 2.0 * np.column_stack(
+            [n[:, 0] * dn[:, 0], n[:, 1] * dn[:, 1], n[:, 0] * dn[:, 1] + n[:, 1] * dn[:, 0]]
+        )
+        return 2.0 * self.fabric.hinge_factor * np.einsum("ia,iab,ib->i", curvature, D, change)[:, None]
 
     def cell_energies(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Energies (ne,) [J] of the triangles at x (n, 3), of a hinge one half on each side."""

@@ -254,6 +254,10 @@ class ClothProblem(SteadyProblem):
         """Those of bending."""
         return self.bending.integrals(self.X) if self.bending else []
 
+    def bending_rates(self, x: np.ndarray, dX: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Rates (n, 3) [N] of what bends at constant x (n, 3), from its parameters alone; see `HingeBending.rates`."""
+        return self.bending.rates(self.X, x, dX, turn) if self.bending else np.zeros_like(x)
+
     def tangent_integrals(self, stabilised: bool, inertia: float) -> list[Term]:
         """Those of a tangent but for quadratic bending.
 
@@ -283,12 +287,12 @@ class ClothProblem(SteadyProblem):
         numbers, contact = self.corner_number, self.contact
         entities = np.ascontiguousarray(numbers[:, None])
         mass = self.lumped.mass[numbers]
-        nodes = PointForces(self.X, entities, contact, mass, self._area_rates, inertia, curved)
+        nodes = PointForces(self.X, entities, contact, mass, self.area_rates, inertia, curved)
         if not (contact and contact.points and len(contact.points.cut)):
             return [nodes]
-        return [nodes, TriangleForces(self.X, entities, contact, self._area_rates, curved)]
+        return [nodes, TriangleForces(self.X, entities, contact, self.area_rates, curved)]
 
-    def _area_rates(self, dX: np.ndarray) -> np.ndarray:
+    def area_rates(self, dX: np.ndarray) -> np.ndarray:
         """Rates (corners + points,) of the areas that both stand for when nodes move with dX (n, 2)."""
         corners = self.membrane.corners
         rates = lumped_rates(self.X, corners, dX)[self.corner_number]

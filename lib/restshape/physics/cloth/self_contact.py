@@ -202,6 +202,14 @@ class SelfContact:
             ends.append(moved.at(x).forces)
         return (ends[0] - ends[1]) / (2.0 * step)
 
+    def place_rates(self, x: np.ndarray, way: np.ndarray) -> np.ndarray:
+        """Rates (n, 3) of the forces of friction at x (n, 3) when its material goes a `way` (n, 3) under its nodes."""
+        values, pairs, out = self.values, self.history.touching, np.zeros_like(x)
+        blocks = self.history.hessians(x, values.friction, values.slip)
+        forces = np.einsum("mab,mb->ma", blocks, -pairs.between(way))
+        np.add.at(out, pairs.nodes, pairs.shares[:, :, None] * forces[:, None, :])
+        return out
+
     # --- second derivatives ---------------------------------------------------------------------------------------
 
     def cover(self, x: np.ndarray) -> bool:

@@ -31,6 +31,7 @@ from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOpti
 from restshape.physics.cloth.relaxation.relaxation_run import relax
 from restshape.physics.cloth.relaxation.row import Row
 from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative, hand_derivative
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -145,6 +146,11 @@ class RelaxationAnalysis(Timeless):
     @property
     def _preconditioner(self) -> str:
         return "cholesky" if self.context.policy.name != "thesis" else "ilu"
+
+    def derivative(self, motion: np.ndarray, tolerance: float) -> DrapeDerivative:
+        """Derivatives of the last equilibrium along the hand's directions; arguments as of `hand_derivative`."""
+        with self.context.stages("krylov"):
+            return hand_derivative(self.state, motion, tolerance)
 
     # --- what is asked of a state -------------------------------------------------------------------------------------
 

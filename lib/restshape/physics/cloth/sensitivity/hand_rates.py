@@ -1,0 +1,62 @@
+"""How the forces on resting cloth follow its material: what a hand on the pattern does at constant positions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from restshape.fem.assembled import Assembled
+from restshape.fem.problem import INTERNAL
+from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.sensitivity.agreed_friction import AgreedFriction
+from restshape.physics.cloth.sensitivity.support_rates import pattern_turn, support_rates
+
+
+def hand_rates(
+    state: RelaxationState, friction: AgreedFriction | None, dX: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The rates (n, 3) [N] of the residual, and those (n, 3) [m] of the prescribed unknowns, when material moves.
+
+    The elements carry dual numbers of their places in the material. What enters them as a parameter and depends on
+    these places too is added: areas that touch, anchors that go with the cloth, stiffness of hinges across a grain, and
+    the directions of clamps. Unknowns are constant where free.
+
+    Args:
+        state: at rest.
+        friction: there; None: nothing holds it.
+        dX: (corners, 2) rates of the places of the mesh's nodes in the material [m].
+
+    Source: docs/theory/design-derivative.md: f_i of the thesis's (5.11).
+    """
+    problem, x = state.problem, state.x
+    moved = node_motion(problem, dX)
+    prescribed = support_rates(problem, state.scene, dX)
+    follows = prescribed if prescribed.any() else None
+    out = Assembled(problem.integrals(INTERNAL)).design_product(x, moved, follows)
+    out += problem.bending_rates(x, dX, pattern_turn(state.scene))
+    way = _material_way(state, dX)
+    if friction and friction.acts:
+        anchors = problem.contact.place(way)
+        out += friction.design_rates(problem.area_rates(moved), anchors)
+        if follows is not None:
+            out += (friction.tangent() @ prescribed.ravel()).reshape(x.shape)
+    if problem.self_contact and problem.self_contact.rough:
+        out[problem.corner_number] += problem.self_contact.place_rates(problem.corners(x), way)
+    return out, prescribed
+
+
+def node_motion(problem: ClothProblem, dX: np.ndarray) -> np.ndarray:
+    """Rates (n, 2) [m] of all nodes, those of edges too, from those (corners, 2) of the mesh's."""
+    if not problem.morley:
+        return np.ascontiguousarray(dX)
+    out = np.empty((problem.n_nodes, 2))
+    out[problem.corner_number] = dX
+    out[problem.morley.side_number] = dX[problem.mesh.edge_nodes].mean(axis=1)
+    return out
+
+
+def _material_way(state: RelaxationState, dX: np.ndarray) -> np.ndarray:
+    """Rates (corners, 3) [m] of where material is that nodes come to, along the cloth: anchors go with it."""
+    problem = state.problem
+    gradients = state.advected().gradients[problem.corner_number]
+    return np.einsum("iak,ik->ia", gradients, dX)

@@ -1,0 +1,146 @@
+"""The tangent of cloth at rest, friction that agrees with the place included, and solves with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.sparse import csr_matrix
+
+from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.preconditioner import order_factor
+from restshape.fem.assembled import Assembled
+from restshape.fem.problem import INTERNAL
+from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.sensitivity.agreed_friction import AgreedFriction
+
+RESTART, MOST = 60, 600
+"""Directions of one cycle of GMRES, and steps at most."""
+
+Apply = Callable[[PETSc.Vec, PETSc.Vec], None]
+
+
+class RestTangent:
+    """K at an equilibrium: membrane, bending, contact with the curvature of bodies, and friction that agrees.
+
+    Systems with K are solved by GMRES, or CG where K is symmetric, on the factor of its symmetric part that the test of
+    stability has left: friction whose normal force follows the place is not symmetric.
+
+    Args:
+        state: at rest.
+    """
+
+    def __init__(self, state: RelaxationState) -> None:
+        self.state, self.problem, self.x = state, state.problem, state.x
+        self.free = self.problem.boundary.free.ravel()
+        contact = self.problem.contact
+        self.friction = (
+            AgreedFriction(contact, self.problem.corners(self.x), self.problem.corner_number, self.problem.n_nodes)
+            if contact
+            else None
+        )
+        self.sliding: csr_matrix | None = None
+        if self.friction and self.friction.acts:
+            self.sliding = self.friction.tangent()
+        self.iterations = 0
+
+    def product(self, d: np.ndarray) -> np.ndarray:
+        """K d (n, 3) by the elements, without the matrix, for d (n, 3); prescribed unknowns count."""
+        out = Assembled(self.problem.integrals(INTERNAL)).tangent_product(self.x, d)
+        if self.sliding is not None:
+            out += (self.sliding @ d.ravel()).reshape(d.shape)
+        return out
+
+    def solve(self, right: np.ndarray, tolerance: float) -> np.ndarray:
+        """s (k, n, 3) with K s = right (k, n, 3) at free unknowns, 0 at prescribed ones.
+
+        Args:
+            right: one after the other.
+            tolerance: of the residual, relative to each.
+        """
+        matrix, precondition, owned = self._symmetric_part()
+        ksp, shell = self._krylov(matrix, precondition, tolerance)
+        found = np.zeros_like(right)
+        b, s = matrix.createVecLeft(), matrix.createVecRight()
+        self.iterations = 0
+        for one, out in zip(right, found):
+            b.getArray()[:] = one.ravel() * self.free
+            b.stateIncrease()
+            if b.norm() > 0.0:
+                ksp.solve(b, s)
+                self.iterations += ksp.getIterationNumber()
+                out[...] = (s.getArray(readonly=True) * self.free).reshape(out.shape)
+        for part in (ksp, b, s, *([shell] if shell is not matrix else []), *owned):
+            part.destroy()
+        return found
+
+    def _symmetric_part(self) -> tuple[PETSc.Mat, Apply, list]:
+        """The tangent of the frozen potential, what applies a factor of it, and what is to be destroyed.
+
+        On one rank the factor is the one at hand. On several each has a whole one of its own, as the test of stability.
+        """
+        solver, x = self.state.solver, self.x
+        if solver.comm.size == 1:
+            matrix = solver.newton.tangent(x)
+            if not solver.linear.kept.ready:
+                solver.newton.definite(x)
+                matrix = solver.newton.tangent(x)
+            return matrix, solver.linear.ksp.getPC().apply, []
+        whole = gather_matrix(solver.newton.tangent(x), solver.comm)
+        matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
+        pc = PETSc.PC().create(PETSc.COMM_SELF)
+        pc.setType("cholesky")
+        order_factor(pc)
+        pc.setOperators(matrix)
+        pc.setUp()
+        return matrix, pc.apply, [pc, matrix]
+
+    def _krylov(self, matrix: PETSc.Mat, precondition: Apply, tolerance: float) -> tuple[PETSc.KSP, PETSc.Mat]:
+        """The Krylov solver of K, and the matrix that it multiplies with."""
+        shell, symmetric = matrix, self.sliding is None
+        if not symmetric:
+            shell = PETSc.Mat().createPython(matrix.getSizes(), _Sum(matrix, self.sliding, self.free), matrix.comm)
+            shell.setUp()
+        ksp = PETSc.KSP().create(matrix.comm)
+        ksp.setOperators(shell)
+        ksp.setType("cg" if symmetric else "gmres")
+        ksp.getPC().setType("python")
+        ksp.getPC().setPythonContext(_Applied(precondition))
+        if not symmetric:
+            ksp.setGMRESRestart(RESTART)
+            ksp.setPCSide(PETSc.PC.Side.RIGHT)
+        ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        ksp.setTolerances(rtol=tolerance, atol=0.0, divtol=1e30, max_it=MOST)
+        return ksp, shell
+
+
+class _Sum:
+    """A matrix plus a part that is not symmetric, at free unknowns.
+
+    Args:
+        matrix: the first; part: (3 n, 3 n) the second; free: (3 n,) 1 where an unknown is free, else 0.
+    """
+
+    def __init__(self, matrix: PETSc.Mat, part: csr_matrix, free: np.ndarray) -> None:
+        self.matrix, self.part, self.free = matrix, part, free
+
+    def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Set y to the product with x."""
+        self.matrix.mult(x, y)
+        y.getArray()[:] += self.free * (self.part @ (self.free * x.getArray(readonly=True)))
+
+
+class _Applied:
+    """A preconditioner that is a function.
+
+    Args:
+        function: of a vector, and of that to set.
+    """
+
+    def __init__(self, function: Apply) -> None:
+        self.function = function
+
+    def apply(self, pc: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Set y to what is applied to x."""
+        self.function(x, y)
