@@ -9,10 +9,12 @@ from restshape_studies.stability.shape_strategies import Table, angles, numbers,
 
 def gestures(names: Sequence[str], at: st.SearchStrategy[list[float]] = places) -> st.SearchStrategy[list[Table]]:
     """A press or pull, a drag through one to five places, and a release."""
-    grabs = st.sampled_from(["press", "press", "pull"])
+    along: Table = {"do": "press", "along": [1, 2]}
+    maps = [along, {**along, "as": [-1, 1]}, {"do": "press", "mirror": [[0.5, 0], [0.5, 1]]}]
+    grabs = st.sampled_from([*[{"do": "press"}] * 3, *maps, *[{"do": "pull"}] * 3])
     return st.tuples(grabs, st.sampled_from(list(names)), st.lists(at, min_size=1, max_size=5)).map(
         lambda found: [
-            {"do": found[0], "on": found[1]},
+            {**found[0], "on": found[1]},
             {"do": "drag", "path": found[2]},
             {"do": "release"},
         ]

@@ -13,12 +13,24 @@ from restshape.application import Application, application_of
 from restshape.bounds import BULGE, NESTING, POLYLINE_POINTS, SCRIPT_BYTES
 from restshape.errors import UserError
 from restshape.scene.bodies import bodies_of, pins_of
-from restshape.scene.event_line import Analyse, Coordinate, EventLine, Frames, HandPosition, Idle, Position, Redo, Undo
+from restshape.scene.event_line import (
+    Analyse,
+    Coordinate,
+    Direction,
+    EventLine,
+    Frames,
+    HandPosition,
+    Idle,
+    MirrorLine,
+    Position,
+    Redo,
+    Undo,
+)
 from restshape.scene.model import Scene
 from restshape.scene.permits import outside
 from restshape.scene.plain_values import Table, excess, named_files
 from restshape.scene.source import Source, read_text, split_key, suggestion
-from restshape.scene.units import article, length_unit
+from restshape.scene.units import UnitError, article, length_unit
 from restshape.scene.validation_errors import user_error
 from restshape.scene.values import Angle, Name, Number, Strict, only_one
 
@@ -47,11 +59,27 @@ class Header(Strict):
 
 
 class Press(EventLine):
-    """A hand takes hold of an entity, a body or a support in space, at a point [m] (else its own)."""
+    """A hand takes hold of an entity, a body or a support in space, at a point [m] (else its own).
+
+    Args:
+        along: the one direction in which the entity goes; left out, it goes as the hand.
+        as: the direction of the hand that counts for it; left out, the same.
+        mirror: two points of a line, in which what the hand holds has mirror images that follow it.
+    """
 
     do: Literal["press"]
     on: str
     at: HandPosition | None = None
+    along: Direction | None = None
+    counted: Annotated[Direction | None, Field(alias="as")] = None
+    mirror: MirrorLine | None = None
+
+    @model_validator(mode="after")
+    def _goes_somewhere(self) -> Self:
+        if self.counted is not None and self.along is None:
+            what = "'as' says which direction of the hand counts, and there is no 'along', in which the entity goes"
+            raise UnitError(what, 'add "along": [x, y]')
+        return self
 
 
 class Drag(EventLine):

@@ -1,12 +1,13 @@
 """What all edit scripts share: time, places in the units of the script, numbers of frames, events without an object."""
 
+import math
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from pydantic.json_schema import SkipJsonSchema
 
-from restshape.scene.units import finite_quantity
-from restshape.scene.values import Strict, Time
+from restshape.scene.units import UnitError, finite_quantity
+from restshape.scene.values import Number, Strict, Time
 
 
 def _read_coordinate(raw: float | str, info: ValidationInfo) -> float:
@@ -26,6 +27,28 @@ Coordinate = Annotated[
 Position = tuple[Coordinate, Coordinate]
 HandPosition = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 """In the plane, or in space: there a z that is left out stays as it is."""
+
+
+def _read_direction(raw: tuple[float, float]) -> tuple[float, float]:
+    """The unit vector of a direction."""
+    largest = max(map(abs, raw))
+    if largest == 0.0:
+        raise UnitError("a direction has a length, and this is zero", "write one such as [1, 0]")
+    x, y = (value / largest for value in raw)
+    return x / math.hypot(x, y), y / math.hypot(x, y)
+
+
+def _read_line(raw: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    """Two points of a line, if there is one through them."""
+    if raw[0] == raw[1]:
+        raise UnitError("a line goes through two points, and these are one", "write two that differ")
+    return raw
+
+
+Direction = Annotated[tuple[Number, Number], AfterValidator(_read_direction)]
+"""A unit vector, however long it is written."""
+MirrorLine = Annotated[tuple[Position, Position], AfterValidator(_read_line)]
+"""The line through two points [m]."""
 Frames = Annotated[int, Field(ge=1, le=1_000_000, strict=True)]
 
 

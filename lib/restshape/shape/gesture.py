@@ -7,7 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.arrays import Flags, Reals
+from restshape.errors import UserError
 from restshape.shape.outline import Entity, Outline
+
+SAME_PLACE = 1e-6
+"""Distance of a control point from a mirror image, in parts of the shape's size, up to which it is that image."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -64,13 +68,65 @@ def chosen_points(outline: Outline, entity: Entity) -> Flags:
     return chosen
 
 
-def drag(outline: Outline, entity: Entity) -> Gesture:
-    """The gesture of a drag: c is the displacement of the cursor [m]."""
+def drag(outline: Outline, entity: Entity, tensor: Reals | None = None, mirror: Reals | None = None) -> Gesture:
+    """The gesture of a drag: c is the displacement of the cursor [m].
+
+    Args:
+        outline: the shape.
+        entity: what the hand holds.
+        tensor: (2, 2) the displacement of its control points is this times c; default: the unit tensor.
+        mirror: (2, 2) two points of a line [m], in which control points have mirror images that follow; None: no line.
+
+    Raises:
+        UserError: a control point has no mirror image.
+
+    Source: docs/theory/moving-the-mesh.md; figure 5.8 of the thesis.
+    """
     chosen = chosen_points(outline, entity)
-    basis = np.stack(
-        [extend_to_controls(outline, chosen, np.broadcast_to(unit, outline.points.shape)) for unit in np.eye(2)]
-    )
-    return Gesture("drag", basis, True, outline.points, chosen)
+    own = np.eye(2) if tensor is None else tensor
+    tensors, whole = chosen[:, None, None] * own, chosen
+    if mirror is not None:
+        tensors, whole = mirrored(outline, chosen, own, mirror)
+    follows = tensors.any(axis=(1, 2)) | chosen
+    basis = np.stack([extend_to_controls(outline, follows, tensors[:, :, j]) for j in range(2)])
+    return Gesture("drag", basis, True, outline.points, whole)
+
+
+def mirrored(outline: Outline, chosen: Flags, tensor: Reals, line: Reals) -> tuple[Reals, Flags]:
+    """Tensors (k, 2, 2) of all control points where what is held and its mirror image move as mirror images.
+
+    A point that is held and is the image of one that is held too, such as one on the line, has the mean of both: it
+    goes along the line.
+
+    Args:
+        outline: the shape.
+        chosen: (k,) bool, control points that are held.
+        tensor: (2, 2) theirs.
+        line: (2, 2) two points of the mirror's line [m].
+
+    Returns:
+        The tensors, and which control points (k,) have the one that is given.
+
+    Raises:
+        UserError: a control point that is held has no mirror image.
+    """
+    along = line[1] - line[0]
+    along = along / np.linalg.norm(along)
+    reflection = 2.0 * np.outer(along, along) - np.eye(2)
+    grabbed = np.flatnonzero(chosen)
+    images = line[0] + (outline.points[grabbed] - line[0]) @ reflection
+    away = np.linalg.norm(images[:, None] - outline.points, axis=2)
+    partners = away.argmin(axis=1)
+    if (lonely := ~(away.min(axis=1) <= SAME_PLACE * outline.size)).any():
+        k = int(lonely.argmax())
+        names, (x, y) = outline.vertex_names, images[k]
+        what = f"vertex {names[grabbed[k]]}" if grabbed[k] < len(names) else "a point of a curve"
+        raise UserError(f"{what} has no mirror image: no control point is at ({x:.4g}, {y:.4g}) m", do="move the line")
+    tensors, image = chosen[:, None, None] * tensor, reflection @ tensor
+    tensors[partners] = np.where(chosen[partners, None, None], 0.5 * (tensor + image), image)
+    whole = chosen.copy()
+    whole[partners] = False
+    return tensors, whole
 
 
 def rotate(outline: Outline, entity: Entity, about: Reals) -> Gesture:

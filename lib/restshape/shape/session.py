@@ -44,6 +44,7 @@ from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
 from restshape.shape.given_shape import Follow, ShapeFollower
 from restshape.shape.gradual import sweep
+from restshape.shape.hand_map import map_of, refuse_map
 from restshape.shape.handpath import resampled
 from restshape.shape.outline import Entity, Outline
 from restshape.shape.pin_drag import begin_space_grab
@@ -147,15 +148,17 @@ class EditSession(ScriptSession[Outline]):
 
     def _do_press(self, event: Press) -> Iterator[Step]:
         try:
-            self._grab = begin_space_grab(self.outline, self.scene, event.on, event.at)
-            if self._grab is not None:
+            grab = begin_space_grab(self.outline, self.scene, event.on, event.at)
+            if grab is not None:
+                refuse_map(event)
+                self._grab = grab
                 yield Step("none")
                 return
             entity = self.outline.entity(event.on, names_in_space(self.scene) or ())
+            gesture = gestures.drag(self.outline, entity, *map_of(event))
         except UserError as error:
             yield self._refusal(error)
             return
-        gesture = gestures.drag(self.outline, entity)
         origin = event.at if event.at is not None else self.outline.centroid(entity).tolist()
         yield self._take(gesture, (origin[0], origin[1]), event.on)
 
