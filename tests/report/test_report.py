@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import small_scenes
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgba
 from PIL import Image
 from plates import COLUMNS, record_plate
 from small_scenes import across, drag, write_scene, write_script
@@ -192,7 +193,7 @@ def test_an_empty_recording_and_bad_words_are_bad_input(tmp_path, capsys, plate)
 
 
 @pytest.mark.slow
-def test_predicted_frames_are_hollow_in_the_timeline(tmp_path, monkeypatch):
+def test_predicted_frames_are_hollow_in_the_timeline_and_in_quantities(tmp_path, monkeypatch):
     scene = write_scene(tmp_path, small_scenes.plate(0.2))
     edits = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.53, 0.5), 5)))
     out, figures = tmp_path / "a.vtkhdf", []
@@ -209,6 +210,22 @@ def test_predicted_frames_are_hollow_in_the_timeline(tmp_path, monkeypatch):
         names = [text.get_text() for text in figure.legends[0].get_texts()]
         assert ("predicted, not solved (5)" in names) == bool(hollow)
         assert len(names) == len(set(names))
+        with Recording(out) as recording:
+            quantity_panels.draw_quantities(recording, tmp_path / "b.png")
+            value = 1e-6 * recording.table["q_peak"][2:7]
+            away = 1e-6 * recording.table["peak_distance"][2:7] if hollow else np.zeros(0)
+        figure = figures.pop()
+        panel = next(axes for axes in figure.axes if axes.get_title(loc="left").startswith("peak"))
+        white = [line for line in panel.lines if line.get_markerfacecolor() == "white"]
+        assert sorted(x for line in white for x in line.get_xdata()) == hollow
+        # Predicted frames lie side by side: their band is one area.
+        colour = to_rgba(quantity_panels.DISTANCE)
+        bands = [one for one in panel.collections if isinstance(one, PolyCollection)]
+        bands = [
+            path.get_extents() for one in bands if tuple(one.get_facecolor()[0]) == colour for path in one.get_paths()
+        ]
+        sides = [(box.y0, box.y1) for box in bands if np.isfinite(box.y0)]
+        assert sides == ([pytest.approx((min(value - away), max(value + away)), rel=1e-9)] if hollow else [])
 
 
 def test_refused_frames_have_a_mark_and_values_between_them_their_error(tmp_path, monkeypatch):

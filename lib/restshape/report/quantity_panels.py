@@ -5,6 +5,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +13,7 @@ from matplotlib.axes import Axes
 from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import prefix, scaled_unit
-from restshape.replay.columns import SIMULATED, error_column, jump_column, quantity_names
+from restshape.replay.columns import SIMULATED, distance_column, error_column, jump_column, quantity_names
 from restshape.replay.recording import Recording, ranges
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
@@ -31,7 +32,8 @@ NAMED = 0.24
 """Height of the name above a panel [inch]."""
 LEAST_SPAN = 1e-4
 """Least span of an axis, over the size of its values."""
-BAND = "#c6dbef"
+BAND, DISTANCE = "#c6dbef", "#fbd9a5"
+PREDICTED = "predicted"
 LIMIT, BEYOND = "limit", "beyond its limit"
 """Names in the legend."""
 ALONE = 3.5
@@ -45,6 +47,8 @@ FRAMES_LETTERS = 32
 SHORT, ROUND = 5, 4
 """Digits of a limit at most that is shown as it was written, and of all others."""
 Colour = str | tuple[float, ...]
+HOLLOW: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "mec": INK, "mew": 0.8, "ms": 3.2, "zorder": 2.5}
+"""How the mark of a predicted value looks."""
 STARTING, STARTS_BEYOND = 5, 1.0
 """First frames that are cut off where they are beyond the others by more than so many of their spans."""
 SHOWN_BEYOND = 1.5
@@ -65,6 +69,7 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     units, stopped, sizes = quantity_units(recording.header), refused(recording), quantity_scales(recording)
     known, seen = singular(recording), set[str]()
+    predicted = column(recording, "predicted", 0.0) == 1.0
     for axes, name in zip(panels, shown):
         values, jumps, errors = (
             without_rounding(column(recording, one), sizes[name])
@@ -74,6 +79,9 @@ def draw_quantities(recording: Recording, path: Path) -> bool:
         seen |= _panel(axes, recording, values, limits.get(name, {}), units.get(name, ""))
         _jumps(axes, values, jumps, units.get(name, ""))
         _band(axes, values, errors, units.get(name, ""))
+        away = column(recording, distance_column(name))
+        _band(axes, values, np.where(predicted, away, np.nan), units.get(name, ""), DISTANCE)
+        _hollow(axes, values, predicted, units.get(name, ""))
         if SIMULATED in recording.table and not limits.get(name):
             cut_start(axes, values, units.get(name, ""))
         axes.set_title(_title(recording, name, known), loc="left", pad=2)
@@ -158,8 +166,16 @@ def _alone(values: np.ndarray) -> np.ndarray:
     return known[1:-1] & ~known[:-2] & ~known[2:] & (len(values) > 1)
 
 
-def _band(axes: Axes, values: np.ndarray, errors: np.ndarray, unit: str) -> None:
-    """Shades what lies within the estimated error of a quantity, where it has one."""
+def _hollow(axes: Axes, values: np.ndarray, predicted: np.ndarray, unit: str) -> None:
+    """Marks the frames (n,) whose values are predicted."""
+    here = np.flatnonzero(predicted & np.isfinite(values))
+    if len(here):
+        factor, _ = scaled_unit(float(np.abs(values[np.isfinite(values)]).max()), unit)
+        axes.plot(here, factor * values[here], **HOLLOW)
+
+
+def _band(axes: Axes, values: np.ndarray, errors: np.ndarray, unit: str, colour: str = BAND) -> None:
+    """Shades what lies within the estimated error, or distance, of a quantity, where it has one."""
     known = np.isfinite(values) & np.isfinite(errors)
     if not known.any():
         return
@@ -167,7 +183,7 @@ def _band(axes: Axes, values: np.ndarray, errors: np.ndarray, unit: str) -> None
     low, high = (np.where(known, factor * (values + sign * errors), np.nan) for sign in (-1.0, 1.0))
     limits = axes.get_ylim()
     ends = np.repeat(np.arange(len(values), dtype=float), 2) + np.tile([-0.5, 0.5], len(values))
-    axes.fill_between(ends, np.repeat(low, 2), np.repeat(high, 2), color=BAND, linewidth=0, zorder=0.5)
+    axes.fill_between(ends, np.repeat(low, 2), np.repeat(high, 2), color=colour, linewidth=0, zorder=0.5)
     # An error many times the value is cut off.
     span = limits[1] - limits[0]
     reach = max(limits[0] - span, float(np.nanmin(low))), min(limits[1] + span, float(np.nanmax(high)))
@@ -264,6 +280,10 @@ def _legend(axes: Axes, recording: Recording, seen: set[str], stopped: np.ndarra
     names = quantity_names(recording.table)
     if any(np.isfinite(column(recording, error_column(name))).any() for name in names):
         axes.fill_between([], [], [], color=BAND, label="estimated error")
+    if any(np.isfinite(column(recording, distance_column(name))).any() for name in names):
+        axes.fill_between([], [], [], color=DISTANCE, label="estimated distance from the solved value")
+    if (column(recording, "predicted", 0.0) == 1.0).any():
+        axes.plot([], [], label=PREDICTED, **HOLLOW)
     for k in (k for k in (2, 3) if (level == k).any()):
         axes.plot([], [], ls="", marker=LEVEL_MARKS[k], color=LEVELS[k], ms=4.5, label=LEVEL_LABELS[k])
     if LIMIT in seen:
