@@ -266,6 +266,11 @@ LIST = (
         f"derivative {BEAM} --out results --json results/bench-derivative.json",
         ["bench-derivative.json", "sensitivity-epsilon.png"],
     ),
+    Result(
+        ("bench-maps.*",),
+        ("restshape bench maps --picture results/bench-maps.png --json results/bench-maps.json",),
+        ("restshape_studies.commands.bench_maps", "restshape_studies.bench.maps", "restshape_studies.pictures.maps"),
+    ),
     bench("eigen", f"eigen {BAR} --set effects.modal.modes=5 --json results/bench-eigen.json", ["bench-eigen.json"]),
     bench(
         "drape",

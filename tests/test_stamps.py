@@ -37,7 +37,8 @@ def test_a_result_is_of_this_code(result):
 
 @pytest.mark.parametrize("result", LIST, ids=lambda result: result.name)
 def test_a_result_is_as_it_was_made(result):
-    assert results.faults(result, of_this_code=False) == []
+    # What is still to be made for the first time is not of this code either.
+    assert not result.paths or results.faults(result, of_this_code=False) == []
 
 
 PAIRS = [

@@ -17,6 +17,7 @@ from restshape_studies.commands import (
     bench_eigen,
     bench_jumps,
     bench_limit,
+    bench_maps,
     bench_order,
     bench_regret,
     bench_reuse,
@@ -36,7 +37,7 @@ from restshape.outputs.kinds import PictureFile
 from restshape.outputs.picture_files import drawn_from, fingerprint
 
 PLACE = 5
-OWN = "those on which ways to rest are compared"
+OWN = "those of the study"
 MANY = ("several", "unscripted")
 """Kinds of studies whose JSON holds a value for each scene."""
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
@@ -52,6 +53,7 @@ MODULES = (
     bench_design,
     bench_effectivity,
     bench_jumps,
+    bench_maps,
 )
 KINDS: dict[str, Kind] = {kind.name: kind for module in MODULES for kind in module.KINDS}
 

@@ -125,7 +125,7 @@ def test_each_study_of_times_says_what_they_include():
 
     # Errors, jumps and counted work are no times.
     assert {name for name, kind in KINDS.items() if kind.times} == set(TIMED)
-    assert set(KINDS) - set(TIMED) == {"effectivity", "jumps", "regret"}
+    assert set(KINDS) - set(TIMED) == {"effectivity", "jumps", "maps", "regret"}
 
 
 @pytest.mark.parametrize("words", [("bench", "reuse"), ("bench", "regret"), ("tables",)])
