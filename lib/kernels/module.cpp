@@ -15,6 +15,7 @@ void bind_estimate(py::module_&);
 void bind_extrude(py::module_&);
 void bind_operator(py::module_&);
 void bind_increments(py::module_&);
+void bind_least_squares(py::module_&);
 void bind_mesh(py::module_&);
 void bind_mesher(py::module_&);
 void bind_near_pairs(py::module_&);
@@ -45,6 +46,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_extrude(m);
     bind_operator(m);
     bind_increments(m);
+    bind_least_squares(m);
     bind_mesh(m);
     bind_mesher(m);
     bind_near_pairs(m);

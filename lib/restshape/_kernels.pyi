@@ -36,6 +36,7 @@ __all__: list[str] = [
     "extrude_nodes",
     "flop_rate",
     "follow_sides",
+    "gmls",
     "grade_sizes",
     "has_cgal",
     "hilbert_keys",
@@ -507,6 +508,15 @@ def follow_sides(
     curved_cells: numpy.typing.NDArray[numpy.int32],
     floor: typing.SupportsFloat | typing.SupportsIndex,
 ) -> int: ...
+def gmls(
+    hand: numpy.typing.NDArray[numpy.float64],
+    last: numpy.typing.NDArray[numpy.float64],
+    places: numpy.typing.NDArray[numpy.float64],
+    size: typing.SupportsFloat | typing.SupportsIndex,
+    epsilon2: typing.SupportsFloat | typing.SupportsIndex,
+    rows: numpy.typing.NDArray[numpy.float64],
+    out: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def grade_sizes(
     points: numpy.typing.NDArray[numpy.float64],
     size: numpy.typing.NDArray[numpy.float64],

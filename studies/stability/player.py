@@ -127,7 +127,7 @@ def _play(folder: Path, example: Example, played: Played) -> None:
     chosen, known = policy(example.policy), Calibration.load()
     replay = Replay(Request(scene, script, app, chosen, known, predict=example.predict), PETSc.COMM_WORLD)
     check = verification(app.name).load_frame_check()
-    names = set(columns_of(scene, app, example.predict != "none"))
+    names = set(columns_of(scene, app, example.predict))
     rows = []
     for row in replay.frames():
         rows.append(dict(row))

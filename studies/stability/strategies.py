@@ -65,7 +65,7 @@ def examples(draw: st.DrawFn, apps: Sequence[str], kind: str) -> Example:
     policy = draw(st.sampled_from(list(POLICIES)[::-1]))
     # What cannot be predicted is asked for at times, for it is refused.
     can = known.predictable(scene) and policy != "rebuild" and "analysis" not in lines[0]
-    predict = draw(st.sampled_from(["none", "linear"])) if can or draw(st.integers(0, 19)) == 19 else "none"
+    predict = draw(st.sampled_from(["none", "linear", "gmls"])) if can or draw(st.integers(0, 19)) == 19 else "none"
     written = draw(st.integers(1, WRITTEN_SHARE)) == WRITTEN_SHARE
     onto = draw(st.sampled_from([*ONTO])) if draw(st.integers(1, ONTO_SHARE)) == ONTO_SHARE else ""
     return Example(app, text, edits, policy, predict, harm, written, files, onto)

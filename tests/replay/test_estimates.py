@@ -108,7 +108,7 @@ def test_frames_without_an_answer_of_their_own_have_no_estimate(tmp_path):
 def test_recording_and_tables_hold_them(tmp_path):
     replay = make_replay(write_scene(tmp_path, plate()), write_script(tmp_path, SHORT), predict="linear")
     with Recorder.start(
-        tmp_path / "a.vtkhdf", {}, columns_of(replay.session.scene, application("plane"), predicted=True)
+        tmp_path / "a.vtkhdf", {}, columns_of(replay.session.scene, application("plane"), predict="linear")
     ) as recorder:
         replay.recorder = recorder
         rows = rows_of(replay)

@@ -208,7 +208,7 @@ def test_new_meshes_in_each_frame_cannot_be_predicted(tmp_path):
 
 def test_recording_holds_predicted_fields(tmp_path):
     scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, SHORT)
-    columns = columns_of(load_scene(scene), application("plane"), predicted=True)
+    columns = columns_of(load_scene(scene), application("plane"), predict="linear")
     with Recorder.start(tmp_path / "a.vtkhdf", {}, columns) as recorder:
         made = make_replay(scene, script, recorder=recorder, predict="linear")
         shown = [made.analysis.x.copy() for _ in made.frames()]

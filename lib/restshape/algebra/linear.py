@@ -14,6 +14,7 @@ from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.preconditioner import COMPLETE
 from restshape.algebra.projection import Projection
 from restshape.algebra.refresh import RefreshCriterion
+from restshape.algebra.solve_counts import SolveCounts
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
 from restshape.arrays import Indices, Reals
@@ -74,6 +75,7 @@ class LinearSolver:
     Attributes:
         kept: the preconditioner; refresh: the criterion of when it is made again.
         age: solves since it was made; callers add frames that solve nothing to it.
+        counts: of all solves so far.
         on_solve: called with matrix, right side, guess, whether the system is new, and places, before each solve.
         on_solved: called with the report of each solve; with None where a factor was made that no solve asked for.
 
@@ -107,7 +109,7 @@ class LinearSolver:
         self.projection = Projection(comm, directions) if directions else None
         self.on_solve: Callable[[PETSc.Mat, PETSc.Vec, PETSc.Vec, bool, Reals | None], None] | None = None
         self.on_solved: Callable[[LinearReport | None], None] | None = None
-        self.age = -1
+        self.age, self.counts = -1, SolveCounts()
         self._begun = self._new = self._current = False
         self._rounding = math.inf
         self.scale: float | None = None
@@ -211,6 +213,8 @@ class LinearSolver:
         self._use()
         self._weigh(b)
         iterations, last, refreshed = self._converge(mat, b, x, places, uses, stale)
+        self.counts.matrices += not same_matrix
+        self.counts.iterations += iterations
         if self.keeps:
             self._count(last, refreshed, new_system, uses)
         if self.projection and self.projection.pays and not auxiliary:
@@ -342,6 +346,7 @@ class LinearSolver:
             if uses > 1:
                 self.kept.substitute_by_panels(iterates=False)
         self.age, self._current = -1, True
+        self.counts.factors += 1
         log.info("KSP %s PC %s rebuilt: %s", self.ksp.getOptionsPrefix(), self.name, why)
         self.refresh.restart()
         if self.keeps:

@@ -1,6 +1,8 @@
 """What the replay asks of an analysis, whatever its physics."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -50,6 +52,10 @@ class Comparison:
     solution: float | None
 
 
+Alignment = Callable[[np.ndarray], np.ndarray]
+"""A linear function of values, or of a derivative of them."""
+
+
 class Predictor(Protocol):
     """Shows frames of a drag to first order in the hand, without a solve."""
 
@@ -85,6 +91,37 @@ class Predictor(Protocol):
 
         Of those alone that can be estimated.
         """
+
+    def counted(self) -> tuple[int, ...]:
+        """Counts of all work of solves so far."""
+
+    def seconds_since(self, before: tuple[int, ...]) -> float:
+        """Seconds by the calibration of the work since there were these counts."""
+
+    def step_seconds(self) -> float:
+        """Seconds by the calibration that `step` is expected to cost; infinite where there are no steps."""
+
+    def step(self) -> bool:
+        """Take one step from the prediction that the analysis holds towards the solution; whether another one pays."""
+
+    def in_basis(self) -> np.ndarray:
+        """The values that the analysis holds, in the basis of the last solution."""
+
+    def alignment(self, before: np.ndarray) -> Alignment | None:
+        """What brings values, and derivatives, of solutions before to the basis of the last solution.
+
+        Args:
+            before: the values of one of those solutions, in the basis that all of them have.
+
+        Returns:
+            None where they cannot be mixed with those of the last solution.
+        """
+
+    def set_mixed(self, values: np.ndarray) -> None:
+        """As `set_values`, of values that several solutions in one basis have been mixed to."""
+
+    def mixable(self) -> Predictor:
+        """What predicts values that can be mixed from those of several solutions; often itself."""
 
 
 class QuantityErrors(Protocol):

@@ -17,7 +17,13 @@ REPEATED = 1e-12
 """Of vectors that span a space: a direction of less than this share of the largest is none."""
 
 
-def correction(problem: SteadyProblem, x: np.ndarray, solver: LinearSolver, rows: slice) -> np.ndarray:
+def correction(
+    problem: SteadyProblem,
+    x: np.ndarray,
+    solver: LinearSolver,
+    rows: slice,
+    on_step: Callable[[], None] = lambda: None,
+) -> np.ndarray:
     """About what unknowns x (n, f) lack to be a solution (n, f).
 
     Where no tangent is symmetric it is one step with the kept factor. The solver's own state is left as it is.
@@ -27,11 +33,17 @@ def correction(problem: SteadyProblem, x: np.ndarray, solver: LinearSolver, rows
         x: prescribed unknowns have their values.
         solver: its preconditioner is that of a mesh some frames ago.
         rows: this rank's, of n f.
+        on_step: called where the kept preconditioner is applied.
     """
     rest = -unconstrained_residual(problem, x)
     problem.boundary.zero(rest)
     residual = rest.ravel()
-    kept = preconditioner(solver, rows)
+    whole = preconditioner(solver, rows)
+
+    def kept(r: np.ndarray) -> np.ndarray:
+        on_step()
+        return whole(r)
+
     if not solver.symmetric:
         return kept(residual).reshape(x.shape)
     return conjugate_steps(stiffness_product(problem, x), kept, residual).reshape(x.shape)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.algebra.eigen import EigenReport
+from restshape.algebra.work_counts import pencil_counts, pencil_seconds
 from restshape.analysis.correction import largest_values
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.modal_comparison import cold_frequencies
@@ -15,7 +17,11 @@ from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
 from restshape.analysis.settings import modal_settings
 from restshape.first_use import made
-from restshape.sensitivity.frequency_derivative import SolvedModes, modal_derivative
+from restshape.sensitivity.frequency_derivative import SolvedModes, known_modes, modal_derivative
+from restshape.sensitivity.mode_alignment import turning
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import Alignment, Predictor
 
 
 class ModalPrediction:
@@ -102,6 +108,51 @@ class ModalPrediction:
         values = np.sort(1.0 / largest_values(space @ mass_products.T, space @ stiff.T, len(vectors)))
         return largest_difference(state.frequencies, frequencies(values[state.modes.chosen]))
 
+    # --- mixed from several solutions ---------------------------------------------------------------------------------
+
+    def counted(self) -> tuple[int, ...]:
+        """Counts of all factors and substitutions so far."""
+        return pencil_counts(self.analysis.solver.pencil)
+
+    def seconds_since(self, before: tuple[int, ...]) -> float:
+        """Seconds by the calibration of the work since there were these counts."""
+        return pencil_seconds(self.analysis.solver.pencil, before, self.analysis.context.calibration)
+
+    def step_seconds(self) -> float:
+        """Infinite: a step on modes that lack much makes frequencies worse (docs/theory/free-vibrations.md)."""
+        return np.inf
+
+    def step(self) -> bool:
+        """None is taken."""
+        return False
+
+    def in_basis(self) -> np.ndarray:
+        """The values (k, k + n f) that the analysis holds, in the basis of the last solution."""
+        modes = self.analysis.state.modes
+        if modes.turn is None:
+            return self.values()
+        return np.column_stack([(modes.turn * modes.values) @ modes.turn.T, modes.basis])
+
+    def mixable(self) -> Predictor:
+        """What knows of modes that have converged alone, of which there are as many in each solution."""
+        return MixedModes(self.analysis)
+
+    def alignment(self, before: np.ndarray) -> Alignment | None:
+        """What brings `values` and derivatives of solutions before to the modes of the last solution.
+
+        Args:
+            before: (k, k + n f) values of one of them.
+        """
+        count = len(before)
+        turn = turning(made(self.analysis.state.solved).mass_products[: len(self.values())], before[:, count:])
+        if turn is None:
+            return None
+        return lambda one: np.column_stack([turn @ one[:, :count] @ turn.T, turn @ one[:, count:]])
+
+    def set_mixed(self, values: np.ndarray) -> None:
+        """As `set_values`: the mixed stiffness knows more of frequencies than Rayleigh's quotients of mixed modes."""
+        self.set_values(values)
+
     def _reordered(self, state: ModalState, order: np.ndarray) -> Modes:
         """The modes with the ids of the last solution where mode k is what was order[k] there.
 
@@ -115,3 +166,20 @@ class ModalPrediction:
         search = ModeSearch(self.analysis.solver, state.body, settings.modes, settings.in_plane)
         chosen = search.choose(participation, order < state.count)
         return replace(state.modes, participation=participation, ids=solved.ids.reordered(order), chosen=chosen)
+
+
+class MixedModes(ModalPrediction):
+    """A `ModalPrediction` of the modes that have converged alone, whose values are mixed from several solutions."""
+
+    def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
+        """Derivatives (2, k, k + n f) of `values`; arguments as in `modal_derivative`."""
+        return np.stack([self._known(one) for one in super().derivative(motion, tolerance)])
+
+    def values(self) -> np.ndarray:
+        """What is predicted, at the last solution or prediction."""
+        return self._known(super().values())
+
+    def _known(self, values: np.ndarray) -> np.ndarray:
+        """Of values, or a derivative, (m, m + n f) what belongs to the known modes."""
+        known, count = len(known_modes(self.analysis)), len(values)
+        return np.column_stack([values[:known, :known], values[:known, count:]])

@@ -2,14 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from restshape.algebra.work_counts import linear_counts, linear_seconds, pass_seconds
+from restshape.analysis.correction import correction
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.observer import Observer
 from restshape.fem.problem import SteadyProblem
+from restshape.fem.residuals import residual_norm
 from restshape.sensitivity.steady_derivative import design_derivative
+
+if TYPE_CHECKING:
+    from restshape.algebra.linear import LinearSolver
+    from restshape.analysis.analysis import Alignment, Context
+
+EXPECTED = 4
+"""Iterations of a first step."""
+RESIDUALS = 3
+"""Passes over all elements of a step besides those of its iterations."""
+WORTH = 30.0
+"""Tolerances by which a step must have changed the unknowns for another one to pay: it leaves about a hundredth."""
+
+
+class FrameSystem(Protocol):
+    """What a frame is solved with; `rows` are this rank's of all n f unknowns."""
+
+    @property
+    def rows(self) -> slice: ...
 
 
 class Predictable(Protocol):
@@ -19,6 +40,8 @@ class Predictable(Protocol):
     def predicted(self) -> bool: ...
     @property
     def observer(self) -> Observer: ...
+    @property
+    def system(self) -> FrameSystem: ...
 
 
 class Steady(Protocol):
@@ -31,7 +54,13 @@ class Steady(Protocol):
     @property
     def x(self) -> np.ndarray: ...
     @property
+    def tolerance(self) -> float: ...
+    @property
     def error_estimate(self) -> RecoveryEstimate | None: ...
+    @property
+    def context(self) -> Context: ...
+    @property
+    def solver(self) -> LinearSolver: ...
 
     def observe(self) -> dict[str, float]:
         """The quantities of interest at the unknowns."""
@@ -58,6 +87,7 @@ class SteadyPredictor:
 
     def __init__(self, analysis: Steady) -> None:
         self.analysis = analysis
+        self._applied = EXPECTED
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
         """Derivatives (2, n, f) of the unknowns along the hand's two directions; see `analysis.Predictor`."""
@@ -97,6 +127,57 @@ class SteadyPredictor:
             return {}
         shown, mended = self.analysis.observe(), self.analysis.state.observer(self.analysis.x + missing)
         return {name: abs(mended[name] - value) for name, value in shown.items() if name in mended}
+
+    def counted(self) -> tuple[int, ...]:
+        """Counts of all linear solves so far."""
+        return linear_counts(self.analysis.solver)
+
+    def seconds_since(self, before: tuple[int, ...]) -> float:
+        """Seconds by the calibration of the solves since there were these counts."""
+        return linear_seconds(self.analysis.solver, before, self.analysis.context.calibration)
+
+    def step_seconds(self) -> float:
+        """Seconds that `step` costs, with as many iterations as the last one had."""
+        kept, known = self.analysis.solver.kept, self.analysis.context.calibration
+        if not kept.ready:
+            return np.inf
+        each = kept.price().iteration + pass_seconds(kept.size.nonzeros, known)
+        return self._applied * each + RESIDUALS * pass_seconds(kept.size.nonzeros, known)
+
+    def step(self) -> bool:
+        """Take one of Newton's steps, inexact, on the kept preconditioner; whether another one pays.
+
+        One that does not lower the residual of a problem that is not linear is taken back, and is the last.
+        """
+        analysis, self._applied = self.analysis, 0
+        problem, before = analysis.problem, analysis.x
+        missing = correction(problem, before, analysis.solver, analysis.state.system.rows, self._count)
+        if not np.isfinite(missing).all():
+            return False
+        after = before + missing
+        if not problem.linear and not residual_norm(problem, after) < residual_norm(problem, before):
+            return False
+        analysis.set_values(after)
+        return float(np.linalg.norm(missing)) > WORTH * analysis.tolerance * float(np.linalg.norm(after))
+
+    def _count(self) -> None:
+        self._applied += 1
+
+    def in_basis(self) -> np.ndarray:
+        """As `values`: unknowns are those of nodes."""
+        return self.values()
+
+    def mixable(self) -> SteadyPredictor:
+        """Itself."""
+        return self
+
+    def alignment(self, before: np.ndarray) -> Alignment:
+        """The identity: unknowns are those of nodes."""
+        return np.asarray
+
+    def set_mixed(self, values: np.ndarray) -> None:
+        """As `set_values`."""
+        self.set_values(values)
 
     def _distance(self, predicted: np.ndarray, exact: np.ndarray) -> float:
         estimate = self.analysis.error_estimate

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from restshape.scene.edit_script import Script
     from restshape.scene.model import Scene
 
-KINDS = ("none", "linear")
+KINDS = ("none", "linear", "gmls")
 LEVELS = ("1", "2", "3", "still")
 NOT_IN_JSON = ("rows", "reasons", "largest_residual", "scales", "units", "ends", "beside")
 SUMMARY = "replay an edit script against a scene: result, cost and error of every frame"
@@ -59,7 +59,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--predict",
         choices=KINDS,
         default=KINDS[0],
-        help="show the frames of a drag by the design derivative, and solve on release (default: %(default)s)",
+        help="show the frames of a drag by the design derivative at the press (linear), or at several places (gmls),"
+        " and solve on release (default: %(default)s)",
     )
     parser.add_argument(
         "--estimate",
@@ -175,6 +176,9 @@ def _note_start(args: argparse.Namespace, scene: Scene, script: Script) -> None:
 
     for note in start_notes(scene, script):
         print(f"note: {note}", file=sys.stderr)
+    if args.predict == "gmls" and len({event.t for event in script.events}) == 1 < len(script.events):
+        note = "all events have one edit time: no time is left to take samples in, but at the press"
+        print(f"note: {note}", file=sys.stderr)
     if args.fields is not None and not args.out:
         print("note: --fields is of a recording: without --out FILE.vtkhdf it does nothing", file=sys.stderr)
     if not args.edits and (known := scripts_of(args.scene)):
@@ -218,7 +222,7 @@ def _start_recorder(path: Path, request: Request, process: Begun) -> Recorder:
     from restshape.replay.recorder import Recorder
 
     # It opens the file while PETSc starts.
-    columns = columns_of(request.scene, request.application, request.predict != "none")
+    columns = columns_of(request.scene, request.application, request.predict)
     return Recorder.start(path, request.header(), columns, wait=False, process=process)
 
 

@@ -77,6 +77,20 @@ SIMULATED = "time"
 """The simulated time [s] at the end of a frame, of analyses in time: a column of `Application.own_columns`."""
 
 
+PREDICTED = ("linear", "gmls")
+"""Ways in which frames of a drag are predicted."""
+SAMPLED: dict[str, npt.DTypeLike] = {
+    "samples": np.int64,
+    "samples_projected": np.int64,
+    "sample_ages": "S80",
+    "solver_steps": np.int64,
+    "idle_time": np.float64,
+    "idle_spent": np.float64,
+    "idle_work": "S40",
+}
+"""Columns of replays that are predicted from several samples."""
+
+
 def error_column(quantity: str) -> str:
     """The column of the estimated errors of a quantity."""
     return f"{quantity}_error"
@@ -133,12 +147,12 @@ def jumps_wanted(scene: Scene, application: Application) -> bool:
     return scene.solve.jumps is not False and has_mesh and all(one.mesh_jumps for one in application.physics)
 
 
-def columns_of(scene: Scene, application: Application, predicted: bool = False) -> dict[str, npt.DTypeLike]:
+def columns_of(scene: Scene, application: Application, predict: str = "none") -> dict[str, npt.DTypeLike]:
     """The columns of replays of a scene.
 
     Args:
         scene, application: that are replayed.
-        predicted: with frames that are predicted.
+        predict: as after `--predict`.
 
     Raises:
         UserError: a quantity has a name with which two columns would have the same one.
@@ -150,7 +164,7 @@ def columns_of(scene: Scene, application: Application, predicted: bool = False) 
     own = {error_column(name): name for name in estimated_quantities(scene, application)}
     if jumps_wanted(scene, application):
         own |= {jump_column(name): name for name in scene.quantities}
-    own |= {distance_column(name): name for name in scene.quantities if predicted}
+    own |= {distance_column(name): name for name in scene.quantities if predict in PREDICTED}
     own |= {limit_column(name, key): name for name, key in moving_limits(scene)}
     values = set(map(quantity_column, scene.quantities))
     beside = {column: name for name in scene.quantities for column in columns_beside(name) if column in values}
@@ -159,7 +173,8 @@ def columns_of(scene: Scene, application: Application, predicted: bool = False) 
             what = f"a column of it would be {column}, which is another column"
             raise scene.located(UserError(what, f"quantities.{name}", "give it another name"))
     places = {SINGULAR_PLACES: f"S{PLACES_BYTES}"} if places_wanted(scene, application) else {}
-    return known | dict.fromkeys(own, np.float64) | places
+    sampled = SAMPLED if predict == "gmls" else {}
+    return known | dict.fromkeys(own, np.float64) | places | sampled
 
 
 def columns(quantities: list[str], own: dict[str, npt.DTypeLike] | None = None) -> dict[str, npt.DTypeLike]:

@@ -91,6 +91,8 @@ class FrameRows:
             "refused": refused,
             "stale": int(bool(refused)),
         }
+        if self.prediction:
+            row.update(self.prediction.row())
         if solver.known:
             own = self.analysis.row()
             row.update(joined(row, without_values(own) if refused else own))

@@ -8,6 +8,7 @@ import numpy as np
 
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.frame import Frame
+from restshape.mesh.advance import NO_CELLS
 from restshape.replay.returns import Returns
 
 if TYPE_CHECKING:
@@ -62,6 +63,26 @@ class FrameSolver:
             return self.no_report()
         self._last = report = self._solve(edit, mesh_update, solved)
         return report
+
+    def idle(self, edit: ScriptFrame) -> None:
+        """Spend the edit time before a frame on what predictions are made from."""
+        if self.prediction is not None:
+            self.prediction.idle(edit, self._solve_shown)
+
+    def _solve_shown(self, last: ScriptFrame) -> None:
+        """Solve the last frame, which shows a prediction, on the mesh as it lies.
+
+        Raises:
+            ReplayProblem: it has no solution; its prediction is shown as before.
+        """
+        mesh = self.moving.field_mesh
+        changed = NO_CELLS if self.solved else np.arange(len(mesh.cells), dtype=np.int32)
+        self.solved = False
+        hand = last.gesture, (last.c[0], last.c[1])
+        self._last = self.analysis.solve(Frame(mesh, changed, None, last.scene, hand))
+        self.solved = self.known = True
+        self.predicted = False
+        self.moving.solved()
 
     def returned(self, report: LinearReport) -> LinearReport:
         """The report of a frame whose answer is one that there was."""

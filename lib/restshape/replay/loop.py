@@ -81,6 +81,8 @@ class Replay:
             if edit is None:
                 return
             edited = perf_counter()
+            idle = self._idle(edit)
+            start, edited = start + idle, edited + idle
             row = self._frame(edit)
             end = perf_counter()
             self._times(row, start, edited, end)
@@ -89,6 +91,15 @@ class Replay:
                 clean_up(self.comm)
             self._hand_over(edit, row, start, end)
             yield row
+
+    def _idle(self, edit: ScriptFrame) -> float:
+        """Spend the edit time before a frame; the seconds that this has taken, which are none of the frame's."""
+        if self.prediction is None:
+            return 0.0
+        start = perf_counter()
+        self.solver.idle(edit)
+        self.stages.reset()
+        return perf_counter() - start
 
     def _frame(self, edit: ScriptFrame) -> RowValues:
         """Compute one frame; one with a problem is recorded as refused, and all goes on from the last solution."""

@@ -1,11 +1,13 @@
 """Which frames of a replay are predicted, and from where."""
 
 import logging
+from collections.abc import Callable
 from math import nan
+from typing import Protocol
 
 import numpy as np
 
-from restshape.analysis.analysis import Analysis, Predictor
+from restshape.analysis.analysis import Analysis, Predictor, RowValues
 from restshape.arrays import Reals
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
@@ -14,6 +16,7 @@ from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.follower import Follower
 from restshape.policy import Policy
 from restshape.sensitivity.linear_prediction import Prediction
+from restshape.shape.gesture import Gesture
 from restshape.shape.protocol import Session
 from restshape.shape.script_frame import ScriptFrame
 
@@ -23,6 +26,21 @@ SPRINGS = "not predicted: nodes that springs relax do not follow the hand linear
 ARC = "not predicted: bending an arc is not linear"
 TRUSTED = 0.2
 """Estimated relative distance from the solution beyond which a frame is solved instead."""
+
+
+class Predicted(Protocol):
+    """What predicts the frames of a drag."""
+
+    @property
+    def gesture(self) -> Gesture:
+        """What the hand holds."""
+
+    @property
+    def c(self) -> tuple[float, float]:
+        """Coefficients of the hand where the newest of what it knows is from."""
+
+    def __call__(self, c: tuple[float, float]) -> Reals:
+        """The values with the hand at c."""
 
 
 class PredictedFrames:
@@ -45,22 +63,29 @@ class PredictedFrames:
     Raises:
         UserError: the analysis has no predictor, or the policy makes a new mesh in each frame.
 
+    Attributes:
+        kind: as after `--predict`.
+        made: predicts the frames that follow; None: they are solved.
+        active: the frame shows a prediction.
+
     Source: docs/theory/design-derivative.md.
     """
 
+    kind = "linear"
+
     def __init__(self, analysis: Analysis[Problem], moving: Follower, session: Session, policy: Policy) -> None:
         if analysis.predictor is None:
-            raise UserError(analysis.why_not, "--predict linear", "leave it out")
+            raise UserError(analysis.why_not, f"--predict {self.kind}", "leave it out")
         if policy.regenerate:
             raise UserError(
                 f"the policy {policy.name} makes a new mesh in each frame, so that there is nothing to predict on",
-                "--predict linear",
+                f"--predict {self.kind}",
                 "choose another policy, or leave it out",
             )
         self.analysis = analysis
         self.predictor: Predictor = analysis.predictor
         self.moving, self.session = moving, session
-        self.made: Prediction | None = None
+        self.made: Predicted | None = None
         self.active = False
         self.note = ""
         self._before: Reals | None = None
@@ -89,7 +114,7 @@ class PredictedFrames:
             return False
         if edit.change == "move":
             before = self.predictor.values()
-            self.predictor.set_values(made(edit.c))
+            self._set(made(edit.c))
             self._c = edit.c
             if not self._is_trusted():
                 self.predictor.set_values(before)
@@ -107,12 +132,20 @@ class PredictedFrames:
             # Where nothing estimates it, frames are shown as they are predicted.
             self.estimated(self.analysis.errors().get("estimate", np.nan))
         error, way = known(self._estimate)
-        expected = error * max(1.0, self.distance / way) ** 2 if way > 0.0 else error
+        expected = self._expected_error(error, way)
         if not expected > TRUSTED:
             return True
         self._doubt = f"solved: its prediction would be off by about {100.0 * expected:.2g} %"
         log.info("Frame %s", self._doubt)
         return False
+
+    def _expected_error(self, error: float, way: float) -> float:
+        """The error here of a prediction that was off by an error after a way of the hand."""
+        return error * max(1.0, self.distance / way) ** 2 if way > 0.0 else error
+
+    def _set(self, values: Reals) -> None:
+        """Let the analysis hold what is predicted."""
+        self.predictor.set_values(values)
 
     def start(self, edit: ScriptFrame, stays: bool) -> None:
         """Let the solve of a frame start at its prediction, where there is one.
@@ -124,7 +157,7 @@ class PredictedFrames:
         self._before = None
         if self.made is not None and edit.change == "move" and edit.gesture is self.made.gesture:
             self._before = self.predictor.values()
-            self.predictor.set_values(self.made(edit.c))
+            self._set(self.made(edit.c))
         self._expected = self.predictor.prediction if stays else None
 
     def rollback(self) -> None:
@@ -153,16 +186,37 @@ class PredictedFrames:
                 self.note = ARC
                 log.info("%4d Frames %s", edit.index, self.note)
             return
+        self.made = self._taken(edit, edit.gesture)
+
+    def idle(self, edit: ScriptFrame, solve: Callable[[ScriptFrame], None]) -> None:
+        """Before a frame, spend the edit time since the last one: on nothing.
+
+        Args:
+            edit: the frame.
+            solve: solves the last frame where it shows a prediction.
+        """
+
+    def row(self) -> RowValues:
+        """Columns of a frame's row that only this kind of prediction has: none."""
+        return {}
+
+    def _taken(self, edit: ScriptFrame, gesture: Gesture) -> Predicted | None:
+        """What predicts the next frames, from one that has been solved; None where nothing does."""
+        s = self._derivatives(edit)
+        return None if s is None else Prediction(gesture, edit.c, self.predictor.values(), s)
+
+    def _derivatives(self, edit: ScriptFrame) -> Reals | None:
+        """The derivatives (2, ...) at a frame that has been solved; None with a note of why there are none."""
         try:
             motion = self.moving.linear_motion
             s = None if motion is None else self.predictor.derivative(motion, edit.scene.solve.tolerance)
         except ReplayProblem as problem:
             self.note = f"not predicted: {problem}"
             log.info("%4d Frames %s", edit.index, self.note)
-            return
+            return None
         if s is None:
             self.note = SPRINGS
             log.info("%4d Frames %s", edit.index, self.note)
-            return
+            return None
         log.info("%4d Expansion point of the frames that follow", edit.index)
-        self.made = Prediction(edit.gesture, edit.c, self.predictor.values(), s)
+        return s

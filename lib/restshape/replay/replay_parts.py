@@ -8,6 +8,7 @@ from restshape.analysis.analysis import Context
 from restshape.analysis.made_analysis import made_analysis
 from restshape.errors import UserError
 from restshape.replay.predicted_frames import PredictedFrames
+from restshape.replay.sampled_frames import SampledFrames
 
 if TYPE_CHECKING:
     from petsc4py import PETSc
@@ -49,8 +50,24 @@ def replay_parts(request: Request, comm: PETSc.Comm, stages: Stages) -> ReplayPa
     session, moving = application.editing.start(scene, request.script, application, policy, comm)
     context = Context(comm, policy, request.calibration, stages, request.guided)
     analysis = made_analysis(scene, application, context)
-    if request.predict != "linear":
+    if request.predict == "none":
         return ReplayParts(session, moving, analysis, None)
     if request.script.header.analysis != "every frame":
         raise UserError("frames that are not analysed cannot be predicted", "--predict", "--predict none")
-    return ReplayParts(session, moving, analysis, PredictedFrames(analysis, moving, session, policy))
+    if request.predict == "linear":
+        return ReplayParts(session, moving, analysis, PredictedFrames(analysis, moving, session, policy))
+    return ReplayParts(session, moving, analysis, _sampled(request, session, moving, analysis))
+
+
+def _sampled(request: Request, session: Session, moving: Follower, analysis: Analysis[Problem]) -> SampledFrames:
+    """What predicts frames from several samples.
+
+    Raises:
+        UserError: nothing follows the hand linearly.
+    """
+    scene, policy, outline = request.scene, request.policy, session.outline
+    if (policy.relocation or scene.mesh.relocation) == "laplacian":
+        what = "springs relax the nodes, which do not follow the hand linearly: there are no derivatives to mix"
+        raise UserError(what, "--predict gmls", "choose another mesh.relocation or policy, or leave it out")
+    size = outline.size if outline is not None else 1.0
+    return SampledFrames(analysis, moving, session, policy, spec=scene.predict, size=size)

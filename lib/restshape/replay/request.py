@@ -24,7 +24,8 @@ class Request:
         policy: what is reused.
         calibration: seconds a unit of counted work.
         petsc: words for PETSc's options database.
-        predict: "none", or "linear": frames of a drag by the design derivative.
+        predict: "none", "linear": frames of a drag by the design derivative at one of them, or "gmls": by those at
+            several.
         overrides: ``key=value`` of the command line, which the scene has taken in.
         guided: as in `Context`.
     """
@@ -63,6 +64,7 @@ class Request:
             "policy": self.policy.name,
             "guess": self.policy.guess,
             "predict": self.predict,
+            "prediction": self.scene.predict.model_dump() if self.predict == "gmls" else {},
             "calibration": self.calibration.as_dict(),
             "petsc_options": list(self.petsc),
         }

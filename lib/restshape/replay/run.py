@@ -58,7 +58,7 @@ def run_replay(
     tally, rows, interrupted = Tally(units, load_scales(request.scene)), [], False
     ends: list[RowValues] = []
     keep = keep_rows or request.application.report is not None
-    names = list(columns_of(request.scene, request.application, request.predict != "none"))
+    names = list(columns_of(request.scene, request.application, request.predict))
     with table_of_rows(csv if first else None, names) as table:
         try:
             for row in _frames(replay, request, say):

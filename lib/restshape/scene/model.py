@@ -32,6 +32,7 @@ from restshape.scene.values import (
     PartName,
     Point,
     Strict,
+    Time,
     Whole,
     only_one,
 )
@@ -304,6 +305,20 @@ class SolveSpec(Strict):
     estimate: Annotated[EstimatedFrames | int, BeforeValidator(_read_frames)] = "auto"
 
 
+class PredictSpec(Strict):
+    """``[predict]``: how ``--predict gmls`` mixes what is known at several places of a drag.
+
+    Args:
+        epsilon: distance below which samples weigh alike, in parts of the shape's diagonal.
+        samples: how many are kept at most.
+        frame_time: seconds of a frame of a drag that solver steps may take, by the calibration.
+    """
+
+    epsilon: Annotated[Number, Field(ge=1e-6, le=100)] = 10.0**-1.5
+    samples: Annotated[Whole, Field(ge=1, le=10)] = 10
+    frame_time: Annotated[Time, Field(ge=0)] = 1.0 / 60.0
+
+
 class RecordingSpec(Strict):
     """``[recording]``: what recordings hold besides what they always do.
 
@@ -333,6 +348,7 @@ class Scene(Strict):
         loads: what acts on the shape, by name.
         mesh: how fine the mesh is, and how it follows the shape.
         solve: how exactly is solved, and what is reused.
+        predict: how frames of a drag are predicted from several samples.
         recording: what recordings hold besides what they always do.
         quantities: numbers a frame that are reported, by name.
 
@@ -354,6 +370,7 @@ class Scene(Strict):
     loads: dict[Name, Load] = {}
     mesh: MeshSpec = MeshSpec()
     solve: SolveSpec = SolveSpec()
+    predict: PredictSpec = PredictSpec()
     recording: RecordingSpec = RecordingSpec()
     quantities: dict[Name, Quantity] = {}
 

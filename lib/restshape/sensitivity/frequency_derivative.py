@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from restshape.algebra.clusters import clusters
 from restshape.algebra.eigen import EigenSolver
-from restshape.errors import ReplayProblem
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import MASS, STIFFNESS
+from restshape.sensitivity.mode_change import change_beyond
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import Context
@@ -21,9 +20,6 @@ if TYPE_CHECKING:
 COINCIDE, ROUNDING = 100.0, 1e-9
 """Eigenvalues whose distance, as a share of themselves, is below that many squares of the tolerance of residuals, or
 below rounding, coincide: the solve does not distinguish their modes."""
-
-RESTART, RESTARTS = 30, 4
-"""Directions of one cycle of GMRES for the derivative of a mode, and cycles."""
 
 
 class SolvedModes(Protocol):
@@ -140,6 +136,7 @@ def modal_derivative(analysis: SolvedModes, plane_motion: np.ndarray, tolerance:
     count, n = state.modes.vectors.shape
     result = np.zeros((2, count, count + n))
     modes, values = state.modes.vectors[known], state.modes.values[known]
+    weighted = state.modes.mass_products[: len(known)]
     for direction, velocity in zip(result, state.body.motion(plane_motion)):
         if not np.any(velocity):
             continue
@@ -150,50 +147,9 @@ def modal_derivative(analysis: SolvedModes, plane_motion: np.ndarray, tolerance:
         change = -0.5 * reduced_mass @ modes
         for k in known:
             force = -(stiff[k] - values[k] * mass_products[k])
-            change[k] += _beyond(analysis, modes, float(values[k]), force, tolerance)
+            change[k] += change_beyond(analysis.solver, modes, weighted, float(values[k]), force, tolerance)
         direction[: len(known), count:] = change
     return result
-
-
-def _beyond(analysis: SolvedModes, modes: np.ndarray, value: float, force: np.ndarray, tolerance: float) -> np.ndarray:
-    """The part v (n f,) of a mode's change that is orthogonal to the known modes, rigid motions in it included.
-
-    Args:
-        analysis: whose factor preconditions; modes: (k, n f) the known ones; value: the mode's eigenvalue.
-        force: (n f,) right side; what of it lies along the known modes is taken out.
-    """
-    solver = analysis.solver
-    pencil, rigid = solver.pencil, solver.deflation
-    mass_products = analysis.state.modes.mass_products[: len(modes)]
-
-    def clean(v: np.ndarray) -> np.ndarray:
-        row = v - (mass_products @ v) @ modes
-        return row - (rigid.weighted @ row) @ rigid.rigid if rigid.count else row
-
-    def clean_force(r: np.ndarray) -> np.ndarray:
-        row = r - (modes @ r) @ mass_products
-        return row - (rigid.rigid @ row) @ rigid.weighted if rigid.count else row
-
-    def product(v: np.ndarray) -> np.ndarray:
-        row, out = np.ascontiguousarray(clean(v))[None], np.empty((2, v.size))
-        pencil.apply(pencil.stiffness, row, out[:1])
-        pencil.apply(pencil.mass, row, out[1:])
-        return clean_force(out[0] - value * out[1])
-
-    def precondition(r: np.ndarray) -> np.ndarray:
-        return clean(pencil.solve(np.ascontiguousarray(clean_force(r))[None])[0])
-
-    right = clean_force(force)
-    # In z the iteration is that of A P z = right: its residual is the true one.
-    system = LinearOperator(2 * (right.size,), matvec=lambda z: product(precondition(z)), dtype=right.dtype)
-    z, failed = gmres(system, right, rtol=tolerance, atol=0.0, restart=RESTART, maxiter=RESTARTS)
-    part = precondition(z)
-    if failed:
-        error, norm = np.linalg.norm(product(part) - right), np.linalg.norm(right)
-        if not error <= 100.0 * tolerance * norm:
-            raise ReplayProblem(f"no derivative of a mode: its residual is {error / norm:.1e} of the right side")
-    # Along rigid motions the system is -lambda times the identity.
-    return part - (rigid.rigid @ force / value) @ rigid.rigid if rigid.count else part
 
 
 # --- by nodes, along the outline -----------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ FRAME_TIME = 1.0 / 60.0
 UNDO_STEPS = 100
 """Edit steps that can be undone; older ones are forgotten, so that memory does not grow with the script."""
 
-FIXED = ("format", "version", "app", "shape", "quantities", "solve")
+FIXED = ("format", "version", "app", "shape", "quantities", "solve", "predict")
 """Tables and keys of a scene that hold for a whole session."""
 
 LIMITS = {"min": None, "max": None}

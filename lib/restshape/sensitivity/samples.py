@@ -1,0 +1,158 @@
+"""What the answers and derivatives at several places of a drag predict for the others: moving least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from restshape import _kernels
+
+if TYPE_CHECKING:
+    from restshape.arrays import Reals
+    from restshape.shape.gesture import Gesture
+
+Hand = tuple[float, float]
+"""Coefficients of a gesture."""
+NEAREST = 0.01
+"""Distance between two samples at least, in sizes of the shape."""
+SAME = 1e-3
+"""Distance, in sizes of the shape, below which a place is the same."""
+NONE = np.empty(0)
+
+
+@dataclass(frozen=True)
+class SamplePlace:
+    """Where a sample is, and what it is of.
+
+    Args:
+        c: coefficients of the hand.
+        frame: index of the frame that it was taken in.
+        mesh: version of the mesh that it was solved on.
+        projected: it was interpolated from another mesh.
+    """
+
+    c: Hand
+    frame: int
+    mesh: object
+    projected: bool = False
+
+
+class DragSamples:
+    """Values around the hand by generalised moving least squares, from at most so many samples of a drag.
+
+    x(d) = p(d)^T G^-1 [sum_{m>=0} w_m p(d^m) x^m + sum_{m>=1} w_m sum_j dp/dd_j s_j^m] with p = (1, d_1, d_2), w_m =
+    1/(|d - d^m|^2 + epsilon^2), and G the same sums of p p^T and dp dp^T. The samples m >= 1 have values and both
+    derivatives; m = 0 is the last state that a solver has taken steps to, and has values alone.
+
+    Args:
+        gesture: what the hand holds, whose coefficients c are.
+        size: of the shape; d = c / size.
+        epsilon: keeps weights finite, in sizes.
+        most: samples that are kept.
+
+    Attributes:
+        places: of the samples, in the order in which they were taken.
+
+    Source: docs/theory/design-derivative.md; 5.1.5 of the thesis; Martin et al., Unified simulation of elastic rods,
+    shells, and solids, ACM Trans. Graph. 29 (2010) 39.
+    """
+
+    def __init__(self, gesture: Gesture, size: float, epsilon: float, most: int) -> None:
+        self.gesture, self.size, self.epsilon, self.most = gesture, size, epsilon, most
+        self.places: list[SamplePlace] = []
+        self.last: Hand | None = None
+        self._shape: tuple[int, ...] = ()
+        self._rows: Reals = np.empty((0, 0))
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    @property
+    def c(self) -> Hand:
+        """Where the newest sample is."""
+        return self.places[-1].c
+
+    def distance(self, c: Hand) -> float:
+        """From a place of the hand to the nearest sample, in the gesture's coefficients."""
+        return min((float(np.hypot(c[0] - at.c[0], c[1] - at.c[1])) for at in self.places), default=np.inf)
+
+    def knows(self, c: Hand, mesh: object, rests: bool = False) -> bool:
+        """Whether there is a sample of this mesh so near that another one there would take its place.
+
+        Where the hand rests, it is worth to take that place, unless it is the very same.
+        """
+        least = SAME if rests else NEAREST
+        return any(at.mesh == mesh and not at.projected for at in self._near(c, least))
+
+    def add(self, place: SamplePlace, values: Reals, derivatives: Reals) -> None:
+        """Take a sample; those too near it go, and of more than `most` the one farthest from it.
+
+        Args:
+            place: of it.
+            values: of the shape that all have; derivatives: (2, ...) by the hand's coefficients.
+        """
+        if not self.places:
+            self._shape, self._rows = values.shape, np.zeros((1 + 3 * self.most, values.size))
+        near = self._near(place.c)
+        self._keep([at not in near for at in self.places])
+        if len(self.places) == self.most:
+            ways = [np.hypot(place.c[0] - at.c[0], place.c[1] - at.c[1]) for at in self.places]
+            self._keep([k != int(np.argmax(ways)) for k in range(self.most)])
+        row = 1 + 3 * len(self.places)
+        self._rows[row] = values.ravel()
+        self._rows[row + 1 : row + 3] = derivatives.reshape(2, -1)
+        self.places.append(place)
+
+    def clear(self) -> None:
+        """Forget all."""
+        self.places, self.last = [], None
+
+    def set_last(self, c: Hand, values: Reals) -> None:
+        """Take note of the last state on which solver steps were taken."""
+        if len(self.places):
+            self._rows[0], self.last = values.ravel(), c
+
+    def change(self, changed: Callable[[Reals], Reals]) -> None:
+        """Apply a linear function of values to all values and derivatives, such as a turn of modes."""
+        for row in self._rows[: 1 + 3 * len(self.places)]:
+            row[:] = changed(row.reshape(self._shape)).ravel()
+
+    def projected(self, changed: Callable[[Reals], Reals], size: int) -> DragSamples:
+        """The same samples on another mesh, marked as projected.
+
+        Args:
+            changed: values of that mesh from those of this one.
+            size: of a row there.
+        """
+        found = DragSamples(self.gesture, self.size, self.epsilon, self.most)
+        found.last, found._rows = self.last, np.zeros((1 + 3 * self.most, size))
+        for row, new in zip(self._rows[: 1 + 3 * len(self.places)], found._rows):
+            values = changed(row.reshape(self._shape))
+            new[:], found._shape = values.ravel(), values.shape
+        found.places = [replace(at, projected=True) for at in self.places]
+        return found
+
+    def __call__(self, c: Hand) -> Reals:
+        """The values with the hand at c."""
+        out = np.empty(self._rows.shape[1])
+        last = NONE if self.last is None else np.array(self.last)
+        places = np.array([at.c for at in self.places])
+        _kernels.gmls(np.array(c), last, places, self.size, self.epsilon**2, self._rows, out)
+        return out.reshape(self._shape)
+
+    def _near(self, c: Hand, least: float = NEAREST) -> list[SamplePlace]:
+        """The samples nearer than so many sizes."""
+        return [at for at in self.places if np.hypot(c[0] - at.c[0], c[1] - at.c[1]) < least * self.size]
+
+    def _keep(self, kept: list[bool]) -> None:
+        """Let go of samples; those that stay move up."""
+        if all(kept):
+            return
+        stay = [k for k, one in enumerate(kept) if one]
+        for new, old in enumerate(stay):
+            if new != old:
+                self._rows[1 + 3 * new : 4 + 3 * new] = self._rows[1 + 3 * old : 4 + 3 * old]
+        self.places = [self.places[k] for k in stay]
