@@ -13,9 +13,12 @@ from restshape_studies.bench.turns import Announce, Play, found_of, in_turns, me
 from restshape.analysis.analysis import Analysis
 from restshape.analysis.frequencies import largest_difference
 from restshape.errors import UserError
+from restshape.fem.residuals import energy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 
+NO_STEPS = "gmls, no steps"
+"""GMLS whose frames of drags take no solver steps."""
 SHARES = (0.25, 0.5, 0.75, 1.0)
 """Parts of the farthest way of the hand, at which the error is reported."""
 
@@ -29,7 +32,9 @@ def study(name: str, job: Job, repeat: int, announce: Announce, play: Play = run
         UserError: the scene or the script cannot be replayed, or no frame is predicted.
     """
     ahead = replace(job, predict="linear")
-    turns = in_turns(name, {"predicted": ahead, "solved": job}, repeat, announce, play)
+    several = replace(job, predict="gmls")
+    turns = in_turns(name, {"gmls": several, "predicted": ahead, "solved": job}, repeat, announce, play)
+    sampled = [run.rows for run in turns.pop("gmls")]
     runs = {key: [run.rows for run in found] for key, found in turns.items()}
     rows = {key: found[-1] for key, found in runs.items()}
     chosen = [row["index"] for row in rows["predicted"] if row["predicted"] and row["level"]]
@@ -56,6 +61,7 @@ def study(name: str, job: Job, repeat: int, announce: Announce, play: Play = run
         "iterations": {key: sum(row["iterations"] for row in rows[key]) for key in rows},
         "anchors": anchors(rows["predicted"]),
         **errors,
+        "ways": along_drags({"none": runs["solved"], "linear": runs["predicted"], "gmls": sampled}, errors["ways"]),
     }
 
 
@@ -74,6 +80,28 @@ def spread(rows: Sequence[Row], chosen: Sequence[int]) -> float:
     return median(rows[i]["ms"] for i in chosen)
 
 
+def along_drags(runs: dict[str, list[list[Row]]], errors: Row) -> Row:
+    """What each way of prediction costs and gives in the frames of drags.
+
+    Args:
+        runs: rows of each run, by way.
+        errors: of `measure`, by way.
+    """
+    found: Row = {}
+    for way, several in runs.items():
+        dragged = [[row for row in rows if row["event"] == "drag" and row["level"]] for rows in several]
+        last = dragged[-1]
+        found[way] = {
+            "ms": median(median(row["ms"] for row in rows) for rows in dragged),
+            "session_s": median(session(rows) for rows in several),
+            "frames": len(last),
+            "predicted": sum(bool(row["predicted"]) for row in last),
+            "samples": max((row.get("samples", 0) for row in last), default=0),
+            "idle_spent": sum(row.get("idle_spent", 0.0) for row in several[-1]),
+        }
+    return {way: found.get(way, {}) | errors.get(way, {}) for way in (*found, *(set(errors) - set(found)))}
+
+
 def anchors(rows: Sequence[Row]) -> int:
     """Frames that others are predicted from: solved, with a predicted one next."""
     return sum(not a["predicted"] and bool(b["predicted"]) for a, b in pairwise(rows))
@@ -88,7 +116,7 @@ def measure(request: Request) -> Row:
     Returns: way: distance of the hand from where its prediction starts [m, or what the gesture's coefficients are];
         of: what the error is of; error: the norm of that of a field over its own, or the largest of values such as
         frequencies, each over its own; quantities: name -> error over the solved value of the same frame; each for all
-        predicted frames; at: part of the farthest way -> largest error up to there.
+        predicted frames; at: part of the farthest way -> largest error up to there; ways: of `compare_ways`.
     """
     ahead, behind = (Replay(replace(request, predict=kind), PETSc.COMM_WORLD) for kind in ("linear", "none"))
     way, error = [], []
@@ -107,8 +135,67 @@ def measure(request: Request) -> Row:
         "of": subject(ahead.analysis),
         "error": error,
         "quantities": {name[2:]: _relative(pairs) for name, pairs in quantities.items()},
+        "ways": compare_ways(request),
         "at": {str(s): max((e for w, e in zip(way, error) if w <= s * farthest), default=0.0) for s in SHARES},
     }
+
+
+def compare_ways(request: Request) -> Row:
+    """How far each way of prediction is from the solved answer in all frames of drags, those that it solves included.
+
+    Returns: by way `error` (of each frame, as of `measure`), `mean` and `max` of them, and of a displacement `distance`
+    (of nodes [m]: `mean` and `max` over frames of the mean and of the largest) and `energy` (relative: likewise).
+    """
+    still = request.scene.predict.model_copy(update={"frame_time": 0.0})
+    alone = request.scene.model_copy(update={"predict": still})
+    asked = {
+        "linear": replace(request, predict="linear"),
+        "gmls": replace(request, predict="gmls"),
+        NO_STEPS: replace(request, scene=alone, predict="gmls"),
+    }
+    exact = Replay(replace(request, predict="none"), PETSc.COMM_WORLD)
+    replays = {way: Replay(one, PETSc.COMM_WORLD) for way, one in asked.items()}
+    seen: dict[str, list[tuple[float, ...]]] = {way: [] for way in asked}
+    for true, *rows in zip(exact.frames(), *(one.frames() for one in replays.values())):
+        if true["event"] != "drag" or not true["level"] or true["refused"]:
+            continue
+        for way, row in zip(asked, rows):
+            if not row["refused"]:
+                seen[way].append(_apart(replays[way].analysis, exact.analysis))
+    return {way: _summed(np.array(found)) for way, found in seen.items() if found}
+
+
+def _apart(found: Analysis, exact: Analysis) -> tuple[float, ...]:
+    """The relative error of an answer, mean and largest distance of nodes [m], and relative error of the energy."""
+    near, true = found.solution().field, exact.solution().field
+    if near is None or true is None or near.shape != true.shape:
+        return (difference(found, exact), np.nan, np.nan, np.nan)
+    way = np.linalg.norm(near - true, axis=1)
+    energies = [_energy(one) for one in (found, exact)]
+    off = abs(energies[0] - energies[1]) / abs(energies[1]) if energies[1] else np.nan
+    return (difference(found, exact), float(way.mean()), float(way.max()), off)
+
+
+def _energy(analysis: Analysis) -> float:
+    """The potential energy [J] of an answer; not a number where it has none."""
+    problem, x = analysis.state.problem, getattr(analysis, "x", None)
+    own = getattr(problem, "energy", None)
+    if x is None:
+        return np.nan
+    if own is not None:
+        return float(own(x))
+    return float(energy(problem, x)) if problem.traits(analysis.state.plan).minimises else np.nan
+
+
+def _summed(found: np.ndarray) -> Row:
+    """The record of the frames (n, 4) of a way."""
+    error, mean, largest, off = found.T
+    record: Row = {"error": error.tolist(), "mean": float(error.mean()), "max": float(error.max())}
+    if np.isfinite(mean).all():
+        record["distance"] = {"mean": float(mean.mean()), "max": float(largest.max())}
+    if np.isfinite(off).all():
+        record["energy"] = {"mean": float(off.mean()), "max": float(off.max())}
+    return record
 
 
 def subject(analysis: Analysis) -> str:

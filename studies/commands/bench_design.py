@@ -63,6 +63,7 @@ def show_prediction(args: argparse.Namespace, name: str, found: dict[str, Any]) 
     print_table("", heads, [(*row[:3], f"{ratios[row[3]]:.2f}") for row in rows], right=heads[1:])
     stages = ", ".join(f"{key} {value:.3f}" for key, value in found["stages"].items())
     print(f"of a predicted frame [ms]: {stages}")
+    show_ways(found["ways"])
     parts = list(found["at"])
     heads = ("largest error, relative", *(f"up to {100 * float(part):.0f} % of the way" for part in parts))
     rows = [(found["of"], *(f"{found['at'][part]:.2e}" for part in parts))]
@@ -73,6 +74,30 @@ def show_prediction(args: argparse.Namespace, name: str, found: dict[str, Any]) 
         ]
         rows.append((quantity, *(f"{cell:.2e}" for cell in cells)))
     print_table("against the solved answer", heads, rows, right=heads[1:])
+
+
+def show_ways(ways: dict[str, Any]) -> None:
+    """Print what none, one and several samples give in the frames of drags."""
+    heads = (
+        "frames of drags",
+        "p50 [ms]",
+        "session [s]",
+        "predicted",
+        "samples",
+        "mean",
+        "largest",
+        "nodes [mm]",
+        "energy",
+    )
+    rows = []
+    for way, one in ways.items():
+        times = [f"{one[key]:.3f}" if key in one else "" for key in ("ms", "session_s")]
+        counts = [f"{one['predicted']} of {one['frames']}", str(one["samples"])] if "frames" in one else ["", ""]
+        errors = [f"{one[key]:.1e}" if key in one else "" for key in ("mean", "max")]
+        distance = f"{1e3 * one['distance']['max']:.2g}" if "distance" in one else ""
+        energy = f"{one['energy']['max']:.1e}" if "energy" in one else ""
+        rows.append((way, *times, *counts, *errors, distance, energy))
+    print_table("ways of prediction against the solved answer", heads, rows, right=heads[1:])
 
 
 def measure_derivative(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:

@@ -8,16 +8,21 @@ import numpy as np
 
 from restshape.algebra.work_counts import linear_counts, linear_seconds, pass_seconds
 from restshape.analysis.correction import correction
+from restshape.errors import ReplayProblem
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.observer import Observer
 from restshape.fem.problem import SteadyProblem
-from restshape.fem.residuals import residual_norm
+from restshape.fem.residuals import residual_norm, unconstrained_residual
 from restshape.sensitivity.steady_derivative import design_derivative
 
 if TYPE_CHECKING:
     from restshape.algebra.linear import LinearSolver
     from restshape.analysis.analysis import Alignment, Context
 
+INEXACT = 1e-2
+"""Residual of a Newton step over that of the prediction."""
+GROWS = 10.0
+"""Times that a step may make the residual of a prediction larger."""
 EXPECTED = 4
 """Iterations of a first step."""
 RESIDUALS = 3
@@ -145,20 +150,37 @@ class SteadyPredictor:
         return self._applied * each + RESIDUALS * pass_seconds(kept.size.nonzeros, known)
 
     def step(self) -> bool:
-        """Take one of Newton's steps, inexact, on the kept preconditioner; whether another one pays.
-
-        One that does not lower the residual of a problem that is not linear is taken back, and is the last.
-        """
-        analysis, self._applied = self.analysis, 0
-        problem, before = analysis.problem, analysis.x
-        missing = correction(problem, before, analysis.solver, analysis.state.system.rows, self._count)
-        if not np.isfinite(missing).all():
+        """Take one of Newton's steps, inexact, on the kept preconditioner; whether another one pays."""
+        analysis, before = self.analysis, self.analysis.x
+        missing = self._newton_step() if not analysis.problem.linear else self._conjugate_steps()
+        if missing is None or not np.isfinite(missing).all():
             return False
         after = before + missing
-        if not problem.linear and not residual_norm(problem, after) < residual_norm(problem, before):
-            return False
         analysis.set_values(after)
         return float(np.linalg.norm(missing)) > WORTH * analysis.tolerance * float(np.linalg.norm(after))
+
+    def _conjugate_steps(self) -> np.ndarray:
+        """What a prediction of a linear problem lacks (n, f), but for about a hundredth."""
+        analysis, self._applied = self.analysis, 0
+        return correction(analysis.problem, analysis.x, analysis.solver, analysis.state.system.rows, self._count)
+
+    def _newton_step(self) -> np.ndarray | None:
+        """A step (n, f) with the tangent of the prediction; None where there is none, or it leads away.
+
+        Bodies that turn have a larger residual on the way: on the cantilever steps that must lower it end up to 3 %
+        off, those that may raise it tenfold within 1e-4.
+        """
+        analysis, counted = self.analysis, self.counted()
+        problem, x = analysis.problem, analysis.x
+        rest = -unconstrained_residual(problem, x)
+        problem.boundary.zero(rest)
+        try:
+            step = analysis.linear_solve(rest, INEXACT)
+        except ReplayProblem:
+            step = None
+        self._applied = self.counted()[1] - counted[1]
+        size = float(np.linalg.norm(rest))
+        return step if step is not None and residual_norm(problem, x + step) < GROWS * size else None
 
     def _count(self) -> None:
         self._applied += 1

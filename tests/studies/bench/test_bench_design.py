@@ -35,11 +35,19 @@ def test_predict_for_programs_and_people(tmp_path, command, scene):
     assert found["error"][7] / found["error"][3] == pytest.approx(4.0, rel=0.2)
     assert found["at"]["1.0"] == max(found["error"]) and found["at"]["0.5"] == max(found["error"][:4])
     assert min(found["session_s"].values()) > 0 and set(found["ratios"]) == {"frames", "session"}
+    ways = found["ways"]
+    assert list(ways) == ["none", "linear", "gmls", "gmls, no steps"] and ways["none"]["predicted"] == 0
+    assert ways["linear"]["max"] == max(found["error"]) and ways["gmls"]["samples"] >= 1
+    # Steps in the time of frames reach the solution; energies have errors of second order in those of displacements.
+    assert ways["gmls"]["max"] < 1e-3 * ways["linear"]["max"]
+    assert 0.0 < ways["linear"]["energy"]["max"] < ways["linear"]["max"]
+    assert 0.0 < ways["linear"]["distance"]["mean"] < ways["linear"]["distance"]["max"]
     assert set(found["quantities"]) == {"stretch", "peak", "wall", "energy"}
     for words in (
         "8 of 11 frames predicted",
         "frames a second",
         "the whole session",
+        "ways of prediction",
         "against the solved answer",
         "stretch",
     ):
@@ -77,7 +85,7 @@ def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
         (("predict", SCENES / "pins.toml"), ("cloth is not predicted yet",)),
         (("derivative", SCENES / "pins.toml"), ("cloth is not predicted yet",)),
         (("predict", "small.toml", "--policy", "rebuild"), ("rebuild", "--predict")),
-        (("predict", "small.toml", "--policy", "thesis", "--repeat", 1), ("no frame", "small.jsonl")),
+        (("predict", "small.toml", "--policy", "thesis", "--repeat", 1), ("springs", "--predict gmls")),
         (("predict", "small.toml", "--edits", "still.jsonl", "--repeat", 1), ("no frame", "still.jsonl")),
         (("derivative", "small.toml", "--edits", "still.jsonl"), ("drags nothing",)),
         (("derivative", "nowhere.toml"), ("nowhere.toml",)),
