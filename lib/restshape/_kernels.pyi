@@ -6,6 +6,7 @@ import typing
 
 __all__: list[str] = [
     "Body",
+    "BodyRates",
     "Element",
     "HarmonicExtension",
     "MesherFailure",
@@ -172,6 +173,75 @@ class Body:
     def inner_radius(self) -> float: ...
     @property
     def sharpest(self) -> float: ...
+
+class BodyRates:
+    @staticmethod
+    def box(
+        centre: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        half: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        rotation: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        radius: typing.SupportsFloat | typing.SupportsIndex,
+        dcentre: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dhalf: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        drotation: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dradius: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> BodyRates: ...
+    @staticmethod
+    def capsule(
+        start: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        end: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        radius: typing.SupportsFloat | typing.SupportsIndex,
+        dstart: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dend: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dradius: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> BodyRates: ...
+    @staticmethod
+    def cylinder(
+        start: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        end: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        radius: typing.SupportsFloat | typing.SupportsIndex,
+        rounded: typing.SupportsFloat | typing.SupportsIndex,
+        dstart: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dend: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dradius: typing.SupportsFloat | typing.SupportsIndex,
+        drounded: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> BodyRates: ...
+    @staticmethod
+    def plane(
+        point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dpoint: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dnormal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    ) -> BodyRates: ...
+    @staticmethod
+    def sphere(
+        centre: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        radius: typing.SupportsFloat | typing.SupportsIndex,
+        dcentre: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dradius: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> BodyRates: ...
+    def __init__(self, body: Body) -> None: ...
+    def add_force_rates(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dx: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        area: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        darea: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        stiffness: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"
+        ],
+        thickness: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"
+        ],
+        coefficient: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"
+        ],
+        slip: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"],
+        anchor: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        danchor: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        limit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        out: numpy.typing.NDArray[numpy.float64],
+    ) -> None: ...
 
 class Element:
     def __init__(self, name: str) -> None: ...

@@ -222,6 +222,43 @@ double add_friction(const Doubles& x, const Doubles& anchor, const Doubles& norm
     return energy;
 }
 
+using Rate = restshape::Dual<1>;
+using BodyRates = restshape::BodyOf<Rate>;
+
+Rate rate(double value, double slope) { return {value, Rate::Lanes::Constant(slope)}; }
+
+template <py::ssize_t count>
+std::array<Rate, count> rates(const Doubles& value, const Doubles& slope, const char* name) {
+    require(value.size() == count && slope.size() == count, std::string(name) + " or its rates have the wrong size");
+    std::array<Rate, count> found;
+    for (py::ssize_t k = 0; k < count; ++k) found[k] = rate(value.data()[k], slope.data()[k]);
+    return found;
+}
+
+Rate rate(const std::array<double, 2>& pair) { return rate(pair[0], pair[1]); }
+using Pair = std::array<double, 2>;
+
+void add_force_rates(const BodyRates& body, const Doubles& x, const Doubles& dx, const Doubles& area,
+                     const Doubles& darea, const Pair& stiffness, const Pair& thickness, const Pair& coefficient,
+                     const Pair& slip, const Doubles& anchor, const Doubles& danchor, const Doubles& limit,
+                     Output out) {
+    const py::ssize_t n = points(x);
+    for (const auto* a : {&dx, &anchor, &danchor}) require_size(*a, 3 * n, "dx, anchor or danchor");
+    for (const auto* a : {&area, &darea, &limit}) require_size(*a, n, "area, darea or limit");
+    require_shape(out, n, 3, "out");
+    for (py::ssize_t i = 0; i < n; ++i) {
+        Rate place[3], held[3], force[3] = {0.0, 0.0, 0.0};
+        for (int a = 0; a < 3; ++a) {
+            place[a] = rate(x.data()[3 * i + a], dx.data()[3 * i + a]);
+            held[a] = rate(anchor.data()[3 * i + a], danchor.data()[3 * i + a]);
+        }
+        const bool sticks = coefficient[0] > 0 && limit.data()[i] > 0;
+        restshape::add_force(body, place, rate(area.data()[i], darea.data()[i]), rate(stiffness), rate(thickness),
+                             rate(coefficient), rate(slip), held, sticks, force);
+        for (int a = 0; a < 3; ++a) out.mutable_data()[3 * i + a] += force[a].d[0];
+    }
+}
+
 }  // namespace
 
 void bind_contact(py::module_& m) {
@@ -284,6 +321,51 @@ void bind_contact(py::module_& m) {
              "that stand for areas (n,) [m^2]. Adds gradient and Hessian to the columns 3: of potential (n, 12), the "
              "parameters of the element potential_point1; without the curvature of the surface if not curved, which "
              "makes the Hessian positive semidefinite.");
+    py::class_<BodyRates>(m, "BodyRates", "A body whose numbers change, with their rates.")
+        .def(py::init<const Body&>(), "body"_a, "One that stays as it is.")
+        .def_static(
+            "sphere",
+            [](const Doubles& centre, double radius, const Doubles& dcentre, double dradius) {
+                return BodyRates::sphere(rates<3>(centre, dcentre, "centre").data(), rate(radius, dradius));
+            },
+            "centre"_a, "radius"_a, "dcentre"_a, "dradius"_a, "A ball.")
+        .def_static(
+            "plane",
+            [](const Doubles& point, const Doubles& normal, const Doubles& dpoint, const Doubles& dnormal) {
+                return BodyRates::plane(rates<3>(point, dpoint, "point").data(),
+                                        rates<3>(normal, dnormal, "normal").data());
+            },
+            "point"_a, "normal"_a, "dpoint"_a, "dnormal"_a, "A half-space.")
+        .def_static(
+            "box",
+            [](const Doubles& centre, const Doubles& half, const Doubles& rotation, double radius,
+               const Doubles& dcentre, const Doubles& dhalf, const Doubles& drotation, double dradius) {
+                return BodyRates::box(rates<3>(centre, dcentre, "centre").data(), rates<3>(half, dhalf, "half").data(),
+                                      rates<9>(rotation, drotation, "rotation").data(), rate(radius, dradius));
+            },
+            "centre"_a, "half"_a, "rotation"_a, "radius"_a, "dcentre"_a, "dhalf"_a, "drotation"_a, "dradius"_a,
+            "A box.")
+        .def_static(
+            "capsule",
+            [](const Doubles& from, const Doubles& to, double radius, const Doubles& dfrom, const Doubles& dto,
+               double dradius) {
+                return BodyRates::capsule(rates<3>(from, dfrom, "start").data(), rates<3>(to, dto, "end").data(),
+                                          rate(radius, dradius));
+            },
+            "start"_a, "end"_a, "radius"_a, "dstart"_a, "dend"_a, "dradius"_a, "All within the radius of a line.")
+        .def_static(
+            "cylinder",
+            [](const Doubles& from, const Doubles& to, double radius, double rounded, const Doubles& dfrom,
+               const Doubles& dto, double dradius, double drounded) {
+                return BodyRates::cylinder(rates<3>(from, dfrom, "start").data(), rates<3>(to, dto, "end").data(),
+                                           rate(radius, dradius), rate(rounded, drounded));
+            },
+            "start"_a, "end"_a, "radius"_a, "rounded"_a, "dstart"_a, "dend"_a, "dradius"_a, "drounded"_a, "A cylinder.")
+        .def("add_force_rates", &add_force_rates, "x"_a, "dx"_a, "area"_a, "darea"_a, "stiffness"_a, "thickness"_a,
+             "coefficient"_a, "slip"_a, "anchor"_a, "danchor"_a, "limit"_a, "out"_a.noconvert(),
+             "Adds to out (n, 3) [N] the rates of the gradient of `add_contact` on points x (n, 3), and of friction "
+             "where its limit (n,) is not 0, with the normal and the normal force of x itself. Numbers are pairs of "
+             "value and rate.");
     m.def("longest_sides", &longest_sides, "x"_a, "cells"_a,
           "The longest side (ne,) [m] of triangles: cells (ne, 3) of corners x (n, 3).");
     m.def("add_friction", &add_friction, "x"_a, "anchor"_a, "normal"_a, "limit"_a, "slip"_a, "potential"_a.noconvert(),

@@ -7,39 +7,94 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
+
+#include "fem/dual.hpp"
 
 namespace restshape {
 
 // Second derivatives are stored as xx yy zz yz xz xy.
 constexpr int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
 
-struct Distance {
-    double value;        // negative inside
-    double gradient[3];  // of length 1
-    double hessian[6];
+// Branches are chosen by values alone.
+template <int N>
+bool operator<(const Dual<N>& a, const Dual<N>& b) {
+    return a.v < b.v;
+}
+template <int N>
+bool operator<(const Dual<N>& a, double b) {
+    return a.v < b;
+}
+template <int N>
+bool operator>(const Dual<N>& a, const Dual<N>& b) {
+    return a.v > b.v;
+}
+template <int N>
+bool operator>(const Dual<N>& a, double b) {
+    return a.v > b;
+}
+template <int N>
+bool operator==(const Dual<N>& a, const Dual<N>& b) {
+    return a.v == b.v;
+}
+template <int N>
+Dual<N> exp(const Dual<N>& a) {
+    const double power = std::exp(a.v);
+    return {power, a.d * power};
+}
+template <int N>
+Dual<N> abs(const Dual<N>& a) {
+    return a.v < 0 ? -a : a;
+}
+template <int N>
+Dual<N> hypot(const Dual<N>& a, const Dual<N>& b) {
+    return sqrt(a * a + b * b);
+}
+
+// T is double, or dual where rates are wanted.
+template <class T>
+struct DistanceOf {
+    T value;        // negative inside
+    T gradient[3];  // of length 1
+    T hessian[6];
 };
+using Distance = DistanceOf<double>;
+
+enum class Kind { sphere, plane, box, capsule, cylinder };
 
 // A body of one of five kinds. Rotations are rows: local = R (x - centre).
-class Body {
- public:
-    enum class Kind { sphere, plane, box, capsule, cylinder };
+using std::abs;
+using std::hypot;
 
-    static Body sphere(const double* centre, double radius) {
-        Body b(Kind::sphere, centre);
+template <class T>
+class BodyOf {
+ public:
+    // All numbers of one that are constant.
+    template <class S>
+    explicit BodyOf(const BodyOf<S>& other) : kind_(other.kind_) {
+        radius_ = other.radius_, length_ = other.length_, rounded_ = other.rounded_;
+        for (int a = 0; a < 3; ++a) {
+            centre_[a] = other.centre_[a], axis_[a] = other.axis_[a], half_[a] = other.half_[a];
+            for (int b = 0; b < 3; ++b) rotation_[a][b] = other.rotation_[a][b];
+        }
+    }
+
+    static BodyOf sphere(const T* centre, T radius) {
+        BodyOf b(Kind::sphere, centre);
         b.radius_ = positive(radius, "radius");
         return b;
     }
     // All on the side that the normal points away from.
-    static Body plane(const double* point, const double* normal) {
-        Body b(Kind::plane, point);
-        const double length = norm(normal);
+    static BodyOf plane(const T* point, const T* normal) {
+        BodyOf b(Kind::plane, point);
+        const T length = norm(normal);
         if (!(length > 0)) throw std::invalid_argument("the normal of a plane must not be zero");
         for (int a = 0; a < 3; ++a) b.axis_[a] = normal[a] / length;
         return b;
     }
     // Half sizes include the radius of the edges.
-    static Body box(const double* centre, const double* half, const double* rotation, double radius) {
-        Body b(Kind::box, centre);
+    static BodyOf box(const T* centre, const T* half, const T* rotation, T radius) {
+        BodyOf b(Kind::box, centre);
         if (radius < 0) throw std::invalid_argument("the radius of a box's edges must not be negative");
         b.radius_ = radius;
         for (int a = 0; a < 3; ++a) b.half_[a] = positive(half[a], "half size") - radius;
@@ -48,17 +103,17 @@ class Body {
         std::copy(rotation, rotation + 9, b.rotation_[0]);
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
-                double product = 0.0;
+                T product = 0.0;
                 for (int k = 0; k < 3; ++k) product += b.rotation_[i][k] * b.rotation_[j][k];
-                if (!(std::abs(product - (i == j)) < 1e-9))
+                if (!(abs(product - (i == j)) < 1e-9))
                     throw std::invalid_argument("the rotation of a box is not orthogonal");
             }
         return b;
     }
-    static Body capsule(const double* from, const double* to, double radius) {
-        Body b(Kind::capsule, from);
+    static BodyOf capsule(const T* from, const T* to, T radius) {
+        BodyOf b(Kind::capsule, from);
         b.radius_ = positive(radius, "radius");
-        double along[3];
+        T along[3];
         for (int a = 0; a < 3; ++a) along[a] = to[a] - from[a];
         b.length_ = norm(along);
         for (int a = 0; a < 3; ++a) b.axis_[a] = b.length_ > 0 ? along[a] / b.length_ : 0.0;
@@ -66,13 +121,13 @@ class Body {
     }
 
     // With flat ends; radius and length include the rounding of its edges.
-    static Body cylinder(const double* from, const double* to, double radius, double rounded) {
-        double middle[3], along[3];
+    static BodyOf cylinder(const T* from, const T* to, T radius, T rounded) {
+        T middle[3], along[3];
         for (int a = 0; a < 3; ++a) {
             middle[a] = 0.5 * (from[a] + to[a]);
             along[a] = to[a] - from[a];
         }
-        Body b(Kind::cylinder, middle);
+        BodyOf b(Kind::cylinder, middle);
         b.radius_ = positive(radius, "radius");
         b.length_ = 0.5 * positive(norm(along), "length");
         if (rounded < 0) throw std::invalid_argument("the radius of a cylinder's edges must not be negative");
@@ -84,7 +139,7 @@ class Body {
     }
 
     // The smallest radius of curvature of its surface; infinite where it is flat.
-    double sharpest() const {
+    T sharpest() const {
         switch (kind_) {
             case Kind::plane:
                 return std::numeric_limits<double>::infinity();
@@ -95,7 +150,7 @@ class Body {
         }
     }
     // The distance of its surface from the place farthest within it.
-    double inner_radius() const {
+    T inner_radius() const {
         switch (kind_) {
             case Kind::plane:
                 return std::numeric_limits<double>::infinity();
@@ -109,8 +164,8 @@ class Body {
     }
 
     // Without `curved` the second derivatives are zero.
-    Distance distance(const double* x, bool curved = true) const {
-        double y[3];
+    DistanceOf<T> distance(const T* x, bool curved = true) const {
+        T y[3];
         for (int a = 0; a < 3; ++a) y[a] = x[a] - centre_[a];
         switch (kind_) {
             case Kind::sphere:
@@ -127,71 +182,75 @@ class Body {
     }
 
  private:
-    Body(Kind kind, const double* centre) : kind_(kind) { std::copy(centre, centre + 3, centre_); }
+    template <class S>
+    friend class BodyOf;
 
-    static double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-    static double norm(const double* a) { return std::sqrt(dot(a, a)); }
-    static double positive(double value, const char* what) {
+    BodyOf(Kind kind, const T* centre) : kind_(kind) { std::copy(centre, centre + 3, centre_); }
+
+    static T dot(const T* a, const T* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+    static T norm(const T* a) { return square_root(dot(a, a)); }
+    static T positive(T value, const char* what) {
         if (!(value > 0)) throw std::invalid_argument(std::string("the ") + what + " of a body must be positive");
         return value;
     }
 
-    static Distance flat(double value, const double* normal) {
+    static DistanceOf<T> flat(T value, const T* normal) {
         return {value, {normal[0], normal[1], normal[2]}, {0, 0, 0, 0, 0, 0}};
     }
 
     // Distance from the surface of radius_ about a point, or about a line with this direction: y is normal to it.
-    Distance round(const double* y, const double* direction, bool curved) const {
-        const double length = norm(y);
+    DistanceOf<T> round(const T* y, const T* direction, bool curved) const {
+        const T length = norm(y);
         // On the point or line itself any direction leads out.
+        const T up[3] = {0, 0, 1};
         if (!(length > 0)) return flat(-radius_, direction ? across(direction).n : up);
-        Distance d{length - radius_, {y[0] / length, y[1] / length, y[2] / length}, {}};
+        DistanceOf<T> d{length - radius_, {y[0] / length, y[1] / length, y[2] / length}, {}};
         if (!curved) return d;
         for (int a = 0; a < 3; ++a)
             for (int b = a; b < 3; ++b) {
-                const double along = direction ? direction[a] * direction[b] : 0.0;
+                const T along = direction ? direction[a] * direction[b] : 0.0;
                 d.hessian[voigt[a][b]] = ((a == b) - d.gradient[a] * d.gradient[b] - along) / length;
             }
         return d;
     }
 
     struct Normal {
-        double n[3];
+        T n[3];
     };
-    static Normal across(const double* t) {
+    static Normal across(const T* t) {
         const int k = static_cast<int>(std::min_element(t, t + 3, less_in_size) - t);
         Normal result{{-t[k] * t[0], -t[k] * t[1], -t[k] * t[2]}};
         result.n[k] += 1.0;
-        const double length = norm(result.n);
-        for (double& c : result.n) c /= length;
+        const T length = norm(result.n);
+        for (T& c : result.n) c = c / length;
         return result;
     }
-    static bool less_in_size(double a, double b) { return std::abs(a) < std::abs(b); }
+    static bool less_in_size(T a, T b) { return abs(a) < abs(b); }
 
-    Distance capsule(const double* y, bool curved) const {
-        const double along = dot(y, axis_), at = std::clamp(along, 0.0, length_);
-        const double from[3] = {y[0] - at * axis_[0], y[1] - at * axis_[1], y[2] - at * axis_[2]};
+    DistanceOf<T> capsule(const T* y, bool curved) const {
+        const T along = dot(y, axis_), at = std::clamp(along, T(0.0), length_);
+        const T from[3] = {y[0] - at * axis_[0], y[1] - at * axis_[1], y[2] - at * axis_[2]};
         return round(from, at == along && length_ > 0 ? axis_ : nullptr, curved);
     }
 
     // Outside the core of half sizes half_, the nearest place of it is a corner, or on an edge or a face.
-    Distance box(const double* y, bool curved) const {
-        double q[3], sign[3];
+    DistanceOf<T> box(const T* y, bool curved) const {
+        T q[3], sign[3];
         int outside = 0, nearest = 0;
         for (int k = 0; k < 3; ++k) {
-            const double local = dot(rotation_[k], y);
+            const T local = dot(rotation_[k], y);
             sign[k] = local < 0 ? -1.0 : 1.0;
-            q[k] = std::abs(local) - half_[k];
+            q[k] = abs(local) - half_[k];
             if (q[k] > 0) ++outside;
             if (q[k] > q[nearest]) nearest = k;
         }
         if (outside <= 1) {
-            const double* row = rotation_[nearest];
-            const double normal[3] = {sign[nearest] * row[0], sign[nearest] * row[1], sign[nearest] * row[2]};
+            const T* row = rotation_[nearest];
+            const T normal[3] = {sign[nearest] * row[0], sign[nearest] * row[1], sign[nearest] * row[2]};
             return flat(q[nearest] - radius_, normal);
         }
-        double from[3] = {0, 0, 0};
-        const double* direction = nullptr;
+        T from[3] = {0, 0, 0};
+        const T* direction = nullptr;
         for (int k = 0; k < 3; ++k) {
             if (q[k] > 0)
                 for (int a = 0; a < 3; ++a) from[a] += q[k] * sign[k] * rotation_[k][a];
@@ -202,62 +261,65 @@ class Body {
     }
 
     // The nearest place of it is on the curved side, on an end, or on the rim between both.
-    Distance cylinder(const double* y, bool curved) const {
-        const double along = dot(y, axis_), sign = along < 0 ? -1.0 : 1.0;
-        const double from[3] = {y[0] - along * axis_[0], y[1] - along * axis_[1], y[2] - along * axis_[2]};
-        const double across = norm(from), end = std::abs(along) - length_;
+    DistanceOf<T> cylinder(const T* y, bool curved) const {
+        const T along = dot(y, axis_), sign = along < 0 ? -1.0 : 1.0;
+        const T from[3] = {y[0] - along * axis_[0], y[1] - along * axis_[1], y[2] - along * axis_[2]};
+        const T across = norm(from), end = abs(along) - length_;
         // Beyond the core: across the axis and along it.
-        const double q = across - radius_ + rounded_, p = end + rounded_;
+        const T q = across - radius_ + rounded_, p = end + rounded_;
         if (q > 0 && p > 0) return rim(from, across, sign, q, p, curved);
         if (across - radius_ > end) return round(from, axis_, curved);
-        const double normal[3] = {sign * axis_[0], sign * axis_[1], sign * axis_[2]};
+        const T normal[3] = {sign * axis_[0], sign * axis_[1], sign * axis_[2]};
         return flat(end, normal);
     }
 
     // Distance from the circle around the core's end, less the rounding: y = from + along the axis, |from| = across.
-    Distance rim(const double* from, double across, double sign, double q, double p, bool curved) const {
-        const double length = std::hypot(q, p), c = q / length, s = p / length;
-        Distance d{length - rounded_, {}, {}};
+    DistanceOf<T> rim(const T* from, T across, T sign, T q, T p, bool curved) const {
+        const T length = hypot(q, p), c = q / length, s = p / length;
+        DistanceOf<T> d{length - rounded_, {}, {}};
         for (int a = 0; a < 3; ++a) d.gradient[a] = c * from[a] / across + s * sign * axis_[a];
         if (!curved) return d;
         for (int a = 0; a < 3; ++a)
             for (int b = a; b < 3; ++b) {
-                const double na = from[a] / across, nb = from[b] / across, ta = axis_[a], tb = axis_[b];
+                const T na = from[a] / across, nb = from[b] / across, ta = axis_[a], tb = axis_[b];
                 // Along the meridian, and around the axis.
-                const double meridian = (s * na - c * sign * ta) * (s * nb - c * sign * tb);
+                const T meridian = (s * na - c * sign * ta) * (s * nb - c * sign * tb);
                 d.hessian[voigt[a][b]] = meridian / length + c / across * ((a == b) - na * nb - ta * tb);
             }
         return d;
     }
 
-    static constexpr double up[3] = {0, 0, 1};
-
     Kind kind_;
-    double centre_[3];
-    double radius_ = 0, length_ = 0, rounded_ = 0;  // of a cylinder length_ is half of it
-    double axis_[3] = {0, 0, 0}, half_[3] = {0, 0, 0};
-    double rotation_[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    T centre_[3];
+    T radius_ = 0, length_ = 0, rounded_ = 0;  // of a cylinder length_ is half of it
+    T axis_[3] = {0, 0, 0}, half_[3] = {0, 0, 0};
+    T rotation_[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 };
 
+using Body = BodyOf<double>;
+
 // A function of the distance and its first two derivatives.
+template <class T>
 struct Ramp {
-    double value, slope, curvature;
+    T value, slope, curvature;
 };
 
 // Energy an area of a penalty of stiffness k [N/m^3] that begins at the distance `thickness` t. Its second derivative
 // rises linearly to k at the surface, by e^(16 u) on the way u t below it, so that a corner that bears much is hardly
 // deeper than one that bears little, and stays from half of a thickness below it on.
-inline Ramp penalty(double distance, double stiffness, double thickness) {
+template <class T>
+Ramp<T> penalty(const T& distance, const T& stiffness, const T& thickness) {
+    using std::exp;
     constexpr double growth = 16.0, most = 0.5;
-    const double k = stiffness, t = thickness, s = t - distance;
-    if (s <= 0) return {0, 0, 0};
+    const T k = stiffness, t = thickness, s = t - distance;
+    if (!(s > 0)) return {0, 0, 0};
     if (s < t) {
-        const double share = s / t;
+        const T share = s / t;
         return {k * s * s * share / 6, -k * s * share / 2, k * share};
     }
-    const double u = std::min(s / t - 1, most), more = std::exp(growth * u);
-    const double slope = k * t * (0.5 + (more - 1) / growth), rest = s - t - u * t;
-    const double value = k * t * t * (1.0 / 6 + u / 2 + (more - 1 - growth * u) / (growth * growth));
+    const T u = std::min(s / t - 1, T(most)), more = exp(growth * u);
+    const T slope = k * t * (0.5 + (more - 1) / growth), rest = s - t - u * t;
+    const T value = k * t * t * (1.0 / 6 + u / 2 + (more - 1 - growth * u) / (growth * growth));
     return {value + slope * rest + k * more * rest * rest / 2, -slope - k * more * rest, k * more};
 }
 
@@ -267,7 +329,7 @@ inline Ramp penalty(double distance, double stiffness, double thickness) {
 inline double add_contact(const Body& body, const double* x, double area, double stiffness, double thickness,
                           bool curved, double* potential) {
     const Distance d = body.distance(x, curved);
-    const Ramp ramp = penalty(d.value, stiffness * area, thickness);
+    const Ramp<double> ramp = penalty(d.value, stiffness * area, thickness);
     if (ramp.curvature == 0.0) return 0.0;
     for (int a = 0; a < 3; ++a) {
         potential[3 + a] += ramp.slope * d.gradient[a];
@@ -325,6 +387,29 @@ inline double update_friction_anchor(const double* x, const double* normal, doub
     }
     for (int a = 0; a < 3; ++a) anchor[a] = x[a] - kept * u[a];
     return moved;
+}
+
+// Rates of the whole force of a body on a point, friction included, with normal and normal force of the place itself.
+//
+// All arguments are dual along one direction; without `sticks` friction has not begun.
+template <class T>
+void add_force(const BodyOf<T>& body, const T* x, const T& area, const T& stiffness, const T& thickness,
+               const T& coefficient, const T& slip, const T* anchor, bool sticks, T* force) {
+    const DistanceOf<T> d = body.distance(x, false);
+    const T slope = penalty(d.value, stiffness * area, thickness).slope;
+    if (slope == T(0.0)) return;
+    for (int a = 0; a < 3; ++a) force[a] += slope * d.gradient[a];
+    if (!sticks) return;
+    T across = 0.0, square = 0.0, u[3];
+    for (int a = 0; a < 3; ++a) across += (x[a] - anchor[a]) * d.gradient[a];
+    for (int a = 0; a < 3; ++a) {
+        u[a] = x[a] - anchor[a] - across * d.gradient[a];
+        square += u[a] * u[a];
+    }
+    // Where nothing has slid yet the force over the way is all there is.
+    const T length = square > T(0.0) ? square_root(square) : T(0.0), y = length / slip;
+    const T limit = -coefficient * slope, ratio = y < T(1.0) ? limit * (2.0 - y) / slip : limit / length;
+    for (int a = 0; a < 3; ++a) force[a] += ratio * u[a];
 }
 
 }  // namespace restshape

@@ -15,6 +15,8 @@ Operand = Union["Dual", Reals, float]
 class Dual:
     """An array of values with their rates; numbers and arrays mix with it as constants.
 
+    One number compares with others by its value.
+
     Args:
         value: (...,) values.
         rate: (...,) their derivative along the direction.
@@ -60,6 +62,15 @@ class Dual:
             # The logarithm has no number at bases below 0, where only constant exponents make sense.
             rate = rate + power * np.log(self.value) * other.rate
         return Dual(power, rate)
+
+    def __lt__(self, other: Operand) -> bool:
+        return bool(self.value < dual(other).value)
+
+    def __gt__(self, other: Operand) -> bool:
+        return bool(self.value > dual(other).value)
+
+    def __le__(self, other: Operand) -> bool:
+        return bool(self.value <= dual(other).value)
 
     __radd__ = __add__
     __rmul__ = __mul__

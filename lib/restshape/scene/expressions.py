@@ -168,6 +168,21 @@ class Expression:
         result = duals.dual(self._run(duals.FUNCTIONS, x, y, parameters))
         return np.array(np.broadcast_to(result.rate, np.shape(x.value)), dtype=np.float64)
 
+    def parameter_rate(self, x: ArrayLike, y: ArrayLike, parameters: Mapping[str, float], name: str) -> Reals:
+        """The derivative of the formula by a parameter, in the shape of x and y broadcast.
+
+        Args:
+            x, y: (...,) coordinates [m].
+            parameters: value of each named parameter.
+            name: of the parameter.
+
+        Raises:
+            ExpressionError: an unknown name.
+        """
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        result = duals.dual(self._run(duals.FUNCTIONS, duals.dual(x), duals.dual(y), parameters, name))
+        return np.array(np.broadcast_to(result.rate, x.shape), dtype=np.float64)
+
     def rounding(self, parameters: Mapping[str, float]) -> float:
         """What the value at x = y = 0 may have by rounding alone: below, a difference or a cosine may be 0.
 
@@ -194,14 +209,21 @@ class Expression:
         return bound
 
     def _run(
-        self, functions: Mapping[str, Callable[..., Number]], x: Number, y: Number, parameters: Mapping[str, float]
+        self,
+        functions: Mapping[str, Callable[..., Number]],
+        x: Number,
+        y: Number,
+        parameters: Mapping[str, float],
+        changing: str = "",
     ) -> Number | float:
-        """The formula in whatever arithmetic the coordinates and functions bring."""
+        """The formula in whatever arithmetic the coordinates and functions bring; one parameter may change by 1."""
         unknown = self.unknown(parameters)
         if unknown:
             raise unknown
         named = ((name, parameters.get(name, CONSTANTS.get(name))) for name in self.names.difference(COORDINATES))
-        values = {name: np.float64(value) for name, value in named}
+        values: dict[str, np.float64 | Dual] = {name: np.float64(value) for name, value in named}
+        if changing in values:
+            values[changing] = Dual(np.asarray(parameters[changing], float), 1.0)
         with np.errstate(all="ignore"):
             return eval(self._code, NO_BUILTINS, {**functions, **self._numbers, **values, "x": x, "y": y})
 

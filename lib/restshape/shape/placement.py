@@ -21,6 +21,19 @@ def rotation(angles: Angles) -> Reals:
     return R
 
 
+def rotation_rates(angles: Angles, rates: Reals) -> Reals:
+    """The rate (3, 3) of `rotation` when its angles [rad] have rates (3,)."""
+    numbers = np.diag(np.array(angles, dtype=float))
+    turns = [rotation((row[0], row[1], row[2])) for row in numbers.tolist()]
+    found = np.zeros((3, 3))
+    for axis, rate in enumerate(rates):
+        # About one axis the rate of a turn is the cross product with it.
+        spin = np.cross(np.eye(3)[axis], np.eye(3)).T
+        changed = [spin @ turn if k == axis else turn for k, turn in enumerate(turns)]
+        found += rate * (changed[2] @ changed[1] @ changed[0])
+    return found
+
+
 def placed(start: Start, X: Reals) -> Reals:
     """Places (n, 3) [m] of the flat pattern's points X (n, 2) [m] under a start of numbers alone."""
     flat, about = np.column_stack([X, np.zeros(len(X))]), np.array(start.about)

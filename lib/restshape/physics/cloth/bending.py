@@ -50,6 +50,15 @@ class MorleyBending:
         """Zero (n, 3): the triangles' parameters do not depend on places; arguments as of `HingeBending.rates`."""
         return np.zeros_like(x)
 
+    def rate_integrals(self, X: np.ndarray, D: np.ndarray) -> list[Integral]:
+        """Those whose residual is the rate of forces at X (n, 2) where the stiffness has rates D (ne, 3, 3) [N m]."""
+        params = np.ascontiguousarray(np.hstack([D[:, UPPER[0], UPPER[1]], self.space.signs]))
+        return [Integral(self.element, X, self.space.cells, params, block=self.block)]
+
+    def turned_clamps(self, X: np.ndarray, x: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Zero (n, 3): slopes across clamped edges are prescribed unknowns."""
+        return np.zeros_like(x)
+
     def cell_energies(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Energies (ne,) [J] of the triangles at x (n, 3)."""
         found = np.zeros(len(self.mesh.cells))
@@ -124,16 +133,34 @@ class HingeBending:
             nodes, parameters = self.mirrored_nodes, self.mirrored_parameters.copy()
             parameters[:, :1] = self._across_rates(nodes, D[self.mirrored_in], dX)
             Integral(self.mirror, X, nodes, parameters, block=self.block + 1).add_residual(x, out)
-            self._add_turned(X, x, dX, turn, out)
+            clamped = nodes[: self.clamps]
+            axes = np.cross(parameters[: self.clamps, 1:], normal_rates(X, clamped, dX) @ turn.T)
+            self._add_turned(X, x, axes, out)
         return out
 
-    def _add_turned(self, X: np.ndarray, x: np.ndarray, dX: np.ndarray, turn: np.ndarray, out: np.ndarray) -> None:
-        """Add to `out` (n, 3) the rates of forces as the directions of clamps turn; arguments as of `rates`."""
+    def rate_integrals(self, X: np.ndarray, D: np.ndarray) -> list[Integral]:
+        """Those whose residual is the rate of forces at X (n, 2) where the stiffness has rates D (ne, 3, 3) [N m]."""
+        sides = self._cells_of_hinges()
+        stiffness = self._across(self.nodes, 0.5 * (D[sides[:, 0]] + D[sides[:, 1]]), self.fabric)
+        found = [Integral(self.element, X, self.nodes, stiffness, block=self.block)]
+        if self.mirror:
+            parameters = self.mirrored_parameters.copy()
+            parameters[:, :1] = self._across(self.mirrored_nodes, D[self.mirrored_in], self.fabric)
+            found.append(Integral(self.mirror, X, self.mirrored_nodes, parameters, block=self.block + 1))
+        return found
+
+    def turned_clamps(self, X: np.ndarray, x: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Rates (n, 3) of the forces at x (n, 3) as the directions of all clamps turn with a rate (3,) [rad]."""
+        out = np.zeros_like(x)
+        if self.mirror and turn.any():
+            self._add_turned(X, x, np.tile(turn, (self.clamps, 1)), out)
+        return out
+
+    def _add_turned(self, X: np.ndarray, x: np.ndarray, axes: np.ndarray, out: np.ndarray) -> None:
+        """Add to `out` (n, 3) the rates of forces at x (n, 3) as directions of clamps turn with rates (k, 3) [rad]."""
         nodes, parameters = self.mirrored_nodes[: self.clamps], self.mirrored_parameters[: self.clamps]
         if not len(nodes):
             return
-        directions = parameters[:, 1:]
-        axes = np.cross(directions, normal_rates(X, nodes, dX) @ turn.T)
         # Each hinge with nodes of its own, for each turns about another axis.
         own = np.arange(nodes.size, dtype=np.int32).reshape(nodes.shape)
         places = np.ascontiguousarray(x[nodes].reshape(-1, 3))

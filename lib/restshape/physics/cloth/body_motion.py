@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from restshape.scene.bodies import Body
-from restshape.shape.placement import rotation
+from restshape.shape.placement import rotation, rotation_rates
 
 Frame = tuple[np.ndarray, np.ndarray]
 
@@ -62,3 +65,40 @@ def _turn(before: np.ndarray, after: np.ndarray) -> np.ndarray:
         across = _axes(a)[:, 1]
         return 2.0 * np.outer(across, across) - np.eye(3)
     return (np.eye(3) - 2.0 / square * np.outer(middle, middle)) @ (np.eye(3) - 2.0 * np.outer(a, a))
+
+
+def taken_rates(body: Body, rates: Mapping[str, Any], points: np.ndarray) -> np.ndarray:
+    """Rates (n, 3) [m] of `moved_with` of points (n, 3) [m] on a body as its numbers begin to change.
+
+    Args:
+        body: of numbers alone.
+        rates: of the numbers of its form, by key.
+    """
+    form = body.form
+    match body.kind:
+        case "sphere":
+            return rates["center"] + rates["radius"] / form.radius * (points - form.center)
+        case "box":
+            own = (points - form.center) @ rotation(form.rotate)
+            turned = own @ rotation_rates(form.rotate, rates["rotate"]).T
+            return rates["center"] + turned + own * (rates["half"] / np.array(form.half)) @ rotation(form.rotate).T
+        case "capsule" | "cylinder":
+            start, end = np.array(form.start), np.array(form.end)
+            middle, along = 0.5 * (rates["start"] + rates["end"]), rates["end"] - rates["start"]
+            return middle + _grown(points - 0.5 * (start + end), end - start, along, form.radius, rates["radius"])
+        case _:
+            normal = np.array(form.normal)
+            size = np.linalg.norm(normal)
+            turn = np.cross(normal, rates["normal"]) / size**2
+            return rates["point"] + np.cross(turn, points - form.point)
+
+
+def _grown(places: np.ndarray, axis: np.ndarray, rate: np.ndarray, radius: float, wider: float) -> np.ndarray:
+    """Rates (n, 3) of places (n, 3) beside the middle of an axis (3,) that turns and grows, in a radius that grows."""
+    length = np.linalg.norm(axis)
+    if length == 0.0:
+        return wider / radius * places
+    unit = axis / length
+    along = (places @ unit)[:, None] * unit
+    turned = np.cross(np.cross(unit, rate / length), places)
+    return turned + (unit @ rate) / length * along + wider / radius * (places - along)

@@ -71,7 +71,7 @@ def _in_plane(stiffness: np.ndarray, grain: float) -> np.ndarray:
     """A stiffness (3, 3) in the axes x, y, of that in the axes of the grain, which is turned by an angle [rad]."""
     if grain == 0.0:
         return stiffness
-    whole = np.zeros((6, 6))
+    whole = np.zeros((6, 6), stiffness.dtype)
     whole[np.ix_(PLANE, PLANE)] = stiffness
     return turned(whole, grain)[np.ix_(PLANE, PLANE)]
 

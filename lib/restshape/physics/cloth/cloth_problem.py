@@ -250,6 +250,10 @@ class ClothProblem(SteadyProblem):
             return []
         return [self.membrane.integral(self.X), *self.bending_integrals(), *self._contact()]
 
+    def material_integrals(self) -> list[Term]:
+        """Those of the cloth by itself: membrane, weight, bending, and contact with itself."""
+        return [self.membrane.integral(self.X), *self.bending_integrals(), *self._own_contact()]
+
     def bending_integrals(self) -> list[Integral]:
         """Those of bending."""
         return self.bending.integrals(self.X) if self.bending else []
@@ -257,6 +261,10 @@ class ClothProblem(SteadyProblem):
     def bending_rates(self, x: np.ndarray, dX: np.ndarray, turn: np.ndarray) -> np.ndarray:
         """Rates (n, 3) [N] of what bends at constant x (n, 3), from its parameters alone; see `HingeBending.rates`."""
         return self.bending.rates(self.X, x, dX, turn) if self.bending else np.zeros_like(x)
+
+    def turned_clamps(self, x: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Rates (n, 3) [N] of what bends at x (n, 3) as all clamps turn with a rate (3,) [rad]."""
+        return self.bending.turned_clamps(self.X, x, turn) if self.bending else np.zeros_like(x)
 
     def tangent_integrals(self, stabilised: bool, inertia: float) -> list[Term]:
         """Those of a tangent but for quadratic bending.

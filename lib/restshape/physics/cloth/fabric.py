@@ -24,3 +24,16 @@ class Fabric:
     kind: str = "morley"
     hinge_factor: float = 1.0 / 3.0
     law: str = "stvk"
+
+
+@dataclass(frozen=True, eq=False)
+class FabricRates:
+    """Rates of what cloth is made of.
+
+    Args:
+        membrane: (ne, 3, 3) [N/m]; bending: (ne, 3, 3) [N m]; density: (ne,) [kg/m^2].
+    """
+
+    membrane: np.ndarray
+    bending: np.ndarray
+    density: np.ndarray

@@ -6,7 +6,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.fabric import Fabric, FabricRates
 from restshape.physics.cloth.self_contact import SelfContactValues
 from restshape.physics.cloth.touching_itself import layer_thickness
 from restshape.physics.cloth.touching_pairs import barrier_force
@@ -47,6 +47,28 @@ def layer_values(scene: Scene, plan: Plan, mesh: Mesh, fabric: Fabric) -> SelfCo
     half = float(barrier_force(np.array([0.5]), 1.0)[0])
     friction, slip = (settings.self_friction, settings.slip) if settings else (0.0, SelfContactValues.slip)
     return SelfContactValues(thickness, pressure / half, friction, slip)
+
+
+def stiffness_share(thickness: float, fabric: Fabric, g: np.ndarray, rates: FabricRates, gravity: np.ndarray) -> float:
+    """The rate of the barrier's stiffness that `layer_values` decides, over the stiffness.
+
+    Args:
+        thickness: distance at which contact begins [m].
+        fabric: of the cloth; rates: of it.
+        g: acceleration (3,) [m/s^2]; gravity: its rate (3,).
+    """
+    size, ne = float(np.linalg.norm(g)), len(rates.density)
+    density = np.broadcast_to(fabric.density, ne)
+    heaviest, weight = int(np.argmax(density)), float(np.max(density)) * size
+    bends, stretches = (np.broadcast_to(part, (ne, 3, 3)).reshape(-1) for part in (fabric.bending, fabric.membrane))
+    stiffest = int(np.argmax(bends))
+    fold = float(bends[stiffest]) / (ROUND * thickness) ** 3
+    if not max(weight, fold):
+        strongest = int(np.argmax(stretches))
+        return float(rates.membrane.reshape(-1)[strongest] / stretches[strongest])
+    if fold > weight:
+        return float(rates.bending.reshape(-1)[stiffest] / bends[stiffest])
+    return float(rates.density[heaviest] / density[heaviest] + g @ gravity / size**2)
 
 
 def smallest_height(mesh: Mesh) -> float:

@@ -44,6 +44,14 @@ class Membrane:
         element = self.stabilised if stabilised else self.element
         return Integral(element, X, self.corners, parameters, block=self.block)
 
+    def rate_integral(self, X: np.ndarray, moduli: np.ndarray, loads: np.ndarray) -> Integral:
+        """What forces at X (n, 2) do as moduli (ne, 3, 3) [N/m] and weights by area (ne, 3) [Pa] have these rates.
+
+        They are linear in both: the residual of the integral is the rate.
+        """
+        params = np.ascontiguousarray(np.hstack([moduli[:, UPPER[0], UPPER[1]], loads]))
+        return Integral(self.element, X, self.corners, params, block=self.block)
+
     def tensions(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Second Piola-Kirchhoff tensions (ne, 3) xx, yy, xy [N/m] at positions x (n, 3)."""
         out = np.empty((len(self.corners), 3))

@@ -202,6 +202,10 @@ class SelfContact:
             ends.append(moved.at(x).forces)
         return (ends[0] - ends[1]) / (2.0 * step)
 
+    def barrier_forces(self, x: np.ndarray) -> np.ndarray:
+        """The gradient (n, 3) [N] of the barrier alone, which is proportional to its stiffness, at x (n, 3) [m]."""
+        return self.at(x).forces
+
     def place_rates(self, x: np.ndarray, way: np.ndarray) -> np.ndarray:
         """Rates (n, 3) of the forces of friction at x (n, 3) when its material goes a `way` (n, 3) under its nodes."""
         values, pairs, out = self.values, self.history.touching, np.zeros_like(x)

@@ -1,8 +1,10 @@
 """Bodies that are small beside the cloth, and what they have to bear."""
 
 import math
+from collections.abc import Mapping, Sequence
 
 from restshape.scene.bodies import Body
+from restshape.scene.duals import Dual
 from restshape.scene.model import Scene
 from restshape.scene.space_values import number
 
@@ -12,15 +14,16 @@ SPARE = 1.5
 """Multiple of what a body bears on which the whole cloth lies."""
 
 
-def borne(scene: Scene, thickness: float) -> tuple[float, str]:
+def borne(scene: Scene, thickness: float, bodies: Mapping[str, Body] | None = None) -> tuple[float, str]:
     """How many times the cloth's weight by area contact must bear at half of its thickness [m], and what asks for it.
 
     All of a cloth may come to lie on one thin body, which has little of its area below it. On one that is thin beside
     the mesh, each flat triangle lies on a point. What hangs over an edge pulls on the quarter of a circle around it.
+    Bodies are those of the scene, or given as numbers; dual ones, and such a thickness, give a dual multiple.
     """
     sides, size = _sides(scene), scene.mesh.size or 0.0
     loads, causes = {}, {}
-    for name, body in _evaluated_bodies(scene).items():
+    for name, body in (bodies or _evaluated_bodies(scene)).items():
         whole = _concentration(sides, body) * max(1.0, size / (min(_diameters(body)) + 2.0 * thickness))
         edge = 0.5 * max(sides) / (0.5 * math.pi * (_edge_radius(body) + thickness))
         loads[name] = SPARE * max(whole, edge)
@@ -51,15 +54,21 @@ def _diameters(body: Body) -> tuple[float, float]:
         case "sphere":
             return 2.0 * form.radius, 2.0 * form.radius
         case "capsule":
-            return 2.0 * form.radius, 2.0 * form.radius + math.dist(form.start, form.end)
+            return 2.0 * form.radius, 2.0 * form.radius + _distance(form.start, form.end)
         case "cylinder":
-            first, second, _ = sorted((2.0 * form.radius, 2.0 * form.radius, math.dist(form.start, form.end)))
+            first, second, _ = sorted((2.0 * form.radius, 2.0 * form.radius, _distance(form.start, form.end)))
             return first, second
         case "box":
             first, second, _ = sorted(form.half)
             return 2.0 * first, 2.0 * second
         case _:
             return math.inf, math.inf
+
+
+def _distance(start: Sequence[float], end: Sequence[float]) -> float:
+    if any(isinstance(value, Dual) for value in (*start, *end)):
+        return sum((a - b) ** 2 for a, b in zip(start, end)) ** 0.5
+    return math.dist(start, end)
 
 
 def _edge_radius(body: Body) -> float:

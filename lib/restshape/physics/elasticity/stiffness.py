@@ -39,7 +39,7 @@ def orthotropic(E: Sequence[float], nu: Sequence[float], G: Sequence[float]) -> 
     Source: Lekhnitskii, Theory of Elasticity of an Anisotropic Body (1963), section 3.
     """
     (E1, E2, E3), (n12, n13, n23), (G12, G13, G23) = E, nu, G
-    S = np.zeros((6, 6))
+    S = np.zeros((6, 6), np.result_type(float, *E, *nu, *G))
     S[:3, :3] = [[1 / E1, -n12 / E1, -n13 / E1], [-n12 / E1, 1 / E2, -n23 / E2], [-n13 / E1, -n23 / E2, 1 / E3]]
     S[3:, 3:] = np.diag([1 / G23, 1 / G13, 1 / G12])
     return np.linalg.inv(S)
@@ -60,7 +60,7 @@ def turned(C: np.ndarray, angle: float) -> np.ndarray:
     """
     c, s = np.cos(angle), np.sin(angle)
     # Stresses of the turned axes in x, y, z.
-    K = np.eye(6)
+    K = np.eye(6, dtype=np.result_type(float, c))
     K[np.ix_(PLANE, PLANE)] = [[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]]
     K[3:5, 3:5] = [[c, s], [-s, c]]
     return K @ C @ K.T

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -31,7 +32,7 @@ from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOpti
 from restshape.physics.cloth.relaxation.relaxation_run import relax
 from restshape.physics.cloth.relaxation.row import Row
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative, hand_derivative
+from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative, hand_derivative, number_derivatives
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -151,6 +152,11 @@ class RelaxationAnalysis(Timeless):
         """Derivatives of the last equilibrium along the hand's directions; arguments as of `hand_derivative`."""
         with self.context.stages("krylov"):
             return hand_derivative(self.state, motion, tolerance)
+
+    def number_derivatives(self, keys: Sequence[str], tolerance: float) -> DrapeDerivative:
+        """Derivatives of the last equilibrium by numbers of its scene; see the function of this name."""
+        with self.context.stages("krylov"):
+            return number_derivatives(self.state, keys, tolerance)
 
     # --- what is asked of a state -------------------------------------------------------------------------------------
 

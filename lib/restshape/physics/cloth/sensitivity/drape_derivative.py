@@ -11,6 +11,7 @@ from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.hand_rates import hand_rates
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
+from restshape.physics.cloth.sensitivity.scene_rates import scene_rates
 
 SLACK = 100.0
 """A derivative whose residual is so many times what was asked for has been lost to rounding."""
@@ -54,7 +55,24 @@ def hand_derivative(state: RelaxationState, motion: np.ndarray, tolerance: float
 
     Source: docs/theory/design-derivative.md; (5.10) to (5.15) of the thesis.
     """
-    return solved(state, [lambda tangent, dX=dX: hand_rates(state, tangent.friction, dX) for dX in motion], tolerance)
+    return solved(state, [lambda tangent, dX=dX: hand_rates(state, tangent.contact, dX) for dX in motion], tolerance)
+
+
+def number_derivatives(state: RelaxationState, keys: Sequence[str], tolerance: float) -> DrapeDerivative:
+    """Derivatives of a drape by numbers of its scene, a SI unit of each; see `scene_rates`.
+
+    Args:
+        state: an equilibrium.
+        keys: dotted, such as "bodies.ball.sphere.radius".
+        tolerance: of each solve, relative to its right side.
+
+    Raises:
+        UserError: there is no such number.
+        ReplayProblem: the cloth is not at rest, or its tangent is singular.
+
+    Source: docs/theory/design-derivative.md.
+    """
+    return solved(state, [lambda tangent, key=key: scene_rates(state, tangent.contact, key) for key in keys], tolerance)
 
 
 def solved(
@@ -74,7 +92,7 @@ def solved(
             f"(its residual is {residuals.max():.1e} of the right side)"
         )
     s += np.stack([prescribed for _, prescribed in found])
-    sticking, sliding = tangent.friction.counts if tangent.friction else (0, 0)
+    sticking, sliding = tangent.contact.counts if tangent.contact else (0, 0)
     return DrapeDerivative(s, residuals, tangent.iterations, sticking, sliding)
 
 

@@ -5,16 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import INTERNAL
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.sensitivity.agreed_friction import AgreedFriction
+from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact
 from restshape.physics.cloth.sensitivity.support_rates import pattern_turn, support_rates
 
 
-def hand_rates(
-    state: RelaxationState, friction: AgreedFriction | None, dX: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def hand_rates(state: RelaxationState, contact: AgreedContact | None, dX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rates (n, 3) [N] of the residual, and those (n, 3) [m] of the prescribed unknowns, when material moves.
 
     The elements carry dual numbers of their places in the material. What enters them as a parameter and depends on
@@ -23,7 +20,7 @@ def hand_rates(
 
     Args:
         state: at rest.
-        friction: there; None: nothing holds it.
+        contact: there; None: it touches nothing.
         dX: (corners, 2) rates of the places of the mesh's nodes in the material [m].
 
     Source: docs/theory/design-derivative.md: f_i of the thesis's (5.11).
@@ -32,14 +29,11 @@ def hand_rates(
     moved = node_motion(problem, dX)
     prescribed = support_rates(problem, state.scene, dX)
     follows = prescribed if prescribed.any() else None
-    out = Assembled(problem.integrals(INTERNAL)).design_product(x, moved, follows)
+    out = Assembled(problem.material_integrals()).design_product(x, moved, follows)
     out += problem.bending_rates(x, dX, pattern_turn(state.scene))
     way = _material_way(state, dX)
-    if friction and friction.acts:
-        anchors = problem.contact.place(way)
-        out += friction.design_rates(problem.area_rates(moved), anchors)
-        if follows is not None:
-            out += (friction.tangent() @ prescribed.ravel()).reshape(x.shape)
+    if contact:
+        out += contact.rates(follows, problem.area_rates(moved), problem.contact.place(way))
     if problem.self_contact and problem.self_contact.rough:
         out[problem.corner_number] += problem.self_contact.place_rates(problem.corners(x), way)
     return out, prescribed

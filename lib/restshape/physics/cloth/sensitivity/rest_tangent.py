@@ -11,9 +11,8 @@ from scipy.sparse import csr_matrix
 from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.preconditioner import order_factor
 from restshape.fem.assembled import Assembled
-from restshape.fem.problem import INTERNAL
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.sensitivity.agreed_friction import AgreedFriction
+from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact
 
 RESTART, MOST = 60, 600
 """Directions of one cycle of GMRES, and steps at most."""
@@ -35,22 +34,20 @@ class RestTangent:
         self.state, self.problem, self.x = state, state.problem, state.x
         self.free = self.problem.boundary.free.ravel()
         contact = self.problem.contact
-        self.friction = (
-            AgreedFriction(contact, self.problem.corners(self.x), self.problem.corner_number, self.problem.n_nodes)
+        self.contact = (
+            AgreedContact(contact, self.problem.corners(self.x), self.problem.corner_number, self.problem.n_nodes)
             if contact
             else None
         )
         self.sliding: csr_matrix | None = None
-        if self.friction and self.friction.acts:
-            self.sliding = self.friction.tangent()
+        if self.contact and self.contact.acts:
+            self.sliding = self.contact.tangent()
         self.iterations = 0
 
     def product(self, d: np.ndarray) -> np.ndarray:
         """K d (n, 3) by the elements, without the matrix, for d (n, 3); prescribed unknowns count."""
-        out = Assembled(self.problem.integrals(INTERNAL)).tangent_product(self.x, d)
-        if self.sliding is not None:
-            out += (self.sliding @ d.ravel()).reshape(d.shape)
-        return out
+        out = Assembled(self.problem.material_integrals()).tangent_product(self.x, d)
+        return out + self.contact.rates(d) if self.contact else out
 
     def solve(self, right: np.ndarray, tolerance: float) -> np.ndarray:
         """s (k, n, 3) with K s = right (k, n, 3) at free unknowns, 0 at prescribed ones.

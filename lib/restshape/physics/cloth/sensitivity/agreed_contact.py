@@ -1,13 +1,18 @@
-"""Friction whose normals and normal forces are those of the place: what its frozen potential leaves out."""
+"""Contact whose friction has the normals and normal forces of the place: its tangent, and its rates."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.sparse import bsr_matrix, csr_matrix
 
+from restshape import _kernels
 from restshape.physics.cloth.contact import POTENTIAL, Contact
+
+SLIDING = 1e-6
+"""Share of the slip by which a place that slides may be short of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,29 +70,39 @@ class Pressed:
             "k,ka,kb->kab", bent, self.normals, turned
         )
 
-    def area_forces(self, shares: np.ndarray) -> np.ndarray:
-        """Rates (k, 3) of the force when areas grow by these shares (k,) of themselves: the largest force does."""
-        return (self.over * self.limit * shares)[:, None] * self.slid
 
-    def anchor_forces(self, contact: Contact, number: int, places: np.ndarray, rates: np.ndarray) -> np.ndarray:
-        """Rates (k, 3) of the force when the anchors of all places move with rates (n + m, 3) [m]."""
-        along = rates[self.at] - np.einsum("ka,ka->k", rates[self.at], self.normals)[:, None] * self.normals
-        size = np.linalg.norm(self.slid, axis=1)
-        way = self.slid / np.maximum(size, TINY)[:, None]
-        share = size / contact.slip
-        change = np.where(share < 1.0, 2.0 * (1.0 - share), 0.0) / contact.slip
-        part = np.einsum("ka,ka->k", along, way)[:, None] * way
-        return -self.limit[:, None] * (self.over[:, None] * (along - part) + change[:, None] * part)
+@dataclass(frozen=True, eq=False)
+class BodyChange:
+    """How a body changes.
 
+    Args:
+        body: with its rates.
+        friction: rate of its coefficient.
+        anchors: rates (n, 3) of the anchors (n, 3) [m] that it takes along.
+    """
 
-SLIDING = 1e-6
-"""Share of the slip below which a place at the end of its slip counts as one that sticks."""
-TINY = 1e-300
-"""Length [m] below which there is no direction."""
+    body: _kernels.BodyRates
+    friction: float
+    anchors: Callable[[np.ndarray], np.ndarray]
 
 
-class AgreedFriction:
-    """Friction of one contact at an equilibrium, where normals and normal forces agree with the places.
+@dataclass(frozen=True, eq=False)
+class ContactChange:
+    """Rates of the numbers of contact.
+
+    Args:
+        stiffness: [N/m^3]; thickness: [m]; slip: [m].
+        bodies: those that change, by their number.
+    """
+
+    stiffness: float = 0.0
+    thickness: float = 0.0
+    slip: float = 0.0
+    bodies: Mapping[int, BodyChange] = field(default_factory=dict)
+
+
+class AgreedContact:
+    """Contact at an equilibrium, where the normals and normal forces of friction agree with the places.
 
     Args:
         contact: whose friction was updated at the equilibrium.
@@ -127,26 +142,44 @@ class AgreedFriction:
         spread = _by_components(self.weights[touched])
         return (spread.T @ own @ spread).tocsr()
 
-    def forces(self, of: dict[int, np.ndarray]) -> np.ndarray:
-        """The sum (nodes, 3) of forces (k, 3) at the places that each body presses, by its number."""
-        total = np.zeros((self.weights.shape[0], 3))
-        for k, forces in of.items():
-            total[self.pressed[k].at] += forces
-        return self.weights.T @ total
-
-    def design_rates(self, area_rates: np.ndarray, anchors: np.ndarray) -> np.ndarray:
-        """Rates (nodes, 3) of friction at constant places.
+    def rates(
+        self,
+        way: np.ndarray | None = None,
+        areas: np.ndarray | None = None,
+        anchors: np.ndarray | None = None,
+        change: ContactChange | None = None,
+    ) -> np.ndarray:
+        """Rates (nodes, 3) [N] of all forces of contact and friction, by dual numbers.
 
         Args:
-            area_rates: (n + m,) of what corners and points stand for [m^2].
-            anchors: (n + m, 3) rates of the anchors [m].
+            way: (nodes, 3) rates of the unknowns [m].
+            areas: (n + m,) of what corners and points stand for [m^2].
+            anchors: (n + m, 3) of all anchors [m], besides those that bodies take along.
+            change: of the numbers of contact and of bodies.
         """
-        shares = area_rates / self.contact.areas
-        found = {}
-        for k, one in self.pressed.items():
-            anchored = one.anchor_forces(self.contact, k, self.places, anchors)
-            found[k] = anchored + one.area_forces(shares[one.at])
-        return self.forces(found)
+        contact, change = self.contact, change or ContactChange()
+        still, none = np.zeros_like(self.places), np.zeros(len(self.places))
+        way = still if way is None else np.ascontiguousarray(self.weights @ way)
+        areas, anchors = none if areas is None else areas, still if anchors is None else anchors
+        total = np.zeros_like(self.places)
+        for k, body in enumerate(contact.bodies):
+            mine = change.bodies.get(k)
+            towed = anchors if mine is None else anchors + mine.anchors(contact.history.anchors[k])
+            (_kernels.BodyRates(body) if mine is None else mine.body).add_force_rates(
+                self.places,
+                way,
+                contact.areas,
+                areas,
+                (contact.stiffness, change.stiffness),
+                (contact.thickness, change.thickness),
+                (float(contact.friction[k]), 0.0 if mine is None else mine.friction),
+                (contact.slip, change.slip),
+                contact.history.anchors[k],
+                towed,
+                contact.history.limits[k],
+                total,
+            )
+        return self.weights.T @ total
 
 
 def _weights(contact: Contact, numbers: np.ndarray, nodes: int) -> csr_matrix:

@@ -1,0 +1,123 @@
+"""A number of a scene that changes, and how fast others follow it: dual numbers through formulas and bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.scene.bodies import Body, Start
+from restshape.scene.duals import Dual
+from restshape.scene.expressions import Expression, Value
+from restshape.scene.model import Scene
+from restshape.scene.plan import Plan
+
+TABLES = ("material", "bodies", "supports", "start", "effects", "parameters")
+"""Whose numbers drapes have derivatives by."""
+STEP = 1e-30
+"""Of complex steps, which are exact: nothing is subtracted."""
+
+
+class ChangingNumber:
+    """One number of a scene, by which all others are differentiated.
+
+    Args:
+        scene: as it is; plan: its effects.
+        key: dotted, such as "bodies.ball.sphere.center.2" or "parameters.slope".
+
+    Raises:
+        UserError: it names no number of these tables.
+    """
+
+    def __init__(self, scene: Scene, plan: Plan, key: str) -> None:
+        self.scene, self.plan, self.key = scene, plan, key
+        parts = key.split(".")
+        if parts[0] == "effects":
+            here = _at(plan.settings(parts[1]), parts[2:]) if len(parts) > 2 else None
+        else:
+            whole = scene.model_copy(update={"start": scene.start or Start()})
+            here = _at(whole, parts) if parts[0] in TABLES else None
+        if isinstance(here, bool) or not isinstance(here, int | float):
+            tables = ", ".join(TABLES)
+            raise UserError(
+                f"{key!r} is no number of this scene in {tables}", "--by", "name one like material.cotton.E"
+            )
+        self.value = float(here)
+        self.parameter = parts[1] if parts[0] == "parameters" else ""
+
+    def rate(self, value: Value, where: str) -> float:
+        """The rate of a value at a place of the scene."""
+        return float(self.rates(value, where, np.zeros((1, 2)))[0])
+
+    def rates(self, value: Value, where: str, X: np.ndarray) -> np.ndarray:
+        """Rates (n,) of a value at a place of the scene, at material coordinates X (n, 2) [m]."""
+        if isinstance(value, Expression):
+            if not self.parameter:
+                return np.zeros(len(X))
+            return value.parameter_rate(X[:, 0], X[:, 1], self.scene.parameters, self.parameter)
+        return np.full(len(X), float(where == self.key))
+
+    def vector(self, values: Sequence[Value], where: str) -> np.ndarray:
+        """Rates (k,) of a list of values."""
+        return np.array([self.rate(value, f"{where}.{k}") for k, value in enumerate(values)])
+
+    def form(self, name: str, body: Body) -> dict[str, Any]:
+        """Rates of the keys of a body's form, numbers and arrays."""
+        where, form = f"bodies.{name}.{body.kind}", body.form
+        return {key: self._either(getattr(form, key), f"{where}.{key}") for key in type(form).model_fields}
+
+    def start(self) -> dict[str, np.ndarray]:
+        """Rates (3,) of the keys of where the flat cloth lies."""
+        start = self.scene.start or Start()
+        return {key: self.vector(getattr(start, key), f"start.{key}") for key in ("move", "turn", "about")}
+
+    def dual_body(self, name: str, body: Body) -> Body:
+        """The body, of numbers, with dual ones in their place."""
+        numbers, rates = body.evaluated(self.scene.parameters).form, self.form(name, body)
+        form = numbers.model_copy(update={key: _dual(getattr(numbers, key), rate) for key, rate in rates.items()})
+        return body.model_copy(update={body.kind: form})
+
+    def dual(self, value: float, where: str) -> Dual:
+        """A plain number with its rate."""
+        return Dual(np.float64(value), self.rate(value, where))
+
+    def stepped(self, name: str) -> Any:
+        """A material with a complex step on the number that changes, or None where it stays."""
+        material, parts = self.scene.material[name], self.key.split(".")
+        if parts[:2] != ["material", name]:
+            return None
+        return _stepped(material, parts[2:])
+
+    def _either(self, value: Value | Sequence[Value], where: str) -> Any:
+        if isinstance(value, tuple):
+            return self.vector(value, where)
+        return self.rate(value, where)
+
+
+def _dual(value: Any, rate: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(Dual(np.float64(part), slope) for part, slope in zip(value, rate))
+    return Dual(np.float64(value), rate)
+
+
+def _stepped(model: Any, parts: Sequence[str]) -> Any:
+    """A copy of nested models, lists and numbers with a complex step on one number."""
+    if not parts:
+        return complex(model, STEP)
+    if isinstance(model, tuple | list):
+        return tuple(_stepped(one, parts[1:]) if k == int(parts[0]) else one for k, one in enumerate(model))
+    return model.model_copy(update={parts[0]: _stepped(getattr(model, parts[0]), parts[1:])})
+
+
+def _at(here: Any, parts: Sequence[str]) -> Any:
+    """What is there in a scene; None where nothing is."""
+    for part in parts:
+        if isinstance(here, dict):
+            here = here.get(part)
+        elif isinstance(here, list | tuple):
+            here = here[int(part)] if part.isdigit() and int(part) < len(here) else None
+        else:
+            here = getattr(here, part, None)
+    return here

@@ -1,0 +1,209 @@
+"""How the forces on resting cloth follow a number of its scene: materials, weight, contact, bodies and supports."""
+
+# More than 15 modules: numbers of all parts of cloth enter here.
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.errors import UserError
+from restshape.fem.assembled import Assembled
+from restshape.fem.entity_sets import nodes_on
+from restshape.physics.cloth.body_motion import taken_rates
+from restshape.physics.cloth.cloth_supports import AXES
+from restshape.physics.cloth.fabric import FabricRates
+from restshape.physics.cloth.layers import stiffness_share
+from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact, BodyChange, ContactChange
+from restshape.physics.cloth.sensitivity.fabric_rates import fabric_rates
+from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
+from restshape.physics.cloth.thin_bodies import borne
+from restshape.scene.bodies import Body, Start
+from restshape.scene.duals import Dual, dual
+from restshape.scene.expressions import Expression
+from restshape.scene.space_values import evaluated
+from restshape.shape.placement import rotation, rotation_rates
+
+
+def scene_rates(state: RelaxationState, contact: AgreedContact | None, key: str) -> tuple[np.ndarray, np.ndarray]:
+    """The rates (n, 3) of the residual, and those (n, 3) of the prescribed unknowns, a unit of a number of the scene.
+
+    Material, formulas, bodies and supports carry dual numbers, or complex steps, to what the elements take; elements
+    are linear in their moduli and loads.
+
+    Args:
+        state: at rest.
+        contact: there; None: it touches nothing.
+        key: dotted, such as "material.cotton.bending", "bodies.ball.sphere.radius" or "effects.gravity.g.2".
+
+    Raises:
+        UserError: there is no such number, or one by which drapes have no derivative.
+        ReplayProblem: a value has no derivative there.
+
+    Source: docs/theory/design-derivative.md.
+    """
+    number = ChangingNumber(state.scene, state.plan, key)
+    _require_known(state, number)
+    problem, x = state.problem, state.x
+    fabric = fabric_rates(number, problem.mesh)
+    prescribed, turn = _support_rates(state, number)
+    out = _material_forces(state, number, fabric)
+    if prescribed.any():
+        out += Assembled(problem.material_integrals()).tangent_product(x, prescribed)
+    out += problem.turned_clamps(x, turn)
+    if contact:
+        follows = prescribed if prescribed.any() else None
+        out += contact.rates(follows, change=_contact_change(state, number))
+    if problem.self_contact and problem.self_contact.active:
+        out += _layer_forces(state, number, fabric)
+    return out, prescribed
+
+
+def _require_known(state: RelaxationState, number: ChangingNumber) -> None:
+    """Refuse numbers that change more than forces and supports."""
+    parts = number.key.split(".")
+    if number.key == "effects.contact.self_thickness" or parts[:2] in (["effects", "cloth"], ["effects", "drape"]):
+        raise UserError(f"drapes have no derivative by {number.key}", "--by", "name another number")
+    if number.parameter and number.parameter in _parameters_of_the_shape(state):
+        raise UserError(
+            f"{number.key} gives the pattern its shape, which a hand differentiates by",
+            "--by",
+            "take hold of the pattern instead, or name another number",
+        )
+
+
+def _parameters_of_the_shape(state: RelaxationState) -> set[str]:
+    """Names of the parameters that the pattern's vertices take."""
+    values = [value for point in state.scene.shape.vertices.values() for value in point]
+    return {name for value in values if isinstance(value, Expression) for name in value.names}
+
+
+def _gravity_rate(state: RelaxationState, number: ChangingNumber) -> np.ndarray:
+    gravity = state.plan.settings("gravity")
+    return number.vector(gravity.g, "effects.gravity.g") if gravity else np.zeros(3)
+
+
+def _material_forces(state: RelaxationState, number: ChangingNumber, fabric: FabricRates) -> np.ndarray:
+    """Rates (n, 3) of the forces of membrane, weight and bending, linear in moduli and loads."""
+    problem, x = state.problem, state.x
+    loads = fabric.density[:, None] * problem.g + problem.lumped.density[:, None] * _gravity_rate(state, number)
+    parts = [problem.membrane.rate_integral(problem.X, fabric.membrane, loads)]
+    if problem.bending:
+        parts += problem.bending.rate_integrals(problem.X, fabric.bending)
+    return Assembled(parts).residual(x)
+
+
+# --- contact ---------------------------------------------------------------------------------------------------------
+
+
+def _contact_change(state: RelaxationState, number: ChangingNumber) -> ContactChange:
+    """Rates of the numbers of contact and of bodies."""
+    settings, where = state.plan.settings("contact"), "effects.contact"
+    thickness = number.dual(settings.thickness, f"{where}.thickness")
+    given = state.scene.effects.get("contact", {}).get("stiffness") is not None or number.key == f"{where}.stiffness"
+    stiffness = (
+        number.dual(settings.stiffness, f"{where}.stiffness") if given else _decided_stiffness(state, number, thickness)
+    )
+    changing = {}
+    for k, (name, body) in enumerate(state.scene.bodies.items()):
+        rates, friction = number.form(name, body), number.rate(body.friction, f"bodies.{name}.friction")
+        if friction or any(np.any(rate) for rate in rates.values()):
+            own = state.bodies[k]
+            changing[k] = BodyChange(_kernel_rates(own, rates), friction, partial(taken_rates, own, rates))
+    return ContactChange(
+        float(stiffness.rate),
+        float(thickness.rate),
+        number.rate(settings.slip, f"{where}.slip"),
+        changing,
+    )
+
+
+def _decided_stiffness(state: RelaxationState, number: ChangingNumber, thickness: Dual) -> Dual:
+    """The stiffness of contact that `effects.contact` decides from the weight of the cloth."""
+    scene = state.scene
+    weights = [_weight(state, number, name) for name in scene.material]
+    bodies = {name: number.dual_body(name, body) for name, body in scene.bodies.items()}
+    # What has no edges has ones of infinite radius, which never decide.
+    with np.errstate(invalid="ignore"):
+        times = dual(borne(scene, thickness, bodies)[0])
+    return 8.0 * times * max(weights) / thickness
+
+
+def _weight(state: RelaxationState, number: ChangingNumber, name: str) -> Dual:
+    """What a material weighs by area [N/m^2]."""
+    material, gravity, where = state.scene.material[name], state.plan.settings("gravity"), f"material.{name}"
+    g = [number.dual(value, f"effects.gravity.g.{k}") for k, value in enumerate(gravity.g)]
+    size = (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) ** 0.5
+    return size * number.dual(material.rho, f"{where}.rho") * number.dual(material.thickness, f"{where}.thickness")
+
+
+def _kernel_rates(body: Body, rates: dict) -> _kernels.BodyRates:
+    """The body, of numbers alone, with rates of the keys of its form."""
+    form, make = body.form, _kernels.BodyRates
+    match body.kind:
+        case "sphere":
+            return make.sphere(form.center, form.radius, rates["center"], rates["radius"])
+        case "plane":
+            return make.plane(form.point, form.normal, rates["point"], rates["normal"])
+        case "capsule":
+            return make.capsule(form.start, form.end, form.radius, rates["start"], rates["end"], rates["radius"])
+        case "cylinder":
+            ends = form.start, form.end, form.radius, form.rounded
+            return make.cylinder(*ends, rates["start"], rates["end"], rates["radius"], rates["rounded"])
+        case _:
+            turn, turned = rotation(form.rotate).T, rotation_rates(form.rotate, rates["rotate"]).T
+            numbers = form.center, form.half, turn, form.radius
+            return make.box(*numbers, rates["center"], rates["half"], turned, rates["radius"])
+
+
+def _layer_forces(state: RelaxationState, number: ChangingNumber, fabric: FabricRates) -> np.ndarray:
+    """Rates (n, 3) of the forces between layers, whose stiffness is decided from weight or bending.
+
+    Raises:
+        UserError: the distance at which they begin changes.
+    """
+    problem = state.problem
+    own, corners, out = problem.self_contact, problem.corners(state.x), np.zeros_like(state.x)
+    share = stiffness_share(
+        problem.self_contact.values.thickness, problem.fabric, problem.g, fabric, _gravity_rate(state, number)
+    )
+    if share:
+        out[problem.corner_number] = share * own.barrier_forces(corners)
+    if number.key == "effects.contact.thickness" and own.at(corners).near:
+        raise UserError(
+            "layers touch, and drapes have no derivative by the distance at which their contact begins",
+            "--by",
+            "name another number, or set effects.contact.self_thickness",
+        )
+    return out
+
+
+# --- supports --------------------------------------------------------------------------------------------------------
+
+
+def _support_rates(state: RelaxationState, number: ChangingNumber) -> tuple[np.ndarray, np.ndarray]:
+    """Rates (n, 3) [m] of the prescribed unknowns, and (3,) of how directions of clamps turn [rad]."""
+    scene, problem = state.scene, state.problem
+    mesh, mask = problem.mesh, problem.supports.mask
+    start, rates = evaluated(scene.start or Start(), scene.parameters), number.start()
+    turned = rotation_rates(start.turn, rates["turn"])
+    flat = np.column_stack([mesh.X, np.zeros(len(mesh.X))]) - start.about
+    turn = rotation(start.turn)
+    placed = flat @ turned.T + rates["about"] - rates["about"] @ turn.T + rates["move"]
+    places = placed.copy()
+    for name, support in scene.supports.items():
+        nodes = nodes_on(mesh, support.on)
+        for direction, value in support.fix.items():
+            if direction != "slope":
+                axis, where = AXES.index(direction), f"supports.{name}.fix.{direction}"
+                places[nodes, axis] = placed[nodes, axis] + number.rates(value, where, mesh.X[nodes])
+    out = np.zeros((problem.n_nodes, 3))
+    out[problem.corner_number] = np.where(mask, places, 0.0)
+    if problem.morley:
+        clamped = problem.supports.clamped
+        out[problem.morley.side_number[clamped]] = problem.morley.normals()[clamped] @ turned[:, :2].T
+    spin = turned @ turn.T
+    return out, np.array([spin[2, 1], spin[0, 2], spin[1, 0]])

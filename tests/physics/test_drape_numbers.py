@@ -1,0 +1,166 @@
+"""Derivatives of drapes by numbers of their scene: Taylor remainders from the same anchors, motions of all together."""
+
+import re
+
+import numpy as np
+import pytest
+from drape_designs import BALL, CONTACT, HELD, DrapeDesign, sheet
+
+from restshape.errors import UserError
+
+KNIT = """
+[material.cotton]
+orthotropic = { E = [3e5, 2e5, 2e5], nu = [0.2, 0.2, 0.2], G = [8e4, 8e4, 8e4] }
+grain = "25 deg"
+rho = 500
+thickness = "0.3 mm"
+bending = ["8e-6 N m", "3e-6 N m"]
+"""
+CLAMPED = """
+[parameters]
+lift = 0.01
+[supports.clamp]
+on = "left"
+fix = { x = 0, y = "0.02*y*y", z = "lift*(1 + y)", slope = 0 }
+[start]
+turn = [0, "5 deg", "10 deg"]
+about = [0.1, 0.1, 0]
+move = [0, 0, 0.01]
+"""
+BODIES = {
+    "box": 'box = { center = [0.1, 0.1, -0.05], half = [0.05, 0.06, 0.048], rotate = ["2 deg", "4 deg", "20 deg"], '
+    "radius = 0.02 }",
+    "capsule": "capsule = { start = [0.02, 0.1, -0.032], end = [0.18, 0.11, -0.03], radius = 0.03 }",
+    "cylinder": "cylinder = { start = [0.1, 0.1, -0.1], end = [0.105, 0.1, -0.002], radius = 0.06, rounded = 0.02 }",
+    "plane": "plane = { point = [0.1, 0.1, -0.01], normal = [0.1, 0.05, 1] }",
+}
+OTHERS = ("x", "y", "z")
+
+
+def knit(kind: str, *tables: str) -> str:
+    """The sheet, of a fabric with a grain."""
+    text = sheet(kind, *tables)
+    return re.sub(r"\[material\.cotton\].*?(?=\[effects)", KNIT, text, flags=re.S)
+
+
+def put(design: DrapeDesign, key: str, step: float) -> np.ndarray:
+    """The unknowns (n, 3) at rest with a number of the scene, or of a list in it, larger by a step."""
+    whole, _, place = key.rpartition(".")
+    values = design.analysis.state.plan.settings("gravity").g if whole == "effects.gravity.g" else None
+    if not place.isdigit():
+        return design.change(key, number_at(design, key) + step)
+    values = list(values or number_at(design, whole))
+    values[int(place)] += step
+    return design.change(whole, values)
+
+
+def number_at(design: DrapeDesign, key: str):
+    """What stands at a key of the scene, or of its effects."""
+    first, *rest = key.split(".")
+    here = design.analysis.state.plan.settings(rest.pop(0)) if first == "effects" else getattr(design.scene, first)
+    for part in rest:
+        here = here[part] if isinstance(here, dict) else getattr(here, part)
+    return here
+
+
+def check(design: DrapeDesign, key: str, step: float) -> None:
+    """The remainder of a step of a number falls with its square, and is small beside the derivative times the step."""
+    s = design.analysis.number_derivatives([key], 1e-10).s[0]
+    found = [float(np.linalg.norm(put(design, key, h) - design.x - h * s)) for h in (step, 0.5 * step)]
+    size = step * float(np.linalg.norm(s))
+    assert size > 1e-9, f"{key}: nothing to compare with"
+    assert found[0] < 0.25 * size, f"{key}: {found} beside {size}"
+    assert found[1] < 1e-10 or 1.7 < np.log2(found[0] / found[1]) < 2.4, f"{key}: {found}"
+
+
+MATERIAL = {
+    "material.cotton.E": 200.0,
+    "material.cotton.nu": 1e-3,
+    "material.cotton.rho": 0.5,
+    "material.cotton.thickness": 3e-7,
+    "material.cotton.bending": 1e-8,
+    "effects.gravity.g.2": 0.01,
+    "effects.gravity.g.0": 0.002,
+    "effects.contact.thickness": 1e-6,
+    "effects.contact.stiffness": 100.0,
+    "effects.contact.slip": 1e-7,
+    "bodies.ball.friction": 1e-3,
+    "bodies.ball.sphere.radius": 2e-6,
+    "bodies.ball.sphere.center.2": 1e-5,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["morley", "hinge"])
+def test_numbers_of_cloth_that_lies_on_a_rough_ball(tmp_path, kind):
+    design = DrapeDesign(tmp_path, sheet(kind, BALL.format(friction=0.4), CONTACT))
+    assert design.analysis.derivative(design.direction()[None], 1e-8).sticking > 50
+    for key, step in MATERIAL.items():
+        check(design, key, step)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["morley", "hinge", "nonlinear"])
+def test_numbers_of_cloth_with_a_grain_that_is_clamped(tmp_path, kind):
+    design = DrapeDesign(tmp_path, knit(kind, CLAMPED))
+    steps = {
+        "material.cotton.grain": 1e-2,
+        "material.cotton.orthotropic.E.1": 2e3,
+        "material.cotton.bending.0": 2e-7,
+        "material.cotton.bending.1": 2e-7,
+        "start.turn.1": 1e-3,
+        "start.turn.2": 1e-3,
+        "parameters.lift": 1e-3,
+    }
+    for key, step in steps.items():
+        check(design, key, step)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "keys"),
+    {
+        "box": ("center.0", "center.2", "half.2", "rotate.0", "radius"),
+        "capsule": ("start.2", "end.0", "end.1", "radius"),
+        "cylinder": ("start.0", "end.2", "end.1", "radius", "rounded"),
+        "plane": ("point.2", "normal.0"),
+    }.items(),
+)
+def test_numbers_of_bodies(tmp_path, kind, keys):
+    tables = (HELD, f"[bodies.it]\n{BODIES[kind]}\nfriction = 0.3\n", CONTACT)
+    design = DrapeDesign(tmp_path, sheet("hinge", *tables))
+    for key in keys:
+        check(design, f"bodies.it.{kind}.{key}", 2e-6)
+
+
+def test_a_body_alone_takes_cloth_that_lies_on_it_along(tmp_path):
+    # Anchors go with the body: nothing else holds the cloth.
+    design = DrapeDesign(tmp_path, sheet("hinge", BALL.format(friction=0.4), CONTACT, size=0.05))
+    found = design.analysis.number_derivatives([f"bodies.ball.sphere.center.{k}" for k in range(3)], 1e-10)
+    for axis, s in enumerate(found.s):
+        np.testing.assert_allclose(s, np.broadcast_to(np.eye(3)[axis], s.shape), atol=1e-7)
+
+
+@pytest.mark.slow
+def test_body_pins_and_cloth_that_move_together_give_that_motion(tmp_path):
+    design = DrapeDesign(tmp_path, sheet("hinge", HELD, BALL.format(friction=0.3), CONTACT))
+    for k in range(3):
+        keys = [f"bodies.ball.sphere.center.{k}", f"start.move.{k}"]
+        s = design.analysis.number_derivatives(keys, 1e-10).s.sum(axis=0)
+        np.testing.assert_allclose(s, np.broadcast_to(np.eye(3)[k], s.shape), atol=1e-6)
+
+
+def test_stiffness_and_weight_that_grow_together_change_nothing(tmp_path):
+    design = DrapeDesign(tmp_path, sheet("morley", HELD, size=0.05))
+    cotton = design.scene.material["cotton"]
+    keys = [f"material.cotton.{name}" for name in ("E", "rho", "bending")]
+    s = design.analysis.number_derivatives(keys, 1e-10).s
+    change = cotton.E * s[0] + cotton.rho * s[1] + cotton.bending * s[2]
+    assert np.abs(change).max() < 1e-7 * np.abs(cotton.rho * s[1]).max()
+
+
+def test_what_is_no_number_is_refused(tmp_path):
+    design = DrapeDesign(tmp_path, sheet("hinge", HELD, size=0.05))
+    for key in ("material.cotton", "material.silk.E", "mesh.size", "effects.gravity.g.7", "effects.drape.tolerance"):
+        with pytest.raises(UserError, match=r"drapes have no derivative|is no number"):
+            design.analysis.number_derivatives([key], 1e-8)
