@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import griddata
 from test_cloth_crossings import grid
 
 from restshape import _kernels
@@ -173,3 +174,27 @@ def test_design_rates_are_the_slopes_of_forces_where_the_pattern_changes(folded)
     slope = (ends[0] - ends[1]) / (2 * h)
     np.testing.assert_allclose(rates, slope, atol=1e-5 * np.abs(slope).max())
     assert np.abs(rates).max() > 0.0
+
+
+def test_friction_is_handed_on_to_another_mesh(folded):
+    """A flap that has slid by half of the way at which friction is all there is held as hard on a finer mesh."""
+    held = {}
+    for n in (12, 20):
+        X, cells = grid(n)
+        x, flap = np.column_stack([X, np.zeros(len(X))]), X[:, 0] > 0.55
+        x[flap] = np.column_stack([1.11 - X[flap, 0], X[flap, 1], np.full(flap.sum(), 0.02)])
+        contact = SelfContact(CollisionSurface(X, cells), SelfContactValues(D, STIFFNESS, FRICTION, SLIP))
+        if not held:
+            contact.update_friction(x)
+            x[flap, 1] += 0.5 * SLIP
+            old, values = X, contact.history.mapped(x, lambda values: values)
+        else:
+            x[flap, 1] += 0.5 * SLIP
+            assert contact.history.energy(x, FRICTION, SLIP) == 0.0
+            contact.hold(x, griddata(old, values, X))
+        forces = np.zeros_like(x)
+        contact.history.add_forces(x, FRICTION, SLIP, forces)
+        held[n] = forces[flap].sum(axis=0) / contact.at(x).forces[flap, 2].sum()
+    # At half of the way three quarters of the coefficient.
+    np.testing.assert_allclose(held[12], [0.0, -0.75 * FRICTION, 0.0], atol=0.01 * FRICTION)
+    np.testing.assert_allclose(held[20], held[12], atol=0.05 * FRICTION)

@@ -108,7 +108,8 @@ class Cloth:
         """A sheet with one onset of contact or the other, with the history of friction that another one has."""
         sheet = cloth_problem(self.mesh, self.arguments)
         sheet.contact.slip = SLIP
-        # The author's program touches with nodes alone.
+        # The author's program touches with nodes alone, and bodies alone.
+        sheet.self_contact = None
         sheet.contact.history = replace(sheet.contact.history, points=None)
         if kink:
             sheet.contact.thickness = KINK

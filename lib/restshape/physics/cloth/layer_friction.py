@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -85,6 +86,20 @@ class LayerFriction:
         """The history when the material of nodes has moved, and they with it by (n, 3) [m], as cloth lies."""
         return replace(self, places=self.places + way)
 
+    def mapped(self, x: np.ndarray, interpolate: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """What holds the nodes of another mesh of the same material, for `begun`.
+
+        Args:
+            x: (n, 3) positions [m].
+            interpolate: takes values (n, f) at the nodes to those of the other mesh (k, f).
+        """
+        return interpolate(self._by_nodes(self._slid(x)))
+
+    @classmethod
+    def begun(cls, x: np.ndarray, touching: Touching, slides: np.ndarray) -> LayerFriction:
+        """The history of pairs that touch at x (n, 3) [m], from what holds the nodes (n, 4), see `mapped`."""
+        return cls(touching, touching.along(_from_nodes(slides, touching)), x.copy())
+
     def energy(self, x: np.ndarray, friction: float, slip: float) -> float:
         """The potential [J] at x (n, 3) [m]."""
         y = np.linalg.norm(self._slid(x), axis=1) / slip
@@ -116,23 +131,26 @@ class LayerFriction:
         """How far (m, 3) [m] the pairs have slid, as far as they are held back."""
         return self.touching.along(self.offsets + self.touching.between(x - self.places))
 
+    def _by_nodes(self, kept: np.ndarray) -> np.ndarray:
+        """What the pairs are held back by (m, 3) [m] as sums (n, 4) at the nodes: ways by forces [N m], forces [N].
+
+        Half of each way is on either side, to opposite directions.
+        """
+        pairs, slides = self.touching, np.zeros((len(self.places), 4))
+        weights = np.abs(pairs.forces)[:, None] * pairs.shares
+        np.add.at(slides[:, :3], pairs.nodes, weights[:, :, None] * kept[:, None, :])
+        np.add.at(slides[:, 3], pairs.nodes, np.abs(weights))
+        return slides
+
     def _handed(self, kept: np.ndarray, after: Touching) -> np.ndarray:
         """What the pairs were held back by (m, 3), handed on to other pairs (k, 3) [m].
 
-        Pairs that touch as before keep it. Others, such as a node on the next triangle, take the mean of what their
-        nodes had by the forces there.
+        Pairs that touch as before keep it. Others, such as a node on the next triangle, take what their nodes had.
         """
-        before, found = self.touching, np.zeros((len(after.nodes), 3))
+        before = self.touching
         if not len(before.nodes) or not len(after.nodes):
-            return found
-        weights = before.forces[:, None] * np.abs(before.shares)
-        total, mean = np.zeros(len(self.places)), np.zeros((len(self.places), 3))
-        np.add.at(total, before.nodes, weights)
-        np.add.at(mean, before.nodes, (before.forces[:, None] * before.shares)[:, :, None] * kept[:, None, :])
-        mean /= np.maximum(total, TINY)[:, None]
-        # Half of the way is on each side.
-        size = (np.abs(after.shares) * (total[after.nodes] > 0.0)).sum(axis=1)
-        found = np.einsum("mk,mka->ma", after.shares, mean[after.nodes]) / np.maximum(size, 1.0)[:, None]
+            return np.zeros((len(after.nodes), 3))
+        found = _from_nodes(self._by_nodes(kept), after)
         _, old, new = np.intersect1d(before.keys, after.keys, return_indices=True)
         same = np.einsum("mk,mk->m", *self._aligned(old, new, after)) > 0.0
         found[new[same]] = kept[old[same]]
@@ -144,3 +162,11 @@ class LayerFriction:
         orders = [np.argsort(np.where(part.shares[at] != 0.0, part.nodes[at], -1), axis=1) for part, at in lists]
         first, second = (np.take_along_axis(part.shares[at], order, 1) for (part, at), order in zip(lists, orders))
         return first, second
+
+
+def _from_nodes(slides: np.ndarray, pairs: Touching) -> np.ndarray:
+    """What pairs are held back by (m, 3) [m], from what their nodes are, see `LayerFriction._by_nodes`."""
+    means = slides[:, :3] / np.maximum(slides[:, 3:], TINY)
+    known = slides[:, 3] > 0.0
+    size = (np.abs(pairs.shares) * known[pairs.nodes]).sum(axis=1)
+    return np.einsum("mk,mka->ma", pairs.shares, means[pairs.nodes]) / np.maximum(size, 1.0)[:, None]

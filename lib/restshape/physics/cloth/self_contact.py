@@ -141,6 +141,8 @@ class SelfContact:
         """The library's collisions at x (n, 3), nearer than a distance [m] of up to twice the thickness."""
         found = self.surface.library.NormalCollisions()
         found.use_area_weighting = True
+        # A node over an edge is near both triangles: counted twice, layers would catch on edges and nodes.
+        found.collision_set_type = found.CollisionSetType.IMPROVED_MAX_APPROX
         found.build(self._candidates.at(x), self.mesh, columns(x), distance)
         return found
 
@@ -164,10 +166,19 @@ class SelfContact:
         near = self.at(x)
         if not near.near and not len(self.history.offsets):
             return 0.0
-        values = self.values
-        pairs = touching(self.surface, near.collisions, x, values.thickness, values.stiffness) if near.near else None
-        self.history, slid = self.history.updated(x, pairs or Touching.none(), values.slip)
+        self.history, slid = self.history.updated(x, self._touching(near), self.values.slip)
         return slid
+
+    def hold(self, x: np.ndarray, slides: np.ndarray) -> None:
+        """Let friction begin at x (n, 3) with what holds the nodes (n, 4), of another mesh: `LayerFriction.mapped`."""
+        if self.rough:
+            self.history = LayerFriction.begun(x, self._touching(self.at(x)), slides)
+
+    def _touching(self, near: Encounter) -> Touching:
+        """The pairs that press each other apart at a place."""
+        if not near.near:
+            return Touching.none()
+        return touching(self.surface, near.collisions, near.x, self.values.thickness, self.values.stiffness)
 
     # --- the potential --------------------------------------------------------------------------------------------
 
@@ -259,12 +270,15 @@ class SelfContact:
             rows, cols, values = (np.asarray(part) for part in (matrix.row, matrix.col, matrix.data))
             self._add(single, coupled, rows // 3, cols // 3, rows % 3, cols % 3, values)
         if len(self.history.offsets):
-            self._add_friction(near.x, single, coupled)
+            self._add_friction(near.x, single, coupled, curved)
         return single, coupled
 
-    def _add_friction(self, x: np.ndarray, single: np.ndarray, coupled: np.ndarray) -> None:
+    def _add_friction(self, x: np.ndarray, single: np.ndarray, coupled: np.ndarray, curved: bool) -> None:
         pairs, values = self.history.touching, self.values
         blocks = self.history.hessians(x, values.friction, values.slip)
+        if not curved:
+            # Pairs that take off what others count twice.
+            blocks[pairs.forces < 0.0] = 0.0
         shares = np.einsum("mi,mj->mij", pairs.shares, pairs.shares)
         entries = shares[:, :, :, None, None] * blocks[:, None, None]
         m, i, j, a, b = np.indices(entries.shape).reshape(5, -1)

@@ -172,10 +172,14 @@ def new_problem(
     """
     problem, old = cloth_problem(frame.mesh, arguments), before.problem
     x = problem.flat(arguments.start if corners is None else corners)
+
+    def interpolate(values: np.ndarray) -> np.ndarray:
+        return values if frame.mesh is old.mesh else transfer(old.mesh, frame.mesh, values)
+
     friction = before.friction if corners is not None and problem.contact else None
+    if corners is not None and before.layers is not None and problem.self_contact:
+        problem.self_contact.hold(corners, before.layers.mapped(old.corners(before.x), interpolate))
     if friction is not None and len(friction.anchors) == len(problem.contact.bodies):
-        same = frame.mesh is old.mesh
-        interpolate = (lambda values: values) if same else (lambda values: transfer(old.mesh, frame.mesh, values))
         at_nodes = friction.at_corners(len(old.mesh.X)).mapped(old.corners(before.x), corners, interpolate)
         problem.contact.history = replace(at_nodes, points=problem.contact.points)
         _carry_points(before, problem, corners)
