@@ -37,7 +37,7 @@ class ClothArguments:
         g: (3,) acceleration [m/s^2].
         bodies: each with its coefficient of friction, in the scene's order.
         contact: settings of the effect; None: nothing touches, and there are no bodies.
-        start: (n, 3) where nodes lie at first [m].
+        placed: (n, 3) where nodes lie at first [m], before supports take them; start: with these.
         layers: how parts of the cloth push each other away; None: they pass through each other.
     """
 
@@ -46,6 +46,7 @@ class ClothArguments:
     g: np.ndarray
     bodies: list[tuple[_kernels.Body, float]]
     contact: Any
+    placed: np.ndarray
     start: np.ndarray
     layers: SelfContactValues | None = None
 
@@ -60,14 +61,15 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
     contact = plan.settings("contact")
     placement = InitialPlacement(scene.start, scene.parameters)
     fabric = fabric_of(scene, plan, mesh)
-    supports = supports_of(scene, mesh, placement)
+    supports, placed = supports_of(scene, mesh, placement), placement.scattered(mesh)
     return ClothArguments(
         fabric=fabric,
         supports=supports,
         g=np.array(gravity.g if gravity else (0.0, 0.0, 0.0)),
         bodies=[] if contact is None else touched(scene),
         contact=contact,
-        start=np.where(supports.mask, supports.places, placement.scattered(mesh)),
+        placed=placed,
+        start=np.where(supports.mask, supports.places, placed),
         layers=layer_values(scene, plan, mesh, fabric),
     )
 

@@ -18,7 +18,7 @@ from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
-from restshape.physics.cloth.relaxation.keep_apart import kept_apart
+from restshape.physics.cloth.relaxation.keep_apart import initial_positions, kept_apart
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
@@ -31,7 +31,7 @@ from restshape.scene.model import Scene
 log = logging.getLogger("restshape.physics")
 
 
-AGAIN = "layers cross on the new mesh: dropped again"
+AGAIN = "layers would cross from the last positions: dropped again"
 
 
 def bind(
@@ -62,7 +62,7 @@ def bind(
     else:
         state = moved_material(before, arguments)
         if cold:
-            state = replace(state, x=state.problem.flat(arguments.start))
+            state = replace(state, x=initial_positions(state.problem, arguments))
     log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
     state = replace(state, plan=options.plan, bodies=options.bodies)
@@ -75,7 +75,7 @@ def bind(
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=())
     known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
     if problem.self_contact and not cold:
-        state = replace(state, x=kept_apart(state, known))
+        state = kept_apart(state, known)
     if problem.contact and before.friction is not None and not cold:
         state = follow_bodies(state, before.bodies, np.where(problem.boundary.mask, known, state.x))
     if origin:
@@ -88,7 +88,8 @@ def bind(
     if apart and not (acts or cold or origin):
         # Contact cannot undo what a new mesh has brought across.
         log.info("Relaxation from the initial placement after all: the last positions cross themselves on this mesh")
-        state, cold = replace(state, x=problem.flat(arguments.start), notes=(*state.notes, AGAIN)), True
+        again = {"x": initial_positions(problem, arguments), "notes": (*state.notes, AGAIN), "doubts": ()}
+        state, cold = replace(state, **again), True
         acts = problem.begin(state.x)
     if cold and not acts:
         state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
@@ -171,7 +172,7 @@ def new_problem(
         corners: (corners, 3) [m] where the last cloth is on that mesh; None: it starts cold.
     """
     problem, old = cloth_problem(frame.mesh, arguments), before.problem
-    x = problem.flat(arguments.start if corners is None else corners)
+    x = initial_positions(problem, arguments) if corners is None else problem.flat(corners)
 
     def interpolate(values: np.ndarray) -> np.ndarray:
         return values if frame.mesh is old.mesh else transfer(old.mesh, frame.mesh, values)

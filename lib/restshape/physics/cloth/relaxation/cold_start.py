@@ -14,6 +14,7 @@ from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
 from restshape.physics.cloth.relaxation.equilibrium import NEAR, ROUGH, EquilibriumSolver
+from restshape.physics.cloth.relaxation.keep_apart import initial_positions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem
@@ -66,13 +67,13 @@ class ColdStart:
 
     def find(self, most: int, report: ConvergenceReport) -> np.ndarray:
         """Positions (n, 3) near an equilibrium, in so many steps at most."""
-        places = self.arguments(self.meshes[0]).start
+        places = np.empty((0, 3))
         for level, mesh in enumerate(self.meshes):
             last = level == len(self.meshes) - 1
             solver = self.solver if last and not self.replaced else self._stand_in(mesh)
             log.info("Cold start: mesh of %d nodes", len(mesh.X))
             try:
-                x = solver.problem.flat(places)
+                x = solver.problem.flat(places) if level else initial_positions(solver.problem, self.arguments(mesh))
                 solver.problem.begin(x)
                 if level == 0 and self.softened:
                     soften(solver, x, most, report)

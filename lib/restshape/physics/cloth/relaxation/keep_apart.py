@@ -1,38 +1,65 @@
-"""Guesses of a frame's positions that would take cloth through itself: they are gone to as far as nothing passes."""
+"""Starts and guesses of positions that would take cloth through itself: they are gone to as far as nothing passes."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
+from restshape.mesh.relocate import HarmonicExtension
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.scene import ClothArguments
 
-PARTS = 30
-"""Parts of the way of supports, with a rough descent after each; what is left then is gone at once."""
+PARTS = 60
+"""Parts of the way of supports, with a rough descent after each, at most."""
+STILL, PATIENCE = 0.01, 6
+"""Supports do not get any farther that go less than this part of what is left of their way, so many times in a row."""
+LEFT = "a support went on before the cloth could follow"
 
 
-def kept_apart(state: RelaxationState, last: np.ndarray) -> np.ndarray:
-    """Positions (n, 3) on the way from the last ones (n, 3) to those of a state, where the cloth does not cross itself.
+def kept_apart(state: RelaxationState, last: np.ndarray) -> RelaxationState:
+    """A state whose cloth does not cross itself, at positions on the way from the last ones (n, 3) to the state's own.
 
     What is free goes as far as nothing passes, and the relaxation does the rest. Supports get where they are in the
-    frame, in parts, unless bodies are there too, with which they go (`follow_bodies`).
+    frame, in parts, unless bodies are there too, with which they go (`follow_bodies`). Where the cloth stops them they
+    go on all the same, and the frame is not to be trusted.
     """
     problem = state.problem
     if not problem.begin(last) or not problem.surface.crosses(problem.corners(state.x)):
-        return state.x
+        return state
     x, free = last.copy(), problem.boundary.free
     way = (state.x - x) * free
     x += problem.step_share(x, way) * way
     if problem.contact:
-        return problem.constrain(x)
-    report = ConvergenceReport()
+        return replace(state, x=problem.constrain(x))
+    report, still, doubts = ConvergenceReport(), 0, (*state.doubts, LEFT)
     for _ in range(PARTS):
         way = (state.x - x) * (1.0 - free)
         share = problem.step_share(x, way)
         x += share * way
         if share == 1.0:
+            doubts = state.doubts
+            break
+        still = still + 1 if share < STILL else 0
+        if still > PATIENCE:
             break
         state.solver.descend(x, ROUGH, MEMORY, report)
-    return problem.constrain(x)
+    return replace(state, x=problem.constrain(x), doubts=doubts)
+
+
+def initial_positions(problem: ClothProblem, arguments: ClothArguments) -> np.ndarray:
+    """Unknowns (n, 3) of the initial placement, with supports where they are at first.
+
+    Supports that would go through the flat cloth on their way there draw it along, the less the farther it is.
+    """
+    x = problem.flat(arguments.start)
+    ways = arguments.start - arguments.placed
+    if not problem.self_contact or not ways.any() or not problem.surface.crosses(problem.corners(x)):
+        return x
+    constrained = np.flatnonzero(arguments.supports.mask.any(axis=1)).astype(np.int32)
+    drawn = arguments.placed + HarmonicExtension(problem.mesh, constrained).adapted(ways[constrained])
+    return problem.flat(np.where(arguments.supports.mask, arguments.start, drawn))
