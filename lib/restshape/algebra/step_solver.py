@@ -130,6 +130,10 @@ class StepSolver:
         ksp.setType("cg")
         ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
         ksp.setTolerances(rtol=tolerance, max_it=MOST)
-        set_preconditioner(ksp, preconditioner, 0)
+        if preconditioner == "cholesky" and comm.size > 1:
+            # Every rank factors all of it: with its own rows alone steps would be others, and lead to other rests.
+            ksp.getPC().setType("redundant")
+        else:
+            set_preconditioner(ksp, preconditioner, 0)
         ksp.setFromOptions()
         return ksp
