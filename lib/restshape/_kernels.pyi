@@ -41,6 +41,7 @@ __all__: list[str] = [
     "grade_sizes",
     "has_cgal",
     "hilbert_keys",
+    "interpolate_rows",
     "inverted_cells",
     "largest_size",
     "locate",
@@ -596,6 +597,11 @@ def grade_sizes(
 def hilbert_keys(
     points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> numpy.typing.NDArray[numpy.int64]: ...
+def interpolate_rows(
+    nodes: numpy.typing.NDArray[numpy.int32],
+    weights: numpy.typing.NDArray[numpy.float64],
+    rows: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def inverted_cells(
     X: numpy.typing.NDArray[numpy.float64],
     u: numpy.typing.NDArray[numpy.float64],

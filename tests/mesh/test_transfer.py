@@ -81,3 +81,19 @@ def test_points_of_another_dimension_are_refused():
     sheet = PlateMesh(plane, 0.1)
     with pytest.raises(ValueError, match="3 and 2 coordinates"):
         transfer(sheet, plane, plane.X)
+
+
+@pytest.mark.parametrize("width", [1, 2, 3, 5])
+def test_many_fields_at_once_are_each_as_alone(width):
+    old, new = holed_mesh(4), holed_mesh(5)
+    rows = np.random.default_rng(2).normal(size=(7, len(old.X), width))
+    found = Transfer(old, new.X)
+    together = found.rows(rows)
+    assert together.shape == (7, len(new.X), width)
+    np.testing.assert_allclose(together, [found(row) for row in rows], rtol=0, atol=1e-14)
+
+
+def test_rows_of_another_mesh_are_refused():
+    old = holed_mesh(4)
+    with pytest.raises(ValueError, match="a row that is not there"):
+        Transfer(old, old.X).rows(np.zeros((2, len(old.X) - 1, 3)))

@@ -152,3 +152,42 @@ def test_what_makes_no_sense_is_refused():
         _kernels.gmls(hand, none, np.zeros((2, 2)), 1.0, 1.0, rows, out)
     with pytest.raises(ValueError):
         _kernels.gmls(hand, none, np.zeros((0, 2)), 1.0, 1.0, rows, out)
+
+
+def bent(c):
+    """Values of the hand that are not linear in it, and those of another mesh, which are off by a linear function."""
+    return np.array([np.sin(c[0]) + c[1] ** 2, c[0] * c[1], np.exp(0.3 * c[0])])
+
+
+def slopes_of_bent(c):
+    return np.array([[np.cos(c[0]), c[1], 0.3 * np.exp(0.3 * c[0])], [2.0 * c[1], c[0], 0.0]])
+
+
+def test_samples_of_another_mesh_agree_with_what_is_known_of_this_one():
+    """What is off by a linear function is told by one answer: all that is predicted is off by it."""
+    places, c = LAYOUTS["scattered"], (0.2, 0.1)
+    made, rebased = (samples_of(places, bent, slopes_of_bent) for _ in range(2))
+    made.set_last((0.0, 0.3), bent((0.0, 0.3)))
+    rebased.set_last((0.0, 0.3), bent((0.0, 0.3)))
+    slope, offset = np.array([[0.3, -0.2, 1.0], [0.0, 0.5, 0.1]]), np.array([1.0, -2.0, 0.5])
+    step = 1e-5
+    own = [(made(c + way) - made(c - way)) / (2 * step) for way in step * np.eye(2)]
+    rebased.rebase(c, made(c) + offset, np.array(own) + slope)
+    for hand in [(0.2, 0.1), (0.6, 0.5), (-0.3, 0.9)]:
+        expected = made(hand) + offset + (np.array(hand) - c) @ slope
+        np.testing.assert_allclose(rebased(hand), expected, rtol=0, atol=2e-3)
+    np.testing.assert_allclose(rebased(c), made(c) + offset, rtol=0, atol=1e-12)
+
+
+def test_samples_on_another_mesh_predict_what_is_interpolated_from_what_they_predict():
+    places, matrix = LAYOUTS["scattered"], np.random.default_rng(4).normal(size=(5, 3))
+    made = samples_of(places, bent, slopes_of_bent)
+    made.set_last((0.0, 0.3), bent((0.0, 0.3)))
+    found = made.projected(lambda rows: rows @ matrix.T)
+    for hand in [(0.2, 0.1), (0.6, 0.5), (-0.3, 0.9)]:
+        np.testing.assert_allclose(found(hand), matrix @ made(hand), rtol=0, atol=1e-13)
+    assert all(at.projected for at in found.places) and not any(at.projected for at in made.places)
+    assert [at.c for at in found.places] == [at.c for at in made.places] and found.last == made.last
+    # The next sample of that mesh is none of these.
+    found.add(SamplePlace((0.3, 0.3), 9, "other"), found((0.3, 0.3)), np.zeros((2, 5)))
+    assert [at.projected for at in found.places] == [True] * 4 + [False]

@@ -10,6 +10,27 @@
 
 namespace restshape {
 
+// Interpolates rows of fields (count, n, width) from nodes to points, each from `corners` nodes with as many weights.
+//
+// Row after row, so that what is gathered from stays in the caches. Fixed: the width, where it is known; else 0.
+template <int Fixed>
+void interpolate_rows(const std::int32_t* nodes, const double* weights, std::ptrdiff_t points, std::ptrdiff_t corners,
+                      const double* rows, std::ptrdiff_t count, std::ptrdiff_t n, std::ptrdiff_t any_width,
+                      double* out) {
+    const std::ptrdiff_t width = Fixed ? Fixed : any_width;
+    for (std::ptrdiff_t r = 0; r < count; ++r, rows += n * width) {
+        const std::int32_t* node = nodes;
+        const double* weight = weights;
+        for (std::ptrdiff_t p = 0; p < points; ++p, out += width) {
+            for (std::ptrdiff_t f = 0; f < width; ++f) out[f] = 0.0;
+            for (std::ptrdiff_t c = 0; c < corners; ++c, ++node, ++weight) {
+                const double* at = rows + width * *node;
+                for (std::ptrdiff_t f = 0; f < width; ++f) out[f] += *weight * at[f];
+            }
+        }
+    }
+}
+
 class Locator {
  public:
     Locator(const double* X, const std::int32_t* cells, std::ptrdiff_t count)

@@ -58,6 +58,14 @@ class Transfer:
         """
         return np.einsum("ij,ijk->ik", self.weights, field[self.nodes])
 
+    def rows(self, rows: np.ndarray) -> np.ndarray:
+        """Values (count, m, f) at the points of many fields at once.
+
+        Args:
+            rows: (count, n, f) values at the nodes.
+        """
+        return _kernels.interpolate_rows(self.nodes, self.weights, np.ascontiguousarray(rows, dtype=float))
+
     def curved(self, field: np.ndarray) -> np.ndarray:
         """The same on triangles of first order, (m, f) with the curvature that gradients at the nodes show.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from restshape.errors import ReplayProblem
 from restshape.replay.idle_time import IdleTime
 from restshape.replay.predicted_frames import PredictedFrames
+from restshape.sensitivity.projected_samples import LeftSamples, nodal
 from restshape.sensitivity.samples import DragSamples, SamplePlace
 
 if TYPE_CHECKING:
@@ -72,6 +73,8 @@ class SampledFrames(PredictedFrames):
         self._steps, self._frame, self._found = 0, 0, nan
         self._stuck = False
         self._began: tuple[int, ...] = ()
+        self._former: ScriptFrame | None = None
+        self._left: LeftSamples | None = None
 
     @property
     def distance(self) -> float:
@@ -104,14 +107,15 @@ class SampledFrames(PredictedFrames):
         if shown and edit.change == "move":
             self._take_steps(edit)
         if edit.refused is None:
-            self._last = edit
+            self._last, self._former = edit, self._last
         return shown
 
     def start(self, edit: ScriptFrame, stays: bool) -> None:
         """Let the solve of a frame start at its prediction, where there is one; arguments as in `PredictedFrames`."""
         super().start(edit, stays)
+        self._left = None
         if not stays:
-            self._samples = None
+            self._samples, self._left = None, self._leave(edit)
         self._began = self.predictor.counted()
 
     def set_expansion_point(self, edit: ScriptFrame, idle: bool) -> None:
@@ -190,6 +194,8 @@ class SampledFrames(PredictedFrames):
         """Show again what was shown before the last frame, whose solve has failed."""
         super().rollback()
         self._last = None
+        if self._left is not None:
+            self._samples, self._left = self._left.samples, None
 
     def _set(self, values: Reals) -> None:
         self.predictor.set_mixed(values)
@@ -206,7 +212,7 @@ class SampledFrames(PredictedFrames):
         return id(mesh), mesh.topology
 
     def _taken(self, edit: ScriptFrame, gesture: Gesture) -> Predicted | None:
-        made, scene = self._samples, edit.scene
+        made, scene = self._samples or self._projected(edit), edit.scene
         if made is None or made.gesture is not gesture or scene is not self._scene or not self._align(made):
             made = DragSamples(gesture, self.size, self.spec.epsilon, self.spec.samples)
             self._align(made)
@@ -217,6 +223,24 @@ class SampledFrames(PredictedFrames):
         self._samples, self._c = made, edit.c
         return made if len(made) else None
 
+    def _leave(self, edit: ScriptFrame) -> LeftSamples | None:
+        """The samples, whose nodes a frame takes elsewhere; None where there are none to go on with."""
+        made, former, space = self._samples, self._former, self.analysis.space
+        if made is None or not len(made) or former is None or space is None or not nodal(made, space):
+            return None
+        return LeftSamples(made, space, edit, former)
+
+    def _projected(self, edit: ScriptFrame) -> DragSamples | None:
+        """The samples that were left in this frame, on the nodes of now; None where there are none."""
+        left, self._left = self._left, None
+        motion, space = self.moving.linear_motion, self.analysis.space
+        if left is None or motion is None or space is None or motion.shape[1] != len(space.X):
+            return None
+        if left.samples.gesture is not edit.gesture or edit.scene is not self._scene:
+            return None
+        self._aligned = self.predictor.values()
+        return left.projected(space, motion)
+
     def _sample(self, edit: ScriptFrame, made: DragSamples) -> None:
         """Differentiate a frame that has been solved, and take it for a sample."""
         before = self.predictor.counted()
@@ -225,7 +249,11 @@ class SampledFrames(PredictedFrames):
         if s is None:
             self._stuck = True
             return
-        made.add(SamplePlace(edit.c, edit.index, self._mesh), self.predictor.values(), s)
+        values = self.predictor.values()
+        if made.mesh not in (None, self._mesh) and nodal(made, self.analysis.space):
+            made.rebase(edit.c, values, s)
+        made.mesh = self._mesh
+        made.add(SamplePlace(edit.c, edit.index, self._mesh), values, s)
 
     def _align(self, made: DragSamples) -> bool:
         """Bring samples to the basis of the last solution; returns whether they can be mixed with it."""

@@ -20,6 +20,8 @@ NEAREST = 0.01
 """Distance between two samples at least, in sizes of the shape."""
 SAME = 1e-3
 """Distance, in sizes of the shape, below which a place is the same."""
+STEP = 0.1
+"""Of the epsilon, in which the slope of what samples predict is taken by differences."""
 NONE = np.empty(0)
 
 
@@ -55,6 +57,7 @@ class DragSamples:
 
     Attributes:
         places: of the samples, in the order in which they were taken.
+        mesh: version of the mesh whose answers they agree with.
 
     Source: docs/theory/design-derivative.md; 5.1.5 of the thesis; Martin et al., Unified simulation of elastic rods,
     shells, and solids, ACM Trans. Graph. 29 (2010) 39.
@@ -64,6 +67,7 @@ class DragSamples:
         self.gesture, self.size, self.epsilon, self.most = gesture, size, epsilon, most
         self.places: list[SamplePlace] = []
         self.last: Hand | None = None
+        self.mesh: object = None
         self._shape: tuple[int, ...] = ()
         self._rows: Reals = np.empty((0, 0))
 
@@ -74,6 +78,11 @@ class DragSamples:
     def c(self) -> Hand:
         """Where the newest sample is."""
         return self.places[-1].c
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the values of a sample."""
+        return self._shape
 
     def distance(self, c: Hand) -> float:
         """From a place of the hand to the nearest sample, in the gesture's coefficients."""
@@ -120,19 +129,39 @@ class DragSamples:
         for row in self._rows[: 1 + 3 * len(self.places)]:
             row[:] = changed(row.reshape(self._shape)).ravel()
 
-    def projected(self, changed: Callable[[Reals], Reals], size: int) -> DragSamples:
+    def rebase(self, c: Hand, values: Reals, derivatives: Reals) -> None:
+        """Add to all samples the linear function of the hand that takes their prediction at c to what is known there.
+
+        So samples of another mesh, whose own errors differ, tell of this one what is not linear.
+
+        Args:
+            c: where values and derivatives (2, ...) are known.
+        """
+        if not len(self.places):
+            return
+        step, jump = STEP * self.epsilon * self.size, (values - self(c)).ravel()
+        around = [[self((c[0] + way * (j == 0), c[1] + way * (j == 1))) for way in (step, -step)] for j in range(2)]
+        slopes = [(derivatives[j] - (one - other) / (2.0 * step)).ravel() for j, (one, other) in enumerate(around)]
+        for m, at in enumerate(self.places):
+            rows = self._rows[1 + 3 * m : 4 + 3 * m]
+            rows[0] += jump + (at.c[0] - c[0]) * slopes[0] + (at.c[1] - c[1]) * slopes[1]
+            rows[1:] += slopes
+        if self.last is not None:
+            self._rows[0] += jump + (self.last[0] - c[0]) * slopes[0] + (self.last[1] - c[1]) * slopes[1]
+
+    def projected(self, changed: Callable[[Reals], Reals]) -> DragSamples:
         """The same samples on another mesh, marked as projected.
 
         Args:
-            changed: values of that mesh from those of this one.
-            size: of a row there.
+            changed: rows (count, ...) of values of that mesh from those of this one.
         """
         found = DragSamples(self.gesture, self.size, self.epsilon, self.most)
-        found.last, found._rows = self.last, np.zeros((1 + 3 * self.most, size))
-        for row, new in zip(self._rows[: 1 + 3 * len(self.places)], found._rows):
-            values = changed(row.reshape(self._shape))
-            new[:], found._shape = values.ravel(), values.shape
+        known = 1 + 3 * len(self.places)
+        rows = changed(self._rows[:known].reshape(known, *self._shape))
+        found._shape, found._rows = rows.shape[1:], np.zeros((1 + 3 * self.most, rows[0].size))
+        found._rows[:known] = rows.reshape(known, -1)
         found.places = [replace(at, projected=True) for at in self.places]
+        found.last, found.mesh = self.last, self.mesh
         return found
 
     def __call__(self, c: Hand) -> Reals:
