@@ -80,6 +80,16 @@ class DrapeDesign:
         """The unknowns (n, 3) at rest with another value of the scene."""
         return self.move(np.zeros_like(self.X), revise(self.scene, key, value))
 
+    def scene_with(self, key: str, value: object) -> Scene:
+        """The scene with another value."""
+        return revise(self.scene, key, value)
+
+    def take(self, scene: Scene) -> None:
+        """Go on from the rest of another scene, and what friction remembers of the way there."""
+        self.analysis.solve(self._frame(scene))
+        assert self.analysis.state.report.converged, self.analysis.state.report.why
+        self.scene, self.x, self._kept = scene, self.analysis.x.copy(), self.analysis.kept_answer()
+
     def hand(self, dX: np.ndarray, tolerance: float = 1e-10) -> np.ndarray:
         """The derivative (n, 3) along one motion dX (corners, 2) of the material."""
         return self.analysis.derivative(np.stack([dX]), tolerance).s[0]

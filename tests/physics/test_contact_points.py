@@ -34,7 +34,9 @@ def terms(made: Contact, curved: bool = True) -> list[PointForces | TriangleForc
     entities = np.arange(len(X), dtype=np.int32)[:, None]
 
     def rates(dX: np.ndarray) -> np.ndarray:
-        return made.points.areas(lumped_rates(X, CELLS, dX), triangle_rates(X, CELLS, dX))
+        return made.points.areas(
+            lumped_rates(CELLS, triangle_rates(X, CELLS, dX), len(X)), triangle_rates(X, CELLS, dX)
+        )
 
     nodes = PointForces(X, entities, made, np.ones(len(X)), rates, curved=curved)
     return [nodes, TriangleForces(X, entities, made, rates, curved)]

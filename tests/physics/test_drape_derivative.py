@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from drape_designs import BALL, CLAMPED, CONTACT, HELD, DrapeDesign, sheet
 
+from restshape._kernels import Body
 from restshape.errors import ReplayProblem
+from restshape.physics.cloth.contact import Contact, FrictionHistory
+from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact
 
 KINDS = ("morley", "hinge", "nonlinear")
 DRAPES = {
@@ -46,3 +49,54 @@ def test_cloth_that_is_not_at_rest_has_no_derivative(tmp_path):
     design.analysis.state.report.converged = False
     with pytest.raises(ReplayProblem, match="not at rest"):
         design.hand(design.direction())
+
+
+def slid(design: DrapeDesign, way: float) -> None:
+    """Let cloth go on from where its pins have pulled it over its body: places that slide are at the end of their slip.
+
+    Args:
+        way: of the pins, along y [m].
+    """
+    design.take(design.scene_with("start.move", [0.0, way, 0.0]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["morley", "hinge"])
+def test_places_that_slide_have_normal_forces_that_follow(tmp_path, kind):
+    design = DrapeDesign(tmp_path, sheet(kind, HELD, BALL.format(friction=0.3), CONTACT))
+    slid(design, -1e-2)
+    found = design.analysis.derivative(design.direction()[None], 1e-10)
+    assert found.sliding > 80
+    # Farther along the same way all that slides goes on.
+    s = design.analysis.number_derivatives(["start.move.1"], 1e-10).s[0]
+    steps = (-2e-5, -1e-5)
+    rests = [design.move(np.zeros_like(design.X), design.scene_with("start.move", [0, -1e-2 + h, 0])) for h in steps]
+    first, second = (float(np.linalg.norm(x - design.x - h * s)) for x, h in zip(rests, steps))
+    assert first < 0.1 * 2e-5 * np.linalg.norm(s)
+    assert 1.7 < np.log2(first / second) < 2.3
+
+
+def test_across_an_edge_of_a_body_the_remainder_is_of_first_order_and_else_of_second():
+    # The surface of a box is flat up to where its edge is rounded: its normal begins to turn there.
+    box = Body.box([0.0, 0.0, 0.0], [0.1, 0.1, 0.1], radius=0.02)
+    for friction in (0.0, 0.3):
+        for place, order in ((0.08 - 1e-9, 1.0), (0.09, 2.0)):
+            assert _remainder(box, np.array([[place, 0.0, 0.0995]]), friction) == pytest.approx(order, abs=0.15)
+
+
+def _remainder(body: Body, x: np.ndarray, friction: float) -> float:
+    """The order of the remainder of the force on a point at x (1, 3) along x."""
+    contact = Contact([body], np.ones(1), 1e4, 2e-3, friction, 1e-2)
+    contact.update_friction(x + np.array([[-3e-3, 1e-3, 0.0]]))
+    anchor = contact.history.anchors[0].copy()
+    way = np.array([[1.0, 0.0, 0.0]])
+
+    def force(at: np.ndarray) -> np.ndarray:
+        contact.history = FrictionHistory(anchor[None].copy(), np.zeros((1, 1, 3)), np.ones((1, 1)))
+        contact.update_friction(at)
+        return contact.forces(at)
+
+    start = force(x)
+    rates = AgreedContact(contact, x, np.zeros(1, dtype=int), 1).rates(way)
+    found = [float(np.linalg.norm(force(x + h * way) - start - h * rates)) for h in (1e-4, 5e-5)]
+    return float(np.log2(found[0] / found[1]))

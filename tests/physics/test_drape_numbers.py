@@ -164,3 +164,17 @@ def test_what_is_no_number_is_refused(tmp_path):
     for key in ("material.cotton", "material.silk.E", "mesh.size", "effects.gravity.g.7", "effects.drape.tolerance"):
         with pytest.raises(UserError, match=r"drapes have no derivative|is no number"):
             design.analysis.number_derivatives([key], 1e-8)
+
+
+@pytest.mark.parametrize("kind", ["morley", "hinge"])
+def test_a_singular_tangent_is_stiffened_in_bending_and_says_so(tmp_path, kind):
+    # Limp flat cloth without weight: nothing but its bending holds it across its plane. It goes where its clamp goes.
+    table = '[parameters]\nlift = 0\n[supports.clamp]\non = "left"\nfix = { x = 0, y = 0, z = "lift", slope = 0 }\n'
+    for bending, note in ((1e-8, False), (1e-16, True)):
+        text = sheet(kind, table, bending=bending).replace("[effects.gravity]", "")
+        design = DrapeDesign(tmp_path, text, ["effects.drape.tolerance=1e-3"])
+        found = design.analysis.number_derivatives(["parameters.lift"], 1e-8)
+        assert ("1/100" in found.note) == note
+        corners = design.problem.corners(found.s[0])
+        np.testing.assert_allclose(corners, np.broadcast_to([0.0, 0.0, 1.0], corners.shape), atol=1e-6)
+    assert design.problem.fabric.bending[0, 0] == 1e-16

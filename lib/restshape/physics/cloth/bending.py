@@ -16,6 +16,8 @@ HINGES = {
     "nonlinear": (HINGE_NONLINEAR["flap4"], HINGE_NONLINEAR_MIRRORED["flap3"]),
 }
 """Elements of inner edges, and of edges whose other triangle is a mirror image."""
+ALIKE = 1e-12
+"""Share of a stiffness below which differences are rounding."""
 QUADRATIC = ("morley", "hinge")
 """Kinds whose stiffness is the same at all positions."""
 
@@ -125,6 +127,16 @@ class HingeBending:
             turn: (3, 2) that takes directions in the flat pattern to those of clamps in space.
         """
         out = np.zeros_like(x)
+        if not alike_everywhere(self.fabric.bending):
+            self._add_across(X, x, dX, out)
+        if self.mirror:
+            parameters, clamped = self.mirrored_parameters, self.mirrored_nodes[: self.clamps]
+            axes = np.cross(parameters[: self.clamps, 1:], normal_rates(X, clamped, dX) @ turn.T)
+            self._add_turned(X, x, axes, out)
+        return out
+
+    def _add_across(self, X: np.ndarray, x: np.ndarray, dX: np.ndarray, out: np.ndarray) -> None:
+        """Add to `out` (n, 3) the rates of forces by the stiffness across a grain; arguments as of `rates`."""
         D = np.broadcast_to(self.fabric.bending, (len(self.mesh.cells), 3, 3))
         sides = self._cells_of_hinges()
         stiffness = self._across_rates(self.nodes, 0.5 * (D[sides[:, 0]] + D[sides[:, 1]]), dX)
@@ -133,10 +145,6 @@ class HingeBending:
             nodes, parameters = self.mirrored_nodes, self.mirrored_parameters.copy()
             parameters[:, :1] = self._across_rates(nodes, D[self.mirrored_in], dX)
             Integral(self.mirror, X, nodes, parameters, block=self.block + 1).add_residual(x, out)
-            clamped = nodes[: self.clamps]
-            axes = np.cross(parameters[: self.clamps, 1:], normal_rates(X, clamped, dX) @ turn.T)
-            self._add_turned(X, x, axes, out)
-        return out
 
     def rate_integrals(self, X: np.ndarray, D: np.ndarray) -> list[Integral]:
         """Those whose residual is the rate of forces at X (n, 2) where the stiffness has rates D (ne, 3, 3) [N m]."""
@@ -198,6 +206,12 @@ class HingeBending:
     def _cells_of_hinges(self) -> np.ndarray:
         """The two triangles (m, 2) of each hinge."""
         return inner_sides(self.mesh.cell_edges) // 3
+
+
+def alike_everywhere(D: np.ndarray) -> bool:
+    """Whether stiffness D (..., 3, 3) resists bending about all directions alike: there is no grain."""
+    uneven = D[..., 0, 0] - D[..., 1, 1], D[..., 0, 2], D[..., 1, 2], D[..., 0, 1] + 2.0 * D[..., 2, 2] - D[..., 0, 0]
+    return all(bool((np.abs(part) <= ALIKE * np.abs(D[..., 0, 0])).all()) for part in uneven)
 
 
 def bending_of(

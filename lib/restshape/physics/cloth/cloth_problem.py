@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from typing import Protocol
 
@@ -183,6 +185,23 @@ class ClothProblem(SteadyProblem):
         self.softness, self._changes = part, self._changes + 1
         self.membrane.update(self.fabric, self.lumped.density, self.g, part)
 
+    @contextmanager
+    def stiffened(self, share: float) -> Iterator[None]:
+        """Within it the cloth bends like a plate of its membrane that is a share of its size thick, at least."""
+        fabric, changes = self.fabric, self._changes
+        thick = fabric.membrane * (share * self.size) ** 2 / 12.0
+        softer = np.trace(fabric.bending, axis1=-2, axis2=-1) < np.trace(thick, axis1=-2, axis2=-1)
+        self.fabric = replace(fabric, bending=np.where(np.asarray(softer)[..., None, None], thick, fabric.bending))
+        try:
+            self._changes += 1
+            if self.bending:
+                self.bending.update(self.fabric, self.supports)
+            yield
+        finally:
+            self.fabric, self._changes = fabric, changes
+            if self.bending:
+                self.bending.update(fabric, self.supports)
+
     # --- unknowns -------------------------------------------------------------------------------------------------
 
     def flat(self, corners: np.ndarray) -> np.ndarray:
@@ -303,9 +322,10 @@ class ClothProblem(SteadyProblem):
     def area_rates(self, dX: np.ndarray) -> np.ndarray:
         """Rates (corners + points,) of the areas that both stand for when nodes move with dX (n, 2)."""
         corners = self.membrane.corners
-        rates = lumped_rates(self.X, corners, dX)[self.corner_number]
+        triangles = triangle_rates(self.X, corners, dX)
+        rates = lumped_rates(corners, triangles, len(self.X))[self.corner_number]
         points = self.contact.points
-        return rates if points is None else points.areas(rates, triangle_rates(self.X, corners, dX))
+        return rates if points is None else points.areas(rates, triangles)
 
     # --- energies and forces --------------------------------------------------------------------------------------
 

@@ -64,9 +64,8 @@ def _gradients(X: np.ndarray, cells: np.ndarray, nodes: np.ndarray, x: np.ndarra
     legs = np.stack([X[cells[:, 1]] - X[cells[:, 0]], X[cells[:, 2]] - X[cells[:, 0]]], axis=1)
     rises = np.stack([x[cells[:, 1]] - x[cells[:, 0]], x[cells[:, 2]] - x[cells[:, 0]]], axis=1)
     F = np.linalg.solve(legs, rises).swapaxes(1, 2)
-    size = np.linalg.det(legs)
-    sums, weights = np.zeros((len(X), 3, 2)), np.zeros(len(X))
-    for column in nodes.T:
-        np.add.at(sums, column, F * size[:, None, None])
-        np.add.at(weights, column, size)
+    owner, n, size = nodes.T.ravel(), len(X), np.linalg.det(legs)
+    weights = np.bincount(owner, np.tile(size, nodes.shape[1]), n)
+    weighted = np.tile((F * size[:, None, None]).reshape(-1, 6).T, nodes.shape[1])
+    sums = np.column_stack([np.bincount(owner, values, n) for values in weighted]).reshape(n, 3, 2)
     return sums / weights[:, None, None]

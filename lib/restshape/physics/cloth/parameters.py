@@ -40,9 +40,9 @@ def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0
     return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=len(X))
 
 
-def lumped_rates(X: np.ndarray, corners: np.ndarray, dX: np.ndarray) -> np.ndarray:
-    """Rates (n,) of the areas that nodes at X (n, 2) [m] stand for when they move with dX (n, 2)."""
-    return np.bincount(corners.ravel(), np.repeat(2.0 * triangle_rates(X, corners, dX) / 6.0, 3), minlength=len(X))
+def lumped_rates(corners: np.ndarray, triangles: np.ndarray, n: int) -> np.ndarray:
+    """Rates (n,) of the areas that nodes stand for, from those (ne,) of triangles with corners (ne, 3)."""
+    return np.bincount(corners.ravel(), np.repeat(2.0 * triangles / 6.0, 3), minlength=n)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape.physics.cloth.barrier_by_pattern import barrier_by_pattern
 from restshape.physics.cloth.collision_surface import CollisionSurface, columns
 from restshape.physics.cloth.layer_friction import LayerFriction, Touching
 from restshape.physics.cloth.near_pairs import NearPairs
@@ -17,8 +18,6 @@ ROOM = 2.0
 """Distance within which nodes are coupled in the pattern of matrices, over that at which contact begins."""
 LEAST_SHARE = 1e-12
 """The share of a step that is gone where parts touch already."""
-STEP = 1e-4
-"""Way of the pattern's nodes in a difference quotient, over the shortest edge."""
 FULL, DIAGONAL = 9, 6
 """Numbers of a block of second derivatives of two nodes, and of one."""
 VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
@@ -74,6 +73,17 @@ class Encounter:
     def near(self) -> bool:
         """Whether anything is near."""
         return len(self.collisions) > 0
+
+    @cached_property
+    def by_pattern(self) -> Any:
+        """Derivatives (3 n, 3 n) [N/m] of the barrier's forces by the places of nodes in the flat pattern."""
+        owner, mesh, values = self.owner, self.owner.mesh, self.owner.values
+        if not mesh.are_area_jacobians_initialized():
+            mesh.init_area_jacobians()
+        collisions = owner.collisions(self.x, values.thickness, differentiable=True)
+        library = owner.surface.library
+        numbers = owner.potential, values.thickness, values.stiffness
+        return barrier_by_pattern(library, collisions, mesh, self.x, *numbers)
 
     def hessian(self, curved: bool) -> Any:
         """Second derivatives (3 n, 3 n) [N/m] of the barrier in columns; each pair's without negative ones or not."""
@@ -137,10 +147,13 @@ class SelfContact:
         """The library's barrier."""
         return self.surface.library.BarrierPotential(self.values.thickness, self.values.stiffness, True)
 
-    def collisions(self, x: np.ndarray, distance: float) -> Any:
-        """The library's collisions at x (n, 3), nearer than a distance [m] of up to twice the thickness."""
+    def collisions(self, x: np.ndarray, distance: float, differentiable: bool = False) -> Any:
+        """The library's collisions at x (n, 3), nearer than a distance [m] of up to twice the thickness.
+
+        They are `differentiable` by the pattern where that is asked for.
+        """
         found = self.surface.library.NormalCollisions()
-        found.use_area_weighting = True
+        found.use_area_weighting, found.enable_shape_derivatives = True, differentiable
         # A node over an edge is near both triangles: counted twice, layers would catch on edges and nodes.
         found.collision_set_type = found.CollisionSetType.IMPROVED_MAX_APPROX
         found.build(self._candidates.at(x), self.mesh, columns(x), distance)
@@ -196,22 +209,14 @@ class SelfContact:
         return forces
 
     def force_rates(self, x: np.ndarray, dX: np.ndarray) -> np.ndarray:
-        """Rates (n, 3) of forces at constant x (n, 3) when the pattern's nodes move with rates dX (n, 2).
+        """Rates (n, 3) of the barrier's forces at constant x (n, 3) when the pattern's nodes move with rates dX (n, 2).
 
-        By a central difference, as the library has no derivative of all that it takes from the pattern; friction has
-        none, for its limits are those of the last update.
+        Friction has none, for its limits are those of the last update.
         """
         near = self.at(x)
         if not near.near or not dX.any():
             return np.zeros_like(x)
-        X, ends = self.surface.flat[:, :2], []
-        lengths = np.linalg.norm(np.diff(X[self.surface.edges], axis=1), axis=2)
-        step = STEP * float(lengths.min()) / float(np.abs(dX).max())
-        for way in (step, -step):
-            surface = CollisionSurface(X + way * dX, self.surface.cells)
-            moved = SelfContact(surface, self.values)
-            ends.append(moved.at(x).forces)
-        return (ends[0] - ends[1]) / (2.0 * step)
+        return (near.by_pattern @ np.column_stack([dX, np.zeros(len(dX))]).ravel()).reshape(x.shape)
 
     def barrier_forces(self, x: np.ndarray) -> np.ndarray:
         """The gradient (n, 3) [N] of the barrier alone, which is proportional to its stiffness, at x (n, 3) [m]."""

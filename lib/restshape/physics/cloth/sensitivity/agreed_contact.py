@@ -11,8 +11,8 @@ from scipy.sparse import bsr_matrix, csr_matrix
 from restshape import _kernels
 from restshape.physics.cloth.contact import POTENTIAL, Contact
 
-SLIDING = 1e-6
-"""Share of the slip by which a place that slides may be short of it."""
+SLIDING = 1e-2
+"""Share of the slip by which a place that slides may be short of it: friction is the largest to 1e-4 there."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -13,11 +14,18 @@ from restshape.physics.cloth.sensitivity.hand_rates import hand_rates
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
 from restshape.physics.cloth.sensitivity.scene_rates import scene_rates
 
+log = logging.getLogger("restshape.physics")
+
 SLACK = 100.0
 """A derivative whose residual is so many times what was asked for has been lost to rounding."""
 
+THICK = 0.01
+"""Thickness over length of the plate that cloth with a singular tangent bends like. Source: the thesis, 5.3.3."""
+STIFFENED = "the derivative is that of cloth which bends like a plate of 1/100 of its length: its tangent is singular"
+LAYERS = "friction between layers has the normal forces of the drape"
+
 Rates = tuple[np.ndarray, np.ndarray]
-"""Rates (n, 3) of the residual at constant free unknowns, and of the prescribed unknowns."""
+"""Rates (n, 3) of the residual at constant unknowns, and of the prescribed unknowns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +63,11 @@ def hand_derivative(state: RelaxationState, motion: np.ndarray, tolerance: float
 
     Source: docs/theory/design-derivative.md; (5.10) to (5.15) of the thesis.
     """
-    return solved(state, [lambda tangent, dX=dX: hand_rates(state, tangent.contact, dX) for dX in motion], tolerance)
+    return solved(
+        state,
+        [lambda tangent, dX=dX: hand_rates(state, tangent.contact, tangent.gradients, dX) for dX in motion],
+        tolerance,
+    )
 
 
 def number_derivatives(state: RelaxationState, keys: Sequence[str], tolerance: float) -> DrapeDerivative:
@@ -83,17 +95,32 @@ def solved(
         raise ReplayProblem("the cloth is not at rest: there is no derivative of its drape")
     tangent = RestTangent(state)
     found = [one(tangent) for one in rates]
-    right = -np.stack([forces for forces, _ in found]) * state.problem.boundary.free
-    s = tangent.solve(right, tolerance)
-    residuals = np.array([_residual(tangent, *pair) for pair in zip(s, right)])
-    if not (residuals <= SLACK * tolerance).all():
+    s, residuals = _solutions(tangent, found, tolerance)
+    note, lost = "", SLACK * tolerance
+    if not (residuals <= lost).all() and state.problem.bending:
+        log.info("Tangent of the drape is nearly singular: its derivative once more with stiffened bending")
+        note = STIFFENED
+        with state.problem.stiffened(THICK):
+            s, residuals = _solutions(RestTangent(state, own=True), found, tolerance)
+    if not (residuals <= lost).all():
         raise ReplayProblem(
             "the tangent is nearly singular: no derivative of the drape "
             f"(its residual is {residuals.max():.1e} of the right side)"
         )
-    s += np.stack([prescribed for _, prescribed in found])
     sticking, sliding = tangent.contact.counts if tangent.contact else (0, 0)
-    return DrapeDerivative(s, residuals, tangent.iterations, sticking, sliding)
+    own = state.problem.self_contact
+    if own and own.rough and len(own.history.offsets):
+        note = "; ".join(filter(None, (note, LAYERS)))
+    return DrapeDerivative(s, residuals, tangent.iterations, sticking, sliding, note)
+
+
+def _solutions(tangent: RestTangent, rates: Sequence[Rates], tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """The derivatives (k, n, 3) with a tangent, and their residuals (k,) by the elements over their right sides."""
+    free = tangent.problem.boundary.free
+    right = np.stack([-forces - (tangent.product(moved) if moved.any() else 0.0) for forces, moved in rates]) * free
+    s = tangent.solve(right, tolerance)
+    found = np.array([_residual(tangent, *pair) for pair in zip(s, right)])
+    return s + np.stack([moved for _, moved in rates]), np.where(np.isfinite(found), found, np.inf)
 
 
 def _residual(tangent: RestTangent, s: np.ndarray, right: np.ndarray) -> float:

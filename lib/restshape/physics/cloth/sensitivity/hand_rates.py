@@ -11,16 +11,19 @@ from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact
 from restshape.physics.cloth.sensitivity.support_rates import pattern_turn, support_rates
 
 
-def hand_rates(state: RelaxationState, contact: AgreedContact | None, dX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def hand_rates(
+    state: RelaxationState, contact: AgreedContact | None, gradients: np.ndarray, dX: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The rates (n, 3) [N] of the residual, and those (n, 3) [m] of the prescribed unknowns, when material moves.
 
     The elements carry dual numbers of their places in the material. What enters them as a parameter and depends on
     these places too is added: areas that touch, anchors that go with the cloth, stiffness of hinges across a grain, and
-    the directions of clamps. Unknowns are constant where free.
+    the directions of clamps. All unknowns are constant.
 
     Args:
         state: at rest.
         contact: there; None: it touches nothing.
+        gradients: (corners, 3, 2) of the positions there, along which material goes.
         dX: (corners, 2) rates of the places of the mesh's nodes in the material [m].
 
     Source: docs/theory/design-derivative.md: f_i of the thesis's (5.11).
@@ -28,12 +31,12 @@ def hand_rates(state: RelaxationState, contact: AgreedContact | None, dX: np.nda
     problem, x = state.problem, state.x
     moved = node_motion(problem, dX)
     prescribed = support_rates(problem, state.scene, dX)
-    follows = prescribed if prescribed.any() else None
-    out = Assembled(problem.material_integrals()).design_product(x, moved, follows)
+    out = Assembled(problem.material_integrals()).design_product(x, moved)
     out += problem.bending_rates(x, dX, pattern_turn(state.scene))
-    way = _material_way(state, dX)
+    # Where material is that nodes come to, along the cloth: anchors go with it.
+    way = np.einsum("iak,ik->ia", gradients, dX)
     if contact:
-        out += contact.rates(follows, problem.area_rates(moved), problem.contact.place(way))
+        out += contact.rates(areas=problem.area_rates(moved), anchors=problem.contact.place(way))
     if problem.self_contact and problem.self_contact.rough:
         out[problem.corner_number] += problem.self_contact.place_rates(problem.corners(x), way)
     return out, prescribed
@@ -47,10 +50,3 @@ def node_motion(problem: ClothProblem, dX: np.ndarray) -> np.ndarray:
     out[problem.corner_number] = dX
     out[problem.morley.side_number] = dX[problem.mesh.edge_nodes].mean(axis=1)
     return out
-
-
-def _material_way(state: RelaxationState, dX: np.ndarray) -> np.ndarray:
-    """Rates (corners, 3) [m] of where material is that nodes come to, along the cloth: anchors go with it."""
-    problem = state.problem
-    gradients = state.advected().gradients[problem.corner_number]
-    return np.einsum("iak,ik->ia", gradients, dX)

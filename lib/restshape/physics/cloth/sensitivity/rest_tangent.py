@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 from petsc4py import PETSc
@@ -11,6 +12,7 @@ from scipy.sparse import csr_matrix
 from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.preconditioner import order_factor
 from restshape.fem.assembled import Assembled
+from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact
 
@@ -28,10 +30,12 @@ class RestTangent:
 
     Args:
         state: at rest.
+        own: the tangent is another one than that of the equilibrium, such as with stiffened bending: it has a factor of
+            its own.
     """
 
-    def __init__(self, state: RelaxationState) -> None:
-        self.state, self.problem, self.x = state, state.problem, state.x
+    def __init__(self, state: RelaxationState, own: bool = False) -> None:
+        self.own, self.state, self.problem, self.x = own, state, state.problem, state.x
         self.free = self.problem.boundary.free.ravel()
         contact = self.problem.contact
         self.contact = (
@@ -43,6 +47,11 @@ class RestTangent:
         if self.contact and self.contact.acts:
             self.sliding = self.contact.tangent()
         self.iterations = 0
+
+    @cached_property
+    def gradients(self) -> np.ndarray:
+        """Derivatives (corners, 3, 2) of the positions at the corners by places in the material."""
+        return self.state.advected().gradients[self.problem.corner_number]
 
     def product(self, d: np.ndarray) -> np.ndarray:
         """K d (n, 3) by the elements, without the matrix, for d (n, 3); prescribed unknowns count."""
@@ -78,13 +87,14 @@ class RestTangent:
         On one rank the factor is the one at hand. On several each has a whole one of its own, as the test of stability.
         """
         solver, x = self.state.solver, self.x
-        if solver.comm.size == 1:
+        if solver.comm.size == 1 and not self.own:
             matrix = solver.newton.tangent(x)
             if not solver.linear.kept.ready:
                 solver.newton.definite(x)
                 matrix = solver.newton.tangent(x)
             return matrix, solver.linear.ksp.getPC().apply, []
-        whole = gather_matrix(solver.newton.tangent(x), solver.comm)
+        equations = ClothEquations(self.problem, solver.comm, solver.stages, None) if self.own else solver.equations
+        whole = gather_matrix(equations.true_tangent(x, 0.0), solver.comm)
         matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
         pc = PETSc.PC().create(PETSc.COMM_SELF)
         pc.setType("cholesky")

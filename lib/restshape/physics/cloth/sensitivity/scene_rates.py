@@ -51,12 +51,9 @@ def scene_rates(state: RelaxationState, contact: AgreedContact | None, key: str)
     fabric = fabric_rates(number, problem.mesh)
     prescribed, turn = _support_rates(state, number)
     out = _material_forces(state, number, fabric)
-    if prescribed.any():
-        out += Assembled(problem.material_integrals()).tangent_product(x, prescribed)
     out += problem.turned_clamps(x, turn)
     if contact:
-        follows = prescribed if prescribed.any() else None
-        out += contact.rates(follows, change=_contact_change(state, number))
+        out += contact.rates(change=_contact_change(state, number))
     if problem.self_contact and problem.self_contact.active:
         out += _layer_forces(state, number, fabric)
     return out, prescribed
