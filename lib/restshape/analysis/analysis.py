@@ -57,7 +57,13 @@ Alignment = Callable[[np.ndarray], np.ndarray]
 
 
 class Predictor(Protocol):
-    """Shows frames of a drag to first order in the hand, without a solve."""
+    """Shows frames of a drag to first order in the hand, without a solve.
+
+    Attributes:
+        transferable: values of an old mesh serve as a guess on a new one, wherever the old one lies.
+    """
+
+    transferable: bool
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
         """Derivatives (2, ...) of `values` along the hand's two directions.

@@ -44,6 +44,8 @@ class BucklingPrediction:
     Source: docs/theory/buckling.md.
     """
 
+    transferable = True
+
     def __init__(self, analysis: Buckling) -> None:
         self.analysis = analysis
 

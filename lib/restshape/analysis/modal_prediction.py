@@ -35,6 +35,8 @@ class ModalPrediction:
     Source: docs/theory/free-vibrations.md.
     """
 
+    transferable = True
+
     def __init__(self, analysis: SolvedModes) -> None:
         self.analysis = analysis
 

@@ -90,6 +90,8 @@ class SteadyPredictor:
         analysis: that is predicted.
     """
 
+    transferable = True
+
     def __init__(self, analysis: Steady) -> None:
         self.analysis = analysis
         self._applied = EXPECTED

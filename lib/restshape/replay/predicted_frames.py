@@ -155,7 +155,8 @@ class PredictedFrames:
             stays: its nodes are those of the frame before, so that its solution can be compared with the prediction.
         """
         self._before = None
-        if self.made is not None and edit.change == "move" and edit.gesture is self.made.gesture:
+        starts = self.made is not None and edit.change == "move" and (stays or self.predictor.transferable)
+        if starts and self.made is not None and edit.gesture is self.made.gesture:
             self._before = self.predictor.values()
             self._set(self.made(edit.c))
         self._expected = self.predictor.prediction if stays else None

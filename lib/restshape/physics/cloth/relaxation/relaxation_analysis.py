@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.solve_counts import SolveCounts
 from restshape.algebra.weak_calls import weak_call
 from restshape.analysis.analysis import Comparison, Context, Timeless
 from restshape.analysis.frame import Frame
@@ -25,7 +26,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
 from restshape.physics.cloth.cloth_fields import requested_fields
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.relaxation.binding import bind, restored
+from restshape.physics.cloth.relaxation.binding import bind, moved_material, restored
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_comparison import compare_cold
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions, Watch
@@ -33,6 +34,7 @@ from restshape.physics.cloth.relaxation.relaxation_run import relax
 from restshape.physics.cloth.relaxation.row import Row
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative, hand_derivative, number_derivatives
+from restshape.physics.cloth.sensitivity.drape_prediction import DrapePrediction
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -57,14 +59,16 @@ class RelaxationAnalysis(Timeless):
     """
 
     estimated_quantity = "strain of the cloth in the energy norm"
-    predictor = quantity_errors = None
-    why_not = "cloth is not predicted yet: all its frames are solved"
+    quantity_errors = None
+    why_not = ""
 
     def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
         self.context, self.state = context, RelaxationState(plan)
         self.bound: RelaxationState | None = None
         self.age = 0
         self.watch: Watch = lambda *_: None
+        self.counts = SolveCounts()
+        self._prediction = DrapePrediction(self)
         self._row = Row(scene.bodies)
         self._origin: RelaxationState | None = None
         self._observed: tuple[RelaxationState | None, dict[str, float]] = (None, {})
@@ -78,7 +82,7 @@ class RelaxationAnalysis(Timeless):
             ReplayProblem: a step has no solution, or a value no number.
             UserError: the scene's cloth cannot be had. In both cases the state is that of before.
         """
-        mesh, before = frame.mesh, self.state
+        mesh, before = frame.mesh, self._entered()
         new_mesh = mesh is not before.mesh or mesh.topology != before.topology
         new_values = before.interrupted or frame.scene is not before.scene
         if not (new_mesh or new_values or mesh.geometry != before.geometry):
@@ -100,7 +104,34 @@ class RelaxationAnalysis(Timeless):
         found = replace(found, scene=frame.scene, interrupted=False)
         self.state = replace(found, topology=mesh.topology, geometry=mesh.geometry)
         report = found.report
+        self.counts.matrices += report.steps + report.newton
+        self.counts.iterations += report.iterations
+        self.counts.factors += report.factors
         return LinearReport(report.iterations, report.factors > 0, self.age, self._preconditioner, report.newton)
+
+    @property
+    def predictor(self) -> DrapePrediction:
+        """Predicts frames from the state."""
+        return self._prediction
+
+    def _entered(self) -> RelaxationState:
+        """The state that a solve begins with: of a prediction as much as lets the cloth pass nothing on its way."""
+        state = self.state
+        if state.rest is None:
+            return state
+        # Places of nodes, whatever material has come there: there the cloth passed through nothing.
+        x, way = state.rest.x, state.x - state.rest.x
+        return replace(state, x=x + state.problem.step_share(x, way) * way, rest=None)
+
+    def moved(self, state: RelaxationState) -> RelaxationState:
+        """An equilibrium whose problem has taken in where the nodes of its mesh are now in the material."""
+        return moved_material(state, self._options(made(state.scene), False).arguments(made(state.mesh)))
+
+    def beside(self) -> RelaxationAnalysis:
+        """Another analysis of the same scene, which starts from this state."""
+        other = RelaxationAnalysis(made(self.state.scene), self.state.plan, self.context)
+        other.start_from(self)
+        return other
 
     @property
     def restorable(self) -> RelaxationAnalysis:
@@ -151,7 +182,10 @@ class RelaxationAnalysis(Timeless):
     def derivative(self, motion: np.ndarray, tolerance: float) -> DrapeDerivative:
         """Derivatives of the last equilibrium along the hand's directions; arguments as of `hand_derivative`."""
         with self.context.stages("krylov"):
-            return hand_derivative(self.state, motion, tolerance)
+            found = hand_derivative(self.state, motion, tolerance)
+        self.counts.matrices += len(motion)
+        self.counts.iterations += found.iterations
+        return found
 
     def number_derivatives(self, keys: Sequence[str], tolerance: float) -> DrapeDerivative:
         """Derivatives of the last equilibrium by numbers of its scene; see the function of this name."""
@@ -202,7 +236,12 @@ class RelaxationAnalysis(Timeless):
         return self.state.solver.residual_norm(self.state.x)
 
     def errors(self) -> dict[str, float]:
-        """The estimated relative error of tensions and moments in the energy norm."""
+        """The estimated relative error of tensions and moments in the energy norm.
+
+        Of a prediction the distance of its nodes from the drape, over their distance from their middle.
+        """
+        if self.state.predicted:
+            return {"estimate": self.predictor.distance()}
         return {"estimate": self.error_estimate.relative(self.state.x)}
 
     @property

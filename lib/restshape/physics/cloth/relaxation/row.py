@@ -26,7 +26,7 @@ class Row:
         bodies, report = state.scene.bodies, state.report
         trust = trust_in(state)
         return {
-            "converged": int(report.converged),
+            "converged": -1 if state.predicted else int(report.converged),
             "tangent_positive_definite": -1 if report.stable is None else int(report.stable),
             "relaxation_steps": report.steps,
             "factorisations": report.factors,
@@ -43,6 +43,8 @@ class Row:
 def convergence_notes(state: RelaxationState) -> list[str]:
     """Whether the cloth is not in a stable equilibrium, and why."""
     report = state.report
+    if state.predicted:
+        return []
     if not report.converged:
         scale = "weight" if state.problem.lumped.load > 0.0 else "forces of the supports"
         return [f"not converged: residual {report.residual:.2e} of the {scale}; {report.why}"]

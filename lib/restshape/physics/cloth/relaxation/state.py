@@ -40,6 +40,7 @@ class RelaxationState:
         doubts: what the way there has to say of why the state cannot be trusted.
         softness: the least part of its stiffness that the membrane had on the way there, which contact remembers.
         interrupted: the last frame has failed: what was set up for it must be set up again.
+        rest: of a prediction, the last equilibrium; None of an equilibrium.
     """
 
     plan: Plan
@@ -59,6 +60,12 @@ class RelaxationState:
     doubts: tuple[str, ...] = ()
     softness: float = 1.0
     interrupted: bool = False
+    rest: RelaxationState | None = None
+
+    @property
+    def predicted(self) -> bool:
+        """Whether the positions are a prediction."""
+        return self.rest is not None
 
     @property
     def nbytes(self) -> int:

@@ -1,0 +1,219 @@
+"""Drapes of the frames of a drag without a relaxation: by their derivatives, on the pattern as it lies."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from restshape.algebra.solve_counts import SolveCounts
+from restshape.algebra.work_counts import pass_seconds
+from restshape.analysis.correction import conjugate_steps, gathered, preconditioner
+from restshape.analysis.frame import Frame
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative
+
+if TYPE_CHECKING:
+    from restshape.analysis.analysis import Alignment, Context
+
+TOLERANCE = 1e-6
+"""Of derivatives, relative to their right sides."""
+EXPECTED = 10
+"""Iterations of a first step."""
+PASSES = 3
+"""Passes over all elements of a step besides one for each of its iterations: more steps in a frame do not predict
+better."""
+DELAY, ENOUGH = 2, 1e-2
+"""Steps of conjugate gradients that together gain less than a share of the squared energy: the distance is known to
+about a tenth."""
+GROWS = 10.0
+"""Times that a step may make the residual of a prediction larger."""
+WORTH = 1e-3
+"""Of the size of the cloth, the way of a step after which another one pays."""
+
+
+class PredictedDrape(Protocol):
+    """What is predicted: an analysis of cloth, its state, and what its solves have cost."""
+
+    state: RelaxationState
+    counts: SolveCounts
+    context: Context
+
+    def derivative(self, motion: np.ndarray, tolerance: float) -> DrapeDerivative:
+        """Derivatives of the last equilibrium along the hand's directions."""
+
+    def observe(self) -> dict[str, float]:
+        """The scene's quantities of interest at the state."""
+
+    def moved(self, state: RelaxationState) -> RelaxationState:
+        """An equilibrium whose problem has taken in where the nodes of its mesh are now in the material."""
+
+    def beside(self) -> PredictedDrape:
+        """Another analysis of the same scene, which starts from this state."""
+
+    def solve(self, frame: Frame) -> object:
+        """Bring the state up to date with a frame."""
+
+
+class DrapePrediction:
+    """The `analysis.analysis.Predictor` of drapes: its values are the unknowns (n, 3).
+
+    Friction holds what it held at the last equilibrium: its anchors go with the material.
+
+    Args:
+        analysis: whose state it reads and replaces.
+
+    Source: docs/theory/design-derivative.md.
+    """
+
+    transferable = False
+
+    def __init__(self, analysis: PredictedDrape) -> None:
+        self.analysis = analysis
+        self._applied = EXPECTED
+        self._missing: tuple[object, np.ndarray] = (None, np.empty(0))
+
+    def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
+        """Derivatives (2, n, 3) of the unknowns along the hand's two directions; see `analysis.Predictor`."""
+        return self.analysis.derivative(motion, min(tolerance, TOLERANCE)).s
+
+    def values(self) -> np.ndarray:
+        """The unknowns (n, 3) at the last equilibrium or prediction."""
+        return self.analysis.state.x
+
+    def set_values(self, values: np.ndarray) -> None:
+        """Take predicted unknowns (n, 3) for those of the pattern as it lies now."""
+        state = self.analysis.state
+        rest = state.rest or state
+        problem = rest.problem
+        if problem.mesh.topology != rest.topology:
+            # Flips have made other triangles than those of the elements.
+            return
+        moved = self.analysis.moved(rest)
+        self.analysis.state = replace(
+            moved,
+            x=problem.constrain(values),
+            place=problem.place,
+            friction=problem.contact.history if problem.contact else None,
+            layers=problem.self_contact.history if problem.self_contact else None,
+            report=ConvergenceReport(),
+            geometry=-1,
+            notes=(),
+            doubts=(),
+            rest=rest,
+        )
+
+    @property
+    def prediction(self) -> np.ndarray | None:
+        """The predicted unknowns; None where the analysis holds an equilibrium."""
+        return self.analysis.state.x if self.analysis.state.predicted else None
+
+    def error(self, predicted: np.ndarray) -> float:
+        """The distance of predicted unknowns (n, 3) on this mesh from the drape, over its size."""
+        return self._share(predicted - self.analysis.state.x)
+
+    def compare_cold(self) -> float:
+        """The same distance of the prediction from the drape that a new relaxation finds from there."""
+        state = self.analysis.state
+        other = self.analysis.beside()
+        none = np.empty(0, dtype=np.int32)
+        other.solve(Frame(state.problem.mesh, none, None, state.scene, (None, (0.0, 0.0))))
+        return self._share(other.state.x - state.x)
+
+    def quantity_distances(self) -> dict[str, float]:
+        """Estimated distances of the quantities of the prediction from those of the drape."""
+        state = self.analysis.state
+        if not state.predicted:
+            return {}
+        shown, mended = self.analysis.observe(), state.observer(state.x + self.missing())
+        return {name: abs(mended[name] - value) for name, value in shown.items() if name in mended}
+
+    def distance(self) -> float:
+        """About the distance of the prediction from the drape on the same mesh, over its size."""
+        return self._share(self.missing())
+
+    def missing(self) -> np.ndarray:
+        """About what a prediction (n, 3) lacks to be the drape: a Newton step, found once a prediction."""
+        state = self.analysis.state
+        if self._missing[0] is not state:
+            self._missing = state, self._newton_step()
+        return self._missing[1]
+
+    # --- mixed from several drapes ------------------------------------------------------------------------------------
+
+    def counted(self) -> tuple[int, ...]:
+        """Counts of all solves so far."""
+        counts = self.analysis.counts
+        return counts.matrices, counts.iterations, counts.factors
+
+    def seconds_since(self, before: tuple[int, ...]) -> float:
+        """Seconds by the calibration of the solves since there were these counts; 0 without a factor."""
+        linear = None if self.analysis.state.solver is None else self.analysis.state.solver.linear
+        if linear is None or not linear.kept.ready:
+            return 0.0
+        matrices, iterations, factors = (now - then for now, then in zip(self.counted(), before))
+        price, known = linear.kept.price(), self.analysis.context.calibration
+        passes = pass_seconds(linear.kept.size.nonzeros, known)
+        return matrices * passes + iterations * price.iteration + factors * price.refresh
+
+    def step_seconds(self) -> float:
+        """Seconds that `step` costs, with as many iterations as the last one had."""
+        linear = self.analysis.state.solver.linear
+        if linear is None or not linear.kept.ready:
+            return np.inf
+        passes = pass_seconds(linear.kept.size.nonzeros, self.analysis.context.calibration)
+        return self._applied * (linear.kept.price().iteration + passes) + PASSES * passes
+
+    def step(self) -> bool:
+        """Take a Newton step from the prediction, as far as nothing is passed; whether another one pays."""
+        state = self.analysis.state
+        problem, solver, x = state.problem, state.solver, state.x
+        way = self.missing()
+        if not np.isfinite(way).all():
+            return False
+        after = x + problem.step_share(x, way) * way
+        if not solver.residual_norm(after) < GROWS * solver.residual_norm(x):
+            return False
+        self.analysis.state = replace(state, x=after)
+        return self._share(way) > WORTH
+
+    def in_basis(self) -> np.ndarray:
+        """As `values`: unknowns are those of nodes."""
+        return self.values()
+
+    def mixable(self) -> DrapePrediction:
+        """Itself."""
+        return self
+
+    def alignment(self, before: np.ndarray) -> Alignment | None:
+        """The identity, of drapes of the same mesh."""
+        return np.asarray if before.shape == self.analysis.state.x.shape else None
+
+    def set_mixed(self, values: np.ndarray) -> None:
+        """As `set_values`."""
+        self.set_values(values)
+
+    def _newton_step(self) -> np.ndarray:
+        """Conjugate steps (n, 3) with the stabilised tangent of the prediction, on the kept factor."""
+        state = self.analysis.state
+        problem, solver, x = state.problem, state.solver, state.x
+        rest, self._applied = np.empty_like(x), 0
+        problem.residual(x, rest)
+        equations = solver.equations
+        matrix = equations.tangents.matrix(x, True, equations.supporting_inertia)
+        kept = preconditioner(solver.linear, equations.rows)
+
+        def precondition(r: np.ndarray) -> np.ndarray:
+            self._applied += 1
+            return kept(r)
+
+        product = gathered(matrix.mult, equations.rows, solver.comm)
+        return conjugate_steps(product, precondition, -rest.ravel(), delay=DELAY, enough=ENOUGH).reshape(x.shape)
+
+    def _share(self, way: np.ndarray) -> float:
+        """The norm of ways (n, 3) of all corners over that of their distances from their middle."""
+        problem, x = self.analysis.state.problem, self.analysis.state.x
+        corners = problem.corners(x)
+        return float(np.linalg.norm(problem.corners(way)) / np.linalg.norm(corners - corners.mean(axis=0)))

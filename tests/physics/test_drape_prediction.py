@@ -1,0 +1,92 @@
+"""Drapes of the frames of a drag by their derivatives: order, rest on release, samples, and what is refused."""
+
+import numpy as np
+import pytest
+from drape_designs import BALL, CONTACT, HELD, sheet
+from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
+
+QUANTITIES = '[quantities]\nlowest = { displacement = "z", reduce = "min" }\n'
+HANGING = sheet("morley", HELD, QUANTITIES, size=0.03)
+ON_BALL = sheet("hinge", HELD, BALL.format(friction=0.3), CONTACT, QUANTITIES, size=0.025)
+ALONE = ["predict.frame_time=0"]
+HAND = (0.2, 0.1)
+
+
+def shown(scene, script, kind, overrides=()):
+    """Rows of a replay, and the corners of the cloth in each frame."""
+    made, found = make_replay(scene, script, overrides=list(overrides), predict=kind), []
+    rows = rows_of(made, lambda row: found.append(made.analysis.problem.corners(made.analysis.x).copy()))
+    return rows, found
+
+
+def off(found, exact):
+    """The largest distance [m] of corners."""
+    return float(np.linalg.norm(found - exact, axis=1).max())
+
+
+def far(*places, rest=12, frames=5):
+    """A drag of the right side through places, at each of which the hand rests."""
+    events, at = [{"do": "press", "on": "right", "at": list(HAND)}], HAND
+    for place in places:
+        events += [{"do": "drag", "path": across(at, place, frames)}, {"do": "idle", "frames": rest}]
+        at = place
+    return [*events, {"do": "release"}]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", [HANGING, ON_BALL], ids=["hanging", "on a ball"])
+def test_a_drag_is_shown_to_first_order_and_relaxed_on_release(tmp_path, text):
+    scene = write_scene(tmp_path, text)
+    script = write_script(tmp_path, drag("right", HAND, across(HAND, (0.2008, 0.1), 4)))
+    (rows, found), (true, exact) = (shown(scene, script, kind) for kind in ("linear", "none"))
+    assert [row["predicted"] for row in rows] == [0, 0, 1, 1, 1, 1, 0]
+    errors = [off(found[k], exact[k]) for k in range(2, 6)]
+    # Twice as far, four times the error.
+    assert errors[3] / errors[1] == pytest.approx(4.0, rel=0.3) and errors[3] < 0.1 * off(exact[0], exact[5])
+    for row in rows[2:6]:
+        assert row["converged"] == -1 and row["relaxation_steps"] == 0 and row["newton"] == 0
+        assert row["estimate"] > 0.0 and not row["note"] and row["lowest_distance"] >= 0.0
+    assert rows[6]["converged"] == 1 and off(found[6], exact[6]) < 1e-5
+    assert rows[6]["q_lowest"] == pytest.approx(true[6]["q_lowest"], rel=1e-4)
+    assert rows[6]["relaxation_steps"] < true[0]["relaxation_steps"]
+
+
+@pytest.mark.slow
+def test_several_drapes_predict_better_than_one(tmp_path):
+    scene, script = write_scene(tmp_path, ON_BALL), write_script(tmp_path, far((0.22, 0.1), (0.24, 0.1), (0.2, 0.1)))
+    replays = {kind: shown(scene, script, kind, ALONE) for kind in ("none", "linear", "gmls")}
+    exact, errors = replays["none"][1], {}
+    for kind in ("linear", "gmls"):
+        rows, found = replays[kind]
+        errors[kind] = [off(found[k], exact[k]) for k, row in enumerate(rows) if row["event"] == "drag"]
+    assert np.mean(errors["gmls"]) < np.mean(errors["linear"]) / 2.0
+    rows, _ = replays["gmls"]
+    assert max(row["samples"] for row in rows) >= 3 and any("derivative" in row["idle_work"] for row in rows)
+
+
+@pytest.mark.slow
+def test_the_same_bits_twice_idle_work_included(tmp_path):
+    scene, script = write_scene(tmp_path, ON_BALL), write_script(tmp_path, far((0.22, 0.1), (0.21, 0.1)))
+    (rows, one), (again, two) = (shown(scene, script, "gmls") for _ in range(2))
+    assert [x.tobytes() for x in one] == [x.tobytes() for x in two]
+    names = ("samples", "sample_ages", "solver_steps", "idle_spent", "idle_work")
+    assert [[row[name] for name in names] for row in rows] == [[row[name] for name in names] for row in again]
+
+
+def test_a_body_in_the_hand_is_relaxed(tmp_path):
+    scene = write_scene(tmp_path, ON_BALL)
+    events = [{"do": "press", "on": "ball"}, {"do": "drag", "to": [0.101, 0.11]}, {"do": "release"}]
+    rows, _ = shown(scene, write_script(tmp_path, events), "gmls")
+    assert not any(row["predicted"] for row in rows) and all(row["converged"] == 1 for row in rows)
+
+
+def test_a_body_that_goes_within_a_drag_leaves_no_sample(tmp_path):
+    scene = write_scene(tmp_path, ON_BALL)
+    events = far((0.21, 0.1), rest=3)[:-1]
+    events += [{"do": "set", "key": "bodies.ball.sphere.center", "value": [0.1, 0.11, -0.3]}]
+    events += [{"do": "drag", "to": [0.2105, 0.1]}, {"do": "release"}]
+    script = write_script(tmp_path, events)
+    (rows, found), (_, exact) = (shown(scene, script, kind) for kind in ("gmls", "none"))
+    k = next(row["index"] for row in rows if row["event"] == "set")
+    assert rows[k]["converged"] == 1 and rows[k]["samples"] <= 1 and off(found[k], exact[k]) < 1e-3
+    assert off(found[-1], exact[-1]) < 1e-3
