@@ -601,7 +601,8 @@ def interpolate_rows(
     nodes: numpy.typing.NDArray[numpy.int32],
     weights: numpy.typing.NDArray[numpy.float64],
     rows: numpy.typing.NDArray[numpy.float64],
-) -> numpy.typing.NDArray[numpy.float64]: ...
+    out: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def inverted_cells(
     X: numpy.typing.NDArray[numpy.float64],
     u: numpy.typing.NDArray[numpy.float64],

@@ -131,7 +131,7 @@ py::tuple locate(const Doubles& X, const Indices& cells, const Doubles& points) 
     return py::make_tuple(found, weights);
 }
 
-Doubles interpolate_rows(const Indices& nodes, const Doubles& weights, const Doubles& rows) {
+void interpolate_rows(const Indices& nodes, const Doubles& weights, const Doubles& rows, Doubles out) {
     if (nodes.ndim() != 2 || weights.ndim() != 2 || rows.ndim() != 3)
         throw std::invalid_argument("nodes and weights must be arrays (points, corners), rows (count, n, columns)");
     require_same_size(weights.size(), nodes.size(), "weights");
@@ -139,14 +139,13 @@ Doubles interpolate_rows(const Indices& nodes, const Doubles& weights, const Dou
         if (nodes.data()[i] < 0 || nodes.data()[i] >= rows.shape(1))
             throw std::invalid_argument("nodes name a row that is not there");
     }
-    Doubles out({rows.shape(0), nodes.shape(0), rows.shape(2)});
+    require_same_size(out.size(), rows.shape(0) * nodes.shape(0) * rows.shape(2), "out");
     const py::ssize_t width = rows.shape(2);
     const auto interpolate = width == 2   ? &restshape::interpolate_rows<2>
                              : width == 3 ? &restshape::interpolate_rows<3>
                                           : &restshape::interpolate_rows<0>;
     interpolate(nodes.data(), weights.data(), nodes.shape(0), nodes.shape(1), rows.data(), rows.shape(0), rows.shape(1),
                 width, out.mutable_data());
-    return out;
 }
 
 std::unique_ptr<restshape::HarmonicExtension> harmonic_extension(const Doubles& X, const Indices& cells,
@@ -219,11 +218,11 @@ void bind_mesh(py::module_& m) {
           "The most sides sqrt(2 A) of a triangle that its corners go from X to Y; infinite where one has no area.");
     m.def("locate", &locate, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("points").noconvert(),
           "Triangle and barycentric coordinates of every point; points outside are put on the nearest boundary point.");
-    m.def(
-        "interpolate_rows", &interpolate_rows, py::arg("nodes").noconvert(), py::arg("weights").noconvert(),
-        py::arg("rows").noconvert(),
-        "Rows (count, points, columns) of fields from rows (count, n, columns), each point from its nodes (points, k) "
-        "by its weights.");
+    m.def("interpolate_rows", &interpolate_rows, py::arg("nodes").noconvert(), py::arg("weights").noconvert(),
+          py::arg("rows").noconvert(), py::arg("out").noconvert(),
+          "Writes to out rows (count, points, columns) of fields from rows (count, n, columns), each point from its "
+          "nodes "
+          "(points, k) by its weights.");
     py::class_<restshape::HarmonicExtension>(m, "HarmonicExtension",
                                              "Carries boundary values into a mesh by Laplace's equation.")
         .def(py::init(&harmonic_extension), py::arg("X").noconvert(), py::arg("cells").noconvert(),

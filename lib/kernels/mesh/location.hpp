@@ -110,20 +110,30 @@ class Locator {
         return std::min({w[0], w[1], w[2]});
     }
 
+    // Sides of one triangle alone, by their lower, then their higher node: by counts, for sorting all takes longer than
+    // looking for all points.
     void find_boundary() {
-        std::vector<std::array<std::int32_t, 4>> sides;  // lower node, higher node, triangle, corner opposite
-        sides.reserve(3 * static_cast<std::size_t>(count_));
-        for (std::int32_t cell = 0; cell < count_; ++cell) {
-            for (std::int32_t i = 0; i < 3; ++i) {
-                const std::int32_t a = cells_[3 * cell + (i + 1) % 3], b = cells_[3 * cell + (i + 2) % 3];
-                sides.push_back({std::min(a, b), std::max(a, b), cell, i});
+        const auto ends = [this](std::int32_t side) {
+            const std::int32_t cell = side / 3, i = side % 3;
+            return std::minmax(cells_[3 * cell + (i + 1) % 3], cells_[3 * cell + (i + 2) % 3]);
+        };
+        const std::int32_t nodes = 1 + *std::max_element(cells_, cells_ + 3 * static_cast<std::ptrdiff_t>(count_));
+        std::vector<std::int32_t> first(nodes + 1, 0), sides(3 * static_cast<std::size_t>(count_));
+        for (std::int32_t side = 0; side < 3 * count_; ++side) ++first[ends(side).first + 1];
+        for (std::int32_t node = 0; node < nodes; ++node) first[node + 1] += first[node];
+        std::vector<std::int32_t> next(first.begin(), first.end() - 1);
+        for (std::int32_t side = 0; side < 3 * count_; ++side) sides[next[ends(side).first]++] = side;
+        std::vector<std::array<std::int32_t, 2>> own;  // higher node, side
+        for (std::int32_t node = 0; node < nodes; ++node) {
+            own.clear();
+            for (std::int32_t k = first[node]; k < first[node + 1]; ++k)
+                own.push_back({ends(sides[k]).second, sides[k]});
+            std::sort(own.begin(), own.end());
+            for (std::size_t k = 0; k < own.size(); ++k) {
+                const bool shared =
+                    (k > 0 && own[k - 1][0] == own[k][0]) || (k + 1 < own.size() && own[k + 1][0] == own[k][0]);
+                if (!shared) boundary_.push_back({own[k][1] / 3, own[k][1] % 3});
             }
-        }
-        std::sort(sides.begin(), sides.end());
-        for (std::size_t s = 0; s < sides.size(); ++s) {
-            const auto same = [&](std::size_t r) { return sides[r][0] == sides[s][0] && sides[r][1] == sides[s][1]; };
-            const bool shared = (s > 0 && same(s - 1)) || (s + 1 < sides.size() && same(s + 1));
-            if (!shared) boundary_.push_back({sides[s][2], sides[s][3]});
         }
     }
 

@@ -58,13 +58,14 @@ class Transfer:
         """
         return np.einsum("ij,ijk->ik", self.weights, field[self.nodes])
 
-    def rows(self, rows: np.ndarray) -> np.ndarray:
-        """Values (count, m, f) at the points of many fields at once.
+    def rows(self, rows: np.ndarray, out: np.ndarray) -> None:
+        """Write the values of many fields at the points.
 
         Args:
             rows: (count, n, f) values at the nodes.
+            out: (count, m, f) those at the points.
         """
-        return _kernels.interpolate_rows(self.nodes, self.weights, np.ascontiguousarray(rows, dtype=float))
+        _kernels.interpolate_rows(self.nodes, self.weights, rows, out)
 
     def curved(self, field: np.ndarray) -> np.ndarray:
         """The same on triangles of first order, (m, f) with the curvature that gradients at the nodes show.

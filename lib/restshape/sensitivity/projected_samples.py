@@ -56,12 +56,17 @@ class LeftSamples:
         Source: docs/theory/design-derivative.md; 5.1.4 of the thesis.
         """
         log.info("%4d %s projected", self.frame.index, counted(len(self.samples), "sample"))
+        shape = len(space.X), *self.samples.shape[1:]
         if space is self.space:
-            return self.samples.projected(
-                lambda rows: np.stack([space.interpolate(row, self._interpolations) for row in rows])
-            )
+            return self.samples.projected(self._flip, shape)
         back = self._c[0] - self.frame.c[0], self._c[1] - self.frame.c[1]
-        return self.samples.projected(Transfer(self.space, space.X + back[0] * motion[0] + back[1] * motion[1]).rows)
+        points = space.X + back[0] * motion[0] + back[1] * motion[1]
+        return self.samples.projected(Transfer(self.space, points).rows, shape)
+
+    def _flip(self, rows: Reals, out: Reals) -> None:
+        """Write fields (count, n, f) after flips, of nodes at the middles of sides."""
+        for row, to in zip(rows, out):
+            to[...] = self.space.interpolate(row, self._interpolations)
 
 
 def _lies_on(space: Space, frame: ScriptFrame) -> bool:
