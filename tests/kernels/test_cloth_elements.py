@@ -121,6 +121,27 @@ class TestMembrane(MembraneCase):
         assert min(lowest) < -0.01
 
 
+class TestTension(ElementCase):
+    """Tensions that strains do not change: the inherited checks, and the tangent in closed form."""
+
+    name, X, params = "membrane_tension_tri3", TRI3, (0.7, -0.3, 0.2)
+
+    def sample(self, element, seed):
+        return flat(self.X) @ (1.2 * TURN.T) + super().sample(element, seed)
+
+    def test_tangent_is_that_of_springs_between_the_corners_wherever_they_are(self, element):
+        corners = np.column_stack([np.ones(3), self.X])
+        G, area = np.linalg.inv(corners)[1:].T, np.linalg.det(corners) / 2
+        expected = area * np.kron(G @ [[0.7, 0.2], [0.2, -0.3]] @ G.T, np.eye(3))
+        for seed in range(3):
+            found = element.tangent_block(self.X, self.sample(element, seed), self.p)
+            np.testing.assert_allclose(found, expected, atol=1e-13)
+
+    def test_unstretched_cloth_stores_nothing(self, element):
+        x = flat(self.X) @ TURN.T
+        np.testing.assert_allclose(element.energy(self.X, x, self.cells, self.p), 0.0, atol=1e-15)
+
+
 class TestStabilisedMembrane(MembraneCase):
     """Its tangent is the true one where the samples of the inherited checks are in tension."""
 

@@ -8,6 +8,7 @@ std::vector<Element> membrane_elements() {
     return {
         element_of<MembraneElement<false>>("membrane", "tri3"),
         element_of<MembraneElement<true>>("membrane_stabilised", "tri3"),
+        element_of<MembraneTensionElement>("membrane_tension", "tri3"),
         element_of<CorotatedMembraneElement>("membrane_corotated", "tri3"),
     };
 }

@@ -184,4 +184,38 @@ struct MembraneElement : MembraneParts {
     }
 };
 
+// A tension S that strains do not change, with the energy S : E: what it adds to a tangent is linear in S and the same
+// at all positions.
+struct MembraneTensionElement : MembraneParts {
+    // Second Piola-Kirchhoff tensions [N/m].
+    static std::vector<std::string> parameters() { return {"Sxx", "Syy", "Sxy"}; }
+
+    template <class SX, class Sx, class R>
+    static void residual(const SX* X, const Sx* x, const double* p, R* r) {
+        SX G[3][2];
+        R F[3][2], P[3][2];
+        const SX area = gradients(X, G);
+        deformation(G, x, F);
+        const R S[3] = {R(p[0]), R(p[1]), R(p[2])};
+        first_piola(F, S, P);
+        for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a) r[3 * i + a] = (P[a][0] * G[i][0] + P[a][1] * G[i][1]) * area;
+    }
+
+    template <class SX, class Sx>
+    static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
+        using R = Common<SX, Sx>;
+        SX G[3][2];
+        R F[3][2], C[3];
+        const SX area = gradients(X, G);
+        deformation(G, x, F);
+        metric(F, C);
+        return (0.5 * ((C[0] - 1.0) * p[0] + (C[1] - 1.0) * p[1]) + C[2] * p[2]) * area;
+    }
+
+    static void stress(const double*, const double*, const double* p, const double*, double* s) {
+        for (int k = 0; k < 3; ++k) s[k] = p[k];
+    }
+};
+
 }  // namespace restshape

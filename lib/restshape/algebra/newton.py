@@ -87,6 +87,26 @@ class Newton:
         """Whether the tangent at x (n, f) is positive definite, as far as the preconditioner can show."""
         return self._step.definite(self._tangent.at(x))
 
+    def solve_linear(self, mat: PETSc.Mat, right: Reals, part: float) -> Reals | None:
+        """The solution (n, f) of a system with a matrix of these equations, by the linear solver of the steps.
+
+        Args:
+            mat: another tangent than the true one, too.
+            right: (n, f).
+            part: of the right side's norm that may be left.
+
+        Returns: None where the matrix is found not to be positive definite.
+        """
+        self.nodal.put(right, self._f)
+        self._step.begin_run()
+        good = self._step.solve_with(mat, self._f, self._x, part * self._f.norm())
+        return self.nodal.values(self._x).copy() if good else None
+
+    @property
+    def linear_work(self) -> tuple[int, int]:
+        """Iterations, and preconditioners made, of the last run or linear system."""
+        return self._step.iterations, int(self._step.refreshed)
+
     def begin(self, new_system: bool, patched: bool, places: Reals | None) -> None:
         """A new frame: whether the mesh is another one, or has flips; `places` are those of this rank's nodes."""
         self._step.begin_frame(new_system, patched, places)

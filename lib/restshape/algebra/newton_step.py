@@ -49,14 +49,14 @@ class NewtonStep:
 
         With `shifts` an indefinite tangent gets a multiple of the unit matrix: the step goes down in energy.
         """
-        good = self._solve(tangent.mat, b, y, target) or (shifts and self._solve_shifted(tangent, b, y))
+        good = self.solve_with(tangent.mat, b, y, target) or (shifts and self._solve_shifted(tangent, b, y))
         # A preconditioner of several grids, or of another place of edges, moves constrained unknowns too, as far as its
         # tolerance lets it.
         tangent.equations.constrain(y.getArray())
         return good
 
-    def _solve(self, mat: PETSc.Mat, b: PETSc.Vec, y: PETSc.Vec, target: float) -> bool:
-        """Solve with a matrix as it is; returns whether it is found to be positive definite."""
+    def solve_with(self, mat: PETSc.Mat, b: PETSc.Vec, y: PETSc.Vec, target: float) -> bool:
+        """Solve for y until a norm `target` of b is left; returns whether the matrix seems positive definite."""
         linear, new_system = self.linear, self.new_system
         # Whatever comes of it, the solver has met this mesh then.
         self.new_system = False
@@ -83,7 +83,7 @@ class NewtonStep:
         while shift <= MOST_SHIFT:
             tangent.shift((shift - added) * size)
             mat = tangent.mat
-            if self.linear.definite(mat, self.places) and self._solve(mat, b, y, COARSE * b.norm()):
+            if self.linear.definite(mat, self.places) and self.solve_with(mat, b, y, COARSE * b.norm()):
                 self.why, self._shift = "", shift
                 return True
             added, shift = shift, SHIFT_GROWTH * shift

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.fem.elements import MEMBRANE, MEMBRANE_COROTATED, MEMBRANE_STABILISED
+from restshape.fem.elements import MEMBRANE, MEMBRANE_COROTATED, MEMBRANE_STABILISED, MEMBRANE_TENSION
 from restshape.fem.integral import Integral
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import UPPER
@@ -52,8 +52,23 @@ class Membrane:
         params = np.ascontiguousarray(np.hstack([moduli[:, UPPER[0], UPPER[1]], loads]))
         return Integral(self.element, X, self.corners, params, block=self.block)
 
+    def tension_integral(self, X: np.ndarray, tensions: np.ndarray) -> Integral:
+        """Over triangles at X (n, 2), of tensions (ne, 3) xx, yy, xy [N/m] that strains do not change."""
+        return Integral(MEMBRANE_TENSION["tri3"], X, self.corners, np.ascontiguousarray(tensions), block=self.block)
+
     def tensions(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Second Piola-Kirchhoff tensions (ne, 3) xx, yy, xy [N/m] at positions x (n, 3)."""
         out = np.empty((len(self.corners), 3))
         self.element.stress(X, x, self.corners, self.parameters, out)
         return out
+
+
+def stretching(tensions: np.ndarray) -> np.ndarray:
+    """Tensions (ne, 3) xx, yy, xy without their negative principal values, as in the stabilised tangent."""
+    xx, yy, xy = tensions.T
+    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    radius = np.hypot(half, xy)
+    top, twice = np.maximum(mean + radius, 0.0), np.where(radius > 0.0, 2.0 * radius, 1.0)
+    share = top / twice
+    parts = np.column_stack([share * (radius + half), share * (radius - half), share * xy])
+    return np.where((mean >= radius)[:, None], tensions, parts)

@@ -17,6 +17,7 @@ from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layer_friction import LayerFriction
+from restshape.physics.cloth.relaxation.drag_frame import LastRest, drag_frame
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
 from restshape.physics.cloth.relaxation.keep_apart import initial_positions, kept_apart
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
@@ -73,6 +74,10 @@ def bind(
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=())
+    if not (cold or origin) and before.problem is problem and options.strategy == "auto":
+        found = drag_frame(state, LastRest(in_material(before, problem), before.bodies))
+        if found:
+            return replace(found, observer=problem.observer(scene.quantities)), False
     known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
     if problem.self_contact and not cold:
         state = kept_apart(state, known)
@@ -220,10 +225,8 @@ def moved_material(before: RelaxationState, arguments: ClothArguments) -> Relaxa
     """The state with moved nodes, other values, supports and bodies on the same topology."""
     problem = before.problem
     # Material that has come elsewhere takes the place that the cloth has there.
-    cloth = before.advected()
     problem.set_values(arguments.fabric, arguments.supports, arguments.g)
-    sides = problem.morley.side_number if problem.morley else None
-    x = cloth.unknowns_at(problem.place, sides)
+    x = in_material(before, problem)
     set_contact(problem, arguments)
     # What sticks does so wherever its nodes are in it.
     way = problem.corners(x) - problem.corners(before.x)
@@ -235,6 +238,11 @@ def moved_material(before: RelaxationState, arguments: ClothArguments) -> Relaxa
         way = contact.place(problem.corners(x)) - contact.place(problem.corners(before.x))
         problem.contact.history = replace(friction, anchors=friction.anchors + way)
     return replace(before, x=problem.constrain(x))
+
+
+def in_material(before: RelaxationState, problem: ClothProblem) -> np.ndarray:
+    """Unknowns (n, 3) of the last cloth where the nodes of its problem are in the material now."""
+    return before.advected().unknowns_at(problem.place, problem.morley.side_number if problem.morley else None)
 
 
 def layers_of(problem: ClothProblem) -> LayerFriction | None:

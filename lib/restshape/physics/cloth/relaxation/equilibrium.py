@@ -247,6 +247,9 @@ class EquilibriumSolver:
     def converge(self, x: np.ndarray, most: int, report: ConvergenceReport) -> ConvergenceReport:
         """Descent and Newton's method from x (n, 3), which is changed, until nothing moves, friction included."""
         near, begun = max(NEAR, self.goal), report.steps
+        if self.rests(x, report):
+            report.converged, report.why = True, ""
+            return report
         while True:
             left = most - (report.steps - begun)
             if left <= 0:
@@ -260,9 +263,7 @@ class EquilibriumSolver:
                 near = max(0.1 * near, self.goal)
                 if near > self.goal or report.residual > self.goal:
                     continue
-            report.slip = self.problem.update_friction(x)
-            report.residual = self.residual_norm(x)
-            if report.residual <= self.goal and report.slip <= SLIPPING * self.slip_distance:
+            if self.rests(x, report):
                 report.converged, report.why = True, ""
                 break
             if report.residual > self.goal and report.residual * self.scale(x) <= self.rounding * np.abs(x).max():
@@ -270,6 +271,12 @@ class EquilibriumSolver:
                 break
             near = max(near, self.goal)
         return report
+
+    def rests(self, x: np.ndarray, report: ConvergenceReport) -> bool:
+        """Whether nothing moves at x (n, 3), when friction has followed; notes residual and slip distance."""
+        report.slip = self.problem.update_friction(x)
+        report.residual = self.residual_norm(x)
+        return report.residual <= self.goal and report.slip <= SLIPPING * self.slip_distance
 
     @property
     def rounding(self) -> float:

@@ -7,6 +7,7 @@ from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.fem.assembled import Assembled
 from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.membrane import stretching
 
 SUPPORTING = 0.02
 """Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies
@@ -36,10 +37,18 @@ class KeptOperator:
         # Elsewhere each rank has the forces on its own nodes alone.
         self.shared = comm.size == 1
 
-    def matrix(self, x: np.ndarray, stabilised: bool, inertia: float, out: np.ndarray | None = None) -> PETSc.Mat:
+    def matrix(
+        self,
+        x: np.ndarray,
+        stabilised: bool,
+        inertia: float,
+        out: np.ndarray | None = None,
+        added: np.ndarray | None = None,
+    ) -> PETSc.Mat:
         """The tangent at x (n, 3) [m], with or without its compressed part, plus `inertia` [1/s^2] times the mass.
 
         `out` (n, 3) [N], where it is given, is set to the residual there, in the same pass as far as both have it.
+        The tangent, not the residual, has tensions (ne, 3) [N/m] that are `added` to those at x.
         """
         problem = self.problem
         with self.stages("values"):
@@ -49,6 +58,8 @@ class KeptOperator:
             if self._version != problem.stiffness_version:
                 self._prepare()
             integrals = problem.tangent_integrals(stabilised, inertia)
+            if added is not None:
+                integrals.insert(1, problem.membrane.tension_integral(problem.X, added))
             if out is None or not self.shared:
                 if out is not None:
                     problem.residual(x, out)
@@ -147,6 +158,17 @@ class ClothEquations:
     def tangent(self, x: np.ndarray) -> PETSc.Mat:
         """The tangent that descents make steps with."""
         return self.tangents.matrix(x, self.stabilised, self.inertia)
+
+    def mixed_tangent(self, x: np.ndarray, tensions: np.ndarray | None, stabilised: bool) -> PETSc.Mat:
+        """The tangent at x (n, 3) [m] with tensions (ne, 3) [N/m] in place of those there; None: with those.
+
+        With `stabilised` it is without compression, and has the supporting inertia.
+        """
+        added = None
+        if tensions is not None:
+            there = self.problem.tensions(x)
+            added = stretching(tensions) - stretching(there) if stabilised else tensions - there
+        return self.tangents.matrix(x, stabilised, self.supporting_inertia if stabilised else 0.0, added=added)
 
     def true_tangent(self, x: np.ndarray, inertia: float) -> PETSc.Mat:
         """The true tangent plus `inertia` [1/s^2] times the mass."""

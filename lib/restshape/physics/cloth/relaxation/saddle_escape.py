@@ -13,6 +13,8 @@ MOST_INERTIA = 1e13
 INVERSE_STEPS, LEAP = 4, 1e-3
 """Steps of the inverse iteration for the lowest mode of an unstable equilibrium; how far that is left along it, over
 the size of the cloth."""
+DOUBLINGS = 8
+"""Doublings of that way at most, while the energy falls."""
 FAINT = 1e-4
 """Inertia over that of descents below which an unstable motion is too slow to be one."""
 
@@ -60,11 +62,21 @@ class SaddleEscape:
             return False
         mode = self._lowest_mode(matrix)
         sides = [x + solver.problem.step_share(x, way) * way for way in (mode, -mode)]
-        best = min(sides, key=solver.problem.energy)
+        best = self._far(x, min(sides, key=solver.problem.energy) - x)
         if not mode.any() or not solver.is_valid(best):
             return False
         x[:] = best
         return True
+
+    def _far(self, x: np.ndarray, way: np.ndarray) -> np.ndarray:
+        """Positions (n, 3) so far from x (n, 3) along a way (n, 3) that the energy falls no more, by doubling it."""
+        problem, energy = self.solver.problem, self.solver.problem.energy(x + way)
+        for _ in range(DOUBLINGS):
+            farther = 2.0 * way
+            if problem.step_share(x, farther) < 1.0 or not (found := problem.energy(x + farther)) < energy:
+                break
+            way, energy = farther, found
+        return x + way
 
     def _lowest_mode(self, matrix: PETSc.Mat) -> np.ndarray:
         """The lowest mode (n, 3) of a definite tangent, as long as the way off a saddle [m]; 0 where none is found."""

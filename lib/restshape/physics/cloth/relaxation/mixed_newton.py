@@ -1,0 +1,112 @@
+"""Newton's method for cloth near its rest, with tensions as unknowns of their own: large steps do not mislead it."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+
+from restshape.fem.assembled import Assembled
+from restshape.fem.problem import INTERNAL
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
+
+log = logging.getLogger("restshape.physics")
+
+EXACT = 1e-3
+"""Part of the forces that a linear solve may leave."""
+MOST, PATIENCE, BETTER = 30, 9, 0.7
+"""Steps; steps in a row that leave more than a part of the least forces so far, after which it is given up."""
+NEAR_SADDLE, ESCAPES = 1e-2, 2
+"""Residual over load at which a tangent that is not definite shows a saddle nearby; saddles that are left."""
+
+
+class MixedNewton:
+    """Newton's method whose tangent has tensions that are followed along its steps, to first order.
+
+    A step d along the tangent stretches cloth that turns by the square of d, and the tension of that stretch makes the
+    next tangent much too stiff. Tensions of their own, of the mixed form of the same equations, do not have it; what is
+    converged to is the same.
+
+    Args:
+        solver: of the equilibria, whose linear solver keeps its factor.
+        report: counts steps, factors and iterations.
+
+    Attributes:
+        lost: the last step had a tangent without compression: the true one is not positive definite there.
+
+    Source: docs/theory/cloth.md; Magisano, Leonetti and Garcea, Comput. Methods Appl. Mech. Engrg. 313 (2017) 986.
+    """
+
+    def __init__(self, solver: EquilibriumSolver, report: ConvergenceReport) -> None:
+        self.solver, self.problem, self.report = solver, solver.problem, report
+        self.lost = False
+        self._tensions: np.ndarray | None = None
+        # Other laws are no polynomials of the positions.
+        self._follows = self.problem.fabric.law == "stvk"
+
+    def way(self, x: np.ndarray, forces: np.ndarray, given: np.ndarray) -> np.ndarray | None:
+        """The step (n, 3) [m] from x (n, 3) that takes away forces (n, 3) [N] while prescribed unknowns go as given.
+
+        Args:
+            given: (n, 3) [m], 0 where nothing is prescribed.
+
+        Returns: None where neither the tangent nor the one without compression has a solution.
+        """
+        solver, problem = self.solver, self.problem
+        right = -forces
+        if given.any():
+            right -= Assembled(problem.integrals(INTERNAL)).tangent_product(x, given)
+        right *= problem.boundary.free
+        for stabilised in (False, True):
+            matrix = solver.equations.mixed_tangent(x, self._tensions, stabilised)
+            d = solver.newton.solve_linear(matrix, right, EXACT)
+            iterations, factors = solver.newton.linear_work
+            self.report.iterations, self.report.factors = (
+                self.report.iterations + iterations,
+                self.report.factors + factors,
+            )
+            if d is not None and np.isfinite(d).all():
+                self.lost = stabilised
+                return d * problem.boundary.free + given
+        return None
+
+    def go(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """Positions (n, 3) [m] after as much of a step d (n, 3) from x (n, 3) as nothing passes."""
+        problem = self.problem
+        share = problem.step_share(x, d)
+        reached = x + share * d
+        if self._follows:
+            # Strains are quadratic in positions: what is linear in the step is all but those of the step itself.
+            square = problem.tensions(d) - problem.tensions(np.zeros_like(d))
+            self._tensions = problem.tensions(reached) - share**2 * square
+        self.report.newton, self.report.steps = self.report.newton + 1, self.report.steps + 1
+        return reached
+
+    def converge(self, x: np.ndarray) -> np.ndarray | None:
+        """The equilibrium near x (n, 3) with friction that has followed; None where it is not found in few steps."""
+        solver, problem, report = self.solver, self.problem, self.report
+        least, since, escapes, forces = np.inf, 0, 0, np.empty_like(x)
+        for _ in range(MOST):
+            given = problem.constrain(x) - x
+            problem.residual(x, forces)
+            norm = float(np.linalg.norm(forces)) / solver.scale(x)
+            solver.on_iterate(solver, x, norm)
+            log.debug("    mixed Newton: residual over load %.3e", norm)
+            if not np.isfinite(norm):
+                return None
+            if norm <= solver.goal and not given.any():
+                if solver.rests(x, report):
+                    return x
+                problem.residual(x, forces)
+            if self.lost and norm <= NEAR_SADDLE and escapes < ESCAPES and SaddleEscape(solver).escape(x):
+                log.info("Newton's method from the last rest: a saddle is left along the lowest mode")
+                escapes, least, since, self._tensions = escapes + 1, np.inf, 0, None
+                problem.residual(x, forces)
+            since = 0 if norm <= BETTER * least else since + 1
+            least = min(norm, least)
+            if since > PATIENCE or (d := self.way(x, forces, given)) is None:
+                return None
+            x = self.go(x, d)
+        return None
