@@ -59,6 +59,7 @@ __all__: list[str] = [
     "node_lu_single",
     "node_order",
     "node_ssor",
+    "nonzero_rows",
     "panel_value_bytes",
     "place_weights",
     "positive_mean_value",
@@ -89,6 +90,7 @@ __all__: list[str] = [
     "von_mises",
     "watch",
     "watch_outlet",
+    "with_points",
 ]
 
 class Body:
@@ -668,6 +670,9 @@ def node_order(
     X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     owner: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
 ) -> numpy.typing.NDArray[numpy.int32]: ...
+def nonzero_rows(
+    values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.int64]: ...
 def panel_value_bytes(handle: typing.SupportsInt | typing.SupportsIndex) -> int: ...
 def place_weights(
     X: numpy.typing.NDArray[numpy.float64], places: numpy.typing.NDArray[numpy.int32], of: str
@@ -803,6 +808,11 @@ def watch(
 def watch_outlet(
     control: typing.SupportsInt | typing.SupportsIndex, process: typing.SupportsInt | typing.SupportsIndex
 ) -> None: ...
+def with_points(
+    values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    nodes: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
 
 has_cgal: bool = True
 node_blocks: str = "node_blocks"

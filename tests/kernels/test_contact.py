@@ -241,6 +241,28 @@ def test_penalty_has_two_continuous_derivatives():
     np.testing.assert_allclose(gradient[2, 2] - gradient[1, 2], -0.1 * np.exp(8.0) * STIFFNESS, rtol=1e-9)
 
 
+@pytest.mark.parametrize("name", BODIES)
+def test_what_is_left_out_as_far_has_no_contact(name):
+    """Energies of points all about a body, beside those of the penalty at their distances."""
+    body, x = BODIES[name], np.random.default_rng(7).uniform(-1.2, 1.2, (4000, 3))
+    s = np.maximum(THICKNESS - body.distances(x), 0.0) / THICKNESS
+    outside = s < 1.0
+    expected = STIFFNESS * THICKNESS**2 * (s[outside] ** 3).sum() / 6.0
+    assert (s[outside] > 0.0).sum() > 20
+    assert contact_of(body, x[outside])[0] == pytest.approx(expected, rel=1e-12)
+
+
+def test_far_points_take_no_normal_and_stick_where_they_are():
+    """Those that a body has never pressed need none."""
+    x = np.array([[0.0, 0.0, 3.0], [0.1, -0.2, 0.71]])
+    memory = np.zeros((2, 3)), np.zeros((2, 3)), np.zeros(2)
+    BODIES["sphere"].update_friction(x, np.ones(2), STIFFNESS, THICKNESS, 0.4, 0.01, *memory)
+    anchors, normals, limits = memory
+    np.testing.assert_allclose(anchors, x)
+    np.testing.assert_allclose(normals, [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-12)
+    assert limits[0] == 0.0 < limits[1]
+
+
 class TestFriction:
     slip, limit = 0.01, 3.0
 

@@ -42,6 +42,15 @@ def terms(made: Contact, curved: bool = True) -> list[PointForces | TriangleForc
     return [nodes, TriangleForces(X, entities, made, rates, curved)]
 
 
+def test_places_of_points_are_sums_of_their_corners():
+    """Those of three numbers a corner have a kernel; others are NumPy's."""
+    points = ContactPoints(CELLS, np.array([3, 1, 2]))
+    values = np.random.default_rng(3).normal(size=(len(X), 3))
+    np.testing.assert_allclose(points.place(values), np.hstack([points.place(values[:, a : a + 1]) for a in range(3)]))
+    found = _kernels.nonzero_rows(np.array([[0.0, 0.0], [0.0, 2.0], [0.0, -0.0], [np.nan, 0.0]]))
+    np.testing.assert_array_equal(found, [1, 3])
+
+
 def pressed(friction: float = 0.4) -> tuple[Contact, np.ndarray]:
     """Contact whose friction has begun, and positions somewhat off from there."""
     made, x = contact(friction=friction), flat()

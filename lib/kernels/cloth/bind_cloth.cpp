@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cloth/contact.hpp"
 #include "cloth/triangle_distance.hpp"
@@ -142,6 +143,34 @@ py::array_t<double> longest_sides(const Doubles& x, const Cells& cells) {
     return found;
 }
 
+// Corners, followed by places between those of triangles.
+py::array_t<double> with_points(const Doubles& values, const Cells& nodes, const Doubles& weights) {
+    const py::ssize_t n = points(values), m = nodes.shape(0);
+    require_size(weights, 3 * m, "weights");
+    require(nodes.ndim() == 2 && nodes.shape(1) == 3, "nodes must have the shape (m, 3)");
+    const auto inside = [n](int32_t node) { return node >= 0 && node < n; };
+    require(std::all_of(nodes.data(), nodes.data() + 3 * m, inside), "a point names a node that does not exist");
+    py::array_t<double> all({n + m, py::ssize_t{3}});
+    double* to = std::copy(values.data(), values.data() + 3 * n, all.mutable_data());
+    for (py::ssize_t k = 0; k < m; ++k, to += 3) {
+        const double *share = weights.data() + 3 * k, *from[3];
+        for (int i = 0; i < 3; ++i) from[i] = values.data() + 3 * static_cast<py::ssize_t>(nodes.data()[3 * k + i]);
+        for (int a = 0; a < 3; ++a) to[a] = share[0] * from[0][a] + share[1] * from[1][a] + share[2] * from[2][a];
+    }
+    return all;
+}
+
+py::array_t<int64_t> nonzero_rows(const Doubles& values) {
+    require(values.ndim() == 2, "values must have rows");
+    const py::ssize_t n = values.shape(0), wide = values.shape(1);
+    std::vector<int64_t> found;
+    for (py::ssize_t i = 0; i < n; ++i) {
+        const double* row = values.data() + wide * i;
+        if (std::any_of(row, row + wide, [](double value) { return value != 0.0; })) found.push_back(i);
+    }
+    return py::array_t<int64_t>(static_cast<py::ssize_t>(found.size()), found.data());
+}
+
 double step_share(const Body& body, const Doubles& x, const Doubles& d, const Cells& cells, double floor, double deeper,
                   double tolerance, double bottom) {
     const Triangles triangles(x, cells);
@@ -197,6 +226,10 @@ double update_friction(const Body& body, const Doubles& x, const Doubles& area, 
         const double* place = x.data() + 3 * i;
         double *own_anchor = anchor.mutable_data() + 3 * i, *own_normal = normal.mutable_data() + 3 * i;
         double& own_limit = limit.mutable_data()[i];
+        if (own_limit == 0.0 && body.beyond(place, thickness)) {
+            std::copy(place, place + 3, own_anchor);
+            continue;
+        }
         const restshape::Distance d = body.distance(place, false);
         std::copy(d.gradient, d.gradient + 3, own_normal);
         // What has touched nothing sticks where it is now.
@@ -312,7 +345,8 @@ void bind_contact(py::module_& m) {
              "`deeper`; and none below a bottom, unless it is there already.")
         .def("update_friction", &update_friction, "x"_a, "area"_a, "stiffness"_a, "thickness"_a, "coefficient"_a,
              "slip"_a, "anchor"_a.noconvert(), "normal"_a.noconvert(), "limit"_a.noconvert(),
-             "Takes the normals (n, 3) at x (n, 3), and as limits (n,) [N] the coefficient times the normal forces of "
+             "Takes the normals (n, 3) at x (n, 3), but for what has no limit and is far, and as limits (n,) [N] the "
+             "coefficient times the normal forces of "
              "`add_contact`. Takes anchors (n, 3) into the surface at x and after it where they are more than a slip "
              "away; those without a limit, before or now, go to x. Returns the farthest way that one was dragged [m].")
         .def("add_contact", &add_contact, "x"_a, "area"_a, "stiffness"_a, "thickness"_a, "potential"_a.noconvert(),
@@ -366,6 +400,10 @@ void bind_contact(py::module_& m) {
              "Adds to out (n, 3) [N] the rates of the gradient of `add_contact` on points x (n, 3), and of friction "
              "where its limit (n,) is not 0, with the normal and the normal force of x itself. Numbers are pairs of "
              "value and rate.");
+    m.def("with_points", &with_points, "values"_a, "nodes"_a, "weights"_a,
+          "Values (n, 3) of nodes, followed by those (m, 3) of points: sums of their nodes' (m, 3) by weights (m, 3).");
+    m.def("nonzero_rows", &nonzero_rows, "values"_a,
+          "Numbers (k,) of the rows of values (n, f) that are not all zero.");
     m.def("longest_sides", &longest_sides, "x"_a, "cells"_a,
           "The longest side (ne,) [m] of triangles: cells (ne, 3) of corners x (n, 3).");
     m.def("add_friction", &add_friction, "x"_a, "anchor"_a, "normal"_a, "limit"_a, "slip"_a, "potential"_a.noconvert(),

@@ -163,6 +163,28 @@ class BodyOf {
         }
     }
 
+    // Whether a place is easily seen to be farther away than so much: most places are, and need no distance then.
+    bool beyond(const T* x, T far) const {
+        T y[3];
+        for (int a = 0; a < 3; ++a) y[a] = x[a] - centre_[a];
+        const T most = radius_ + far;
+        switch (kind_) {
+            case Kind::sphere:
+                return most > 0 && dot(y, y) > most * most;
+            case Kind::plane:
+                return dot(y, axis_) > far;
+            case Kind::box:
+                for (int k = 2; k >= 0; --k)
+                    if (abs(dot(rotation_[k], y)) > half_[k] + most) return true;
+                return false;
+            case Kind::cylinder:
+                return abs(dot(y, axis_)) > length_ + far;
+            default:
+                const T along = dot(y, axis_), over = along - std::clamp<T>(along, 0.0, length_);
+                return most > 0 && dot(y, y) - along * along + over * over > most * most;
+        }
+    }
+
     // Without `curved` the second derivatives are zero.
     DistanceOf<T> distance(const T* x, bool curved = true) const {
         T y[3];
@@ -328,6 +350,7 @@ Ramp<T> penalty(const T& distance, const T& stiffness, const T& thickness) {
 // positive semidefinite.
 inline double add_contact(const Body& body, const double* x, double area, double stiffness, double thickness,
                           bool curved, double* potential) {
+    if (body.beyond(x, thickness)) return 0.0;
     const Distance d = body.distance(x, curved);
     const Ramp<double> ramp = penalty(d.value, stiffness * area, thickness);
     if (ramp.curvature == 0.0) return 0.0;

@@ -127,14 +127,16 @@ inline double triangle_share(const Body& body, const Vec3* p, const Vec3* d, dou
     for (int i = 0; i < 3; ++i) longest = std::max(longest, inner(d[i].c, d[i]));
     longest = std::sqrt(longest);
     const Vec3 centre = (1.0 / 3.0) * (p[0] + p[1] + p[2]);
-    const Distance middle = body.distance(centre.c, false);
     double slope = 0.0, farthest = 0.0;
+    Vec3 ways[6];
     for (int i = 0; i < 3; ++i)
         for (int end = 0; end < 2; ++end) {
-            const Vec3 way = p[i] + static_cast<double>(end) * d[i] - centre;
-            slope = std::min(slope, inner(middle.gradient, way));
+            const Vec3 way = ways[2 * i + end] = p[i] + static_cast<double>(end) * d[i] - centre;
             farthest = std::max(farthest, inner(way.c, way));
         }
+    if (body.beyond(centre.c, floor + std::sqrt(farthest))) return 1.0;
+    const Distance middle = body.distance(centre.c, false);
+    for (const Vec3& way : ways) slope = std::min(slope, inner(middle.gradient, way));
     if (middle.value + std::max(slope, -std::sqrt(farthest)) >= floor) return 1.0;
     double t = 0.0, least = floor;
     for (int k = 0; k < 200; ++k) {

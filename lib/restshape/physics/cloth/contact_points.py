@@ -102,6 +102,8 @@ class ContactPoints:
         """Values (n, f) at the corners, followed by those (m, f) at the points."""
         if not len(self.cut):
             return values
+        if values.shape[1] == 3:
+            return _kernels.with_points(values, self.nodes, self.weights)
         return np.concatenate([values, np.einsum("pk,pka->pa", self.weights, values[self.nodes])])
 
     def areas(self, corners: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.algebra.operator import CellSubset, MatrixTerm
 from restshape.fem import elements
 from restshape.fem.integral import Integral
@@ -140,7 +141,7 @@ class TriangleForces:
 
     def _spread(self, forces: np.ndarray, out: np.ndarray) -> None:
         """Add forces (m, 3) at the points to those `out` (n, 3) of the nodes around them."""
-        active = np.flatnonzero(forces.any(axis=1))
+        active = _kernels.nonzero_rows(forces)
         table = np.zeros((len(active), 3 + POTENTIAL))
         table[:, :3], table[:, 6:9] = self.points.weights[active], forces[active]
         Integral(IN_TRIANGLE, self.X, self.nodes[active], table, block=None).add_residual(np.zeros_like(out), out)
@@ -149,6 +150,6 @@ class TriangleForces:
         """The points (k,) that touch, and the quadratic functions that agree with contact there at x (n, 3)."""
         place = self.contact.place(x[self.entities[:, 0]])
         table = self.contact.potential(place, self.curved)[1][len(self.entities) :]
-        active = np.flatnonzero(table[:, 3:].any(axis=1))
+        active = _kernels.nonzero_rows(table[:, 3:])
         touching = np.column_stack([self.points.weights[active], table[active]])
         return active, Integral(IN_TRIANGLE, self.X, self.nodes[active], touching, block=self.matrix_block)
