@@ -28,6 +28,7 @@ COARSE = {
     "column": 0.03,
     "csm3": 0.02,
     "fish": 0.014,
+    "longer": 0.04,
     "pins": 0.1,
     "sphere-drag": 0.09,
     "strip": 0.01,

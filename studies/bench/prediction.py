@@ -5,20 +5,16 @@ from dataclasses import replace
 from itertools import pairwise
 from statistics import median
 
-import numpy as np
 from petsc4py import PETSc
 from restshape_studies.bench.job import Job, Row, run
+from restshape_studies.bench.prediction_ways import compare_ways, difference
 from restshape_studies.bench.turns import Announce, Play, found_of, in_turns, median_ratio
 
 from restshape.analysis.analysis import Analysis
-from restshape.analysis.frequencies import largest_difference
 from restshape.errors import UserError
-from restshape.fem.residuals import energy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 
-NO_STEPS = "gmls, no steps"
-"""GMLS whose frames of drags take no solver steps."""
 SHARES = (0.25, 0.5, 0.75, 1.0)
 """Parts of the farthest way of the hand, at which the error is reported."""
 
@@ -140,79 +136,12 @@ def measure(request: Request) -> Row:
     }
 
 
-def compare_ways(request: Request) -> Row:
-    """How far each way of prediction is from the solved answer in all frames of drags, those that it solves included.
-
-    Returns: by way `error` (of each frame, as of `measure`), `mean` and `max` of them, and of a displacement `distance`
-    (of nodes [m]: `mean` and `max` over frames of the mean and of the largest) and `energy` (relative: likewise).
-    """
-    still = request.scene.predict.model_copy(update={"frame_time": 0.0})
-    alone = request.scene.model_copy(update={"predict": still})
-    asked = {
-        "linear": replace(request, predict="linear"),
-        "gmls": replace(request, predict="gmls"),
-        NO_STEPS: replace(request, scene=alone, predict="gmls"),
-    }
-    exact = Replay(replace(request, predict="none"), PETSc.COMM_WORLD)
-    replays = {way: Replay(one, PETSc.COMM_WORLD) for way, one in asked.items()}
-    seen: dict[str, list[tuple[float, ...]]] = {way: [] for way in asked}
-    for true, *rows in zip(exact.frames(), *(one.frames() for one in replays.values())):
-        if true["event"] != "drag" or not true["level"] or true["refused"]:
-            continue
-        for way, row in zip(asked, rows):
-            if not row["refused"]:
-                seen[way].append(_apart(replays[way].analysis, exact.analysis))
-    return {way: _summed(np.array(found)) for way, found in seen.items() if found}
-
-
-def _apart(found: Analysis, exact: Analysis) -> tuple[float, ...]:
-    """The relative error of an answer, mean and largest distance of nodes [m], and relative error of the energy."""
-    near, true = found.solution().field, exact.solution().field
-    if near is None or true is None or near.shape != true.shape:
-        return (difference(found, exact), np.nan, np.nan, np.nan)
-    way = np.linalg.norm(near - true, axis=1)
-    energies = [_energy(one) for one in (found, exact)]
-    off = abs(energies[0] - energies[1]) / abs(energies[1]) if energies[1] else np.nan
-    return (difference(found, exact), float(way.mean()), float(way.max()), off)
-
-
-def _energy(analysis: Analysis) -> float:
-    """The potential energy [J] of an answer; not a number where it has none."""
-    problem, x = analysis.state.problem, getattr(analysis, "x", None)
-    own = getattr(problem, "energy", None)
-    if x is None:
-        return np.nan
-    if own is not None:
-        return float(own(x))
-    return float(energy(problem, x)) if problem.traits(analysis.state.plan).minimises else np.nan
-
-
-def _summed(found: np.ndarray) -> Row:
-    """The record of the frames (n, 4) of a way."""
-    error, mean, largest, off = found.T
-    record: Row = {"error": error.tolist(), "mean": float(error.mean()), "max": float(error.max())}
-    if np.isfinite(mean).all():
-        record["distance"] = {"mean": float(mean.mean()), "max": float(largest.max())}
-    if np.isfinite(off).all():
-        record["energy"] = {"mean": float(off.mean()), "max": float(off.max())}
-    return record
-
-
 def subject(analysis: Analysis) -> str:
     """What `difference` is of: a field, or frequencies of modes, whose own size means nothing."""
     found = analysis.solution()
     if found.field is None:
         return f"{found.spectrum}, the largest of them"
     return f"{found.name}, norm over all nodes"
-
-
-def difference(predicted: Analysis, solved: Analysis) -> float:
-    """The relative error of a predicted answer: of the norm of a field, or the largest of single frequencies."""
-    found, exact = predicted.solution(), solved.solution()
-    if found.field is None or exact.field is None:
-        return largest_difference(found.values, exact.values)
-    size = float(np.linalg.norm(exact.field))
-    return float(np.linalg.norm(found.field - exact.field)) / size if size > 0.0 else 0.0
 
 
 def _relative(pairs: Sequence[tuple[float, float]]) -> list[float]:

@@ -88,6 +88,7 @@ def show_ways(ways: dict[str, Any]) -> None:
         "largest",
         "nodes [mm]",
         "energy",
+        "lag [ms]",
     )
     rows = []
     for way, one in ways.items():
@@ -96,7 +97,8 @@ def show_ways(ways: dict[str, Any]) -> None:
         errors = [f"{one[key]:.1e}" if key in one else "" for key in ("mean", "max")]
         distance = f"{1e3 * one['distance']['max']:.2g}" if "distance" in one else ""
         energy = f"{one['energy']['max']:.1e}" if "energy" in one else ""
-        rows.append((way, *times, *counts, *errors, distance, energy))
+        lag = f"{one['lag_ms']['mean']:.0f}" if "lag_ms" in one else ""
+        rows.append((way, *times, *counts, *errors, distance, energy, lag))
     print_table("ways of prediction against the solved answer", heads, rows, right=heads[1:])
 
 

@@ -90,3 +90,11 @@ def test_a_body_that_goes_within_a_drag_leaves_no_sample(tmp_path):
     k = next(row["index"] for row in rows if row["event"] == "set")
     assert rows[k]["converged"] == 1 and rows[k]["samples"] <= 1 and off(found[k], exact[k]) < 1e-3
     assert off(found[-1], exact[-1]) < 1e-3
+
+
+def test_a_press_while_the_cloth_is_not_at_rest_says_so(tmp_path):
+    scene = write_scene(tmp_path, ON_BALL)
+    script = write_script(tmp_path, drag("right", HAND, across(HAND, (0.202, 0.1), 2)))
+    rows, _ = shown(scene, script, "gmls", ["effects.drape.steps=3"])
+    assert rows[1]["note"].startswith("not predicted: the cloth is not at rest") or "not at rest" in rows[1]["note"]
+    assert not any(row["predicted"] for row in rows)

@@ -130,7 +130,7 @@ class SampledFrames(PredictedFrames):
     def idle(self, edit: ScriptFrame, solve: Callable[[ScriptFrame], None]) -> None:
         """Before a frame, spend the edit time since the last one on a sample where the hand is.
 
-        A frame of a drag keeps `frame_time` of it.
+        A frame of a drag that takes solver steps keeps `frame_time` of it.
 
         Args:
             edit: the frame.
@@ -141,7 +141,7 @@ class SampledFrames(PredictedFrames):
             self._time.close()
             return
         moved = last.change == "move"
-        self._time.begin(edit.t - last.t - (self.spec.frame_time if moved else 0.0), moved)
+        self._time.begin(edit.t - last.t - (self.spec.frame_time if moved and self._steps else 0.0), moved)
         self._stuck = self._stuck and not moved
         while (work := self._next_work(last, made)) and self._time.pays(work):
             self._do(work, last, made, solve)

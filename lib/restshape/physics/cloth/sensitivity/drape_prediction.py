@@ -77,7 +77,10 @@ class DrapePrediction:
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
         """Derivatives (2, n, 3) of the unknowns along the hand's two directions; see `analysis.Predictor`."""
-        return self.analysis.derivative(motion, min(tolerance, TOLERANCE)).s
+        found, state = self.analysis.derivative(motion, min(tolerance, TOLERANCE)), self.analysis.state
+        if found.note and found.note not in state.notes:
+            self.analysis.state = replace(state, notes=(*state.notes, found.note))
+        return found.s
 
     def values(self) -> np.ndarray:
         """The unknowns (n, 3) at the last equilibrium or prediction."""
