@@ -327,12 +327,12 @@ struct Ramp {
 };
 
 // Energy an area of a penalty of stiffness k [N/m^3] that begins at the distance `thickness` t. Its second derivative
-// rises linearly to k at the surface, by e^(16 u) on the way u t below it, so that a corner that bears much is hardly
-// deeper than one that bears little, and stays from half of a thickness below it on.
+// rises linearly to k at the surface, by e^(24 u) on the way u t below it, so that a corner that bears much is hardly
+// deeper than one that bears little, and stays from a third of a thickness below it on.
 template <class T>
 Ramp<T> penalty(const T& distance, const T& stiffness, const T& thickness) {
     using std::exp;
-    constexpr double growth = 16.0, most = 0.5;
+    constexpr double growth = 24.0, most = 1.0 / 3.0;
     const T k = stiffness, t = thickness, s = t - distance;
     if (!(s > 0)) return {0, 0, 0};
     if (s < t) {

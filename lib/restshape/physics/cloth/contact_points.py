@@ -147,7 +147,9 @@ class ContactPoints:
         sag = (longest[near] / had) ** 2 / (8.0 * (radius + 0.5 * thickness))
         # Thin bodies pass where cloth is as deep as they are.
         size = min(thickness, body.inner_radius)
-        wanted[kept & (lowest < -PRESSED * size) & (sag > FLAT * size)] *= 2
+        # A flat triangle on a large ball is one that corners alone would do for.
+        more = kept | (deeper & (wanted == 1))
+        wanted[more & (lowest < -PRESSED * size) & (sag > FLAT * size)] *= 2
         found[near] = np.where(kept | deeper, np.minimum(wanted, MOST_PARTS), 1)
         return found
 
