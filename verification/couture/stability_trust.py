@@ -34,6 +34,8 @@ APART = Known(SAME, "loose cloth goes ten times as far as forces are balanced")
 MIRRORED = Known(1e-9, "energies differ by the square of the tolerance of forces")
 TIGHT = 0.15
 """Height [m] of the middle of the head that is 60 mm larger than the hole."""
+NECKLINE = Known(0.08, "an edge of the neckline bears much of the weight")
+"""Bound of strains of ponchos whose hole the neck fits into."""
 HAMMOCK = pinned("a", "b", "c", "d")
 SMOOTH = BALL.format(x=0.15, y=0.15, z=-0.3, radius=0.1, friction=0.0)
 
@@ -50,9 +52,10 @@ def openings(made: Replay) -> tuple[dict[str, int], dict[str, int], np.ndarray]:
 
 def ponchos(trial: Trial) -> Iterator[Statement]:
     """Ponchos fall on bodies: necks stay in them, and one whose hole is 60 mm too small stays on the head."""
-    known = drapes()
+    known, size = drapes(), 0.03 / min(1.0, max(0.5, trial.share))
     for name in ("poncho", "poncho-sloping", "collar", "poncho-tight"):
-        made, (row,) = played(trial, str(known[name]))
+        coarser = [] if name == "collar" else [f"mesh.size={size}"]
+        made, (row,) = played(trial, str(known[name]), overrides=coarser)
         before, after, hole = openings(made)
         yield true(
             f"{name}: at rest, and stable", row["converged"] and row["tangent_positive_definite"] == 1, row["note"]
@@ -62,16 +65,17 @@ def ponchos(trial: Trial) -> Iterator[Statement]:
             yield above(
                 "poncho-tight: lowest place of its hole over the middle of the head [m]", hole[:, 2].min() - TIGHT, 0.0
             )
-            yield from _said(row)
+            yield from _said(name, row)
             continue
         yield true(f"{name}: the neck stays in it", kept(before, after) is True, ", ".join(after) or "nothing is in it")
-        yield below(f"{name}: largest strain of an edge", row["max_strain"], 0.05)
+        yield below(f"{name}: largest strain of an edge", row["max_strain"], NECKLINE)
+        yield from _said(name, row)
 
 
-def _said(row: Row) -> Iterator[Statement]:
+def _said(name: str, row: Row) -> Iterator[Statement]:
     """The statement that a frame says so where an edge is stretched too far."""
     stretched = row["max_strain"] > 0.05
-    yield true("poncho-tight: stretched beyond 5 % or not, it says so", ("stretched" in row["untrusted"]) == stretched)
+    yield true(f"{name}: stretched beyond 5 % or not, it says so", ("stretched" in row["untrusted"]) == stretched)
 
 
 def there_and_back(trial: Trial) -> Iterator[Statement]:
@@ -171,7 +175,7 @@ def paths(trial: Trial) -> Iterator[Statement]:
 
 
 CASES = {
-    "ponchos": Case(ponchos, weekly=("auto",)),
+    "ponchos": Case(ponchos, share=0.5),
     "there_and_back": Case(there_and_back, share=0.04),
     "two_rests": Case(two_rests),
     "paths": Case(paths),
