@@ -58,3 +58,15 @@ def test_a_start_across_itself_is_refused_with_the_place_or_comes_apart(tmp_path
     row = row_of(scene, "mesh.size=0.2")
     assert "begins across itself" in row["note"]
     assert row["crossings"] == 0 or "passes through itself" in row["untrusted"]
+
+
+def test_layers_that_catch_on_each_other_are_warned_of_with_the_size_to_take(tmp_path):
+    """With friction between layers, and contact that begins at more than a tenth of the mesh size."""
+
+    def warnings(*keys):
+        scene = cloth(tmp_path, PIN, "\n".join([CONTACT, "self = true", *keys]))
+        return plan(scene, application_of(scene)).warnings
+
+    (warned,) = warnings('self_thickness = "5 cm"', "self_friction = 0.3")
+    assert "catch on each other" in warned and 'effects.contact.self_thickness to "25 mm"' in warned
+    assert warnings('self_thickness = "5 cm"') == warnings('self_thickness = "25 mm"', "self_friction = 0.3") == ()

@@ -113,7 +113,7 @@ class ContactKeys(Strict):
                 "effects.contact",
                 "add [bodies.NAME], or self = true for cloth that touches itself, or leave out [effects.contact]",
             )
-        warning = self._coarse(scene)
+        warning = self._coarse(scene) or self._catching(scene)
         if not scene.bodies:
             return ResolvedSettings(self, warns=warning)
         if self.stiffness is not None:
@@ -145,6 +145,17 @@ class ContactKeys(Strict):
             f"the cloth touches itself from {1e3 * thickness:.3g} mm on, which a mesh of {1e3 * size:.3g} mm is too "
             f'coarse for: set mesh.size to "{1e3 * FINE * thickness:.3g} mm", or effects.contact.self_thickness to '
             f'"{1e3 * size / FINE:.3g} mm"'
+        )
+
+    def _catching(self, scene: Scene) -> str:
+        """A warning where layers with friction catch on each other's nodes and edges; empty elsewhere."""
+        size, thickness = scene.mesh.size or 0.0, layer_thickness(scene, self)
+        if not self.self_friction or not size or FINE * thickness <= (1.0 + TOLERANCE) * size:
+            return ""
+        return (
+            f"contact of the cloth with itself begins at {1e3 * thickness:.3g} mm on a mesh of {1e3 * size:.3g} mm: "
+            f"layers catch on each other, and slip up to 5 % later than effects.contact.self_friction says; set "
+            f'effects.contact.self_thickness to "{1e3 * size / FINE:.3g} mm" or less'
         )
 
 

@@ -137,7 +137,7 @@ class LayerFriction:
         Half of each way is on either side, to opposite directions.
         """
         pairs, slides = self.touching, np.zeros((len(self.places), 4))
-        weights = np.abs(pairs.forces)[:, None] * pairs.shares
+        weights = pairs.forces[:, None] * pairs.shares
         np.add.at(slides[:, :3], pairs.nodes, weights[:, :, None] * kept[:, None, :])
         np.add.at(slides[:, 3], pairs.nodes, np.abs(weights))
         return slides

@@ -154,8 +154,6 @@ class SelfContact:
         """
         found = self.surface.library.NormalCollisions()
         found.use_area_weighting, found.enable_shape_derivatives = True, differentiable
-        # A node over an edge is near both triangles: counted twice, layers would catch on edges and nodes.
-        found.collision_set_type = found.CollisionSetType.IMPROVED_MAX_APPROX
         found.build(self._candidates.at(x), self.mesh, columns(x), distance)
         return found
 
@@ -275,15 +273,12 @@ class SelfContact:
             rows, cols, values = (np.asarray(part) for part in (matrix.row, matrix.col, matrix.data))
             self._add(single, coupled, rows // 3, cols // 3, rows % 3, cols % 3, values)
         if len(self.history.offsets):
-            self._add_friction(near.x, single, coupled, curved)
+            self._add_friction(near.x, single, coupled)
         return single, coupled
 
-    def _add_friction(self, x: np.ndarray, single: np.ndarray, coupled: np.ndarray, curved: bool) -> None:
+    def _add_friction(self, x: np.ndarray, single: np.ndarray, coupled: np.ndarray) -> None:
         pairs, values = self.history.touching, self.values
         blocks = self.history.hessians(x, values.friction, values.slip)
-        if not curved:
-            # Pairs that take off what others count twice.
-            blocks[pairs.forces < 0.0] = 0.0
         shares = np.einsum("mi,mj->mij", pairs.shares, pairs.shares)
         entries = shares[:, :, :, None, None] * blocks[:, None, None]
         m, i, j, a, b = np.indices(entries.shape).reshape(5, -1)

@@ -17,10 +17,6 @@ KINDS = {
 }
 """Lists of the library's collisions, and what each is between."""
 
-ENDS, SECOND = ((0, 1, 2, 3, 6, 7), (0, 1, 2, 3, 4, 5)), ((2, 3, 7), (1, 3, 5))
-"""The library's kinds of distances of two edges of which an end of the first, or of the second, counts alone; and where
-that is the edge's second end."""
-
 
 def _numbers(collisions: Any, kind: str) -> np.ndarray:
     """The numbers (m, 2) of what collides."""
@@ -77,8 +73,6 @@ def _of_kind(
     nodes = np.where(there, nodes, nodes[:, :1])
     places = x[nodes]
     shares = SHARES[kind](places) * there
-    if kind == "ee_collisions":
-        _at_ends(shares, places, np.array([one.dtype.value for one in collisions], np.int64))
     way = np.einsum("mk,mka->ma", shares, places)
     distance = np.linalg.norm(way, axis=1)
     forces = np.array([one.weight for one in collisions]) * barrier_force(distance, thickness)
@@ -131,21 +125,6 @@ def _two_edges(places: np.ndarray) -> np.ndarray:
     t = _along(a + s[:, None] * u, c, d)
     s = _along(c + t[:, None] * v, a, b)
     return np.column_stack([1.0 - s, s, t - 1.0, -t])
-
-
-def _at_ends(shares: np.ndarray, places: np.ndarray, kinds: np.ndarray) -> None:
-    """Set the shares (m, 4) of edges of which ends alone count: so the library takes off what it has twice."""
-    first, second = (np.isin(kinds, known) for known in ENDS)
-    at = np.flatnonzero(first | second)
-    if not len(at):
-        return
-    a, b, c, d = places[at].transpose(1, 0, 2)
-    first, second, kinds = first[at], second[at], kinds[at]
-    s = np.where(np.isin(kinds, SECOND[0]), 1.0, 0.0)
-    t = np.where(np.isin(kinds, SECOND[1]), 1.0, 0.0)
-    s = np.where(first, s, _along(np.where(t[:, None] > 0.0, d, c), a, b))
-    t = np.where(second, t, _along(np.where(s[:, None] > 0.0, b, a), c, d))
-    shares[at] = np.column_stack([1.0 - s, s, t - 1.0, -t])
 
 
 def _triangle_and_node(places: np.ndarray) -> np.ndarray:
