@@ -1,4 +1,4 @@
-"""The thesis's numbers of cloth beside ours: figure 5.16, implicit steps a second of table 5.1, cloth on a ball."""
+"""The thesis's numbers of cloth beside ours: figure 5.16, table 5.1, cloth on a ball."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 from restshape_verification.couture.step_solvers import Compared, methods, table
+from restshape_verification.couture.thesis_edits import edit_rows
 
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
@@ -60,7 +61,7 @@ SOLVER_SIZES, COMPARED = {"coarse": "20.9 mm", "fine": "7.9 mm"}, 17
 def rows(timed: bool = True) -> list[dict[str, Any]]:
     """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`."""
     found = [row for benchmark in BENCHMARKS for row in benchmark_rows(benchmark, timed)]
-    return [*found, *((*step_rows(), *solver_rows(), *ball_rows()) if timed else ())]
+    return [*found, *((*step_rows(), *edit_rows(), *solver_rows(), *ball_rows()) if timed else ())]
 
 
 def benchmark_rows(benchmark: Benchmark, timed: bool) -> list[dict[str, Any]]:
