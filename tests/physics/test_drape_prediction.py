@@ -98,3 +98,17 @@ def test_a_press_while_the_cloth_is_not_at_rest_says_so(tmp_path):
     rows, _ = shown(scene, script, "gmls", ["effects.drape.steps=3"])
     assert rows[1]["note"].startswith("not predicted: the cloth is not at rest") or "not at rest" in rows[1]["note"]
     assert not any(row["predicted"] for row in rows)
+
+
+@pytest.mark.slow
+def test_drapes_of_a_drag_go_on_to_a_new_mesh(tmp_path):
+    """With hinges unknowns are those of nodes: earlier drapes are projected to the nodes of a new mesh."""
+    events = far((0.21, 0.1), rest=4, frames=3)[:-1]
+    events += [{"do": "drag", "to": [0.45, 0.1]}, {"do": "drag", "to": [0.451, 0.1]}, {"do": "release"}]
+    scene, script = write_scene(tmp_path, ON_BALL), write_script(tmp_path, events)
+    rows, found = shown(scene, script, "gmls", [*ALONE, "mesh.min_quality=0.9"])
+    new = next(row["index"] for row in rows[1:] if row["level"] == 3)
+    assert rows[new]["samples_projected"] == rows[new]["samples"] - 1 > 0
+    after = rows[new + 1]
+    assert after["predicted"] and not after["refused"] and after["samples_projected"] > 0
+    assert off(found[new + 1], found[new]) < 0.01
