@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.bench.drape_derivative import is_drape, measure_drape
 
 from restshape import _kernels
 from restshape.analysis.frame import Frame
@@ -83,8 +84,10 @@ def measure(request: Request) -> dict[str, Any]:
         UserError: as `LinearisedScene`; a derivative cannot be had.
 
     Returns: steps (of the size of the shape), forward, central (5.13 of the thesis) and semi (5.14): None where
-        there is no answer; ms of one derivative each way; triangles, unknowns.
+        there is no answer; ms of one derivative each way; triangles, unknowns. Of cloth as `measure_drape`.
     """
+    if is_drape(request.scene):
+        return measure_drape(request)
     linearised = LinearisedScene(request)
     both = linearised.derivative(linearised.Psi)
     direction = int(np.linalg.norm(both[1]) > np.linalg.norm(both[0]))

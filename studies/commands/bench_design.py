@@ -1,6 +1,7 @@
 """The studies of `restshape bench` that have to do with the design derivative: its use and its exactness."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -118,11 +119,16 @@ def draw_derivative(found: dict[str, Any], args: argparse.Namespace, path: Path)
     from restshape_studies.pictures import design
 
     ((name, one),) = found.items()
+    if one.get("drape"):
+        return
     design.draw_derivative(name, one, path)
 
 
 def show_derivative(args: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     """Print the table of a derivative."""
+    if found.get("drape"):
+        show_drape(name, found)
+        return
     ways = ("forward", "central", "semi")
     heads = ("step / size", "full solves (5.13)", "full solves, central", "semi-analytic (5.14)")
     rows = [
@@ -133,6 +139,33 @@ def show_derivative(args: argparse.Namespace, name: str, found: dict[str, Any]) 
     print_table(title, heads, rows, right=heads)
     times = ", ".join(f"{way} {ms:.2f}" for way, ms in found["ms"].items())
     print(f"one derivative takes [ms], with its factor at hand: {times}")
+
+
+def show_drape(name: str, found: dict[str, Any]) -> None:
+    """Print both derivatives of a drape."""
+    heads = ("step / size", "remainder along x", "order", "along y", "order")
+    rows = []
+    for i, step in enumerate(found["steps"]):
+        cells = [f"{step:.1e}"]
+        for values in found["remainders"]:
+            one, before = values[i], values[i - 1] if i else None
+            cells += ["no rest" if one is None else f"{one:.2e}", f"{order(before, one, found['steps'], i)}"]
+        rows.append(tuple(cells))
+    title = f"{name}: {found['edge']} by hand, what a derivative lacks, over what it tells; {found['nodes']} nodes"
+    print_table(title, heads, rows, right=heads)
+    times, (first, second) = found["ms"], found["residuals"]
+    print(
+        f"both derivatives take {times['least']:.1f} ms (median {times['median']:.1f}), with their factor at hand: "
+        f"{found['iterations']} iterations, residuals {first:.1e} and {second:.1e}; {found['sticking']} places stick, "
+        f"{found['sliding']} slide{'; ' + found['note'] if found['note'] else ''}"
+    )
+
+
+def order(before: float | None, after: float | None, steps: list[float], i: int) -> str:
+    """The order of the whole remainder, from two that are relative to the step; empty where there are none."""
+    if before is None or after is None or not after:
+        return ""
+    return f"{1.0 + math.log(before / after) / math.log(steps[i - 1] / steps[i]):.2f}"
 
 
 KINDS = (

@@ -219,6 +219,12 @@ class KeptPreconditioner:
             for part in factors_of(self.ksp):
                 _kernels.solve_by_panels(part.getFactorMatrix().handle, iterates and self.single)
 
+    @property
+    def by_panels(self) -> bool:
+        """Whether a complete factor on one rank substitutes by panels already."""
+        known = self.kind == "cholesky" and self.ranks == 1 and self.ready
+        return known and _kernels.panel_value_bytes(self.ksp.getPC().getFactorMatrix().handle) > 0
+
     def flip(self, nodes: Indices) -> None:
         """Take in that edges of cells with these nodes (m, k) have been flipped."""
         if self.kind == "cholesky" and self.ranks == 1:

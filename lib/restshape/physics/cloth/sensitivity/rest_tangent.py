@@ -25,8 +25,8 @@ Apply = Callable[[PETSc.Vec, PETSc.Vec], None]
 class RestTangent:
     """K at an equilibrium: membrane, bending, contact with the curvature of bodies, and friction that agrees.
 
-    Systems with K are solved by GMRES, or CG where K is symmetric, on the factor of its symmetric part that the test of
-    stability has left: friction whose normal force follows the place is not symmetric.
+    Systems with K are solved by flexible GMRES on the factor of its symmetric part that the test of stability has left:
+    friction whose normal force follows the place is not symmetric.
 
     Args:
         state: at rest.
@@ -92,6 +92,9 @@ class RestTangent:
             if not solver.linear.kept.ready:
                 solver.newton.definite(x)
                 matrix = solver.newton.tangent(x)
+            # Every step of the iteration substitutes once for each derivative.
+            if not solver.linear.kept.by_panels:
+                solver.linear.kept.substitute_by_panels(iterates=solver.linear.takes_guess)
             return matrix, solver.linear.ksp.getPC().apply, []
         equations = ClothEquations(self.problem, solver.comm, solver.stages, None) if self.own else solver.equations
         whole = gather_matrix(equations.true_tangent(x, 0.0), solver.comm)
@@ -105,18 +108,17 @@ class RestTangent:
 
     def _krylov(self, matrix: PETSc.Mat, precondition: Apply, tolerance: float) -> tuple[PETSc.KSP, PETSc.Mat]:
         """The Krylov solver of K, and the matrix that it multiplies with."""
-        shell, symmetric = matrix, self.sliding is None
-        if not symmetric:
+        shell = matrix
+        if self.sliding is not None:
             shell = PETSc.Mat().createPython(matrix.getSizes(), _Sum(matrix, self.sliding, self.free), matrix.comm)
             shell.setUp()
         ksp = PETSc.KSP().create(matrix.comm)
         ksp.setOperators(shell)
-        ksp.setType("cg" if symmetric else "gmres")
+        # The factor may be rounded to single precision.
+        ksp.setType("fgmres")
+        ksp.setGMRESRestart(RESTART)
         ksp.getPC().setType("python")
         ksp.getPC().setPythonContext(_Applied(precondition))
-        if not symmetric:
-            ksp.setGMRESRestart(RESTART)
-            ksp.setPCSide(PETSc.PC.Side.RIGHT)
         ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
         ksp.setTolerances(rtol=tolerance, atol=0.0, divtol=1e30, max_it=MOST)
         return ksp, shell
