@@ -151,7 +151,7 @@ def show_drape(name: str, found: dict[str, Any]) -> None:
             one, before = values[i], values[i - 1] if i else None
             cells += ["no rest" if one is None else f"{one:.2e}", f"{order(before, one, found['steps'], i)}"]
         rows.append(tuple(cells))
-    title = f"{name}: {found['edge']} by hand, what a derivative lacks, over what it tells; {found['nodes']} nodes"
+    title = f"{name}: {found['edge']} by hand: remainders over the derivative times the step; {found['nodes']} nodes"
     print_table(title, heads, rows, right=heads)
     times, (first, second) = found["ms"], found["residuals"]
     print(

@@ -2,7 +2,12 @@
 
 from restshape_studies.validation.case import Case
 from restshape_verification.couture.validation_buckling import blade
-from restshape_verification.couture.validation_cantilever import cantilever, hinged_cantilever, wide_cantilever
+from restshape_verification.couture.validation_cantilever import (
+    cantilever,
+    cantilever_derivative,
+    hinged_cantilever,
+    wide_cantilever,
+)
 from restshape_verification.couture.validation_friction import capstan, incline
 from restshape_verification.couture.validation_hanging import catenary, hanging
 from restshape_verification.couture.validation_layers import folded_strip, two_sheets
@@ -13,6 +18,7 @@ CASES: dict[str, Case] = {
     "catenary": catenary,
     "hanging": hanging,
     "cantilever": cantilever,
+    "cantilever_derivative": cantilever_derivative,
     "wide_cantilever": wide_cantilever,
     "hinged_cantilever": hinged_cantilever,
     "plates": plates,

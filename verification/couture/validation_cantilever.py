@@ -25,6 +25,8 @@ ELASTICA = {
     1000: (0.045986, 0.981141, 90.0),
 }
 """By Gamma = w L^3/(EI): how far the tip is beside the clamp [L], and below it [L], and its angle [degrees]."""
+SLOPES = {1: (-0.017166, 0.120480), 8: (-0.036907, 0.035546), 100: (-0.000943, 0.000338)}
+"""Derivatives of the first two with respect to Gamma."""
 SOURCE = "heavy elastica: EI theta'' = -w (L - s) cos theta"
 MIRRORED = "supports={{clamp={{{}}},bottom={{{}}},top={{{}}}}}".format(
     'on="left",fix=["x","y","z","slope"]', 'on="bottom",symmetry="y"', 'on="top",symmetry="y"'
@@ -114,6 +116,27 @@ def wide_cantilever(comm: PETSc.Comm) -> list[Check]:
         # D (1 - nu^2) is EI by width.
         found = tip(bent((1 - 0.3**2) * gamma, ["material.canvas.nu=0.3", *NARROW], comm))
         checks += rows("narrow strip by EI: ", gamma, found)
+    return checks
+
+
+def cantilever_derivative(comm: PETSc.Comm) -> list[Check]:
+    """How the tip follows Gamma, by the derivatives of the drape with respect to its stiffness and to its weight."""
+    checks = []
+    for gamma, slopes in SLOPES.items():
+        replay = bent(gamma, (), comm)
+        keys = ["material.canvas.bending", "effects.gravity.g.2"]
+        sheet, found = replay.analysis.problem, replay.analysis.number_derivatives(keys, 1e-8)
+        right = sheet.mesh.X[:, 0] > LENGTH * (1 - 1e-6)
+        scene = replay.analysis.state.scene
+        # Gamma is proportional to the weight, and to one over the stiffness.
+        for what, s, factor in (
+            ("stiffness", found.s[0], -scene.material["canvas"].bending / gamma),
+            ("weight", found.s[1], replay.analysis.state.plan.settings("gravity").g[2] / gamma),
+        ):
+            away, _, up = factor * sheet.corners(s)[right].mean(axis=0) / LENGTH
+            for name, value, exact in zip(("W/L", "H/L"), (away, -up), slopes):
+                label = f"Gamma = {gamma}: d({name})/d(Gamma) by the {what}"
+                checks.append(Check(label, value, exact, 5e-3 if gamma <= 8 else 4 * NEAR, SOURCE, CLOSED_FORM))
     return checks
 
 
