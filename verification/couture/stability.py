@@ -5,7 +5,8 @@ from restshape_verification.couture.stability_bodies import CASES as BODIES
 from restshape_verification.couture.stability_contact import CASES as CONTACT
 from restshape_verification.couture.stability_edits import CASES as EDITS
 from restshape_verification.couture.stability_fabrics import CASES as FABRICS
+from restshape_verification.couture.stability_predicted import CASES as PREDICTED
 from restshape_verification.couture.stability_starts import CASES as STARTS
 from restshape_verification.couture.stability_trust import CASES as TRUST
 
-CASES: dict[str, Case] = {**STARTS, **FABRICS, **BODIES, **CONTACT, **EDITS, **TRUST}
+CASES: dict[str, Case] = {**STARTS, **FABRICS, **BODIES, **CONTACT, **EDITS, **PREDICTED, **TRUST}

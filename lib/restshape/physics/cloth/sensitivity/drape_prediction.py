@@ -134,8 +134,11 @@ class DrapePrediction:
         return {name: abs(mended[name] - value) for name, value in shown.items() if name in mended}
 
     def distance(self) -> float:
-        """About the distance of the prediction from the drape on the same mesh, over its size."""
-        return self._share(self.missing())
+        """About the distance of the prediction from the drape on the same mesh, over its size.
+
+        That of a Newton step, or the way on which friction would let the cloth slide there, whichever is longer.
+        """
+        return max(self._share(self.missing()), self._slide())
 
     def missing(self) -> np.ndarray:
         """About what a prediction (n, 3) lacks to be the drape: a Newton step, found once a prediction."""
@@ -214,6 +217,19 @@ class DrapePrediction:
 
         product = gathered(matrix.mult, equations.rows, solver.comm)
         return conjugate_steps(product, precondition, -rest.ravel(), delay=DELAY, enough=ENOUGH).reshape(x.shape)
+
+    def _slide(self) -> float:
+        """The longest way on which what friction holds would slide if it followed, over the size of the cloth."""
+        state = self.analysis.state
+        contact, corners = state.problem.contact, state.problem.corners(state.x)
+        if contact is None:
+            return 0.0
+        kept = contact.history
+        try:
+            way = contact.update_friction(contact.place(corners))
+        finally:
+            contact.history = kept
+        return way * float(np.sqrt(len(corners)) / np.linalg.norm(corners - corners.mean(axis=0)))
 
     def _share(self, way: np.ndarray) -> float:
         """The norm of ways (n, 3) of all corners over that of their distances from their middle."""
