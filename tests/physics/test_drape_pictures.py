@@ -25,7 +25,7 @@ from restshape.report.camera import Camera
 from restshape.report.space_axes import marks
 from restshape.report.space_scene import SpaceDrawing, SpaceImage
 from restshape.report.style import INK, REFUSED, UNTRUSTED, new_figure
-from restshape.report.tables import level_table
+from restshape.report.tables import convergence_counts, level_table
 from restshape.report.timeline import draw_timeline
 from restshape.scene.bodies import Body
 
@@ -249,6 +249,14 @@ def test_captions_report_convergence(recording):
     assert convergence_words(cloth, 0) == ("converged and stable, residual 5e-05", INK)
     assert convergence_words(cloth, 1) == ("NOT CONVERGED, residual 5e-05", REFUSED)
     assert convergence_words(cloth, 2) == ("converged, but not stable, residual 5e-05", REFUSED)
+
+
+def test_frames_of_cloth_that_are_predicted_say_so_and_are_not_counted(recording):
+    cloth = recording(0.0, 0.0, 0.0, rests=(1, -1, 0))
+    cloth.table["predicted"], cloth.table["estimate"] = np.array([0, 1, 0]), np.array([0.01, 0.0123, np.nan])
+    assert convergence_words(cloth, 1) == ("predicted, not solved, about 1.2 % off", INK)
+    counts = convergence_counts(cloth)
+    assert (counts["converged"], counts["not_converged"]) == (1, 1)
 
 
 def test_no_caption_is_black_where_a_frame_is_not_to_be_trusted(recording):

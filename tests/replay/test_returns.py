@@ -49,14 +49,14 @@ SHAPES = (
 def replay(tmp_path):
     """Makes replays of the square of cotton on a ball."""
 
-    def made(events, overrides=COARSE, name="auto", most=None) -> Replay:
+    def made(events, overrides=COARSE, name="auto", most=None, predict="none") -> Replay:
         path = write_cloth(tmp_path, CONTACT, BALL.replace('"half"', "0.5"))
         head = {"format": "restshape-edits", "version": 1, "scene": path.name, "units": "m"}
         lines = [head, *({"t": 0.1 * k} | event for k, event in enumerate(events, 1))]
         (tmp_path / "edits.jsonl").write_text("\n".join(map(json.dumps, lines)))
         scene = load_scene(path, overrides)
         script = load_script(tmp_path / "edits.jsonl", scene)
-        request = Request(scene, script, application_of(scene), policy(name), Calibration.load())
+        request = Request(scene, script, application_of(scene), policy(name), Calibration.load(), predict=predict)
         found = Replay(request, PETSc.COMM_SELF)
         if most is not None:
             found.solver.returns.most = most
@@ -214,3 +214,13 @@ def test_a_linear_solution_is_kept_of_nothing(tmp_path):
     for _ in zip(found.frames(), range(12)):
         pass
     assert found.solver.returns.nbytes == 0
+
+
+@pytest.mark.parametrize("predict", ["linear", "gmls"])
+def test_undo_after_a_predicted_drag_brings_back_the_drape(replay, predict):
+    frames = seen(replay((*SHAPES[2:5], {"do": "undo"}, {"do": "redo"}, {"do": "idle", "frames": 1}), predict=predict))
+    assert any(frame["predicted"] for frame in frames)
+    start, released, undone, redone, idle = frames[0], *frames[-4:]
+    assert same(undone, start) and same(redone, released) and same(idle, released) and not same(start, released)
+    for frame in (undone, redone, idle):
+        assert not frame["predicted"] and np.isnan(frame["prediction_error"]) and not frame["relaxation_steps"]

@@ -89,6 +89,8 @@ class FrameSolver:
         self.solved = self.known = True
         self.predicted, self._last = False, report
         self.moving.solved()
+        if self.prediction:
+            self.prediction.forget()
         return report
 
     def rollback(self) -> None:

@@ -167,6 +167,11 @@ class PredictedFrames:
             self.predictor.set_values(self._before)
         self.note, self._doubt, self._before = "", "", None
 
+    def forget(self) -> None:
+        """The frame shows an answer of before, from which nothing is predicted."""
+        self.made = self._expected = self._estimate = self._before = None
+        self.active, self.note, self._doubt = False, "", ""
+
     def set_expansion_point(self, edit: ScriptFrame, idle: bool) -> None:
         """Take a frame that has been solved to predict the next ones from.
 

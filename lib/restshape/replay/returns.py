@@ -58,7 +58,7 @@ class Returns:
     """
 
     def __init__(self, parts: ReplayParts, policy: Policy, most: int = MOST_BYTES) -> None:
-        able = parts.prediction is None and not policy.regenerate and policy.warm
+        able = not policy.regenerate and policy.warm
         self._restorable: RestorableAnalysis | None = getattr(parts.analysis, "restorable", None) if able else None
         self._recalling: RecallingAnalysis | None = getattr(parts.analysis, "recalling", None) if able else None
         # What can be restored is of shapes, which such a mesh follows.

@@ -118,6 +118,12 @@ class SampledFrames(PredictedFrames):
             self._samples, self._left = None, self._leave(edit)
         self._began = self.predictor.counted()
 
+    def forget(self) -> None:
+        """As of `PredictedFrames`."""
+        super().forget()
+        self._samples, self._found, self._steps = None, nan, 0
+        self._time.close()
+
     def set_expansion_point(self, edit: ScriptFrame, idle: bool) -> None:
         """Take a frame that has been solved for a sample; arguments as in `PredictedFrames`."""
         if not idle:

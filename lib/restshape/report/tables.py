@@ -125,13 +125,15 @@ def estimate_table(recording: Recording) -> list[dict[str, Any]]:
 def convergence_counts(recording: Recording) -> dict[str, int]:
     """How many frames have converged, of these in a stable equilibrium and not to be trusted, and how many have not.
 
-    Nothing where the recording is of what is not relaxed to equilibrium.
+    Frames that show a prediction are none of these. Nothing where the recording is of what is not relaxed to
+    equilibrium.
     """
     if "converged" not in recording.table:
         return {}
-    rests, stays = column(recording, "converged") == 1, column(recording, "tangent_positive_definite") == 1
+    judged, stays = column(recording, "converged"), column(recording, "tangent_positive_definite") == 1
+    rests = judged == 1
     counts = {"converged": rests, "tangent_positive_definite": rests & stays}
-    counts |= {"untrusted": rests & untrusted(recording), "not_converged": ~rests}
+    counts |= {"untrusted": rests & untrusted(recording), "not_converged": judged == 0}
     return {name: int(frames.sum()) for name, frames in counts.items()}
 
 

@@ -130,6 +130,10 @@ def convergence_words(recording: Recording, i: int) -> tuple[str, str]:
         return failure(recording, i), REFUSED
     why = texts(recording, "untrusted")[i]
     doubts = f"; NOT TRUSTED: {why}" if why else ""
+    if column(recording, "predicted", 0.0)[i] == 1:
+        off = column(recording, "estimate")[i]
+        away = f", about {100.0 * off:.2g} % off" if np.isfinite(off) else ""
+        return f"predicted, not solved{away}{doubts}", UNTRUSTED if doubts else INK
     if rests == 0:
         return f"NOT CONVERGED, {size}".rstrip(", ") + doubts, REFUSED
     if rests == 1 and stays == 0:
