@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from restshape_studies.stability.case import Trial
+from restshape_verification.couture.drapes import box
 from restshape_verification.couture.hard_scenes import BALL, CONTACT, pinned, played, square
 
 
@@ -21,3 +22,19 @@ def test_a_ball_pushes_a_curtain_at_every_size_of_step(tmp_path, frames):
     assert len(ahead) and ahead.min() > 0.05, "what hangs at the ball's height is before it"
     assert contact.bodies[0].lowest(x, contact.cells, 1e-5)[0] > -1e-3
     assert all(row["converged"] for row in rows) and any("parts" in row["note"] for row in rows)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["hinge", "morley"])
+def test_cloth_turns_with_the_box_that_it_lies_on(tmp_path, kind):
+    """About its vertical axis, by 60 degrees in one frame: an equilibrium stays one, and nothing is left to do."""
+    text = square(0.05, box("table", (0.15, 0.15, -0.052), (0.1, 0.08, 0.05)), CONTACT, kind=kind)
+    turn = {"do": "set", "key": "bodies.table.box.rotate.2", "value": "60 deg", "frames": 1}
+    _, (before,) = first, _ = played(Trial(tmp_path), text)
+    made, rows = played(Trial(tmp_path), text, [turn])
+    c, s = np.cos(np.pi / 3), np.sin(np.pi / 3)
+    middle = np.array([0.15, 0.15, 0.0])
+    x = [one.analysis.problem.corners(one.analysis.x) - middle for one in (first, made)]
+    np.testing.assert_allclose(x[1], x[0] @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]), atol=1e-3)
+    assert before["converged"] and rows[1]["converged"] and rows[1]["relaxation_steps"] < 30
+    assert rows[1]["q_potential"] == pytest.approx(before["q_potential"], rel=1e-4)

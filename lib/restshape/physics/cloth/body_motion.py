@@ -43,6 +43,18 @@ def moved_with(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
     return (points - from_) @ np.linalg.inv(A).T @ B.T + to
 
 
+def turn_of(before: Body, after: Body) -> np.ndarray:
+    """The turn (3, 3) of a body of numbers from one place to another; spheres have none."""
+    match before.kind:
+        case "sphere":
+            return np.eye(3)
+        case "box":
+            return rotation(after.form.rotate) @ rotation(before.form.rotate).T
+        case _:
+            first, second = body_axes(before)[1][:, 0], body_axes(after)[1][:, 0]
+            return _turn(first, second)
+
+
 def _axes(axis: np.ndarray) -> np.ndarray:
     """Columns (3, 3) of length 1: along an axis, and two across it."""
     length = np.linalg.norm(axis)

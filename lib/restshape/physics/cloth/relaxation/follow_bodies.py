@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
-from restshape.physics.cloth.body_motion import body_axes, moved_with
+from restshape.physics.cloth.body_motion import body_axes, moved_with, turn_of
 from restshape.physics.cloth.body_path import BodyPath
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
@@ -98,6 +98,8 @@ def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], a
     if old.kind != new.kind or old.form == new.form:
         return way
     corners = problem.corners(x)
+    # Slopes turn with the cloth.
+    way = x @ turn_of(old, new).T - x
     found = surface_motion(old, new, contact.place(corners), contact.history, pressed[0])
     way[problem.corner_number] = found[: len(corners)]
     return way
@@ -106,12 +108,13 @@ def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], a
 def surface_motion(old: Body, new: Body, places: np.ndarray, history: FrictionHistory, number: int) -> np.ndarray:
     """How far (n, 3) [m] cloth at places (n, 3) [m] goes with the only body that presses it.
 
-    All of it goes with the body's centre. Where the body also grows, shrinks or turns, what touches follows the
-    surface along its normal, and the rest the mean of this: cloth that a shrinking body leaves for one step would land
-    again without the friction that kept it, and slide off little by little.
+    All of it goes with the body's centre, and turns with it. Where the body also grows or shrinks, what touches follows
+    the surface along its normal, and the rest the mean of this: cloth that a shrinking body leaves for one step would
+    land again without the friction that kept it, and slide off little by little.
     """
-    centre = body_axes(new)[0] - body_axes(old)[0]
-    touching, normals = history.limits[number] > 0.0, history.normals[number]
-    own = moved_with(old, new, places) - places - centre
+    turn, (centre, _) = turn_of(old, new), body_axes(old)
+    rigid = (places - centre) @ turn.T + body_axes(new)[0] - places
+    touching, normals = history.limits[number] > 0.0, history.normals[number] @ turn.T
+    own = moved_with(old, new, places) - places - rigid
     normal = np.einsum("na,na->n", own, normals)[:, None] * normals
-    return centre + np.where(touching[:, None], normal, normal[touching].mean(axis=0))
+    return rigid + np.where(touching[:, None], normal, normal[touching].mean(axis=0))
