@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from restshape.outputs.picture_files import save_picture
 from restshape.report.style import FAINT, INK, new_figure
@@ -43,13 +44,16 @@ def draw_derivative(name: str, found: Mapping[str, Any], path: Path) -> None:
 def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
     """Writes the picture as a PNG: the error of predicted frames over the way of the hand from where they start.
 
+    Beside it the error of each way of prediction in the frames of drags, with marks where samples were taken.
+
     Args:
         name: of the scene.
         found: as `bench predict --json` writes it.
         path: of the picture.
     """
-    figure = new_figure(7.0, 4.6)
-    axes = figure.subplots()
+    figure = new_figure(11.0, 4.6)
+    axes, beside = figure.subplots(1, 2)
+    _draw_ways(beside, found["ways"])
     way, error = (np.array(found[key]) for key in ("way", "error"))
     shown = (way > 0) & (error > 0)
     axes.loglog(way[shown], error[shown], color="#332288", marker="o", markersize=4, linestyle="none")
@@ -65,3 +69,22 @@ def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
     title = f"{name}: predicted frames ({found['fps']['predicted']:,.0f} a second) against solved ones"
     figure.suptitle(title, x=0.01, ha="left", color=INK)
     save_picture(figure, path)
+
+
+def _draw_ways(axes: Axes, ways: Mapping[str, Any]) -> None:
+    """Draw errors over the frames of drags, a line for each way; diamonds are samples of moving least squares."""
+    for (way, one), colour in zip(ways.items(), (FAINT, "#cc6677", "#332288", "#999933", "#44aa99")):
+        if "error" not in one:
+            continue
+        # A line ends where the hand rests or lets go.
+        ends = np.flatnonzero(np.diff(one["frames_at"]) > 1) + 1
+        parts = zip(*(np.split(np.array(one[key], float), ends) for key in ("frames_at", "error")))
+        for k, (frames, errors) in enumerate(parts):
+            axes.semilogy(frames, errors, color=colour, linewidth=1.2, label=None if k else way)
+        if way == "gmls" and one["sampled"]:
+            axes.plot(
+                one["sampled"], np.full(len(one["sampled"]), np.median(one["error"])), "D", color=colour, markersize=4
+            )
+    axes.set(xlabel="frame (diamonds: samples taken)", ylabel="error of the answer, relative")
+    axes.grid(True, color="#e6e6e6", linewidth=0.6)
+    axes.legend(loc="best")
