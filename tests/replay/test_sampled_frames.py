@@ -209,6 +209,18 @@ def test_load_factors(tmp_path):
     assert errors["gmls"] < errors["linear"] / 2.0
 
 
+@pytest.mark.slow
+def test_a_frame_solved_near_a_sample_takes_its_place(tmp_path):
+    """A thin column whose steps are far less than the least distance of samples, which is a part of its diagonal."""
+    scene = write_scene(tmp_path, column(height=0.04, size=0.02))
+    script = write_script(tmp_path, drag("top", (0.5, 0.04), across((0.5, 0.04), (0.5, 0.02), 30)))
+    predicted = {}
+    for kind in ("linear", "gmls"):
+        rows, _ = shown(scene, script, kind, ["predict.frame_time=0"], lambda analysis: None)
+        predicted[kind] = sum(row["predicted"] for row in rows)
+    assert predicted["gmls"] >= predicted["linear"]
+
+
 def test_a_recording_says_how_it_was_predicted(tmp_path):
     scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, resting(START, TURN))
     loaded, app = load_scene(scene, ["predict.epsilon=0.02"]), application("plane")

@@ -33,6 +33,8 @@ MOST_STEPS = 20
 """Solver steps in a frame of a drag."""
 SOLVE, DERIVATIVE = "solve", "derivative"
 """What idle time is spent on."""
+LEFT = "predicted from here alone: a mode of the samples is not among those of this frame; more modes would keep them"
+"""Note of a frame from which prediction begins again."""
 
 
 # More than 15 attributes: those of predicted frames, the samples, the last frame, and what a row says of them.
@@ -219,11 +221,14 @@ class SampledFrames(PredictedFrames):
 
     def _taken(self, edit: ScriptFrame, gesture: Gesture) -> Predicted | None:
         made, scene = self._samples or self._projected(edit), edit.scene
-        if made is None or made.gesture is not gesture or scene is not self._scene or not self._align(made):
+        again = made is None or made.gesture is not gesture or scene is not self._scene
+        if made is None or again or not self._align(made):
+            if not again:
+                self.note = self.note or LEFT
             made = DragSamples(gesture, self.size, self.spec.epsilon, self.spec.samples)
             self._align(made)
         self._scene = scene
-        if not made.knows(edit.c, self._mesh):
+        if not made.knows(edit.c, self._mesh, rests=True):
             self._sample(edit, made)
         made.set_last(edit.c, self.predictor.values())
         self._samples, self._c = made, edit.c
