@@ -1,6 +1,7 @@
 """Frames of a drag of cloth: few steps of Newton's method from the last rest, to the rest that descents find too."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -38,6 +39,10 @@ TOUCH = {"do": "set", "key": "bodies.ball.sphere.center.1", "value": -0.14, "fra
 PUSH = {"do": "set", "key": "bodies.ball.sphere.center.1", "value": -0.138, "frames": 4}
 
 
+def untried(state, _):
+    return state, False
+
+
 def rests(folder, monkeypatch, *parts, first, then, by_newton=True):
     """The states, and their energies, after each frame of the second of two edits; descents follow the first."""
     scene = load_scene(write_cloth(folder, *parts), ("mesh.size=0.1",))
@@ -50,7 +55,9 @@ def rests(folder, monkeypatch, *parts, first, then, by_newton=True):
     for k, _ in enumerate(replay.frames()):
         state = replay.analysis.state
         found.append((state, state.problem.energy(state.x)))
-        monkeypatch.setattr(binding, "drag_frame", usual if by_newton and k >= before else lambda *_: None)
+        monkeypatch.setattr(
+            binding, "drag_frame", usual if by_newton and k >= before else lambda state, _: (state, False)
+        )
     monkeypatch.setattr(binding, "drag_frame", usual)
     return found[1 + before :]
 
@@ -79,12 +86,41 @@ def test_a_frame_that_newton_does_not_solve_leaves_nothing_behind(tmp_path, monk
     given = {"first": TOUCH, "then": PUSH}
     others = rests(tmp_path, monkeypatch, UPRIGHT, CONTACT, PUSHED, **given, by_newton=False)
     # It goes along the derivative, and gives up after that.
-    monkeypatch.setattr(MixedNewton, "converge", lambda *_: None)
+    monkeypatch.setattr(MixedNewton, "converge", lambda *_: (None, False))
     found = rests(tmp_path, monkeypatch, UPRIGHT, CONTACT, PUSHED, **given)
     for (state, energy), (other, expected) in zip(found, others, strict=True):
         assert energy == expected
         np.testing.assert_array_equal(state.x, other.x)
         np.testing.assert_array_equal(state.friction.anchors, other.friction.anchors)
+
+
+@pytest.mark.slow
+def test_cloth_that_nothing_touches_stays_where_it_is_to_the_last_bit(tmp_path, monkeypatch):
+    far = {"do": "set", "key": "bodies.ball.sphere.center.1", "value": -0.8, "frames": 3}
+    found = rests(
+        tmp_path, monkeypatch, UPRIGHT, CONTACT, PUSHED.replace("-0.22", "-0.9"), first={"do": "idle"}, then=far
+    )
+    for state, _ in found:
+        assert state.report.converged and state.report.newton == 0
+        np.testing.assert_array_equal(state.x, found[0][0].x)
+
+
+@pytest.mark.slow
+def test_cloth_that_jumps_says_how_far_and_by_how_much_its_energy_fell(tmp_path, monkeypatch):
+    smooth = rests(tmp_path, monkeypatch, UPRIGHT, first={"do": "idle"}, then=DRAG)
+    assert not any("jumped" in note for state, _ in smooth for note in state.notes)
+    pushed = rests(tmp_path, monkeypatch, UPRIGHT, CONTACT, PUSHED, first={"do": "idle"}, then=TOUCH)
+    jumps = [k for k, (state, _) in enumerate(pushed) if any("jumped" in note for note in state.notes)]
+    assert len(jumps) == 1
+    last, state = (pushed[k][0] for k in (jumps[0] - 1, jumps[0]))
+    way = np.linalg.norm(state.problem.corners(state.x - last.x), axis=1).max()
+    # The branch that has ended, by the parabola through the energies of three frames before.
+    first, second, third = (pushed[jumps[0] - k][1] for k in (3, 2, 1))
+    fell = 3.0 * (third - second) + first - pushed[jumps[0]][1]
+    (note,) = state.notes
+    found = re.fullmatch(r"cloth jumped (\d+) mm where the hand went 10 mm; energy fell by (\S+) mJ", note)
+    assert float(found[1]) == pytest.approx(1e3 * way, abs=0.5)
+    assert float(found[2]) == pytest.approx(1e3 * fell, rel=0.1)
 
 
 def test_tension_is_what_is_left_without_negative_principal_values():

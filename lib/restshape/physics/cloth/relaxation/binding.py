@@ -73,11 +73,12 @@ def bind(
         notes = tuple(penetration_notes("begins", problem, scene, depths))
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
-    state = replace(state, report=ConvergenceReport(), notes=notes, doubts=())
+    state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
     if not (cold or origin) and before.problem is problem and options.strategy == "auto":
-        found = drag_frame(state, LastRest(in_material(before, problem), before.bodies))
+        moved = float(np.linalg.norm(problem.X - before.place.X, axis=1).max())
+        state, found = drag_frame(state, LastRest(in_material(before, problem), before.bodies, moved))
         if found:
-            return replace(found, observer=problem.observer(scene.quantities)), False
+            return replace(state, observer=problem.observer(scene.quantities)), False
     known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
     if problem.self_contact and not cold:
         state = kept_apart(state, known)

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from restshape.physics.cloth.body_path import BodyPath
+from restshape.physics.cloth.body_path import BodyPath, speed_of
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.relaxation.follow_bodies import take_along
+from restshape.physics.cloth.relaxation.jumps import Expected, farthest
 from restshape.physics.cloth.relaxation.mixed_newton import MixedNewton
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import kernel_body
+from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.bodies import Body
 
 log = logging.getLogger("restshape.physics")
 
 QUOTIENT = 1e-6
 """Part of the bodies' way in the difference quotient of the forces."""
+CURVED = 1e-3
+"""Part of the way along the derivative on which energies are taken, for their first and second derivatives."""
 BEYOND = 4.0
 """Way of the cloth, over the farthest one of its derivative, from which on it has gone elsewhere."""
 
@@ -32,17 +37,20 @@ class LastRest:
     Args:
         x: (n, 3) unknowns, supports as they were [m].
         bodies: as they were.
+        material: the farthest way of a node in the material since [m].
     """
 
     x: np.ndarray
     bodies: tuple[Body, ...]
+    material: float
 
 
-def drag_frame(state: RelaxationState, last: LastRest) -> RelaxationState | None:
-    """The state at the equilibrium that a small edit has led the last rest to; None where it leads to none nearby.
+def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState, bool]:
+    """The state at the equilibrium that a small edit has led the last rest to, or on the way there, and whether it is.
 
-    Nothing has changed then. Cloth goes along the derivative of the rest by supports and bodies, and then by Newton's
-    method with tensions of its own. No step passes anything.
+    Cloth goes along the derivative of the rest by supports and bodies, and then by Newton's method with tensions of its
+    own. No step passes anything. Where that does not converge soon, a descent goes on from the positions with the least
+    forces. Where it leads nowhere the state is as it was, with what was expected of it.
 
     Args:
         state: with problem, solver, bodies and friction of the frame, friction as at the last rest.
@@ -53,55 +61,86 @@ def drag_frame(state: RelaxationState, last: LastRest) -> RelaxationState | None
     known = _memory(state)
     if own and own.active and not problem.begin(last.x):
         _restore(state, known)
-        return None
+        return state, False
     report = ConvergenceReport()
     newton = MixedNewton(solver, report)
-    x = _first_step(state, last, newton)
+    x, expected = _first_step(state, last, newton)
+    state = replace(state, expected=expected)
+    rests = False
     if x is not None:
-        farthest = BEYOND * float(np.abs(problem.corners(x - last.x)).max())
-        x = newton.converge(x)
-        if x is not None and float(np.abs(problem.corners(x - last.x)).max()) > farthest:
+        most = BEYOND * farthest(problem, x - last.x)
+        x, rests = newton.converge(x)
+        if x is not None and farthest(problem, x - last.x) > most:
             x = None
     log.info(
         "Newton's method from the last rest %s: %d steps, %d factors",
-        "converged" if x is not None else "leads nowhere near",
+        "leads nowhere near" if x is None else "converged" if rests else "has not converged",
         report.newton,
         report.factors,
     )
     if x is None:
         _restore(state, known)
-        return None
-    return replace(state, x=x, report=report)
+        return state, False
+    return replace(state, x=x, report=report), True
 
 
-def _first_step(state: RelaxationState, last: LastRest, newton: MixedNewton) -> np.ndarray | None:
-    """Unknowns (n, 3) after a step along the derivative of the last rest, with bodies where they are in the frame.
+def _first_step(
+    state: RelaxationState, last: LastRest, newton: MixedNewton
+) -> tuple[np.ndarray | None, Expected | None]:
+    """Unknowns (n, 3) after a step along the derivative of the last rest, and what it leads to expect of the frame.
 
-    None where there is no derivative, or a body would be deeper in the cloth than it may be.
+    Bodies are where they are in the frame then. None in place of unknowns where there is no derivative, or one that
+    knows nothing of a body: it would be deeper in the cloth than the distance at which contact begins.
     """
     problem, x = state.problem, last.x
     contact, given = problem.contact, problem.constrain(x) - x
-    forces = np.empty_like(x)
-    if contact is None:
-        problem.residual(x, forces)
-        d = newton.way(x, forces, given)
-        return None if d is None else newton.go(x, d)
-    path, history = BodyPath(last.bodies, state.bodies, contact), contact.history
-    _place(state, last.bodies, history)
-    problem.residual(x, forces)
-    if path.moves:
-        moved = np.empty_like(x)
-        now = path.at(QUOTIENT)
-        _place(state, now, take_along(history, last.bodies, now))
-        problem.residual(x, moved)
+    history = contact.history if contact else None
+    path = BodyPath(last.bodies, state.bodies, contact) if contact else None
+    moves = path is not None and path.moves
+    if path:
         _place(state, last.bodies, history)
-        forces += (moved - forces) / QUOTIENT
-    d = newton.way(x, forces, given)
-    corners = problem.corners(x)
-    if d is None or path.farthest(0.0, corners, problem.corners(d)) < 1.0:
-        return None
-    _place(state, state.bodies, take_along(history, last.bodies, state.bodies))
-    return newton.go(x, d)
+    forces = np.empty_like(x)
+    problem.residual(x, forces)
+    hand = max(last.material, farthest(problem, given))
+    if moves:
+        corners, pushed, now = problem.corners(x), np.empty_like(x), path.at(QUOTIENT)
+        hand = max(hand, *(_way(old, new, corners) for old, new in zip(last.bodies, state.bodies)))
+        _place(state, now, take_along(history, last.bodies, now))
+        problem.residual(x, pushed)
+        _place(state, last.bodies, history)
+        forces += (pushed - forces) / QUOTIENT
+    rests = not given.any() and float(np.linalg.norm(forces)) <= state.solver.goal * state.solver.scale(x)
+    # Cloth that nothing has touched stays where it is, to the last bit.
+    d = given if rests else newton.way(x, forces, given)
+    if d is None:
+        return None, None
+    energies = []
+    for share in (0.0, CURVED, 2.0 * CURVED):
+        if moves:
+            now = path.at(share)
+            _place(state, now, take_along(history, last.bodies, now))
+        energies.append(problem.energy(x + share * d))
+    expected = Expected(x, hand, farthest(problem, d), _continued(energies, CURVED))
+    if path:
+        _place(state, state.bodies, take_along(history, last.bodies, state.bodies))
+    x = x if rests else newton.go(x, d)
+    if path and max(penetrations(contact, problem.corners(x)), default=0.0) > contact.thickness:
+        return None, expected
+    return x, expected
+
+
+def _continued(values: Sequence[float], step: float) -> float:
+    """The value at 1 of the parabola through three at 0, a step and two."""
+    first, middle, last = values
+    return first + (middle - first) / step + 0.5 * (1.0 / step - 1.0) * (last - 2.0 * middle + first) / step
+
+
+def _way(old: Body, new: Body, x: np.ndarray) -> float:
+    """How far [m] the surface of a body goes, at most, where cloth is at x (n, 3) [m]; 0 of one of another kind."""
+    if old.kind != new.kind:
+        return 0.0
+    speed = speed_of(old, new, x)
+    return float(np.linalg.norm(speed.shift)) + speed.rest
 
 
 def _place(state: RelaxationState, bodies: tuple[Body, ...], history: FrictionHistory) -> None:

@@ -84,10 +84,14 @@ class MixedNewton:
         self.report.newton, self.report.steps = self.report.newton + 1, self.report.steps + 1
         return reached
 
-    def converge(self, x: np.ndarray) -> np.ndarray | None:
-        """The equilibrium near x (n, 3) with friction that has followed; None where it is not found in few steps."""
+    def converge(self, x: np.ndarray) -> tuple[np.ndarray | None, bool]:
+        """The equilibrium near x (n, 3) with friction that has followed, and whether it is found in few steps.
+
+        Else the positions with the least forces; None where supports did not get where they are.
+        """
         solver, problem, report = self.solver, self.problem, self.report
         least, since, escapes, forces = np.inf, 0, 0, np.empty_like(x)
+        best: tuple[float, np.ndarray | None] = (np.inf, None)
         for _ in range(MOST):
             given = problem.constrain(x) - x
             problem.residual(x, forces)
@@ -95,18 +99,21 @@ class MixedNewton:
             solver.on_iterate(solver, x, norm)
             log.debug("    mixed Newton: residual over load %.3e", norm)
             if not np.isfinite(norm):
-                return None
+                break
+            if norm < best[0] and not given.any():
+                best = norm, x.copy()
             if norm <= solver.goal and not given.any():
                 if solver.rests(x, report):
-                    return x
+                    return x, True
                 problem.residual(x, forces)
             if self.lost and norm <= NEAR_SADDLE and escapes < ESCAPES and SaddleEscape(solver).escape(x):
                 log.info("Newton's method from the last rest: a saddle is left along the lowest mode")
+                report.saddles += 1
                 escapes, least, since, self._tensions = escapes + 1, np.inf, 0, None
                 problem.residual(x, forces)
             since = 0 if norm <= BETTER * least else since + 1
             least = min(norm, least)
             if since > PATIENCE or (d := self.way(x, forces, given)) is None:
-                return None
+                break
             x = self.go(x, d)
-        return None
+        return best[1], False

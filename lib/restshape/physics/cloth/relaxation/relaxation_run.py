@@ -11,6 +11,7 @@ from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.binding import friction_of, layers_of
 from restshape.physics.cloth.relaxation.cold_start import ColdStart
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
+from restshape.physics.cloth.relaxation.jumps import jump_note
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
@@ -44,16 +45,18 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     if report.converged:
         _come_apart(state, x, options, report)
         _stabilise(state, x, options, report)
-    notes = (ONE_MESH,) if abandoned and report.converged else ()
+    notes = [ONE_MESH] if abandoned and report.converged else []
     if abandoned:
         report.count(abandoned)
     report.count(state.report)
+    if report.converged and state.expected:
+        notes += jump_note(problem, state.expected, x, report.saddles > 0)
     log.info("Relaxation %s: %d steps, residual over load %.3e", _outcome(report), report.steps, report.residual)
     # Without contact nothing remembers how cloth came to where it rests.
     kept = state.softness if (problem.contact or problem.self_contact) and not cold else 1.0
     softness = min(kept, report.softness)
     found = replace(state, x=x, report=report, place=problem.place, softness=softness, notes=(*state.notes, *notes))
-    return replace(found, friction=friction_of(problem), layers=layers_of(problem))
+    return replace(found, expected=None, friction=friction_of(problem), layers=layers_of(problem))
 
 
 def _equilibrium(
@@ -123,6 +126,7 @@ def _stabilise(state: RelaxationState, x: np.ndarray, options: RelaxationOptions
             # Nothing but a motion that hardly anything resists, such as turning about a pin.
             return
         log.info("Saddle escape along the lowest mode")
+        report.saddles += 1
         report.converged = False
         converge(solver, x, min(most, SHORT), report)
         if not report.converged:

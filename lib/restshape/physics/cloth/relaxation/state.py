@@ -13,6 +13,7 @@ from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.material_motion import AdvectedCloth, MaterialPlace
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
+from restshape.physics.cloth.relaxation.jumps import Expected
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
@@ -40,6 +41,7 @@ class RelaxationState:
         doubts: what the way there has to say of why the state cannot be trusted.
         softness: the least part of its stiffness that the membrane had on the way there, which contact remembers.
         interrupted: the last frame has failed: what was set up for it must be set up again.
+        expected: of a frame that begins at the last rest; None of others, and once it is solved.
         rest: of a prediction, the last equilibrium; None of an equilibrium.
     """
 
@@ -60,6 +62,7 @@ class RelaxationState:
     doubts: tuple[str, ...] = ()
     softness: float = 1.0
     interrupted: bool = False
+    expected: Expected | None = None
     rest: RelaxationState | None = None
 
     @property

@@ -1,0 +1,53 @@
+"""Whether a frame's rest is another branch than that of the last one: what was expected of it, and what came."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.physics.cloth.cloth_problem import ClothProblem
+
+OUT = 3.0
+"""Way of the cloth, over those of the hand and of the derivative of the last rest, beyond which it has jumped."""
+STILL = 1e-3
+"""Way, over the size of the cloth, below which it has not."""
+
+
+@dataclass(frozen=True, eq=False)
+class Expected:
+    """What the last rest, and its derivative, lead to expect of a frame.
+
+    Args:
+        x: (n, 3) unknowns at the last rest, in the material of the frame [m].
+        hand: the farthest way of supports, bodies and material in the edit [m].
+        way: the farthest one of the cloth along the derivative [m].
+        energy: of the cloth there [J], by the first two derivatives along its way.
+    """
+
+    x: np.ndarray
+    hand: float
+    way: float
+    energy: float
+
+
+def jump_note(problem: ClothProblem, expected: Expected, x: np.ndarray, lost: bool) -> list[str]:
+    """What there is to say of a rest x (n, 3) that is out of proportion to the edit, as cloth that buckles or slips is.
+
+    Args:
+        problem: of the frame, at rest.
+        expected: of the frame.
+        lost: the tangent was not positive definite on the way; the derivative shows no proportion then.
+    """
+    way = farthest(problem, x - expected.x)
+    usual = expected.hand if lost else max(expected.hand, expected.way)
+    if expected.hand == 0.0 or way <= max(OUT * usual, STILL * problem.size):
+        return []
+    fell = expected.energy - problem.energy(x)
+    energy = f"; energy fell by {1e3 * fell:.2g} mJ" if fell > 0.0 else ""
+    return [f"cloth jumped {1e3 * way:.0f} mm where the hand went {1e3 * expected.hand:.2g} mm{energy}"]
+
+
+def farthest(problem: ClothProblem, d: np.ndarray) -> float:
+    """The longest way [m] of a node of the mesh in a step d (n, 3) [m]."""
+    return float(np.linalg.norm(problem.corners(d), axis=1).max())
