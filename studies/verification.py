@@ -62,6 +62,7 @@ class Verification:
         frame_check: path of the `FrameCheck` of random edits; empty: shown numbers and fields must be finite.
         drapes: path of the function that gives the scenes by name, as texts or files, on which ways to rest are
             compared.
+        drags: path of the function that gives scenes and edits by name whose frames are timed.
         commands: that it adds to `restshape`.
     """
 
@@ -74,6 +75,7 @@ class Verification:
     study: str = ""
     frame_check: str = ""
     drapes: str = ""
+    drags: str = ""
     commands: tuple[Command, ...] = ()
 
     def load_validation(self) -> dict[str, Callable[..., Any]]:
@@ -108,6 +110,10 @@ class Verification:
     def load_drapes(self) -> dict[str, str | Path]:
         """The scenes by name on which ways to rest are compared, made now; none where there are none."""
         return _attribute(self.drapes)() if self.drapes else {}
+
+    def load_drags(self) -> dict[str, tuple[str, list[dict[str, Any]]]]:
+        """Scenes and edits by name whose frames are timed, made now; none where there are none."""
+        return _attribute(self.drags)() if self.drags else {}
 
     def load_frame_check(self) -> FrameCheck | None:
         """The function that checks a frame, imported now; None where there is none."""

@@ -12,6 +12,7 @@ from restshape_studies.bench.job import note_words
 from restshape_studies.bench.turns import Case
 from restshape_studies.commands import (
     bench_design,
+    bench_drags,
     bench_drape,
     bench_effectivity,
     bench_eigen,
@@ -50,6 +51,7 @@ MODULES = (
     bench_order,
     bench_eigen,
     bench_drape,
+    bench_drags,
     bench_design,
     bench_effectivity,
     bench_jumps,

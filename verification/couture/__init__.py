@@ -13,6 +13,7 @@ verification = Verification(
     ),
     scale="restshape_verification.couture.scale:scale_of",
     drapes="restshape_verification.couture.drapes:drapes",
+    drags="restshape_verification.couture.drags:drags",
     random_scenes="restshape_verification.couture.random_scenes:SCENES",
     commands=(
         Command(
