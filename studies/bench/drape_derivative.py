@@ -44,9 +44,8 @@ def measure_drape(request: Request) -> dict[str, Any]:
         by the elements, iterations, places that stick and slide, note; edge; steps (of the size of the cloth);
         remainders (2, steps) over the way of the nodes that the derivative tells, None where there is no rest.
     """
-    scene = revise(request.scene, "solve.tolerance", REST)
-    if "drape" in scene.raw.get("effects", {}) and "tolerance" in scene.raw["effects"]["drape"]:
-        scene = revise(scene, "effects.drape.tolerance", REST)
+    own = request.scene.raw.get("effects", {}).get("drape", {})
+    scene = revise(request.scene, "effects.drape.tolerance" if "tolerance" in own else "solve.tolerance", REST)
     replay = Replay(replace(request, scene=scene), PETSc.COMM_WORLD)
     next(replay.frames())
     analysis, mesh = replay.analysis, replay.analysis.space

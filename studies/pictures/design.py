@@ -41,6 +41,26 @@ def draw_derivative(name: str, found: Mapping[str, Any], path: Path) -> None:
     save_picture(figure, path)
 
 
+def draw_drape(name: str, found: Mapping[str, Any], path: Path) -> None:
+    """Writes the picture as a PNG: Taylor remainders of both derivatives of a drape over the step of the hand.
+
+    Args:
+        name: of the scene; found: as `bench derivative --json` writes it; path: of the picture.
+    """
+    figure = new_figure(7.0, 4.6)
+    axes = figure.subplots()
+    for axis, remainders, colour, mark in zip("xy", found["remainders"], ("#2c6da4", "#c2571a"), "os"):
+        pairs = [(h, h * e) for h, e in zip(found["steps"], remainders) if e]
+        if pairs:
+            axes.loglog(*zip(*pairs), color=colour, marker=mark, markersize=4, linewidth=1.2, label=f"along {axis}")
+    axes.set(xlabel="step of the hand / size of the cloth", ylabel="remainder / norm of the derivative")
+    axes.grid(True, color="#e6e6e6", linewidth=0.6)
+    axes.legend(loc="upper left")
+    title = f"{name}: what is beyond both derivatives of the drape, {found['nodes']:,} nodes"
+    figure.suptitle(title, x=0.01, ha="left", color=INK)
+    save_picture(figure, path)
+
+
 def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
     """Writes the picture as a PNG: the error of predicted frames over the way of the hand from where they start.
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drape_designs import HELD, sheet
 from small_scenes import across, drag, plate, write_scene, write_script
 
 pytestmark = pytest.mark.cli
@@ -83,7 +84,6 @@ def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
     [
         (("predict", "small.toml", "--repeat", 0), ("--repeat",)),
         (("predict", SCENES / "pins.toml", "--repeat", 1), ("no frame of the script is predicted",)),
-        (("derivative", SCENES / "pins.toml"), ("drags nothing",)),
         (("predict", "small.toml", "--policy", "rebuild"), ("rebuild", "--predict")),
         (("predict", "small.toml", "--policy", "thesis", "--repeat", 1), ("springs", "--predict gmls")),
         (("predict", "small.toml", "--edits", "still.jsonl", "--repeat", 1), ("no frame", "still.jsonl")),
@@ -103,3 +103,19 @@ def test_what_cannot_be_measured(tmp_path, command, scene, words, reported):
 def test_a_motion_has_no_prediction(command):
     done = command("bench", "predict", SCENES / "building.toml", "--edits", SCENES / "building.jsonl", "--repeat", 1)
     assert done.returncode == 2 and "time integration depends on the past" in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
+def test_derivatives_of_a_drape(tmp_path, command):
+    path = write_scene(tmp_path, sheet("hinge", HELD, size=0.04), "sheet.toml")
+    edits = write_script(tmp_path, drag("top", (0.1, 0.2), across((0.1, 0.2), (0.1, 0.21), 2)), "sheet.jsonl")
+    words = ("--edits", edits, "--json", "a.json", "--out", "pictures")
+    done = command("bench", "derivative", path, *words)
+    assert done.returncode == 0, done.stderr
+    assert "both derivatives take" in done.stdout
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert found["drape"] and max(found["residuals"]) < 1e-6
+    for first, second, _ in found["remainders"]:
+        assert 1.9 < 1.0 + np.log2(first / second) < 2.1
+    assert (tmp_path / "pictures" / "sensitivity-epsilon.png").read_bytes().startswith(PNG)
