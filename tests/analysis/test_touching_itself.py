@@ -1,10 +1,15 @@
 """Scenes whose cloth touches itself, or does not: what is decided, refused, warned of, and the same to the bit."""
 
+import json
+
+import numpy as np
 import pytest
 from cloths import BALL, CONTACT, PIN, cloth
 
 from restshape.application import application_of
+from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.physics.cloth.self_contact import SelfContact
 from restshape.physics.cloth.touching_itself import touches_itself
 from restshape.replay.first_frame import first_frame
 from restshape.scene.plan import plan
@@ -70,3 +75,23 @@ def test_layers_that_catch_on_each_other_are_warned_of_with_the_size_to_take(tmp
     (warned,) = warnings('self_thickness = "5 cm"', "self_friction = 0.3")
     assert "catch on each other" in warned and 'effects.contact.self_thickness to "25 mm"' in warned
     assert warnings('self_thickness = "5 cm"') == warnings('self_thickness = "25 mm"', "self_friction = 0.3") == ()
+
+
+def test_friction_between_layers_goes_on_to_a_new_mesh(tmp_path, monkeypatch):
+    """What holds its nodes is handed on where the size of the mesh is another one."""
+    cloth(tmp_path, PIN, CONTACT + "self = true\nself_friction = 0.3\n")
+    lines = [
+        {"format": "restshape-edits", "version": 1, "scene": "cloth.toml", "units": "m"},
+        {"t": 1, "do": "set", "key": "mesh.size", "value": 0.2},
+    ]
+    (tmp_path / "edits.jsonl").write_text("\n".join(map(json.dumps, lines)))
+    handed, hold = [], SelfContact.hold
+
+    def noted(contact, x, slides):
+        handed.append((len(contact.surface.flat), np.shape(slides)))
+        hold(contact, x, slides)
+
+    monkeypatch.setattr(SelfContact, "hold", noted)
+    assert main(["replay", str(tmp_path / "cloth.toml"), str(tmp_path / "edits.jsonl")]) == 0
+    ((corners, shape),) = handed
+    assert shape == (corners, 4)

@@ -8,6 +8,7 @@ from restshape_verification.couture.validation_cantilever import (
     hinged_cantilever,
     wide_cantilever,
 )
+from restshape_verification.couture.validation_folds import folded_twice
 from restshape_verification.couture.validation_friction import capstan, incline
 from restshape_verification.couture.validation_hanging import catenary, hanging
 from restshape_verification.couture.validation_layers import folded_strip, two_sheets
@@ -28,4 +29,5 @@ CASES: dict[str, Case] = {
     "meshes": meshes,
     "folded_strip": folded_strip,
     "two_sheets": two_sheets,
+    "folded_twice": folded_twice,
 }
