@@ -12,6 +12,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.physics.cloth.membrane import stretching
 from restshape.physics.cloth.relaxation import binding
+from restshape.physics.cloth.relaxation.equilibrium import Tries
 from restshape.physics.cloth.relaxation.mixed_newton import MixedNewton
 from restshape.policy import policy
 from restshape.replay.loop import Replay
@@ -122,6 +123,17 @@ def test_cloth_that_jumps_says_how_far_and_by_how_much_its_energy_fell(tmp_path,
     found = re.fullmatch(r"cloth jumped (\d+) mm where the hand went 10 mm; energy fell by (\S+) mJ", note)
     assert float(found[1]) == pytest.approx(1e3 * way, abs=0.5)
     assert float(found[2]) == pytest.approx(1e3 * fell, rel=0.1)
+
+
+def test_frames_are_left_out_after_tries_in_vain():
+    tries, done = Tries(), []
+    for _ in range(30):
+        done.append(not tries.left_out())
+        if done[-1]:
+            tries.count(good=False)
+    assert np.flatnonzero(done).tolist() == [0, 2, 6, 14]
+    tries.count(good=True)
+    assert not tries.left_out()
 
 
 def test_tension_is_what_is_left_without_negative_principal_values():

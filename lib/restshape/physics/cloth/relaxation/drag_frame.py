@@ -57,6 +57,8 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
         last: the last rest.
     """
     problem, solver = state.problem, state.solver
+    if solver.tries.left_out():
+        return state, False
     own = problem.self_contact
     known = _memory(state)
     if own and own.active and not problem.begin(last.x):
@@ -78,6 +80,7 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
         report.newton,
         report.factors,
     )
+    solver.tries.count(rests)
     if x is None:
         _restore(state, known)
         return state, False

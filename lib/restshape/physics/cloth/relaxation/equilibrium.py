@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -43,6 +43,29 @@ TRIES = 4
 """Descents in a row that may fail before the cloth is said not to converge."""
 
 
+@dataclass
+class Tries:
+    """When frames of a drag are tried by Newton's method: after tries in vain 1, 3, 7 and 15 frames are left out.
+
+    Args:
+        vain: tries in a row; ahead: frames that are still left out.
+    """
+
+    vain: int = 0
+    ahead: int = 0
+
+    def left_out(self) -> bool:
+        """Whether a frame is left out."""
+        self.ahead -= 1
+        return self.ahead >= 0
+
+    def count(self, good: bool) -> None:
+        """Take in how a try has ended."""
+        self.vain = 0 if good else self.vain + 1
+        self.ahead = min(2**self.vain - 1, 15)
+
+
+# More than 15 attributes: all methods that lead to one equilibrium, and what they know of each other.
 class EquilibriumSolver:
     """Finds the equilibrium of one cloth, again and again, with patterns, factors and solvers that are kept.
 
@@ -57,6 +80,7 @@ class EquilibriumSolver:
         prefix: of options in PETSc's database.
 
     Attributes:
+        tries: when frames of a drag are tried by Newton's method.
         on_iterate: called with this solver, positions (n, 3) and residual over load at each iterate of any method.
 
     Source: docs/theory/cloth.md.
@@ -82,7 +106,7 @@ class EquilibriumSolver:
         reach = self.motion.reach
         self.descent = Descent(comm, f"{prefix}descent_", self.equations, shape, rows, reach=reach)
         self._newton = Newton(comm, f"{prefix}newton_", linear, shape, rows) if linear else None
-        self._met, self._noted = -1, 0
+        self._met, self._noted, self.tries = -1, 0, Tries()
         self.on_iterate: Callable[[EquilibriumSolver, np.ndarray, float], None] = lambda *_: None
         self.descent.on_step, self.descent.step_share = weak_call(self.note), problem.step_share
         self._moving.on_step, self._falling.on_step = weak_call(self.note), weak_call(self._note_fall)

@@ -16,7 +16,7 @@ log = logging.getLogger("restshape.physics")
 
 EXACT = 1e-3
 """Part of the forces that a linear solve may leave."""
-MOST, PATIENCE, BETTER = 30, 9, 0.7
+MOST, PATIENCE, BETTER = 25, 7, 0.7
 """Steps; steps in a row that leave more than a part of the least forces so far, after which it is given up."""
 NEAR_SADDLE, ESCAPES = 1e-2, 2
 """Residual over load at which a tangent that is not definite shows a saddle nearby; saddles that are left."""
