@@ -228,10 +228,3 @@ def test_steps_that_pass_many_cells_are_warned_of(command, tmp_path):
     assert "passes 20 sides of the largest cells in a step" in said and "a time_step near 0.3 s" in said
     write_scene(tmp_path, TIMED)
     assert "largest cells" not in command("check", "scene.toml").stdout
-
-
-def test_a_strouhal_number_of_a_steady_flow_is_refused(command, tmp_path):
-    write_scene(tmp_path, BASE.replace("drag = true", "strouhal = { speed = 1, length = 0.2 }"))
-    for words in ("check", "replay"):
-        done = command(words, "scene.toml")
-        assert done.returncode == 2 and "a lift that swings in time, and the flow is steady" in done.stderr

@@ -141,6 +141,8 @@ def called_for(text):
     if 'app = "cloth"' in text:
         parts = ("hinge_flap4", "membrane_tri3") + (() if 'bending = "hinge"' in text else ("morley_tri6",))
         points = {"membrane_stabilised_tri3.tangent", "potential_point1.tangent"}
+        # Of frames of a drag: Newton's method with tensions of its own.
+        points |= {"membrane_tension_tri3.tangent", "membrane_tri3.stress"}
         return points | {f"{part}.{purpose}" for part in parts for purpose in ("energy", "residual", "tangent")}
     if 'app = "modes"' in text:
         return {"linear_elastic_tet4.tangent", "mass_tet4.tangent"}

@@ -199,10 +199,6 @@ def check_flow(scene: Scene, source: Source) -> None:
     for name, one in scene.boundary.items():
         if one.kind == "velocity" and not in_time(scene, frozenset()):
             _refuse_time(name, one, source)
-    for name, quantity in scene.quantities.items():
-        if quantity.kind == "strouhal" and not in_time(scene, frozenset()):
-            what = "a Strouhal number is of a lift that swings in time, and the flow is steady"
-            raise source.error(("quantities", name, "strouhal"), what, "add a time_step to [effects.flow]")
     if scene.shape.file or scene.mesh.file:
         return
     kinds = scene.shape.kinds()

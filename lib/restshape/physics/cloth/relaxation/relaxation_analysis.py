@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
+from weakref import ref
 
 import numpy as np
 
@@ -68,7 +69,8 @@ class RelaxationAnalysis(Timeless):
         self.age = 0
         self.watch: Watch = lambda *_: None
         self.counts = SolveCounts()
-        self._prediction = DrapePrediction(self)
+        # Not held: it holds this analysis, and both would be left to the garbage collector.
+        self._prediction: ref[DrapePrediction] | None = None
         self._row = Row(scene.bodies)
         self._origin: RelaxationState | None = None
         self._observed: tuple[RelaxationState | None, dict[str, float]] = (None, {})
@@ -111,8 +113,12 @@ class RelaxationAnalysis(Timeless):
 
     @property
     def predictor(self) -> DrapePrediction:
-        """Predicts frames from the state."""
-        return self._prediction
+        """Predicts frames from the state: the same one as long as anyone holds it."""
+        found = self._prediction() if self._prediction else None
+        if found is None:
+            found = DrapePrediction(self)
+            self._prediction = ref(found)
+        return found
 
     def _entered(self) -> RelaxationState:
         """The state that a solve begins with: of a prediction as much as lets the cloth pass nothing on its way."""
