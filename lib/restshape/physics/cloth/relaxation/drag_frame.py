@@ -93,7 +93,8 @@ def _first_step(
     """Unknowns (n, 3) after a step along the derivative of the last rest, and what it leads to expect of the frame.
 
     Bodies are where they are in the frame then. None in place of unknowns where there is no derivative, or one that
-    knows nothing of a body: it would be deeper in the cloth than the distance at which contact begins.
+    knows nothing of a body: it would be deeper in the cloth than the distance at which contact begins, or pass through
+    cloth on its way.
     """
     problem, x = state.problem, last.x
     contact, given = problem.contact, problem.constrain(x) - x
@@ -126,7 +127,10 @@ def _first_step(
     expected = Expected(x, hand, farthest(problem, d), _continued(energies, CURVED))
     if path:
         _place(state, state.bodies, take_along(history, last.bodies, state.bodies))
+    begin = problem.corners(x)
     x = x if rests else newton.go(x, d)
+    if path and moves and path.farthest(0.0, begin, problem.corners(x) - begin) < 1.0:
+        return None, expected
     if path and max(penetrations(contact, problem.corners(x)), default=0.0) > contact.thickness:
         return None, expected
     return x, expected
