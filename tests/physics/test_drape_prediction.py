@@ -37,7 +37,7 @@ def far(*places, rest=12, frames=5):
 @pytest.mark.parametrize("text", [HANGING, ON_BALL], ids=["hanging", "on a ball"])
 def test_a_drag_is_shown_to_first_order_and_relaxed_on_release(tmp_path, text):
     scene = write_scene(tmp_path, text)
-    script = write_script(tmp_path, drag("right", HAND, across(HAND, (0.2008, 0.1), 4)))
+    script = write_script(tmp_path, drag("right", HAND, across(HAND, (0.2004, 0.1), 4)))
     (rows, found), (true, exact) = (shown(scene, script, kind) for kind in ("linear", "none"))
     assert [row["predicted"] for row in rows] == [0, 0, 1, 1, 1, 1, 0]
     errors = [off(found[k], exact[k]) for k in range(2, 6)]
