@@ -43,6 +43,9 @@ def resets(comm: PETSc.Comm) -> list[Check]:
     sheet, moving = analysis.problem, analysis.state.solver.moving
     moving.motion = counted = Counted(moving.motion)
     x = sheet.flat(np.column_stack([sheet.mesh.X, np.zeros(len(sheet.mesh.X))]))
+    # Triangles that get other points of contact on the way have another energy.
+    sheet.contact.cut(sheet.corners(x))
+    sheet.contact.cut = lambda corners: None
     start = sheet.energy(x)
     moving.run(x, 1e-3 * sheet.lumped.load)
     energies = np.array([start, *moving.resets])
