@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.preconditioner import order_factor
 from restshape.arrays import Reals
 
 if TYPE_CHECKING:
@@ -54,6 +55,18 @@ def gather_matrix(mat: PETSc.Mat, comm: PETSc.Comm) -> sp.csr_matrix:
     own = sp.csr_matrix((values, indices, indptr), shape=(len(indptr) - 1, n))
     parts = comm.tompi4py().allgather(own) if comm.size > 1 else [own]
     return sp.vstack(parts, format="csr")
+
+
+def whole_cholesky(mat: PETSc.Mat, comm: PETSc.Comm) -> tuple[PETSc.Mat, PETSc.PC]:
+    """A PETSc matrix (n, n) whole on each rank, and a complete Cholesky factor of it; both are to be destroyed."""
+    whole = gather_matrix(mat, comm)
+    matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setType("cholesky")
+    order_factor(pc)
+    pc.setOperators(matrix)
+    pc.setUp()
+    return matrix, pc
 
 
 def matrix_difference(a: sp.csr_matrix, b: sp.csr_matrix) -> float:

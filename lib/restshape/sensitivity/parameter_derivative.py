@@ -1,13 +1,12 @@
 """How frequencies follow the numbers of a scene: materials, thickness, and parameters, also those of its shape."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import MASS, STIFFNESS
+from restshape.scene.given_numbers import value_below
 from restshape.scene.load import revise
 from restshape.sensitivity.frequency_derivative import SolvedModes, design_products, known_modes, rates
 from restshape.sensitivity.outline_velocity import outline_velocity
@@ -104,28 +103,16 @@ def number_at(analysis: SolvedModes, key: str) -> float:
             "--by",
             "name one like material.brass.E; for the outline ask for --outline",
         )
-    here = _at(analysis.state.scene, parts)
+    here = value_below(analysis.state.scene, tuple(parts))
     if isinstance(here, bool) or not isinstance(here, int | float):
         raise UserError(f"{key!r} is no number of this scene", "--by", "name one like material.brass.E")
     return float(here)
 
 
-def _at(here: object, parts: Sequence[str]) -> object:
-    """What lies there in a scene; None where nothing does."""
-    for part in parts:
-        if isinstance(here, dict):
-            here = here.get(part)
-        elif isinstance(here, list | tuple):
-            here = here[int(part)] if part.isdigit() and int(part) < len(here) else None
-        else:
-            here = getattr(here, part, None)
-    return here
-
-
 def _revision(analysis: SolvedModes, key: str, value: float) -> tuple[str, object]:
     """The key to change and its new value: of a list the whole of it."""
     whole, _, place = key.rpartition(".")
-    around = _at(analysis.state.scene, whole.split("."))
+    around = value_below(analysis.state.scene, tuple(whole.split(".")))
     if not isinstance(around, list | tuple):
         return key, value
     return whole, [value if k == int(place) else known for k, known in enumerate(around)]

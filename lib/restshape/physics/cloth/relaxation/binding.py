@@ -19,6 +19,7 @@ from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.relaxation.drag_frame import LastRest, drag_frame
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
+from restshape.physics.cloth.relaxation.jumps import Expected, farthest
 from restshape.physics.cloth.relaxation.keep_apart import initial_positions, kept_apart
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
@@ -32,7 +33,7 @@ from restshape.scene.model import Scene
 log = logging.getLogger("restshape.physics")
 
 
-AGAIN = "layers would cross from the last positions: dropped again"
+AGAIN = "layers would cross from the last positions: the cloth was dropped again"
 
 
 def bind(
@@ -47,26 +48,13 @@ def bind(
         options: of the frame's scene.
         origin: the equilibrium of other cloth on the same mesh to start from instead, its friction included.
     """
-    mesh, scene = frame.mesh, frame.scene
-    arguments = options.arguments(mesh)
+    scene, arguments = frame.scene, options.arguments(frame.mesh)
+    apart = _touches_itself(before)
     # Cloth that has fallen out of reach is thrown again, so that an edit, or its undo, brings it back.
-    apart = before.problem is not None and before.problem.self_contact is not None
-    apart = apart and before.problem.self_contact.active
     cold = before.problem is None or not options.context.policy.warm or before.report.falls
-    if new_mesh or not same_elements(before.problem, arguments):
-        corners = None
-        if not cold:
-            with options.context.stages("map"):
-                corners = moved_corners(before, frame, scene)
-        state = new_problem(before, frame, arguments, corners)
-        state = replace(state, solver=options.make_solver(state.problem))
-    else:
-        state = moved_material(before, arguments)
-        if cold:
-            state = replace(state, x=initial_positions(state.problem, arguments))
+    state = _placed(before, frame, new_mesh, options, cold)
     log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
-    state = replace(state, plan=options.plan, bodies=options.bodies)
     if cold and problem.contact:
         refuse_squeezed(problem.contact, problem.corners(state.x), scene.bodies)
         depths = penetrations(problem.contact, problem.corners(state.x))
@@ -80,26 +68,77 @@ def bind(
         if found:
             return replace(state, observer=problem.observer(scene.quantities)), False
     known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
-    if problem.self_contact and not cold:
-        state = kept_apart(state, known)
-    if problem.contact and before.friction is not None and not cold:
-        state = follow_bodies(state, before.bodies, np.where(problem.boundary.mask, known, state.x))
+    if not cold:
+        state = _followed(state, before, known)
     if origin:
-        state, cold = replace(state, x=problem.constrain(origin.x), softness=origin.softness), False
-        if problem.contact and origin.friction is not None:
-            problem.contact.history = origin.friction
-        if problem.self_contact and origin.layers is not None:
-            problem.self_contact.history = origin.layers
+        state, cold = _from_origin(state, origin), False
     acts = problem.begin(state.x)
     if apart and not (acts or cold or origin):
-        # Contact cannot undo what a new mesh has brought across.
-        log.info("Relaxation from the initial placement after all: the last positions cross themselves on this mesh")
-        again = {"x": initial_positions(problem, arguments), "notes": (*state.notes, AGAIN), "doubts": ()}
-        state, cold = replace(state, **again), True
+        # Contact cannot undo what a new mesh, or a support, has brought across.
+        state, cold = _dropped_again(state, arguments, known), True
         acts = problem.begin(state.x)
     if cold and not acts:
         state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
     return replace(state, observer=problem.observer(scene.quantities)), cold
+
+
+def _touches_itself(before: RelaxationState) -> bool:
+    """Whether contact of the cloth with itself acts at the last equilibrium: there nothing crosses."""
+    own = before.problem.self_contact if before.problem is not None else None
+    return own is not None and own.active
+
+
+def _placed(
+    before: RelaxationState, frame: Frame, new_mesh: bool, options: RelaxationOptions, cold: bool
+) -> RelaxationState:
+    """The state with problem and solver of a frame, where the last equilibrium is, or of a cold start at its place."""
+    arguments = options.arguments(frame.mesh)
+    if new_mesh or not same_elements(before.problem, arguments):
+        corners = None
+        if not cold:
+            with options.context.stages("map"):
+                corners = moved_corners(before, frame, frame.scene)
+        state = new_problem(before, frame, arguments, corners)
+        state = replace(state, solver=options.make_solver(state.problem))
+    else:
+        state = moved_material(before, arguments)
+        if cold:
+            state = replace(state, x=initial_positions(state.problem, arguments))
+    return replace(state, plan=options.plan, bodies=options.bodies)
+
+
+def _followed(state: RelaxationState, before: RelaxationState, known: np.ndarray) -> RelaxationState:
+    """The state with supports and bodies where they are in the frame, from the last positions known (n, 3)."""
+    problem = state.problem
+    if problem.self_contact:
+        state = kept_apart(state, known)
+    if problem.contact and before.friction is not None:
+        state = follow_bodies(state, before.bodies, np.where(problem.boundary.mask, known, state.x))
+    return state
+
+
+def _from_origin(state: RelaxationState, origin: RelaxationState) -> RelaxationState:
+    """The state at the equilibrium of other cloth on the same mesh, with its friction."""
+    problem = state.problem
+    if problem.contact and origin.friction is not None:
+        problem.contact.history = origin.friction
+    if problem.self_contact and origin.layers is not None:
+        problem.self_contact.history = origin.layers
+    return replace(state, x=problem.constrain(origin.x), softness=origin.softness)
+
+
+def _dropped_again(state: RelaxationState, arguments: ClothArguments, known: np.ndarray) -> RelaxationState:
+    """The state at the initial placement, which is not to be trusted to lie as the edit would have had it.
+
+    Args:
+        known: (n, 3) the last positions, from which the jump of the cloth is told.
+    """
+    problem = state.problem
+    log.info("Relaxation from the initial placement after all: the last positions cross themselves")
+    hand = farthest(problem, problem.constrain(known) - known)
+    expected = state.expected or Expected(known, hand, 0.0, problem.energy(known))
+    doubts = (*state.doubts, AGAIN)
+    return replace(state, x=initial_positions(problem, arguments), doubts=doubts, expected=expected)
 
 
 def begins_across(problem: ClothProblem, x: np.ndarray, scene: Scene) -> str:

@@ -3,8 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import gather_matrix
-from restshape.algebra.preconditioner import order_factor
+from restshape.algebra.gathering import whole_cholesky
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import STIFFER, EquilibriumSolver
 
@@ -36,13 +35,7 @@ class SaddleEscape:
         solver = self.solver
         if solver.comm.size == 1:
             return solver.newton.definite(x)
-        whole = gather_matrix(solver.newton.tangent(x), solver.comm)
-        matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
-        pc = PETSc.PC().create(PETSc.COMM_SELF)
-        pc.setType("cholesky")
-        order_factor(pc)
-        pc.setOperators(matrix)
-        pc.setUp()
+        matrix, pc = whole_cholesky(solver.newton.tangent(x), solver.comm)
         negative, zero, _ = pc.getFactorMatrix().getInertia()
         for part in (pc, matrix):
             part.destroy()

@@ -9,8 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from restshape.algebra.gathering import gather_matrix
-from restshape.algebra.preconditioner import order_factor
+from restshape.algebra.gathering import whole_cholesky
 from restshape.fem.assembled import Assembled
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.physics.cloth.relaxation.state import RelaxationState
@@ -97,13 +96,7 @@ class RestTangent:
                 solver.linear.kept.substitute_by_panels(iterates=solver.linear.takes_guess)
             return matrix, solver.linear.ksp.getPC().apply, []
         equations = ClothEquations(self.problem, solver.comm, solver.stages, None) if self.own else solver.equations
-        whole = gather_matrix(equations.true_tangent(x, 0.0), solver.comm)
-        matrix = PETSc.Mat().createAIJ(whole.shape, csr=(whole.indptr, whole.indices, whole.data), comm=PETSc.COMM_SELF)
-        pc = PETSc.PC().create(PETSc.COMM_SELF)
-        pc.setType("cholesky")
-        order_factor(pc)
-        pc.setOperators(matrix)
-        pc.setUp()
+        matrix, pc = whole_cholesky(equations.true_tangent(x, 0.0), solver.comm)
         return matrix, pc.apply, [pc, matrix]
 
     def _krylov(self, matrix: PETSc.Mat, precondition: Apply, tolerance: float) -> tuple[PETSc.KSP, PETSc.Mat]:

@@ -11,6 +11,7 @@ from restshape.errors import UserError
 from restshape.scene.bodies import Body, Start
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
+from restshape.scene.given_numbers import value_below
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -35,10 +36,10 @@ class ChangingNumber:
         self.scene, self.plan, self.key = scene, plan, key
         parts = key.split(".")
         if parts[0] == "effects":
-            here = _at(plan.settings(parts[1]), parts[2:]) if len(parts) > 2 else None
+            here = value_below(plan.settings(parts[1]), tuple(parts[2:])) if len(parts) > 2 else None
         else:
             whole = scene.model_copy(update={"start": scene.start or Start()})
-            here = _at(whole, parts) if parts[0] in TABLES else None
+            here = value_below(whole, tuple(parts)) if parts[0] in TABLES else None
         if isinstance(here, bool) or not isinstance(here, int | float):
             tables = ", ".join(TABLES)
             raise UserError(
@@ -109,15 +110,3 @@ def _stepped(model: Any, parts: Sequence[str]) -> Any:
     if isinstance(model, tuple | list):
         return tuple(_stepped(one, parts[1:]) if k == int(parts[0]) else one for k, one in enumerate(model))
     return model.model_copy(update={parts[0]: _stepped(getattr(model, parts[0]), parts[1:])})
-
-
-def _at(here: Any, parts: Sequence[str]) -> Any:
-    """What is there in a scene; None where nothing is."""
-    for part in parts:
-        if isinstance(here, dict):
-            here = here.get(part)
-        elif isinstance(here, list | tuple):
-            here = here[int(part)] if part.isdigit() and int(part) < len(here) else None
-        else:
-            here = getattr(here, part, None)
-    return here
