@@ -1,6 +1,6 @@
 """The design derivative by dual numbers beside its two approximations by differences, over their step."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -74,11 +74,12 @@ class LinearisedScene:
         return design_derivative(self.analysis, Psi, EXACT)
 
 
-def measure(request: Request) -> dict[str, Any]:
+def measure(request: Request, by: Sequence[str] = (), only_times: bool = False) -> dict[str, Any]:
     """Differences from the derivative by dual numbers, relative to it, a step each; and what each way costs.
 
     Args:
         request: as for `LinearisedScene`, with `solve.tolerance` at `EXACT`.
+        by, only_times: of cloth alone, as of `measure_drape`.
 
     Raises:
         UserError: as `LinearisedScene`; a derivative cannot be had.
@@ -87,7 +88,7 @@ def measure(request: Request) -> dict[str, Any]:
         there is no answer; ms of one derivative each way; triangles, unknowns. Of cloth as `measure_drape`.
     """
     if is_drape(request.scene):
-        return measure_drape(request)
+        return measure_drape(request, by, only_times)
     linearised = LinearisedScene(request)
     both = linearised.derivative(linearised.Psi)
     direction = int(np.linalg.norm(both[1]) > np.linalg.norm(both[0]))

@@ -2,50 +2,59 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.bench.drape_numbers import number_remainders
 
 from restshape.analysis.frame import Frame
+from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.relocate import BoundaryNodes, motion
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+from restshape.physics.cloth.sensitivity.agreed_contact import FREE
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
+from restshape.scene.plan import plan
 
 REST, TOLERANCE = 1e-9, 1e-6
 """Tolerance of the drapes whose remainders are looked at, and of derivatives."""
 STEPS = (1e-5, 5e-6, 2.5e-6)
 """Of the hand, in sizes of the cloth: below the way at which friction is all there."""
 TIMES = 9
+HAND = "hand"
+"""Among numbers, the one that edits the pattern."""
 
 
 def is_drape(scene: Scene) -> bool:
     """Whether a scene's answers are drapes."""
-    return "drape" in scene.effects or "cloth" in scene.effects
+    return plan(scene, application_of(scene)).on("drape")
 
 
-def measure_drape(request: Request) -> dict[str, Any]:
-    """What is found of the scene's first rest, when the second edge of its outline is taken hold of.
+def measure_drape(request: Request, by: Sequence[str] = (), only_times: bool = False) -> dict[str, Any]:
+    """What is found of the scene's first rest, by numbers, and when the second edge of its outline is taken hold of.
 
     Args:
         request: of cloth.
+        by: keys of numbers, or "hand"; none: the hand and all numbers that drapes have derivatives by.
+        only_times: without remainders, at the tolerance of the scene.
 
     Raises:
-        UserError: its first shape has no derivative.
+        UserError: its first shape has no derivative, or none by a number that was asked for.
 
-    Returns: nodes, unknowns; ms: least and median time of both derivatives, with their factor at hand; residuals (2,)
-        by the elements, iterations, places that stick and slide, note; edge; steps (of the size of the cloth);
-        remainders (2, steps) over the way of the nodes that the derivative tells, None where there is no rest.
+    Returns: nodes, unknowns, size [m]; ms: least and median time of both derivatives, with their factor at hand;
+        residuals (2,) by the elements, iterations, places that stick and slide, nodes that are free, note; edge; steps
+        (of the size of the cloth); remainders (2, steps) over the derivative times the step, None where there
+        is no rest; empty where they were not asked for; numbers: as of `number_remainders`.
     """
-    own = request.scene.raw.get("effects", {}).get("drape", {})
-    scene = revise(request.scene, "effects.drape.tolerance" if "tolerance" in own else "solve.tolerance", REST)
+    scene = request.scene if only_times else _resting(request.scene)
     replay = Replay(replace(request, scene=scene), PETSc.COMM_WORLD)
     next(replay.frames())
     analysis, mesh = replay.analysis, replay.analysis.space
@@ -57,12 +66,15 @@ def measure_drape(request: Request) -> dict[str, Any]:
             start = perf_counter()
             analysis.derivative(motions, TOLERANCE)
             times.append(1e3 * (perf_counter() - start))
-        exact = analysis.derivative(motions, 1e-3 * TOLERANCE)
     except ReplayProblem as problem:
         raise UserError(str(problem), str(request.scene.path), "let it come to rest") from problem
-    size = analysis.problem.size
+    hand, keys = not only_times and (not by or HAND in by), [key for key in by if key != HAND]
+    numbers = None
+    if not only_times and (keys or not by):
+        numbers = number_remainders(analysis, keys, 1e-3 * TOLERANCE)
     return {
         "drape": True,
+        "size": analysis.problem.size,
         "nodes": len(mesh.X),
         "unknowns": int(analysis.x.size),
         "ms": {"least": min(times), "median": float(np.median(times))},
@@ -70,11 +82,19 @@ def measure_drape(request: Request) -> dict[str, Any]:
         "iterations": found.iterations,
         "sticking": found.sticking,
         "sliding": found.sliding,
+        "free": int((found.states == FREE).sum()),
         "note": found.note,
         "edge": edge,
         "steps": list(STEPS),
-        "remainders": _remainders(analysis, scene, motions, exact.s, size),
+        "remainders": _remainders(analysis, scene, motions) if hand else [],
+        "numbers": numbers,
     }
+
+
+def _resting(scene: Scene) -> Scene:
+    """The scene at rest as exactly as remainders ask for."""
+    own = scene.raw.get("effects", {}).get("drape", {})
+    return revise(scene, "effects.drape.tolerance" if "tolerance" in own else "solve.tolerance", REST)
 
 
 def _motions(mesh: Mesh, edge: str) -> np.ndarray:
@@ -87,11 +107,10 @@ def _motions(mesh: Mesh, edge: str) -> np.ndarray:
     return motion(mesh, BoundaryNodes(mesh).basis(outline, basis), "harmonic")
 
 
-def _remainders(
-    analysis: RelaxationAnalysis, scene: Scene, motions: np.ndarray, derivatives: np.ndarray, size: float
-) -> list[list[float | None]]:
+def _remainders(analysis: RelaxationAnalysis, scene: Scene, motions: np.ndarray) -> list[list[float | None]]:
     """Remainders (2, steps) of steps of the hand, each from the same rest and anchors."""
-    mesh, kept = analysis.space, analysis.kept_answer()
+    mesh, kept, size = analysis.space, analysis.kept_answer(), analysis.problem.size
+    derivatives = analysis.derivative(motions, 1e-3 * TOLERANCE).s
     X, x = mesh.X.copy(), analysis.x.copy()
     frame = Frame(mesh, np.empty(0, dtype=np.int32), None, scene, (None, (0.0, 0.0)))
     found: list[list[float | None]] = []

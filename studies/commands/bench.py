@@ -24,7 +24,7 @@ from restshape_studies.commands import (
     bench_reuse,
     bench_size,
 )
-from restshape_studies.commands.bench_kind import Kind, read_results
+from restshape_studies.commands.bench_kind import Kind, read_results, unscripted
 
 from restshape.application import applications
 from restshape.cli.options import add_json, add_set, require_mesh, write_json
@@ -41,6 +41,8 @@ PLACE = 5
 OWN = "those of the study"
 MANY = ("several", "unscripted")
 """Kinds of studies whose JSON holds a value for each scene."""
+SINGLE = ("one", "still", "either")
+"""Those of one scene."""
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
 PICTURES = Path("results")
 MODULES = (
@@ -68,11 +70,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         if kind.scenes in ("several", "unscripted"):
             what = f"scene files, or names of installed ones (default: {' '.join(kind.default) or 'all installed'})"
             study.add_argument("scenes", metavar="SCENE", nargs="*", type=Path, help=what)
-        elif kind.scenes in ("one", "still"):
+        elif kind.scenes in SINGLE:
             number, what = ("?", f" (default: {OWN})") if kind.own else (None, "")
             what = f"scene file, or name of an installed one{what}"
             study.add_argument("scenes", metavar="SCENE", nargs=number, action=Only, type=Path, help=what, default=[])
-        if kind.scenes in ("several", "one", "still"):
+        if kind.scenes in ("several", *SINGLE):
             what = "edit script (default: the one that names the scene)"
             study.add_argument("--edits", type=Path, metavar="FILE", help=what)
         kind.declare(study)
@@ -106,7 +108,8 @@ def run(args: argparse.Namespace) -> int:
     own = kind.own is not None and not args.scenes
     several = own or kind.scenes in MANY
     cases = kind.own(args) if own else cases_of(kind, args)
-    picture = _picture(args.out, kind.picture) if kind.picture else getattr(args, "picture", None)
+    draws = kind.picture and not getattr(args, "only_times", False)
+    picture = _picture(args.out, kind.picture) if draws else getattr(args, "picture", None)
     found: dict[str, Any] = {}
     start = time.monotonic()
     for case in cases:
@@ -167,7 +170,7 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
     from restshape.scene.edit_script import load_script
     from restshape.scene.load import load_scene
 
-    if kind.scenes not in ("several", "unscripted", "one", "still"):
+    if kind.scenes not in (*MANY, *SINGLE):
         return [Case(kind.scenes, installed_scene(kind.scenes), None)]
     scripted = kind.scenes != "unscripted"
     meshed = [path for app in applications().values() if app.editing.has_mesh for path in app.scenes()]
@@ -184,8 +187,8 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
         edits = (args.edits or script_of(path)) if scripted else None
         if edits is not None:
             load_script(edits, scene)
-        elif scripted and kind.scenes != "still":
-            raise UserError("no script beside the scene names it", str(path), "name one: --edits FILE.jsonl")
+        elif scripted and kind.scenes not in ("still", "either"):
+            raise unscripted(path)
         name = path.stem if stems.count(path.stem) == 1 else f"{scene.app}/{path.stem}"
         name = str(path) if name in {case.name for case in cases} else name
         if kind.scenes == "still":

@@ -1,7 +1,6 @@
 """The studies of `restshape bench` that have to do with the design derivative: its use and its exactness."""
 
 import argparse
-import math
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +14,12 @@ from restshape_studies.commands.bench_kind import (
     check_runs,
     job_of,
     unchecked,
+    unscripted,
 )
+from restshape_studies.commands.drape_tables import show_drape
 
 from restshape.cli.options import print_table
+from restshape.errors import UserError
 
 EXACT = "solve.tolerance=1e-12"
 """Derivatives by differences are only as good as the solves."""
@@ -103,6 +105,13 @@ def show_ways(ways: dict[str, Any]) -> None:
     print_table("ways of prediction against the solved answer", heads, rows, right=heads[1:])
 
 
+def declare_derivative(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    by = 'of cloth: a number of the scene, such as material.cotton.E, or "hand" (default: the hand, and all numbers)'
+    parser.add_argument("--by", action="append", default=[], metavar="KEY", help=by)
+    parser.add_argument("--only-times", action="store_true", help="of cloth: times and residuals, without remainders")
+
+
 def measure_derivative(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
     """Differences from the derivative."""
     from restshape_studies.bench.drape_derivative import is_drape
@@ -113,9 +122,14 @@ def measure_derivative(args: argparse.Namespace, case: Case, announce: Announce)
 
     announce(f"{case.name}: derivatives")
     # Drapes rest as exactly as rounding lets them.
-    if not is_drape(load_scene(case.scene, args.set)):
-        args.set = [*args.set, EXACT]
-    job = job_of(args, case, "refactor", measure="derivative")
+    drape = is_drape(load_scene(case.scene, args.set))
+    if not drape and case.edits is None:
+        raise unscripted(case.scene)
+    if not drape and (args.by or args.only_times):
+        raise UserError("this is about cloth", "--by, --only-times", "leave it out, or name a scene of cloth")
+    args.set = args.set if drape else [*args.set, EXACT]
+    details = {"by": args.by, "only_times": args.only_times}
+    job = job_of(args, case, "refactor", measure="derivative", details=details)
     return found_of(run(job), job)
 
 
@@ -145,33 +159,6 @@ def show_derivative(args: argparse.Namespace, name: str, found: dict[str, Any]) 
     print(f"one derivative takes [ms], with its factor at hand: {times}")
 
 
-def show_drape(name: str, found: dict[str, Any]) -> None:
-    """Print both derivatives of a drape."""
-    heads = ("step / size", "remainder along x", "order", "along y", "order")
-    rows = []
-    for i, step in enumerate(found["steps"]):
-        cells = [f"{step:.1e}"]
-        for values in found["remainders"]:
-            one, before = values[i], values[i - 1] if i else None
-            cells += ["no rest" if one is None else f"{one:.2e}", f"{order(before, one, found['steps'], i)}"]
-        rows.append(tuple(cells))
-    title = f"{name}: {found['edge']} by hand: remainders over the derivative times the step; {found['nodes']} nodes"
-    print_table(title, heads, rows, right=heads)
-    times, (first, second) = found["ms"], found["residuals"]
-    print(
-        f"both derivatives take {times['least']:.1f} ms (median {times['median']:.1f}), with their factor at hand: "
-        f"{found['iterations']} iterations, residuals {first:.1e} and {second:.1e}; {found['sticking']} places stick, "
-        f"{found['sliding']} slide{'; ' + found['note'] if found['note'] else ''}"
-    )
-
-
-def order(before: float | None, after: float | None, steps: list[float], i: int) -> str:
-    """The order of the whole remainder, from two that are relative to the step; empty where there are none."""
-    if before is None or after is None or not after:
-        return ""
-    return f"{1.0 + math.log(before / after) / math.log(steps[i - 1] / steps[i]):.2f}"
-
-
 KINDS = (
     Kind(
         "predict",
@@ -187,10 +174,11 @@ KINDS = (
     Kind(
         "derivative",
         "the derivative by dual numbers beside differences over their step",
-        unchecked,
+        declare_derivative,
         unchecked,
         measure_derivative,
         show_derivative,
+        scenes="either",
         picture="sensitivity-epsilon.png",
         times="one derivative at a solution, with its factor at hand",
         draw=draw_derivative,

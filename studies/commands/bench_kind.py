@@ -27,7 +27,8 @@ class Kind:
         check: refuses arguments that measure nothing.
         measure: what is found of a scene, as --json writes it; given the arguments, the scene and who announces.
         show: prints the tables of a scene; given the arguments, the scene's name and what was found.
-        scenes: "one", "several" (all installed ones by default), "still" (one, which needs no script), "unscripted"
+        scenes: "one", "several" (all installed ones by default), "still" (one, by its title, which needs no script),
+            "either" (one, of whose script `measure` says whether it is needed), "unscripted"
             (several, whose first shapes are looked at), or the name of an installed scene.
         default: names of installed scenes that are taken where none is named; none: all installed ones.
         about: why the scene must have a mesh.
@@ -95,6 +96,11 @@ def read_results(path: Path, option: str) -> tuple[Any, str]:
         raise UserError(f"this is no JSON: {error}", f"{option} {path}", "name another file") from error
     stamp = data.pop(STAMP, "") if isinstance(data, dict) else ""
     return data, stamp.partition(",")[0] or path.name
+
+
+def unscripted(scene: Path) -> UserError:
+    """The error of a scene that has no script."""
+    return UserError("no script beside the scene names it", str(scene), "name one: --edits FILE.jsonl")
 
 
 def unchecked(args: argparse.Namespace) -> None:

@@ -42,7 +42,9 @@ def draw_derivative(name: str, found: Mapping[str, Any], path: Path) -> None:
 
 
 def draw_drape(name: str, found: Mapping[str, Any], path: Path) -> None:
-    """Writes the picture as a PNG: Taylor remainders of both derivatives of a drape over the step of the hand.
+    """Writes the picture as a PNG: Taylor remainders of a drape's derivatives, by the hand and by numbers.
+
+    Steps of numbers are shown by the farthest way of a node.
 
     Args:
         name: of the scene; found: as `bench derivative --json` writes it; path: of the picture.
@@ -53,10 +55,17 @@ def draw_drape(name: str, found: Mapping[str, Any], path: Path) -> None:
         pairs = [(h, h * e) for h, e in zip(found["steps"], remainders) if e]
         if pairs:
             axes.loglog(*zip(*pairs), color=colour, marker=mark, markersize=4, linewidth=1.2, label=f"along {axis}")
-    axes.set(xlabel="step of the hand / size of the cloth", ylabel="remainder / norm of the derivative")
+    for one in found["numbers"]["rows"] if found["numbers"] else ():
+        steps = [part * one["step"] * one["motion"] / found["size"] for part in (1.0, 0.5)]
+        pairs = [(h, h * e) for h, e in zip(steps, one["remainders"]) if e]
+        if pairs and one["order"] is not None:
+            axes.loglog(*zip(*pairs), marker=".", markersize=3, linewidth=0.8, label=one["key"])
+    axes.set(
+        xlabel="step of the hand, or way of a node, / size of the cloth", ylabel="remainder / norm of the derivative"
+    )
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
-    axes.legend(loc="upper left")
-    title = f"{name}: what is beyond both derivatives of the drape, {found['nodes']:,} nodes"
+    axes.legend(loc="upper left", fontsize=5)
+    title = f"{name}: what is beyond derivatives of the drape, {found['nodes']:,} nodes"
     figure.suptitle(title, x=0.01, ha="left", color=INK)
     save_picture(figure, path)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drape_designs import HELD, sheet
+from drape_designs import BALL, HELD, sheet
 from small_scenes import across, drag, plate, write_scene, write_script
 
 pytestmark = pytest.mark.cli
@@ -92,6 +92,7 @@ def test_derivative_for_programs_and_people(tmp_path, command, scene, law):
         (("predict", "small.toml", "--edits", "still.jsonl", "--repeat", 1), ("no frame", "still.jsonl")),
         (("derivative", "small.toml", "--edits", "still.jsonl"), ("drags nothing",)),
         (("derivative", "nowhere.toml"), ("nowhere.toml",)),
+        (("derivative", "small.toml", "--by", "material.rubber.E"), ("about cloth", "--by")),
     ],
 )
 def test_what_cannot_be_measured(tmp_path, command, scene, words, reported):
@@ -116,9 +117,35 @@ def test_derivatives_of_a_drape(tmp_path, command):
     words = ("--edits", edits, "--json", "a.json", "--out", "pictures")
     done = command("bench", "derivative", path, *words)
     assert done.returncode == 0, done.stderr
-    assert "both derivatives take" in done.stdout
+    assert "both derivatives by hand take" in done.stdout and "nodes are free of friction" in done.stdout
     found = json.loads((tmp_path / "a.json").read_text())
     assert found["drape"] and max(found["residuals"]) < 1e-6
     for first, second, _ in found["remainders"]:
         assert 1.9 < 1.0 + np.log2(first / second) < 2.1
+    numbers = {one["key"]: one for one in found["numbers"]["rows"]}
+    assert {"material.cotton.E", "material.cotton.rho", "effects.gravity.g.0", "start.move.2"} <= set(numbers)
+    assert numbers["material.cotton.rho"]["order"] == pytest.approx(2.0, abs=0.1)
+    # Pins take all of the cloth along.
+    assert numbers["start.move.2"]["motion"] == pytest.approx(1.0, rel=1e-6)
+    assert found["numbers"]["idle"] == ["material.cotton.grain"] and not found["numbers"]["left_out"]
     assert (tmp_path / "pictures" / "sensitivity-epsilon.png").read_bytes().startswith(PNG)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
+def test_derivatives_of_a_drape_by_one_number_and_times_alone(tmp_path, command):
+    table = BALL.format(friction=0.4) + "[effects.contact]\n"
+    path = write_scene(tmp_path, sheet("hinge", table, size=0.05), "sheet.toml")
+    edits = write_script(tmp_path, drag("top", (0.1, 0.2), across((0.1, 0.2), (0.1, 0.21), 2)), "sheet.jsonl")
+    words = ("bench", "derivative", path, "--edits", edits, "--out", "pictures")
+    done = command(*words, "--by", "bodies.ball.sphere.radius", "--json", "a.json")
+    assert done.returncode == 0 and "bodies.ball.sphere.radius" in done.stdout and "along x" not in done.stdout
+    ((row,),) = (json.loads((tmp_path / "a.json").read_text())["numbers"]["rows"],)
+    assert row["orders"]["sticks"] == pytest.approx(2.0, abs=0.2)
+    assert row["orders"]["free"] == pytest.approx(2.0, abs=0.2)
+    (tmp_path / "pictures" / "sensitivity-epsilon.png").unlink()
+    done = command(*words, "--only-times")
+    assert done.returncode == 0 and "order" not in done.stdout and "residuals" in done.stdout
+    assert not list((tmp_path / "pictures").iterdir())
+    done = command(*words, "--by", "material.cotton.colour")
+    assert done.returncode == 2 and "is no number of this scene" in done.stderr

@@ -11,6 +11,8 @@ from scipy.sparse import bsr_matrix, csr_matrix
 from restshape import _kernels
 from restshape.physics.cloth.contact import POTENTIAL, Contact
 
+STICKS, SLIDES, FREE = 0, 1, 2
+"""What friction does to a place."""
 SLIDING = 1e-2
 """Share of the slip by which a place that slides may be short of it: friction is the largest to 1e-4 there."""
 
@@ -130,6 +132,15 @@ class AgreedContact:
         """Places that stick, and places that slide."""
         slide = sum(int(one.slides.sum()) for one in self.pressed.values())
         return sum(len(one.at) for one in self.pressed.values()) - slide, slide
+
+    @property
+    def states(self) -> np.ndarray:
+        """What friction does to each place (n + m,)."""
+        found = np.full(len(self.places), FREE)
+        for one in self.pressed.values():
+            state = np.where(one.slides, SLIDES, STICKS)
+            found[one.at] = np.where(found[one.at] == SLIDES, SLIDES, state)
+        return found
 
     def tangent(self) -> csr_matrix:
         """What (3 nodes, 3 nodes) [N/m] the tangent of the frozen potential leaves out; it is not symmetric."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.sensitivity.agreed_contact import FREE
 from restshape.physics.cloth.sensitivity.hand_rates import hand_rates
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
 from restshape.physics.cloth.sensitivity.scene_rates import scene_rates
@@ -37,14 +38,16 @@ class DrapeDerivative:
         residuals: (k,) of each, by the elements, over its right side.
         iterations: of the linear solver, of all together.
         sticking, sliding: places that friction holds, and places along which it slips.
+        states: (corners,) what friction does to each corner: 0 it sticks, 1 it slides, 2 it is free.
         note: what there is to say of how they were had; empty: nothing.
     """
 
     s: np.ndarray
     residuals: np.ndarray
     iterations: int
-    sticking: int = 0
-    sliding: int = 0
+    sticking: int
+    sliding: int
+    states: np.ndarray
     note: str = ""
 
 
@@ -107,11 +110,13 @@ def solved(
             "the tangent is nearly singular: no derivative of the drape "
             f"(its residual is {residuals.max():.1e} of the right side)"
         )
+    corners = len(state.problem.corner_number)
     sticking, sliding = tangent.contact.counts if tangent.contact else (0, 0)
+    states = tangent.contact.states[:corners] if tangent.contact else np.full(corners, FREE)
     own = state.problem.self_contact
     if own and own.rough and len(own.history.offsets):
         note = "; ".join(filter(None, (note, LAYERS)))
-    return DrapeDerivative(s, residuals, tangent.iterations, sticking, sliding, note)
+    return DrapeDerivative(s, residuals, tangent.iterations, sticking, sliding, states, note)
 
 
 def _solutions(tangent: RestTangent, rates: Sequence[Rates], tolerance: float) -> tuple[np.ndarray, np.ndarray]:

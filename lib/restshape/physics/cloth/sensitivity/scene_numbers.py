@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from restshape.errors import UserError
 from restshape.scene.bodies import Body, Start
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.given_numbers import value_below
+from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
 TABLES = ("material", "bodies", "supports", "start", "effects", "parameters")
 """Whose numbers drapes have derivatives by."""
+EFFECTS = ("gravity", "contact")
+"""Those whose numbers drapes have derivatives by."""
+SILENT = ("slope", "scatter", "seed")
+"""Numbers that give a support its kind, or a start its chance."""
 STEP = 1e-30
 """Of complex steps, which are exact: nothing is subtracted."""
 
@@ -47,6 +53,28 @@ class ChangingNumber:
             )
         self.value = float(here)
         self.parameter = parts[1] if parts[0] == "parameters" else ""
+
+    def scene_with(self, value: float) -> Scene:
+        """The scene with another value of the number; of a list with the others as they are written.
+
+        Raises:
+            UserError: the value does not suit it.
+        """
+        whole, _, last = self.key.rpartition(".")
+        written = value_below(self.scene.raw, tuple(whole.split(".")))
+        if self.key.startswith("supports.") and isinstance(written, list):
+            return revise(self.scene, whole, {name: value if name == last else 0.0 for name in written})
+        if not last.isdigit():
+            return revise(self.scene, self.key, value)
+        values = written if isinstance(written, list) else self._settled(whole.split("."))
+        return revise(self.scene, whole, [value if k == int(last) else one for k, one in enumerate(values)])
+
+    def _settled(self, parts: list[str]) -> Sequence[Value]:
+        """A list that the file need not have: of an effect or of the start."""
+        first, *rest = parts
+        if first == "effects":
+            return value_below(self.plan.settings(rest[0]), tuple(rest[1:]))
+        return value_below(self.scene.start or Start(), tuple(rest))
 
     def rate(self, value: Value, where: str) -> float:
         """The rate of a value at a place of the scene."""
@@ -95,6 +123,29 @@ class ChangingNumber:
         if isinstance(value, tuple):
             return self.vector(value, where)
         return self.rate(value, where)
+
+
+def number_keys(scene: Scene, plan: Plan) -> list[str]:
+    """Keys of all numbers of a scene that may change its drape, in the order of its tables."""
+    found = [key for table in TABLES if table != "effects" for key in _numbers(getattr(scene, table), (table,))]
+    if scene.start is None and scene.supports:
+        found += _numbers(Start().move, ("start", "move"))
+    for name in EFFECTS:
+        found += _numbers(plan.settings(name), ("effects", name))
+    return [key for key in found if key.rpartition(".")[2] not in SILENT]
+
+
+def _numbers(here: object, key: tuple[str, ...]) -> Iterator[str]:
+    """Dotted keys of the numbers in models, tables and lists; formulas are none."""
+    if isinstance(here, BaseModel):
+        here = {name: getattr(here, name) for name in type(here).model_fields}
+    if isinstance(here, list | tuple):
+        here = {str(place): one for place, one in enumerate(here)}
+    if isinstance(here, Mapping):
+        for name, one in here.items():
+            yield from _numbers(one, (*key, name))
+    elif isinstance(here, int | float) and not isinstance(here, bool):
+        yield ".".join(key)
 
 
 def _dual(value: Any, rate: Any) -> Any:
