@@ -1,6 +1,7 @@
 """Cloth that has converged and is not to be trusted says so: stretched edges, bodies inside, a way that softened it."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.optimize import brentq
 from restshape.cli import console
 from restshape.cli.doubtful import print_doubtful
 from restshape.cli.main import main
+from restshape.physics.cloth.trust import penetration_notes
 from restshape.replay.recording import Recording
 
 STRIP = f"""
@@ -115,7 +117,7 @@ def test_all_reasons_and_notes_are_in_replay_and_report(tmp_path, capsys):
     call = ["replay", str(tmp_path / "strip.toml"), "--edits", str(tmp_path / "strip.jsonl")]
     assert main([*call, "--out", str(recording), "--json", str(data)]) == 0
     said = capsys.readouterr().out
-    assert "untrusted, line 0, frame 0 (4 frames up to 5): an edge is stretched by 8." in said
+    assert "untrusted, line 0, frame 0 (4 frames up to 5, worst in 2): an edge is stretched by 13." in said
     summary = json.loads(data.read_text())
     rest, first = summary["rest"], summary["first_ms"]
     # All other times leave it out.
@@ -132,6 +134,17 @@ def test_all_reasons_and_notes_are_in_replay_and_report(tmp_path, capsys):
             listed = {one["text"] for one in notes[name]}
             assert listed and all(text in said for text in listed) and listed <= set(texts)
     assert any("not converged" in one["text"] for one in notes["note"])
+
+
+def test_of_bodies_with_cloth_inside_one_is_named_and_others_counted():
+    problem = SimpleNamespace(contact=SimpleNamespace(thickness=2e-3))
+    scene = SimpleNamespace(bodies={"one": 0, "two": 0, "three": 0})
+    for depths, words in (
+        ((0.0, 2e-3, 0.0), "2 mm inside bodies.two"),
+        ((3e-3, 2e-3, 0.0), "3 mm inside bodies.one, and less in 1 other body"),
+        ((3e-3, 2e-3, 4e-3), "4 mm inside bodies.three, and less in 2 other bodies"),
+    ):
+        assert penetration_notes("lies", problem, scene, depths) == [f"cloth lies {words}"]
 
 
 def test_what_is_not_to_be_trusted_is_orange_on_a_terminal_alone(monkeypatch, capsys):

@@ -94,11 +94,20 @@ def test_notes_that_differ_by_numbers_alone_are_one_with_its_frames(capsys):
     said = ("", "residual 5.48e-03 after 30 steps", "rail_1 bends", "residual 0.2 after 4 steps", "rail_2 bends", "")
     for index, note in enumerate(said):
         tally.add(make_row(index, rng) | {"note": note, "refused": ""})
+    tally.add(make_row(6, rng) | {"note": "residual 0.1 after 9 steps", "refused": ""})
     found = [(one.text, one.frame, one.last, one.count) for one in tally.reasons["note"].values()]
-    assert found == [(said[1], 1, 3, 2), (said[2], 2, 2, 1), (said[4], 4, 4, 1)]
+    assert found == [(said[3], 1, 6, 3), (said[2], 2, 2, 1), (said[4], 4, 4, 1)]
     _print_reasons("note", tally.reasons["note"])
     assert capsys.readouterr().out.splitlines() == [
-        "  note, line 0, frame 1 (2 frames up to 3): residual 5.48e-03 after 30 steps",
+        "  note, line 0, frame 1 (3 frames up to 6, worst in 3): residual 0.2 after 4 steps",
         "  note, line 1, frame 2: rail_1 bends",
         "  note, line 2, frame 4: rail_2 bends",
     ]
+
+
+def test_of_refused_frames_the_first_reason_is_kept():
+    rng, tally = np.random.default_rng(0), Tally()
+    for index, why in enumerate(("radius is -1 mm", "radius is -2 mm")):
+        tally.add(make_row(index, rng) | {"note": "", "refused": why})
+    (one,) = tally.reasons["refused"].values()
+    assert (one.text, one.frame, one.worst, one.last) == ("radius is -1 mm", 0, 0, 1)

@@ -9,6 +9,7 @@ from shape_scenes import scene_and_script
 from small_scenes import make_replay
 
 from restshape.cli.main import main
+from restshape.errors import UserError
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 from restshape.shape.pin_drag import place_of_pin
@@ -115,9 +116,16 @@ def test_a_plane_of_symmetry_cannot_be_held(tmp_path):
 
 
 def test_a_part_of_the_pattern_stays_in_its_plane(tmp_path):
-    """Its name is also that of a pin, so that a script may give heights."""
+    """Its name is also that of a pin, so that a script may give heights, and the message names it."""
     events = [{"do": "press", "on": "left", "at": [0, 0.5]}, {"do": "drag", "path": [[0, 0.5], [0.1, 0.5, 0.2]]}]
     frames = frames_of(tmp_path, *events)
+    assert all("press on supports.left, which moves in space, or leave z out" in frame.refused for frame in frames[2:])
+    events[0]["on"] = "supports.left"
+    assert not any(frame.refused for frame in frames_of(tmp_path, *events))
+    events[0]["on"] = "c"
+    with pytest.raises(UserError, match="c is no body and no support in space") as refused:
+        frames_of(tmp_path, *events)
+    assert refused.value.do == "leave out z, or press on one of: supports.left, supports.lift, supports.pin"
     assert [frame.change for frame in frames[2:]] == ["none"] * 2
     assert all("is a part of the shape, which has no z" in frame.refused for frame in frames[2:])
 

@@ -393,7 +393,8 @@ def _print_reasons(column: str, reasons: dict[str, Reason], most: int = 5) -> No
     from restshape.replay.columns import UNTRUSTED
 
     for one in list(reasons.values())[:most]:
-        more = f" ({counted(one.count, 'frame')} up to {one.last})" if one.count > 1 else ""
+        worst = f", worst in {one.worst}" if one.worst != one.frame else ""
+        more = f" ({counted(one.count, 'frame')} up to {one.last}{worst})" if one.count > 1 else ""
         line = printable(f"  {column}, line {one.line}, frame {one.frame}{more}: {one.text}")
         print_doubtful(line, column == UNTRUSTED)
     if len(reasons) > most:

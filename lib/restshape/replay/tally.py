@@ -24,7 +24,7 @@ from restshape.replay.columns import (
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.reservoir import Reservoir
 from restshape.replay.rounding import ROUNDING, largest, scales
-from restshape.replay.same_texts import without_numbers
+from restshape.replay.same_texts import severity, without_numbers
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -43,15 +43,24 @@ class Reason:
     """What some frames say, but for numbers.
 
     Args:
-        text: of the first of them; line: of its edit.
-        frame, last: index of the first and the last of them; count: how many they are.
+        text: of the worst of them, by `severity`; of refused frames of the first.
+        line: of the edit of the first one.
+        frame, last, worst: index of the first, the last, and the one that the text is of.
+        count: how many they are.
     """
 
     text: str
     line: int
     frame: int
     last: int
+    worst: int
     count: int = 1
+
+    def add(self, text: str, frame: int) -> None:
+        """Take a further frame, with what it says."""
+        self.last, self.count = frame, self.count + 1
+        if severity(text) > severity(self.text):
+            self.text, self.worst = text, frame
 
 
 class Jump(TypedDict):
@@ -192,10 +201,10 @@ class Tally:
                 continue
             plain, frame = without_numbers(said), whole(row, "index")
             if plain in known:
-                known[plain].last = frame
-                known[plain].count += 1
+                # Of what was refused the first message says what to mend.
+                known[plain].add(known[plain].text if column == "refused" else said, frame)
             elif len(known) < MOST_REASONS:
-                known[plain] = Reason(said, whole(row, "line"), frame, frame)
+                known[plain] = Reason(said, whole(row, "line"), frame, frame, frame)
         if status := text(row, "constraint_status"):
             self._counts[status] += 1
             self._status = (status, text(row, "violated_constraints"))

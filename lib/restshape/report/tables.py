@@ -11,7 +11,7 @@ from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recorded_places import SINGULAR_PLACES, RecordedPlaces, decode_places
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import ROUNDING, cleared, largest, scales, without_rounding
-from restshape.replay.same_texts import without_numbers
+from restshape.replay.same_texts import severity, without_numbers
 from restshape.replay.summary import percentiles
 from restshape.report.field import physics_of
 from restshape.report.recorded_quantities import limit_series, quantity_units
@@ -78,12 +78,13 @@ def level_table(recording: Recording) -> list[dict[str, Any]]:
     """A row a level: level, frames, p50, p95, p99 [ms], iterations (mean a frame).
 
     The first frame is left out, as it is made from nothing; "still" are frames that changed nothing and were solved,
-    as in time, "values" those that changed values only, "analysed" those that were solved when asked to, "all" is every
+    as in time, "values" those that changed values only and were solved, as an
+    undo that brings back a drape is not, "analysed" those that were solved when asked to, "all" is every
     later frame whose shape moved.
     """
     later = np.arange(recording.n) > 0
     level, ms, iterations = (column(recording, name) for name in ("level", "ms", "iterations"))
-    valued, asked, still = with_values(recording), analysed(recording), solved_at_rest(recording)
+    valued, asked, still = with_values(recording) & (iterations > 0), analysed(recording), solved_at_rest(recording)
     rows = []
     idle = (level == 0) & ~valued & ~asked & ~still
     rests = [("idle", idle), ("still", still), ("values", valued), ("analysed", asked)]
@@ -219,7 +220,7 @@ def jumped(recording: Recording, least: float) -> np.ndarray:
 def note_table(recording: Recording, column: str = "note") -> list[tuple[int, str, str]]:
     """All notes of a recording: the line of the script, the frames in a row that have it, and what there is to note.
 
-    Of notes that differ by numbers alone, that of the first frame.
+    Of notes that differ by numbers alone, that of the worst frame, by `severity`; of refused frames, of the first.
     """
     found: list[tuple[int, str, str]] = []
     if not {"line", "index", column} <= recording.table.keys():
@@ -228,8 +229,11 @@ def note_table(recording: Recording, column: str = "note") -> list[tuple[int, st
     for (line, _), same in groupby(noted, key=lambda row: (row[0], without_numbers(row[2]))):
         frames = list(same)
         (_, first, note), (_, last, _) = frames[0], frames[-1]
-        if note:
-            found.append((line, f"{first} to {last}" if len(frames) > 1 else f"{first}", note))
+        if not note:
+            continue
+        _, at, note = frames[0] if column == "refused" else max(frames, key=lambda row: severity(row[2]))
+        worst = f", worst {at}" if at != first else ""
+        found.append((line, f"{first} to {last}{worst}" if len(frames) > 1 else f"{first}", note))
     return found
 
 

@@ -472,7 +472,9 @@ class _Reader:
         for key, place in given:
             if place is not None and len(place) > 2:
                 what = f"a place in the plane has 2 numbers, and there are 3: {name} is no body and no support in space"
-                raise UserError(what, f"{self.path.name}: line {number}: {key}", "leave out z")
+                there = ", ".join(sorted(one for one in self.in_space or () if one.startswith(SUPPORTS)))
+                do = f"leave out z, or press on one of: {there}" if there else "leave out z"
+                raise UserError(what, f"{self.path.name}: line {number}: {key}", do)
 
     def _is_in_space(self, name: str) -> bool:
         """Whether a name may be that of a body or a support in space, one that an edit adds too."""

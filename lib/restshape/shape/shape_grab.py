@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from restshape.errors import UserError
+from restshape.scene.bodies import pins_of
 from restshape.scene.model import Scene
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
@@ -43,7 +44,8 @@ class ShapeGrab:
             UserError: one of them has a height.
         """
         if any(len(point) > 2 for point in path):
-            raise UserError(f"{self.name} is a part of the shape, which has no z", do="leave z out")
+            pin = f"press on supports.{self.name}, which moves in space, or " * (self.name in pins_of(self.before[1]))
+            raise UserError(f"{self.name} is a part of the shape, which has no z", do=f"{pin}leave z out")
         return path
 
     def still(self) -> GrabbedStep:

@@ -88,5 +88,6 @@ def penetration_notes(how: str, problem: ClothProblem, scene: Scene, depths: Seq
     """
     least = INSIDE * problem.contact.thickness
     found = sorted(((depth, name) for name, depth in zip(scene.bodies, depths) if depth > least), reverse=True)
-    others = f", and less in {len(found) - 1} others" if len(found) > 1 else ""
+    more = len(found) - 1
+    others = f", and less in {more} other bod{'ies' if more > 1 else 'y'}" if more else ""
     return [f"cloth {how} {1e3 * depth:.3g} mm inside bodies.{name}{others}" for depth, name in found[:1]]
