@@ -245,7 +245,12 @@ def test_the_command_records_epsilon(tmp_path, command):
     assert done.returncode == 0 and "frames predicted" in done.stdout, done.stderr
     with Recording(tmp_path / "a.vtkhdf") as recording:
         assert recording.header["predict"] == "gmls"
-        assert recording.header["prediction"] == {"epsilon": 0.02, "samples": 10, "frame_time": 1.0 / 60.0}
+        assert recording.header["prediction"] == {
+            "epsilon": 0.02,
+            "samples": 10,
+            "frame_time": 1.0 / 60.0,
+            "levels": 1,
+        }
 
 
 def test_a_script_without_edit_time_is_reported(tmp_path, command):

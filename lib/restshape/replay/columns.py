@@ -89,6 +89,8 @@ SAMPLED: dict[str, npt.DTypeLike] = {
     "idle_work": "S40",
 }
 """Columns of replays that are predicted from several samples."""
+REFINED: dict[str, npt.DTypeLike] = {"level_shown": np.int64, "fine_age": np.int64}
+"""Columns of those that are predicted on a coarse mesh, and shown on a fine one."""
 
 
 def error_column(quantity: str) -> str:
@@ -174,6 +176,8 @@ def columns_of(scene: Scene, application: Application, predict: str = "none") ->
             raise scene.located(UserError(what, f"quantities.{name}", "give it another name"))
     places = {SINGULAR_PLACES: f"S{PLACES_BYTES}"} if places_wanted(scene, application) else {}
     sampled = SAMPLED if predict == "gmls" else {}
+    if predict == "gmls" and scene.predicted_levels > 1:
+        sampled = sampled | REFINED
     return known | dict.fromkeys(own, np.float64) | places | sampled
 
 

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from restshape.analysis.analysis import Context
 from restshape.analysis.made_analysis import made_analysis
+from restshape.analysis.refining_predictor import Refinable
 from restshape.errors import UserError
 from restshape.replay.predicted_frames import PredictedFrames
+from restshape.replay.refined_frames import NestedLevels, RefinedFrames
 from restshape.replay.sampled_frames import SampledFrames
 
 if TYPE_CHECKING:
@@ -70,4 +72,10 @@ def _sampled(request: Request, session: Session, moving: Follower, analysis: Ana
         what = "springs relax the nodes, which do not follow the hand linearly: there are no derivatives to mix"
         raise UserError(what, "--predict gmls", "choose another mesh.relocation or policy, or leave it out")
     size = outline.size if outline is not None else 1.0
-    return SampledFrames(analysis, moving, session, policy, spec=scene.predict, size=size)
+    levels, parts = scene.predicted_levels, (analysis, moving, session, policy)
+    refinable: Refinable | None = getattr(analysis, "refinable", None)
+    if levels > 1 and refinable is not None:
+        known = refinable.refined(levels)
+        nested = NestedLevels(scene.mesh.levels - levels + 1, scene.mesh.levels)
+        return RefinedFrames(*parts, spec=scene.predict, size=size, pair=known, levels=nested)
+    return SampledFrames(*parts, spec=scene.predict, size=size)

@@ -64,7 +64,11 @@ class Request:
             "policy": self.policy.name,
             "guess": self.policy.guess,
             "predict": self.predict,
-            "prediction": self.scene.predict.model_dump() if self.predict == "gmls" else {},
+            "prediction": self._prediction() if self.predict == "gmls" else {},
             "calibration": self.calibration.as_dict(),
             "petsc_options": list(self.petsc),
         }
+
+    def _prediction(self) -> dict[str, object]:
+        """What the scene says of how several samples are mixed, with the number of nested meshes filled in."""
+        return self.scene.predict.model_dump() | {"levels": self.scene.predicted_levels}

@@ -168,23 +168,31 @@ class SampledFrames(PredictedFrames):
         """Do a piece of work, and pay for it."""
         before = self.predictor.counted()
         try:
-            if work == SOLVE:
-                predicted = self.predictor.prediction
-                solve(last)
-                self.active, self._estimate = False, None
-                self._found = nan if predicted is None else self.predictor.error(predicted)
-                if not self._align(made):
-                    # What they were is hardly among the modes of now.
-                    made.clear()
-                made.set_last(last.c, self.predictor.values())
-            else:
-                self._sample(last, made)
+            self._work(work, last, made, solve)
         except ReplayProblem as problem:
             self._stuck = True
             log.info("%4d Idle: no %s: %s", last.index, work, problem)
         spent = self.predictor.seconds_since(before)
         self._time.pay(work, spent)
         log.info("%4d Idle: %s, %.3g s of counted work", last.index, work, spent)
+
+    def _work(self, work: str, last: ScriptFrame, made: DragSamples, solve: Callable[[ScriptFrame], None]) -> None:
+        """Do a piece of work.
+
+        Raises:
+            ReplayProblem: it leads to nothing.
+        """
+        if work != SOLVE:
+            self._sample(last, made)
+            return
+        predicted = self.predictor.prediction
+        solve(last)
+        self.active, self._estimate = False, None
+        self._found = nan if predicted is None else self.predictor.error(predicted)
+        if not self._align(made):
+            # What they were is hardly among the modes of now.
+            made.clear()
+        made.set_last(last.c, self.predictor.values())
 
     def _take_steps(self, edit: ScriptFrame) -> None:
         """Take as many solver steps from the prediction as the frame's time pays for."""

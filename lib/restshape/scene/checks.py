@@ -261,3 +261,19 @@ def _check_mesh(scene: Scene, application: Application, source: Source) -> None:
         raise source.error(
             ("mesh", "levels"), f"the application {application.name!r} has one mesh only", "leave it out"
         )
+    _check_predicted_levels(scene, application, source)
+
+
+def _check_predicted_levels(scene: Scene, application: Application, source: Source) -> None:
+    """Refuses drags on more nested meshes than there are."""
+    wanted, there = scene.predict.levels or 1, scene.mesh.levels
+    if wanted <= there:
+        return
+    nested = "levels" in application.mesh_keys
+    raise source.error(
+        ("predict", "levels"),
+        f"the mesh has {there} level{'s' * (there > 1)}, and {wanted} are asked for"
+        if nested
+        else f"the application {application.name!r} has one mesh only",
+        f"set mesh.levels to {wanted} or more" if nested else "leave it out",
+    )

@@ -312,11 +312,14 @@ class PredictSpec(Strict):
         epsilon: distance below which samples weigh alike, in parts of the shape's diagonal.
         samples: how many are kept at most.
         frame_time: seconds of a frame of a drag that solver steps may take, by the calibration.
+        levels: nested meshes of a drag: the coarsest of them is predicted, the finest shown, and solved in idle time;
+            left out, all of mesh.levels; 1: the finest alone.
     """
 
     epsilon: Annotated[Number, Field(ge=1e-6, le=100)] = 10.0**-1.5
     samples: Annotated[Whole, Field(ge=1, le=10)] = 10
     frame_time: Annotated[Time, Field(ge=0)] = 1.0 / 60.0
+    levels: Annotated[Whole, Field(ge=1)] | None = None
 
 
 class RecordingSpec(Strict):
@@ -391,6 +394,11 @@ class Scene(Strict):
     def sections(self) -> Table:
         """The tables that the scene's physics add, by key, with defaults filled in."""
         return {key: getattr(self, key) for key in type(self).model_fields if key not in Scene.model_fields}
+
+    @property
+    def predicted_levels(self) -> int:
+        """Nested meshes of a drag that is predicted from several samples, from the coarse one to the finest."""
+        return self.predict.levels or self.mesh.levels
 
     @property
     def folder(self) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Generator
 
 import numpy as np
 
@@ -89,6 +90,16 @@ class MixedNewton:
 
         Else the positions with the least forces; None where supports did not get where they are.
         """
+        steps = self.steps(x)
+        while True:
+            try:
+                next(steps)
+            except StopIteration as end:
+                found: tuple[np.ndarray | None, bool] = end.value
+                return found
+
+    def steps(self, x: np.ndarray) -> Generator[None, None, tuple[np.ndarray | None, bool]]:
+        """The same by single steps: what `converge` gives is the value of the generator."""
         solver, problem, report = self.solver, self.problem, self.report
         least, since, escapes, forces = np.inf, 0, 0, np.empty_like(x)
         best: tuple[float, np.ndarray | None] = (np.inf, None)
@@ -116,4 +127,5 @@ class MixedNewton:
             if since > PATIENCE or (d := self.way(x, forces, given)) is None:
                 break
             x = self.go(x, d)
+            yield
         return best[1], False

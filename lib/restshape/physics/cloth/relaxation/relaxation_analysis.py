@@ -36,6 +36,7 @@ from restshape.physics.cloth.relaxation.row import Row
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative, hand_derivative, number_derivatives
 from restshape.physics.cloth.sensitivity.drape_prediction import DrapePrediction
+from restshape.physics.cloth.sensitivity.refined_prediction import RefinedPrediction
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
@@ -84,7 +85,7 @@ class RelaxationAnalysis(Timeless):
             ReplayProblem: a step has no solution, or a value no number.
             UserError: the scene's cloth cannot be had. In both cases the state is that of before.
         """
-        mesh, before = frame.mesh, self._entered()
+        mesh, before = frame.mesh, self.entered()
         new_mesh = mesh is not before.mesh or mesh.topology != before.topology
         new_values = before.interrupted or frame.scene is not before.scene
         if not (new_mesh or new_values or mesh.geometry != before.geometry):
@@ -120,14 +121,23 @@ class RelaxationAnalysis(Timeless):
             self._prediction = ref(found)
         return found
 
-    def _entered(self) -> RelaxationState:
+    @property
+    def refinable(self) -> RelaxationAnalysis:
+        """Itself: it predicts from a coarse mesh; see `analysis.refining_predictor`."""
+        return self
+
+    def refined(self, levels: int) -> RefinedPrediction:
+        """Predicts frames from a coarse mesh, of so many nested ones the first."""
+        return RefinedPrediction(self, self.predictor, levels)
+
+    def entered(self) -> RelaxationState:
         """The state that a solve begins with: of a prediction as much as lets the cloth pass nothing on its way."""
         state = self.state
         if state.rest is None:
             return state
         # Places of nodes, whatever material has come there: there the cloth passed through nothing.
         x, way = state.rest.x, state.x - state.rest.x
-        return replace(state, x=x + state.problem.step_share(x, way) * way, rest=None)
+        return replace(state, x=x + state.problem.step_share(x, way) * way, rest=None, distance=None)
 
     def moved(self, state: RelaxationState) -> RelaxationState:
         """An equilibrium whose problem has taken in where the nodes of its mesh are now in the material."""
@@ -137,6 +147,12 @@ class RelaxationAnalysis(Timeless):
         """Another analysis of the same scene, which starts from this state."""
         other = RelaxationAnalysis(made(self.state.scene), self.state.plan, self.context)
         other.start_from(self)
+        return other
+
+    def on(self) -> RelaxationAnalysis:
+        """Another analysis of the same cloth that goes on from this state, on whatever mesh its frames have."""
+        other = RelaxationAnalysis(made(self.state.scene), self.state.plan, self.context)
+        other.state = self.state
         return other
 
     @property
@@ -247,7 +263,7 @@ class RelaxationAnalysis(Timeless):
         Of a prediction the distance of its nodes from the drape, over their distance from their middle.
         """
         if self.state.predicted:
-            return {"estimate": self.predictor.distance()}
+            return {"estimate": (self.state.distance or self.predictor.distance)()}
         return {"estimate": self.error_estimate.relative(self.state.x)}
 
     @property

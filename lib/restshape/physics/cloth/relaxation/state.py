@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -43,6 +44,7 @@ class RelaxationState:
         interrupted: the last frame has failed: what was set up for it must be set up again.
         expected: of a frame that begins at the last rest; None of others, and once it is solved.
         rest: of a prediction, the last equilibrium; None of an equilibrium.
+        distance: of a prediction, what estimates how far it is from the drape, over its size; None: a Newton step does.
     """
 
     plan: Plan
@@ -64,6 +66,7 @@ class RelaxationState:
     interrupted: bool = False
     expected: Expected | None = None
     rest: RelaxationState | None = None
+    distance: Callable[[], float] | None = None
 
     @property
     def predicted(self) -> bool:

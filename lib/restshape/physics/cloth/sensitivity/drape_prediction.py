@@ -115,7 +115,7 @@ class DrapePrediction:
 
     def error(self, predicted: np.ndarray) -> float:
         """The distance of predicted unknowns (n, 3) on this mesh from the drape, over its size."""
-        return self._share(predicted - self.analysis.state.x)
+        return self.share(predicted - self.analysis.state.x)
 
     def compare_cold(self) -> float:
         """The same distance of the prediction from the drape that a new relaxation finds from there."""
@@ -123,7 +123,7 @@ class DrapePrediction:
         other = self.analysis.beside()
         none = np.empty(0, dtype=np.int32)
         other.solve(Frame(state.problem.mesh, none, None, state.scene, (None, (0.0, 0.0))))
-        return self._share(other.state.x - state.x)
+        return self.share(other.state.x - state.x)
 
     def quantity_distances(self) -> dict[str, float]:
         """Estimated distances of the quantities of the prediction from those of the drape."""
@@ -138,7 +138,7 @@ class DrapePrediction:
 
         That of a Newton step, or the way on which friction would let the cloth slide there, whichever is longer.
         """
-        return max(self._share(self.missing()), self._slide())
+        return max(self.share(self.missing()), self.slide())
 
     def missing(self) -> np.ndarray:
         """About what a prediction (n, 3) lacks to be the drape: a Newton step, found once a prediction."""
@@ -183,7 +183,7 @@ class DrapePrediction:
         if not solver.residual_norm(after) < GROWS * solver.residual_norm(x):
             return False
         self.analysis.state = replace(state, x=after)
-        return self._share(way) > WORTH
+        return self.share(way) > WORTH
 
     def in_basis(self) -> np.ndarray:
         """As `values`: unknowns are those of nodes."""
@@ -218,7 +218,7 @@ class DrapePrediction:
         product = gathered(matrix.mult, equations.rows, solver.comm)
         return conjugate_steps(product, precondition, -rest.ravel(), delay=DELAY, enough=ENOUGH).reshape(x.shape)
 
-    def _slide(self) -> float:
+    def slide(self) -> float:
         """The longest way on which what friction holds would slide if it followed, over the size of the cloth."""
         state = self.analysis.state
         contact, corners = state.problem.contact, state.problem.corners(state.x)
@@ -231,7 +231,7 @@ class DrapePrediction:
             contact.history = kept
         return way * float(np.sqrt(len(corners)) / np.linalg.norm(corners - corners.mean(axis=0)))
 
-    def _share(self, way: np.ndarray) -> float:
+    def share(self, way: np.ndarray) -> float:
         """The norm of ways (n, 3) of all corners over that of their distances from their middle."""
         problem, x = self.analysis.state.problem, self.analysis.state.x
         corners = problem.corners(x)

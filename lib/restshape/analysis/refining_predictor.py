@@ -1,0 +1,66 @@
+"""What predicts frames on a coarse mesh, and shows them on a fine one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+from restshape.analysis.analysis import Predictor
+
+if TYPE_CHECKING:
+    from restshape.arrays import Reals
+    from restshape.scene.model import Scene
+
+
+class RefiningPredictor(Predictor, Protocol):
+    """A predictor whose values are those of a coarse mesh, solved beside the fine one that is shown and recorded.
+
+    Attributes:
+        correction: what the fine mesh has besides the coarse one, as `set_values` is to show it.
+    """
+
+    correction: Reals
+
+    @property
+    def settled(self) -> bool:
+        """Whether the coarse mesh has a solution as it lies."""
+
+    def begin(self) -> None:
+        """Solve the coarse mesh from where the fine one has a solution.
+
+        Raises:
+            ReplayProblem: it has none.
+        """
+
+    def settle(self, scene: Scene) -> None:
+        """Solve the coarse mesh as it lies, and show that.
+
+        Raises:
+            ReplayProblem: it has no solution.
+        """
+
+    def coarse_distance(self) -> float:
+        """About the distance of the coarse mesh from its solution, relative."""
+
+    def fine_correction(self, motion: Reals, tolerance: float) -> tuple[Reals, Reals]:
+        """The correction where both meshes have solutions, and its derivatives (2, ...) along the hand.
+
+        Args:
+            motion: (2, n, d) displacements of the fine nodes a unit of each of the hand's coefficients.
+            tolerance: of each linear solve.
+
+        Raises:
+            ReplayProblem: there is no derivative.
+        """
+
+    def refine(self) -> bool:
+        """Take a step of the fine mesh towards its solution, beside what is shown; whether another one is needed."""
+
+    def take(self) -> None:
+        """Let the fine mesh be solved from where `refine` has come to."""
+
+
+class Refinable(Protocol):
+    """An analysis on the finest of nested meshes, which those that can be have as `refinable`."""
+
+    def refined(self, levels: int) -> RefiningPredictor:
+        """Predicts frames from a coarse mesh, of so many nested ones the first."""

@@ -1,0 +1,202 @@
+"""Frames of a drag from a coarse mesh, shown on the fine one, which is solved where the script leaves time for it."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, NamedTuple
+
+from restshape.errors import ReplayProblem
+from restshape.replay.sampled_frames import SampledFrames
+from restshape.sensitivity.samples import DragSamples, SamplePlace
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from restshape.analysis.analysis import Analysis, RowValues
+    from restshape.analysis.refining_predictor import RefiningPredictor
+    from restshape.fem.problem import Problem
+    from restshape.mesh.advance import MeshUpdate
+    from restshape.mesh.follower import Follower
+    from restshape.policy import Policy
+    from restshape.replay.predicted_frames import Predicted
+    from restshape.scene.model import PredictSpec
+    from restshape.shape.gesture import Gesture
+    from restshape.shape.protocol import Session
+    from restshape.shape.script_frame import ScriptFrame
+
+log = logging.getLogger("restshape.replay")
+
+COARSE, SLOPES, STEP, FINE, CORRECTION = "coarse solve", "coarse derivative", "fine step", "fine solve", "derivative"
+"""What idle time is spent on, in this order."""
+
+
+class NestedLevels(NamedTuple):
+    """Numbers of nested meshes, of which the coarsest of all is 1: of the one that is predicted, and of the finest."""
+
+    coarse: int
+    finest: int
+
+
+# More than 15 attributes: those of sampled frames, and what is known of the fine mesh.
+class RefinedFrames(SampledFrames):
+    """Predicts the frames of a drag on a coarse mesh, and shows them on the fine one with a correction.
+
+    Frames of a drag are those of the coarse mesh, with as many solver steps of it as there is time for; one whose
+    prediction would be too far off is solved on it. The correction, what the fine mesh had besides at its last
+    solutions, is mixed from samples of its own. In idle time the coarse mesh is solved and differentiated, and then
+    the fine one is, step by step: where the hand moves on before it is at its solution, its steps are forgotten.
+
+    Args:
+        analysis: of the finest mesh; others as of `SampledFrames`.
+        pair: predicts on the coarse mesh, and shows the finest one.
+        levels: numbers of both.
+
+    Source: docs/theory/design-derivative.md; 5.3.5 of the thesis.
+    """
+
+    def __init__(
+        self,
+        analysis: Analysis[Problem],
+        moving: Follower,
+        session: Session,
+        policy: Policy,
+        *,
+        spec: PredictSpec,
+        size: float,
+        pair: RefiningPredictor,
+        levels: NestedLevels,
+    ) -> None:
+        super().__init__(analysis, moving, session, policy, spec=spec, size=size)
+        self.predictor = self.pair = pair
+        self.levels = levels
+        self._corrections: DragSamples | None = None
+        self._fine_frame, self._refined = 0, False
+
+    def row(self) -> RowValues:
+        """As of `SampledFrames`, and which mesh is shown, and for how many frames the finest has had no solution."""
+        level = self.levels.coarse if self.active else self.levels.finest
+        age = self._frame - self._fine_frame if self.active else 0
+        return super().row() | {"idle_work": self._counted_work(), "level_shown": level, "fine_age": age}
+
+    def _counted_work(self) -> str:
+        """What idle time was spent on, each with how often."""
+        done = self._time.done
+        times = {work: done.count(work) for work in dict.fromkeys(done)}
+        return ", ".join(f"{count} x {work}" if count > 1 else work for work, count in times.items())
+
+    def show(self, edit: ScriptFrame, mesh_update: MeshUpdate) -> bool:
+        """Whether a frame is shown without a solve of the fine mesh; see `PredictedFrames.show`."""
+        made, known = self.made, self._corrections
+        if made is not None and known is not None and edit.gesture is made.gesture and edit.change == "move":
+            self.pair.correction = known(edit.c)
+        return super().show(edit, mesh_update)
+
+    def estimated(self, estimate: float) -> None:
+        """Take note of how far the coarse mesh is from its solution: the fine one decides on no frame."""
+        super().estimated(self.pair.coarse_distance())
+
+    def _is_trusted(self) -> bool:
+        """Whether what the coarse mesh shows may be; where it is not trusted, the coarse mesh is solved."""
+        if super()._is_trusted():
+            return True
+        scene = self._scene
+        if scene is None:
+            return False
+        try:
+            self.pair.settle(scene)
+        except ReplayProblem as problem:
+            log.info("Coarse mesh: %s", problem)
+            return False
+        self._doubt = ""
+        return True
+
+    def set_expansion_point(self, edit: ScriptFrame, idle: bool) -> None:
+        """Take a frame that the fine mesh has been solved in for a sample; arguments as in `PredictedFrames`."""
+        self._fine_frame = edit.index
+        super().set_expansion_point(edit, idle)
+        if self.made is None:
+            self._corrections = None
+
+    def forget(self) -> None:
+        """As of `PredictedFrames`."""
+        super().forget()
+        self._corrections = None
+
+    def idle(self, edit: ScriptFrame, solve: Callable[[ScriptFrame], None]) -> None:
+        """Before a frame, spend the edit time since the last one: on the coarse mesh first, then on the fine one."""
+        if not self.active:
+            self._fine_frame = edit.index - 1
+        super().idle(edit, solve)
+
+    def _take_steps(self, edit: ScriptFrame) -> None:
+        """Take as many solver steps of the coarse mesh as the frame's time pays for."""
+        if not self.pair.settled:
+            super()._take_steps(edit)
+
+    def _next_work(self, last: ScriptFrame, made: DragSamples) -> str | None:
+        """What is to be done where the hand is; None: nothing."""
+        rests = last.change == "none"
+        if self._stuck:
+            return None
+        if not self.pair.settled:
+            return COARSE
+        if not made.knows(last.c, self._mesh, rests=rests):
+            return SLOPES
+        if self.predictor.prediction is not None:
+            return FINE if self._refined else STEP
+        known = self._corrections
+        return None if known is None or known.knows(last.c, self._mesh, rests=rests) else CORRECTION
+
+    def _work(self, work: str, last: ScriptFrame, made: DragSamples, solve: Callable[[ScriptFrame], None]) -> None:
+        """Do a piece of work.
+
+        Raises:
+            ReplayProblem: it leads to nothing.
+        """
+        self._refined = self._refined and work == FINE
+        if work == COARSE:
+            self.pair.settle(last.scene)
+            made.set_last(last.c, self.predictor.values())
+        elif work == SLOPES:
+            super()._sample(last, made)
+        elif work == STEP:
+            self._refined = not self.pair.refine()
+        elif work == FINE:
+            predicted = self.predictor.prediction
+            self.pair.take()
+            solve(last)
+            self.active, self._estimate, self._refined = False, None, False
+            self._found = self.predictor.error(predicted) if predicted is not None else self._found
+            self._fine_frame = last.index
+        else:
+            self._correct(last, made)
+
+    def _taken(self, edit: ScriptFrame, gesture: Gesture) -> Predicted | None:
+        try:
+            self.pair.begin()
+        except ReplayProblem as problem:
+            self.note = f"not predicted: {problem}"
+            self._samples = None
+            return None
+        return super()._taken(edit, gesture)
+
+    def _leave(self, edit: ScriptFrame) -> None:
+        """None: samples of a coarse mesh do not go on to another one."""
+        return None
+
+    def _sample(self, edit: ScriptFrame, made: DragSamples) -> None:
+        """Differentiate a frame that both meshes have been solved in."""
+        super()._sample(edit, made)
+        if len(made):
+            self._correct(edit, made)
+
+    def _correct(self, edit: ScriptFrame, made: DragSamples) -> None:
+        """Take a sample of the correction where both meshes have solutions."""
+        motion = self.moving.linear_motion
+        if motion is None:
+            return
+        values, slopes = self.pair.fine_correction(motion, edit.scene.solve.tolerance)
+        if self._corrections is None or self._corrections.gesture is not made.gesture:
+            self._corrections = DragSamples(made.gesture, self.size, self.spec.epsilon, self.spec.samples)
+        self._corrections.add(SamplePlace(edit.c, edit.index, self._mesh), values, slopes)
+        self.pair.correction = values

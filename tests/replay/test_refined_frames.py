@@ -1,0 +1,152 @@
+"""Drags on a coarse mesh, shown on a fine one: what is shown, when the fine mesh is solved, and what is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drape_designs import BALL, CONTACT, HELD, sheet
+from small_scenes import across, make_replay, plate, rows_of, write_scene, write_script
+
+from restshape.application import application_of
+from restshape.calibration import Calibration
+from restshape.errors import UserError
+from restshape.replay.columns import REFINED, columns_of
+
+QUANTITIES = '[quantities]\nlowest = { displacement = "z", reduce = "min" }\n'
+HANGING = sheet("morley", HELD, QUANTITIES, size=0.04)
+LEVELS = ["mesh.levels=2"]
+HAND = (0.2, 0.1)
+
+
+def cloth(kind="hinge"):
+    """A sheet on a ball, on nested meshes of about 90 and 25 nodes."""
+    text = sheet(kind, HELD, BALL.format(friction=0.3), CONTACT, QUANTITIES, size=0.025)
+    return text.replace("tolerance = 1e-9", "tolerance = 1e-7")
+
+
+def far(*places, rest=6, frames=4, released=True):
+    """A drag of the right side through places, at each of which the hand rests."""
+    events, at = [{"do": "press", "on": "right", "at": list(HAND)}], HAND
+    for place in places:
+        events += [{"do": "drag", "path": across(at, place, frames)}]
+        events += [{"do": "idle", "frames": rest}] if rest else []
+        at = place
+    return [*events, {"do": "release"}] if released else events
+
+
+def shown(folder, text, events, predict="gmls", overrides=(), look=None, **known):
+    """Rows of a replay, and the unknowns of the finest mesh in each frame."""
+    scene, script = write_scene(folder, text), write_script(folder, events)
+    made, found = make_replay(scene, script, overrides=[*LEVELS, *overrides], predict=predict, **known), []
+    look = look or (lambda made: made.analysis.x.copy())
+    return rows_of(made, lambda row: found.append(look(made))), found
+
+
+def off(found, exact):
+    """The largest distance [m] of nodes."""
+    return float(np.linalg.norm(found - exact, axis=1).max())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", [cloth(), HANGING], ids=["on a ball", "hanging"])
+def test_a_drag_is_coarse_a_rest_and_a_release_are_fine(tmp_path, text):
+    events = far((0.21, 0.1), (0.22, 0.1))
+    (rows, found), (true, exact) = (shown(tmp_path, text, events, way) for way in ("gmls", "none"))
+    assert all(len(x) == len(exact[0]) for x in found)
+    drags = [k for k, row in enumerate(rows) if row["event"] == "drag"]
+    for k in drags:
+        row = rows[k]
+        # It is no rest of the fine mesh, and says so.
+        assert row["predicted"] == 1 and row["converged"] == -1 and row["level_shown"] == 1
+        assert row["residual"] > 1e-6 and row["estimate"] > 0.0
+    assert [rows[k]["fine_age"] for k in drags[:4]] == [1, 2, 3, 4]
+    assert rows[1]["level_shown"] == 2 and rows[1]["fine_age"] == 0
+    work = " ".join(row["idle_work"] for row in rows)
+    assert all(name in work for name in ("coarse solve", "coarse derivative", "fine step", "fine solve"))
+    rests = [k for k, row in enumerate(rows) if row["event"] == "idle" and not row["predicted"]]
+    assert len(rests) >= 4 and all(rows[k]["converged"] == 1 and rows[k]["level_shown"] == 2 for k in rests)
+    assert rows[drags[4]]["fine_age"] == 1
+    # Frames of drags are nearer to the solved ones than the way of the cloth in the drag by far.
+    way = off(exact[drags[0] - 1], exact[drags[-1]])
+    assert max(off(found[k], exact[k]) for k in drags) < 0.5 * way
+    assert rows[-1]["event"] == "release" and rows[-1]["converged"] == 1 and rows[-1]["level_shown"] == 2
+    # Where friction holds what the way was, the drape hangs on it.
+    assert off(found[-1], exact[-1]) < (0.05 if text is not HANGING else 1e-5) * way
+    assert rows[-1]["q_lowest"] == pytest.approx(true[-1]["q_lowest"], rel=0.02 if text is not HANGING else 1e-6)
+
+
+@pytest.mark.slow
+def test_the_estimate_says_how_far_the_fine_drape_is(tmp_path):
+    events = far((0.24, 0.1), rest=0)
+    (rows, found), (_, exact) = (shown(tmp_path, cloth(), events, way) for way in ("gmls", "none"))
+    for row, x, y in zip(rows, found, exact):
+        if row["event"] == "drag":
+            true = np.linalg.norm(x - y) / np.linalg.norm(y - y.mean(axis=0))
+            assert true / 5.0 < row["estimate"] < 20.0 * true
+
+
+@pytest.mark.slow
+def test_the_same_bits_twice_idle_work_included(tmp_path):
+    events = far((0.215, 0.1), (0.205, 0.1), rest=4)
+    (rows, one), (again, two) = (shown(tmp_path, cloth(), events) for _ in range(2))
+    assert [x.tobytes() for x in one] == [x.tobytes() for x in two]
+    names = ("samples", "solver_steps", "idle_spent", "idle_work", "level_shown", "fine_age", "estimate")
+    assert [[row[name] for name in names] for row in rows] == [[row[name] for name in names] for row in again]
+
+
+@pytest.mark.slow
+def test_a_hand_that_moves_on_leaves_the_fine_solve_at_a_step(tmp_path):
+    """On a machine that the calibration says to be slow the rest pays for some steps: the hand moves on before more."""
+    events = far((0.22, 0.1), (0.225, 0.1), rest=8)
+    slow = Calibration.load()
+    units = {name: 150.0 * value for name, value in slow.__dict__.items() if name != "machine"}
+    rows, found = shown(tmp_path, HANGING, events, calibration=replace(slow, **units))
+    first = next(k for k, row in enumerate(rows) if row["event"] == "drag" and row["line"] == 5)
+    rest = " ".join(row["idle_work"] for row in rows[:first])
+    assert "fine step" in rest and "fine solve" not in rest
+    assert [row["fine_age"] for row in rows[first : first + 4]] == list(range(first - 1, first + 3))
+    assert all(row["level_shown"] == 1 for row in rows[2 : first + 4])
+    assert rows[-1]["converged"] == 1 and rows[-1]["level_shown"] == 2 and rows[-1]["fine_age"] == 0
+    _, exact = shown(tmp_path, HANGING, events, "none")
+    assert off(found[-1], exact[-1]) < 1e-6
+
+
+@pytest.mark.slow
+def test_a_motion_takes_the_fine_cloth_along_as_it_is(tmp_path):
+    """The correction is in directions of the coarse cloth: turned and moved coarse cloth is turned fine cloth."""
+    maps = []
+    shown(tmp_path, cloth("morley"), far((0.21, 0.1), rest=0), look=lambda made: maps.append(made.prediction.pair))
+    pair = maps[-1]
+    coarse, fine = pair._corners(), pair.analysis.x
+    turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    way, corners = np.array([0.3, -0.1, 0.2]), pair.analysis.problem.corner_number
+    moved = fine @ turn.T
+    moved[corners] += way
+    correction = pair.map.of(coarse, fine)
+    found = pair.map.joined(coarse @ turn.T + way, correction)
+    assert np.abs(found - moved).max() < 1e-13
+    # And what is taken apart is put together again.
+    assert np.abs(pair.map.joined(coarse, correction) - fine).max() < 1e-15
+    assert np.abs(pair.map.prolonged(np.ones((len(coarse), 1))) - 1.0).max() < 1e-15
+
+
+def test_levels_of_a_drag(tmp_path):
+    """One level is the finest mesh alone; more than there are, or on solids, are refused."""
+    events = far((0.203, 0.1), rest=0, frames=1)
+    rows, _ = shown(tmp_path, cloth(), events, overrides=["predict.levels=1"])
+    assert not REFINED.keys() & rows[0].keys()
+    with pytest.raises(UserError, match=r"the mesh has 2 levels, and 3 are asked for\n.*set mesh\.levels to 3 or more"):
+        shown(tmp_path, cloth(), events, overrides=["predict.levels=3"])
+    with pytest.raises(UserError, match="the mesh has 1 level, and 2 are asked for"):
+        shown(tmp_path, cloth(), events, overrides=["mesh.levels=1", "predict.levels=2"])
+    with pytest.raises(UserError, match=r"has one mesh only\n.*leave it out"):
+        make_replay(write_scene(tmp_path, plate()), write_script(tmp_path, []), overrides=["predict.levels=2"])
+
+
+def test_columns_are_those_of_nested_meshes_alone(tmp_path):
+    made = make_replay(write_scene(tmp_path, cloth()), write_script(tmp_path, []), overrides=LEVELS)
+    scene = made.session.scene
+    columns = {way: columns_of(scene, application_of(scene), way) for way in ("none", "linear", "gmls")}
+    assert REFINED.keys() <= columns["gmls"].keys()
+    assert not REFINED.keys() & (columns["none"].keys() | columns["linear"].keys())
