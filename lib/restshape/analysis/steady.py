@@ -15,7 +15,7 @@ from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Comparison, Context, RowValues, State, Timeless
 from restshape.analysis.beside import solution_beside
 from restshape.analysis.comparison import compared
-from restshape.analysis.correction import correction, preconditioner
+from restshape.analysis.correction import correction, gathered, preconditioner
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
@@ -23,6 +23,7 @@ from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
 from restshape.analysis.quantity_errors import SteadyQuantityErrors
 from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.steady_predictor import SteadyPredictor
+from restshape.analysis.time_error import StepMatrix
 from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.assembled import Assembled
@@ -295,12 +296,15 @@ class SteadyAnalysis(Timeless, Generic[P]):
     def observed_beside(self, frame: Frame, before: State[Problem] | None) -> dict[str, float] | None:
         """The quantities on another mesh with the same nodes; see `Analysis.observed_beside`."""
         state = self.state
-        if not (state.problem.linear and self.solver.symmetric and self.solver.kept.ready):
+        if state.predicted or not (state.problem.linear and self.solver.symmetric and self.solver.kept.ready):
             return None
         problem = self.make(frame.scene, state.plan, frame.mesh)
         if problem.boundary.mask.shape != state.x.shape:
             return None
-        x = solution_beside(problem, state.x, preconditioner(self.solver, state.system.rows))
+        rows = state.system.rows
+        product = gathered(made(state.system.mat).mult, rows, self.context.comm)
+        matrix = StepMatrix(product, preconditioner(self.solver, rows), False, self.solver.kept.exact)
+        x = solution_beside(problem, state.problem, state.x, matrix)
         return problem.observer(self._observed_quantities(frame.scene.quantities))(x) if np.isfinite(x).all() else None
 
     @property

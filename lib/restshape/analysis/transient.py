@@ -178,8 +178,8 @@ class TransientAnalysis:
         rest = ~body.constrained
         first = start.now._replace(y=start.now.y * rest, v=start.now.v * rest)
         base = self._base_acceleration(solved.now.time) + scheme.a3 * self._base_acceleration(first.time)
-        kept = preconditioner(self.solver, solved.system.rows)
-        y = step_beside(body, scheme, first, solved.now.y, base, kept)
+        matrix = replace(self._last_matrix(), complete=self.solver.kept.exact)
+        y = step_beside(body, solved.body, scheme, first, solved.now.y, base, matrix)
         if not np.isfinite(y).all():
             return None
         now = scheme.after(first, y)

@@ -1,5 +1,7 @@
 """Functions along facets: their bases, values where loads are taken, lengths and centres."""
 
+import functools
+
 import numpy as np
 
 from restshape.fem.nodal_values import Nodal, Product
@@ -28,6 +30,15 @@ def facet_slopes(nodes: int, s: np.ndarray) -> np.ndarray:
     return np.stack([4.0 * s - 3.0, 4.0 * s - 1.0, 4.0 - 8.0 * s], axis=1)
 
 
+@functools.cache
+def _tables(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of facets with so many nodes: values at the places of loads, from these to the ends, values and slopes at the
+    points of `LENGTH_RULE`; not to be written to."""
+    to_ends = np.linalg.inv(facet_basis(2, ALONG[nodes]))
+    basis, slopes = (values(nodes, LENGTH_RULE[0]) for values in (facet_basis, facet_slopes))
+    return facet_basis(nodes, ALONG[nodes]), to_ends, basis, slopes
+
+
 class FacetSamples:
     """Samples fields along facets, where elements take a value that is linear between both ends.
 
@@ -37,17 +48,18 @@ class FacetSamples:
 
     def __init__(self, facets: np.ndarray) -> None:
         self.facets = facets
-        nodes = facets.shape[1]
-        self._sampled = facet_basis(nodes, ALONG[nodes])
-        self._to_ends = np.linalg.inv(facet_basis(2, ALONG[nodes]))
-        self._basis, self._slopes = (values(nodes, LENGTH_RULE[0]) for values in (facet_basis, facet_slopes))
+        self._sampled, self._to_ends, self._basis, self._slopes = _tables(facets.shape[1])
 
     def at_samples(self, field: np.ndarray) -> np.ndarray:
         """A field (n, d) at the two places (2, nf, d) of each facet where values are taken."""
+        if self.facets.shape[1] == 2:
+            return field[self.facets.T]
         return np.einsum("qi,fik->qfk", self._sampled, field[self.facets])
 
     def at_ends(self, values: list[np.ndarray]) -> np.ndarray:
         """What values (nf, ...) at the two places are at the facets' ends (2, nf, ...), along a line."""
+        if self.facets.shape[1] == 2:
+            return np.stack(values)
         return np.einsum("eq,q...->e...", self._to_ends, np.stack(values))
 
     def ends_of(self, value: Nodal | Product, X: np.ndarray) -> np.ndarray:

@@ -25,8 +25,8 @@ def names_by_region(scene: Scene, space: Space) -> list[str | None]:
     regions = [loop.name for loop in space.outline.loops if loop.kind == "region"]
     rest, given = materials_of_regions(scene, space.outline)
     names = [rest, *(given.get(region, rest) for region in regions)]
-    bare = np.flatnonzero(np.isin(space.cell_region, [row for row, name in enumerate(names) if name is None]))
-    if len(bare):
+    nameless = [row for row, name in enumerate(names) if name is None]
+    if nameless and len(bare := np.flatnonzero(np.isin(space.cell_region, nameless))):
         x, y = space.X[space.corners[bare[0]]].mean(axis=0)[:2]
         raise UserError(
             f"{len(bare)} triangles lie outside of the regions that have a material, one at ({x:.4g}, {y:.4g}) m",

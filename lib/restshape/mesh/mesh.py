@@ -151,8 +151,13 @@ class Mesh(NodesAndCells):
         """
         entity = self.outline.entity(name)
         own = self.vertex_node[list(entity.vertices)]
-        parts = [own[own >= 0], self.facets[self.facets_of(name)].ravel(), self.cells[self.filled_by(name)].ravel()]
-        return np.unique(np.concatenate(parts)).astype(np.int32)
+        # Marked, which takes a third of the time that sorting takes.
+        on = np.zeros(len(self.X), dtype=bool)
+        on[own[own >= 0]] = True
+        on[self.facets[self.facets_of(name)]] = True
+        if len(filled := self.filled_by(name)):
+            on[self.cells[filled]] = True
+        return np.flatnonzero(on).astype(np.int32)
 
     def filled_by(self, name: str) -> np.ndarray:
         """Triangles all of whose nodes are an entity's: those of `cells_of` for regions and "all", else none.
@@ -184,7 +189,8 @@ class Mesh(NodesAndCells):
         if any(loops[i].kind == "outline" for i in entity.loops):
             return np.arange(len(self.cells), dtype=np.int32)
         wanted = self._regions(entity)
-        return np.flatnonzero(np.isin(self.cell_region, wanted)).astype(np.int32)
+        chosen = np.flatnonzero(np.isin(self.cell_region, wanted)) if wanted else np.empty(0)
+        return chosen.astype(np.int32)
 
     def _regions(self, entity: Entity) -> list[int]:
         """Numbers, from 1, of the region loops of an entity."""
