@@ -1,5 +1,7 @@
 """Supports that go far at once: the cloth comes along, and does not pass through itself on the way."""
 
+import re
+
 import numpy as np
 import pytest
 from restshape_studies.stability.case import Trial
@@ -43,3 +45,9 @@ def test_cloth_that_is_dropped_again_is_not_to_be_trusted(tmp_path):
     }
     _, rows = played(Trial(tmp_path), square(0.03, pinned("a", "d"), UPRIGHT), [lift])
     assert "dropped again" in rows[-1]["untrusted"]
+    # It says how far the cloth has jumped, and how its energy differs from that of the last rest: nothing worked on it.
+    jumped = re.search(
+        r"cloth jumped \d+ mm where the hand went \d+ mm; energy (fell|rose) by (\S+) mJ", rows[-1]["note"]
+    )
+    fell = rows[-2]["q_potential"] - rows[-1]["q_potential"]
+    assert float(jumped[2]) * (1.0 if jumped[1] == "fell" else -1.0) == pytest.approx(1e3 * fell, rel=0.01)

@@ -64,7 +64,7 @@ def bind(
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
     if not (cold or origin) and before.problem is problem and options.strategy == "auto":
         moved = float(np.linalg.norm(problem.X - before.place.X, axis=1).max())
-        state, found = drag_frame(state, LastRest(in_material(before, problem), before.bodies, moved))
+        state, found = drag_frame(state, LastRest(in_material(before, problem), before.bodies, moved, before.energy))
         if found:
             return replace(state, observer=problem.observer(scene.quantities)), False
     known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
@@ -75,7 +75,7 @@ def bind(
     acts = problem.begin(state.x)
     if apart and not (acts or cold or origin):
         # Contact cannot undo what a new mesh, or a support, has brought across.
-        state, cold = _dropped_again(state, arguments, known), True
+        state, cold = _dropped_again(state, arguments, known, before.energy), True
         acts = problem.begin(state.x)
     if cold and not acts:
         state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
@@ -127,16 +127,19 @@ def _from_origin(state: RelaxationState, origin: RelaxationState) -> RelaxationS
     return replace(state, x=problem.constrain(origin.x), softness=origin.softness)
 
 
-def _dropped_again(state: RelaxationState, arguments: ClothArguments, known: np.ndarray) -> RelaxationState:
+def _dropped_again(
+    state: RelaxationState, arguments: ClothArguments, known: np.ndarray, energy: float
+) -> RelaxationState:
     """The state at the initial placement, which is not to be trusted to lie as the edit would have had it.
 
     Args:
-        known: (n, 3) the last positions, from which the jump of the cloth is told.
+        known: (n, 3) the last positions, from which the cloth has jumped; energy: of the cloth there [J].
     """
     problem = state.problem
     log.info("Relaxation from the initial placement after all: the last positions cross themselves")
     hand = farthest(problem, problem.constrain(known) - known)
-    expected = state.expected or Expected(known, hand, 0.0, problem.energy(known))
+    expected = state.expected or Expected(known, hand, 0.0, energy, energy)
+    expected = replace(expected, energy=expected.work, derive=None, dropped=True)
     doubts = (*state.doubts, AGAIN)
     return replace(state, x=initial_positions(problem, arguments), doubts=doubts, expected=expected)
 

@@ -38,11 +38,13 @@ class LastRest:
         x: (n, 3) unknowns, supports as they were [m].
         bodies: as they were.
         material: the farthest way of a node in the material since [m].
+        energy: of the cloth there [J], in the material as it was.
     """
 
     x: np.ndarray
     bodies: tuple[Body, ...]
     material: float
+    energy: float
 
 
 def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState, bool]:
@@ -58,16 +60,16 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
     """
     problem, solver = state.problem, state.solver
     if solver.tries.left_out():
-        return state, False
+        return replace(state, expected=_first_order(state, last)), False
     own = problem.self_contact
     known = _memory(state)
     if own and own.active and not problem.begin(last.x):
         _restore(state, known)
-        return state, False
+        return replace(state, expected=_first_order(state, last)), False
     report = ConvergenceReport()
     newton = MixedNewton(solver, report)
     x, expected = _first_step(state, last, newton)
-    state = replace(state, expected=expected)
+    state = replace(state, expected=expected or _first_order(state, last))
     rests = False
     if x is not None:
         most = BEYOND * farthest(problem, x - last.x)
@@ -83,7 +85,7 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
     solver.tries.count(rests)
     if x is None:
         _restore(state, known)
-        return state, False
+        return replace(state, expected=replace(state.expected, work=_first_order(state, last).work)), False
     return replace(state, x=x, report=report), True
 
 
@@ -105,10 +107,9 @@ def _first_step(
         _place(state, last.bodies, history)
     forces = np.empty_like(x)
     problem.residual(x, forces)
-    hand = max(last.material, farthest(problem, given))
+    hand = _hand(state, last, given)
     if moves:
-        corners, pushed, now = problem.corners(x), np.empty_like(x), path.at(QUOTIENT)
-        hand = max(hand, *(_way(old, new, corners) for old, new in zip(last.bodies, state.bodies)))
+        pushed, now = np.empty_like(x), path.at(QUOTIENT)
         _place(state, now, take_along(history, last.bodies, now))
         problem.residual(x, pushed)
         _place(state, last.bodies, history)
@@ -124,7 +125,8 @@ def _first_step(
             now = path.at(share)
             _place(state, now, take_along(history, last.bodies, now))
         energies.append(problem.energy(x + share * d))
-    expected = Expected(x, hand, farthest(problem, d), _continued(energies, CURVED))
+    energy = _continued(energies, CURVED)
+    expected = Expected(x, hand, farthest(problem, d), energy, energy)
     if path:
         _place(state, state.bodies, take_along(history, last.bodies, state.bodies))
     begin = problem.corners(x)
@@ -134,6 +136,61 @@ def _first_step(
     if path and max(penetrations(contact, problem.corners(x)), default=0.0) > contact.thickness:
         return None, expected
     return x, expected
+
+
+def _first_order(state: RelaxationState, last: LastRest) -> Expected:
+    """What to expect of a frame without the derivative of the last rest, which is made where the cloth goes far.
+
+    Energies are taken on by the work of the forces at supports and bodies: what is free rests. Where material has moved
+    the energy is that of the last rest: in the new material the old places would stretch it.
+    """
+    problem, contact, x = state.problem, state.problem.contact, last.x
+    given, known, energies = problem.constrain(x) - x, _memory(state), []
+    path = BodyPath(last.bodies, state.bodies, contact) if contact else None
+    for share in (-QUOTIENT, QUOTIENT):
+        if path:
+            now = path.at(share)
+            _place(state, now, take_along(known[0], last.bodies, now))
+        energies.append(problem.energy(x + share * given))
+    _restore(state, known)
+    energy = 0.5 * sum(energies) + (energies[1] - energies[0]) / (2.0 * QUOTIENT)
+
+    def derive(end: np.ndarray) -> Expected | None:
+        """With the derivative, once the frame has ended at unknowns (n, 3)."""
+        return _derived(state, last, known, end)
+
+    energy = last.energy if last.material > 0.0 else energy
+    return Expected(x, _hand(state, last, given), 0.0, energy, energy, derive)
+
+
+def _derived(
+    state: RelaxationState, last: LastRest, known: tuple[FrictionHistory | None, LayerFriction | None], end: np.ndarray
+) -> Expected | None:
+    """What the derivative of the last rest leads to expect of a frame that has ended at unknowns (n, 3).
+
+    Args:
+        state: of the frame as it began; last: the last rest.
+        known: what friction remembered then.
+    """
+    problem, ended = state.problem, _memory(state)
+    own = problem.self_contact
+    if own and not own.active:
+        return None
+    expected = None
+    if not own or problem.begin(last.x):
+        _restore(state, known)
+        expected = _first_step(state, last, MixedNewton(state.solver, ConvergenceReport()))[1]
+    if own:
+        problem.begin(end)
+    _restore(state, ended)
+    return expected
+
+
+def _hand(state: RelaxationState, last: LastRest, given: np.ndarray) -> float:
+    """The farthest way [m] of supports, which is given (n, 3) [m], bodies and material in an edit."""
+    corners = state.problem.corners(last.x)
+    ways = [_way(old, new, corners) for old, new in zip(last.bodies, state.bodies)] if state.problem.contact else []
+    return max(last.material, farthest(state.problem, given), *ways)
 
 
 def _continued(values: Sequence[float], step: float) -> float:

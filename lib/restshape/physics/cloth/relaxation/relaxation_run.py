@@ -56,6 +56,7 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     kept = state.softness if (problem.contact or problem.self_contact) and not cold else 1.0
     softness = min(kept, report.softness)
     found = replace(state, x=x, report=report, place=problem.place, softness=softness, notes=(*state.notes, *notes))
+    found = replace(found, energy=problem.energy(x))
     return replace(found, expected=None, friction=friction_of(problem), layers=layers_of(problem))
 
 

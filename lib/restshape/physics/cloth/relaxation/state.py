@@ -33,6 +33,7 @@ class RelaxationState:
         observer: of the scene's quantities.
         bodies: that the cloth touches, of numbers alone.
         x: (n, 3) positions [m], and with Morley's triangles slopes of edges.
+        energy: of the cloth at these positions [J]; of a prediction that of the last equilibrium.
         place: of the nodes in the material at these positions.
         friction: what it remembers; None where nothing touches.
         layers: what friction between layers remembers; None where cloth does not touch itself.
@@ -54,6 +55,7 @@ class RelaxationState:
     observer: Observer | None = None
     bodies: tuple[Body, ...] = ()
     x: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    energy: float = 0.0
     place: MaterialPlace | None = None
     friction: FrictionHistory | None = None
     layers: LayerFriction | None = None
