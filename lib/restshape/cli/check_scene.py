@@ -55,7 +55,12 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     """
     scene = read_scene(args)
     app = application_of(scene)
-    data, rows, outline = app.editing.checked(scene, plan(scene, app))
+    effects = plan(scene, app)
+    data, rows, outline = app.editing.checked(scene, effects)
+    warnings = [] if outline is None else start_warnings(scene, effects, outline)
+    if warnings:
+        data["warnings"] += warnings
+        rows += [("warning", warning) for warning in warnings]
     given = given_numbers(scene)
     data["formulas"] = {".".join(one.key): {"formula": one.formula.text, "value": one.value} for one in given}
     print_table(f"{scene.path}: {scene.title}".rstrip(": "), ("what", "content"), rows)
@@ -66,6 +71,19 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     if args.picture:
         _draw(args.picture, scene, outline)
     return finish(args, scene, data, begin_frame, outline)
+
+
+def start_warnings(scene: Scene, effects: Plan, outline: Outline) -> list[str]:
+    """What there is to warn of where a scene starts, on the mesh of its first frame.
+
+    Raises:
+        UserError: that frame would be refused.
+    """
+    try:
+        physics = application_of(scene).physics
+        return [warning for one in physics for warning in one.checked_start(scene, effects, outline)]
+    except UserError as error:
+        raise with_bare_lengths(scene.located(error), scene) from error
 
 
 def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:

@@ -81,6 +81,7 @@ def _values(scene: Scene, outline: Outline) -> list[str]:
         *_far_limits(scene, size),
         *_high_loads(scene, size),
         *_strong_gravity(scene),
+        *(words for each in application_of(scene).physics for words in each.doubted(scene, outline)),
         *relocation_word(scene, outline),
     ]
 

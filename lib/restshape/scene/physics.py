@@ -196,6 +196,10 @@ class Physics:
             outline.
         singular_shape: likewise of the one that gives the `singular` and `singular_points` of that alone, for outlines
             of an edit.
+        doubt_shape: path ``module:attribute`` of the function that gives, as a list, what a user may have meant
+            otherwise in a scene with its first outline.
+        check_start: path ``module:attribute`` of the function that checks what only the mesh of the first frame shows,
+            of a scene, its plan and its outline, and gives a list of warnings; `restshape check` alone calls it.
         columns: names and types of columns of a replay that only it has, for a scene.
         summed: of a scene, its plan and the area [m^2] of its shape, what `restshape check` says besides: for programs,
             and as rows for people.
@@ -231,6 +235,8 @@ class Physics:
     check: Callable[[Scene, Source], None] | None = None
     check_shape: str = ""
     inspect_shape: str = ""
+    doubt_shape: str = ""
+    check_start: str = ""
     singular_shape: str = ""
     columns: Callable[[Scene], dict[str, npt.DTypeLike]] | None = None
     summed: Callable[..., tuple[dict[str, object], Rows]] | None = None
@@ -250,6 +256,18 @@ class Physics:
         if not self.inspect_shape:
             return Inspection()
         return cast(Inspection, imported(self.inspect_shape)(scene, outline))
+
+    def doubted(self, scene: Scene, outline: object) -> list[str]:
+        """What a user may have meant otherwise in a scene with an outline."""
+        return cast("list[str]", imported(self.doubt_shape)(scene, outline)) if self.doubt_shape else []
+
+    def checked_start(self, scene: Scene, effects: object, outline: object) -> list[str]:
+        """What there is to warn of where a scene with a plan of its effects and an outline starts.
+
+        Raises:
+            UserError: the first frame would be refused.
+        """
+        return cast("list[str]", imported(self.check_start)(scene, effects, outline)) if self.check_start else []
 
     def singular(self, scene: Scene, outline: object) -> tuple[dict[str, float], tuple[int, ...]]:
         """`singular` and `singular_points` of a scene with an outline; nothing where it does not look."""

@@ -55,10 +55,8 @@ def bind(
     state = _placed(before, frame, new_mesh, options, cold)
     log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
-    if cold and problem.contact:
-        refuse_squeezed(problem.contact, problem.corners(state.x), scene.bodies)
-        depths = penetrations(problem.contact, problem.corners(state.x))
-        notes = tuple(penetration_notes("begins", problem, scene, depths))
+    if cold:
+        notes = tuple(start_notes(problem, state.x, scene))
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
@@ -80,6 +78,19 @@ def bind(
     if cold and not acts:
         state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
     return replace(state, observer=problem.observer(scene.quantities)), cold
+
+
+def start_notes(problem: ClothProblem, x: np.ndarray, scene: Scene) -> list[str]:
+    """What there is to note of bodies where cloth starts at x (n, 3) [m].
+
+    Raises:
+        UserError: two of them hold it between them.
+    """
+    if not problem.contact:
+        return []
+    corners = problem.corners(x)
+    refuse_squeezed(problem.contact, corners, scene.bodies)
+    return penetration_notes("begins", problem, scene, penetrations(problem.contact, corners))
 
 
 def _touches_itself(before: RelaxationState) -> bool:
