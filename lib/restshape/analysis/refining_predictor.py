@@ -15,10 +15,12 @@ class RefiningPredictor(Predictor, Protocol):
     """A predictor whose values are those of a coarse mesh, solved beside the fine one that is shown and recorded.
 
     Attributes:
-        correction: what the fine mesh has besides the coarse one, as `set_values` is to show it.
+        correction: what the fine mesh has besides the coarse one, as it is to be shown.
+        waits: nothing is shown before `show`, for more is to come.
     """
 
     correction: Reals
+    waits: bool
 
     @property
     def settled(self) -> bool:
@@ -37,6 +39,9 @@ class RefiningPredictor(Predictor, Protocol):
         Raises:
             ReplayProblem: it has no solution.
         """
+
+    def show(self) -> None:
+        """Let the analysis of the fine mesh hold what the coarse one has, with the correction."""
 
     def coarse_distance(self) -> float:
         """About the distance of the coarse mesh from its solution, relative."""

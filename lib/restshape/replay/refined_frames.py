@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from math import nan
 from typing import TYPE_CHECKING, NamedTuple
 
 from restshape.errors import ReplayProblem
@@ -89,7 +90,15 @@ class RefinedFrames(SampledFrames):
         made, known = self.made, self._corrections
         if made is not None and known is not None and edit.gesture is made.gesture and edit.change == "move":
             self.pair.correction = known(edit.c)
-        return super().show(edit, mesh_update)
+        pair, before = self.pair, self.predictor.values() if made is not None else None
+        pair.waits = True
+        try:
+            shown = super().show(edit, mesh_update)
+        finally:
+            pair.waits = False
+        if before is not None and self.predictor.values() is not before:
+            pair.show()
+        return shown
 
     def estimated(self, estimate: float) -> None:
         """Take note of how far the coarse mesh is from its solution: the fine one decides on no frame."""
@@ -97,6 +106,8 @@ class RefinedFrames(SampledFrames):
 
     def _is_trusted(self) -> bool:
         """Whether what the coarse mesh shows may be; where it is not trusted, the coarse mesh is solved."""
+        if self._estimate is None:
+            self.estimated(nan)
         if super()._is_trusted():
             return True
         scene = self._scene

@@ -99,8 +99,11 @@ class HingeBending:
         """Take in stiffness: a hinge knows one, that of bending about its edge, from both sides."""
         self.fabric = fabric
         D = np.broadcast_to(fabric.bending, (len(self.mesh.cells), 3, 3))
-        sides = self._cells_of_hinges()
-        self.parameters = self._across(self.nodes, 0.5 * (D[sides[:, 0]] + D[sides[:, 1]]), fabric)
+        between = D[:1]
+        if np.ndim(fabric.bending) > 2:
+            sides = self._cells_of_hinges()
+            between = 0.5 * (D[sides[:, 0]] + D[sides[:, 1]])
+        self.parameters = self._across(self.nodes, between, fabric)
         if self.mirror:
             slopes = supports.slopes / np.linalg.norm(supports.slopes, axis=1)[:, None]
             directions = np.vstack([slopes, np.eye(3)[supports.axes]])
@@ -197,10 +200,14 @@ class HingeBending:
         return found
 
     def _across(self, cells: np.ndarray, D: np.ndarray, fabric: Fabric) -> np.ndarray:
-        """What hinges at the edges between the first two nodes of cells (m, .) have of bending stiffness (m, 3, 3)."""
+        """What hinges at the edges between the first two nodes of cells (m, .) have of bending stiffness (m, 3, 3).
+
+        One matrix (1, 3, 3) is that of all.
+        """
         n = normals(self.mesh.X, cells)
         curvature = np.column_stack([n[:, 0] ** 2, n[:, 1] ** 2, 2.0 * n[:, 0] * n[:, 1]])
-        stiffness = fabric.hinge_factor * np.einsum("ia,iab,ib->i", curvature, D, curvature)
+        moments = curvature @ D[0] if len(D) == 1 else np.einsum("iab,ib->ia", D, curvature)
+        stiffness = fabric.hinge_factor * np.einsum("ia,ia->i", curvature, moments)
         return np.ascontiguousarray(stiffness[:, None])
 
     def _cells_of_hinges(self) -> np.ndarray:

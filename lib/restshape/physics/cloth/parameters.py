@@ -15,9 +15,9 @@ HINGE_STIFFNESS = {"plate": 1.0 / 3.0, "strip": 3.0 / 8.0}
 
 def triangle_areas(X: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Areas (ne,) [m^2] of triangles with corners (ne, 3) at X (n, 2) [m]."""
-    a, b, c = X[corners].swapaxes(0, 1)
-    u, v = b - a, c - a
-    return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    a, b, c = corners.T
+    (ax, ay), (bx, by), (cx, cy) = ((X[:, 0][nodes], X[:, 1][nodes]) for nodes in (a, b, c))
+    return 0.5 * ((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))
 
 
 def triangle_rates(X: np.ndarray, corners: np.ndarray, dX: np.ndarray) -> np.ndarray:
@@ -36,8 +36,13 @@ def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0
         corners: (ne, 3) nodes of triangles.
         density: mass by area [kg/m^2], one or (ne,).
     """
-    share = density * (2.0 * triangle_areas(X, corners)) / 6.0
-    return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=len(X))
+    return shared(triangle_areas(X, corners), corners, len(X), density)
+
+
+def shared(areas: np.ndarray, corners: np.ndarray, n: int, density: float | np.ndarray = 1.0) -> np.ndarray:
+    """The same (n,) from the areas (ne,) [m^2] of the triangles."""
+    share = density * (2.0 * areas) / 6.0
+    return np.bincount(corners.ravel(), np.repeat(share, 3), minlength=n)
 
 
 def lumped_rates(corners: np.ndarray, triangles: np.ndarray, n: int) -> np.ndarray:
@@ -62,5 +67,6 @@ class Lumped:
     @classmethod
     def of(cls, X: np.ndarray, corners: np.ndarray, density: np.ndarray, g: np.ndarray) -> Lumped:
         """What nodes at X (n, 2) [m] stand for; g (n, 3) [m/s^2] is the acceleration of each, 0 where prescribed."""
-        mass = lumped(X, corners, density)
-        return cls(lumped(X, corners), density, mass, float(np.linalg.norm(mass[:, None] * g)))
+        areas = triangle_areas(X, corners)
+        mass = shared(areas, corners, len(X), density)
+        return cls(shared(areas, corners, len(X)), density, mass, float(np.linalg.norm(mass[:, None] * g)))

@@ -35,11 +35,14 @@ class Trust:
 
 
 def trust_in(state: RelaxationState) -> Trust:
-    """How far a state can be trusted."""
+    """How far a state can be trusted; of one that a coarse mesh shows its strain alone is known."""
     problem, scene = state.problem, state.scene
     strain, place = largest_stretch(problem, state.x)
     most = state.plan.settings("cloth").trusted_strain
     reasons = [stretched(strain, place, most)] if strain > most else []
+    if state.distance is not None:
+        # Shown from a coarse mesh: what bodies and layers do is looked at where the fine one is at rest.
+        return Trust(tuple(reasons), strain, np.nan, -1)
     max_penetration = 0.0
     if problem.contact:
         depths = penetrations(problem.contact, problem.corners(state.x))
@@ -64,8 +67,8 @@ def largest_stretch(problem: ClothProblem, x: np.ndarray) -> tuple[float, np.nda
     ends = np.vstack([problem.membrane.corners[:, pair] for pair in ((0, 1), (1, 2), (2, 0))])
     first, second = ends.T
     X = problem.X
-    lengths = np.linalg.norm(X[first] - X[second], axis=1)
-    strains = np.linalg.norm(x[first] - x[second], axis=1) / lengths - 1.0
+    before, now = (np.take(places, first, axis=0) - np.take(places, second, axis=0) for places in (X, x))
+    strains = np.sqrt(np.einsum("ij,ij->i", now, now) / np.einsum("ij,ij->i", before, before)) - 1.0
     worst = int(strains.argmax())
     return max(0.0, float(strains[worst])), 0.5 * (X[first[worst]] + X[second[worst]])
 

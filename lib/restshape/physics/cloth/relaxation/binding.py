@@ -269,7 +269,7 @@ def moved_corners(before: RelaxationState, frame: Frame, scene: Scene) -> np.nda
     """Positions (corners, 3) of the last frame: along the cloth, or, on a new mesh, by their displacements."""
     problem = before.problem
     if frame.mesh is problem.mesh:
-        return before.advected().corners_at(frame.mesh.X, problem.corner_number)
+        return before.advected.corners_at(frame.mesh.X, problem.corner_number)
     placement = InitialPlacement(scene.start, scene.parameters)
     moved = problem.corners(before.x) - placement.places(problem.mesh.X)
     return placement.places(frame.mesh.X) + transfer(problem.mesh, frame.mesh, moved)
@@ -296,7 +296,7 @@ def moved_material(before: RelaxationState, arguments: ClothArguments) -> Relaxa
 
 def in_material(before: RelaxationState, problem: ClothProblem) -> np.ndarray:
     """Unknowns (n, 3) of the last cloth where the nodes of its problem are in the material now."""
-    return before.advected().unknowns_at(problem.place, problem.morley.side_number if problem.morley else None)
+    return before.advected.unknowns_at(problem.place, problem.morley.side_number if problem.morley else None)
 
 
 def layers_of(problem: ClothProblem) -> LayerFriction | None:

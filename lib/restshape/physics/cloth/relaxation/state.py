@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -89,6 +90,7 @@ class RelaxationState:
         """Of the cloth."""
         return None if self.problem is None else self.problem.mesh
 
+    @cached_property
     def advected(self) -> AdvectedCloth:
         """The cloth at these positions, to be taken to other places of its nodes."""
         corners = self.problem.membrane.corners

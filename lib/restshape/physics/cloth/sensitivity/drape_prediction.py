@@ -70,8 +70,8 @@ class DrapePrediction:
 
     transferable = False
 
-    def __init__(self, analysis: PredictedDrape) -> None:
-        self.analysis = analysis
+    def __init__(self, analysis: PredictedDrape, delay: int = DELAY, enough: float = ENOUGH) -> None:
+        self.analysis, self._delay, self._enough = analysis, delay, enough
         self._applied = EXPECTED
         self._missing: tuple[object, np.ndarray] = (None, np.empty(0))
 
@@ -216,7 +216,9 @@ class DrapePrediction:
             return kept(r)
 
         product = gathered(matrix.mult, equations.rows, solver.comm)
-        return conjugate_steps(product, precondition, -rest.ravel(), delay=DELAY, enough=ENOUGH).reshape(x.shape)
+        return conjugate_steps(product, precondition, -rest.ravel(), delay=self._delay, enough=self._enough).reshape(
+            x.shape
+        )
 
     def slide(self) -> float:
         """The longest way on which what friction holds would slide if it followed, over the size of the cloth."""

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from restshape.analysis.analysis import Alignment
     from restshape.scene.model import Scene
 
+DELAY, ENOUGH = 1, 0.1
+"""Steps of conjugate gradients of the coarse cloth end after one that gains less than a share of the squared energy."""
 NO_HAND = (None, (0.0, 0.0))
 
 
@@ -43,7 +45,8 @@ class RefinedPrediction:
         levels: nested meshes from the coarse one to the finest.
 
     Attributes:
-        correction: (n, 3) of the fine cloth, that `set_values` shows.
+        correction: (n, 3) of the fine cloth, that is shown.
+        waits: nothing is shown before `show`, for more is to come.
 
     Source: docs/theory/design-derivative.md; 5.3.5 of the thesis.
     """
@@ -52,7 +55,7 @@ class RefinedPrediction:
 
     def __init__(self, analysis: NestedDrape, fine: DrapePrediction, levels: int) -> None:
         self.analysis, self.fine, self.levels = analysis, fine, levels
-        self.correction = np.empty((0, 3))
+        self.correction, self.waits = np.empty((0, 3)), False
         self._kept = self.correction
         self._coarse: NestedDrape | None = None
         self._own: DrapePrediction | None = None
@@ -97,7 +100,7 @@ class RefinedPrediction:
         nested = state.problem.mesh.hierarchy
         self._map = FineCorrection(nested, self.levels, state.problem.morley)
         self._coarse = self.analysis.on()
-        self._own = self._coarse.predictor
+        self._own = DrapePrediction(self._coarse, DELAY, ENOUGH)
         self.settle(state.scene)
 
     def settle(self, scene: Scene) -> None:
@@ -208,6 +211,11 @@ class RefinedPrediction:
         self._refinement = None
 
     def _show(self) -> None:
+        """The same, unless more is to come in the frame."""
+        if not self.waits:
+            self.show()
+
+    def show(self) -> None:
         """Let the fine analysis hold the coarse cloth with the correction."""
         self.fine.set_values(self.map.joined(self._corners(), self.correction))
         state = self.analysis.state

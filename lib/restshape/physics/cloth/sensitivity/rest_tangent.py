@@ -50,7 +50,7 @@ class RestTangent:
     @cached_property
     def gradients(self) -> np.ndarray:
         """Derivatives (corners, 3, 2) of the positions at the corners by places in the material."""
-        return self.state.advected().gradients[self.problem.corner_number]
+        return self.state.advected.gradients[self.problem.corner_number]
 
     def product(self, d: np.ndarray) -> np.ndarray:
         """K d (n, 3) by the elements, without the matrix, for d (n, 3); prescribed unknowns count."""
