@@ -45,6 +45,25 @@ def test_the_command_says_how_both_ways_end(tmp_path, capsys, text, same):
     words = ["cloth-paths", str(tmp_path / "cloth.toml"), "--edits", str(tmp_path / "cloth.jsonl")]
     assert main([*words, "--json", str(tmp_path / "a.json")]) == 0
     found, said = json.loads((tmp_path / "a.json").read_text()), capsys.readouterr().out
-    assert said.startswith("the same drape in 5 and in 3 frames" if found["same"] else "two rests in 5 and in 3 frames")
+    assert said.startswith(f"line 2: {'the same drape' if found['same'] else 'two rests'} in 5 and in 3 frames")
     assert all(found["converged"]) and found["frames"] == [5, 3] and found["same"] in (True, same or found["same"])
     assert main(words[:2]) == 2
+
+
+def test_edits_are_compared_where_they_end_and_not_what_an_undo_brings_back(tmp_path, capsys, monkeypatch):
+    """Places of the script are in millimetres, blank lines count, and progress is shown."""
+    monkeypatch.setenv("RESTSHAPE_PROGRESS", "0")
+    (tmp_path / "cloth.toml").write_text(square(0.15, pinned("top")))
+    lines = [{"format": "restshape-edits", "version": 1, "units": "mm", "scene": "cloth.toml"}]
+    lines.append({"t": 0.1, "do": "set", "key": "material.cotton.rho", "value": 900, "frames": 2})
+    lines.append({"t": 0.2, "do": "press", "on": "supports.top", "at": [0, 300, 0]})
+    lines.append({"t": 0.3, "do": "drag", "to": [0, 330, 0], "frames": 2})
+    lines += [{"t": 0.4, "do": "release"}, {"t": 0.5, "do": "undo"}, {"t": 0.6, "do": "undo"}]
+    (tmp_path / "cloth.jsonl").write_text("\n".join([json.dumps(lines[0]), "", *map(json.dumps, lines[1:])]))
+    words = ["cloth-paths", str(tmp_path / "cloth.toml"), "--edits", str(tmp_path / "cloth.jsonl")]
+    assert main([*words, "--json", str(tmp_path / "a.json")]) == 0
+    found, out = json.loads((tmp_path / "a.json").read_text()), capsys.readouterr()
+    assert [(one["line"], one["frames"]) for one in found["edits"]] == [(3, [3, 2]), (5, [6, 4])]
+    assert all(one["same"] for one in found["edits"]) and all(found["converged"]) and found["line"] == 5
+    assert "line 5: the same drape in 6 and in 4 frames" in out.out and "2 of 2 edits end in the same drape" in out.out
+    assert "9 of 16 frames" in out.err
