@@ -197,8 +197,7 @@ def test_load_factors(tmp_path):
     scene = write_scene(tmp_path, column(height=0.2, size=0.06))
     events = resting((0.5, 0.2), (0.5, 0.17), (0.52, 0.14), (0.5, 0.2), on="top", frames=4, rest=10)
     script, look = write_script(tmp_path, events), lambda analysis: analysis.load_factors.copy()
-    # What is dragged is thin beside the diagonal.
-    over = ["predict.frame_time=0", "predict.epsilon=0.01"]
+    over = ["predict.frame_time=0"]
     _, exact = shown(scene, script, "none", over, look)
     errors = {}
     for kind in ("linear", "gmls"):
@@ -318,7 +317,7 @@ def test_samples_are_projected_from_where_the_old_mesh_lies(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["linear", "large", "second order"])
 def test_what_samples_of_another_mesh_gain_where_they_agree_with_an_answer_of_this_one(tmp_path, kind, monkeypatch):
-    """Their own discretisation errors differ: as they are they predict several times as badly."""
+    """Their own discretisation errors differ: as they are they predict two to three times as badly."""
     path = across(START, (1.3, 0.55), 60)
     scene, script = write_scene(tmp_path, KINDS[kind]), write_script(tmp_path, drag("window", START, path))
     _, exact = shown(scene, script, "none")
@@ -329,4 +328,4 @@ def test_what_samples_of_another_mesh_gain_where_they_agree_with_an_answer_of_th
     after = slice(last, last + 9)
     assert 0 < last < len(rows) - 5 and rows[last]["samples_projected"] > 5
     errors = [np.mean(off(rows[after], one[after], exact[after])) for one in (found, plain)]
-    assert errors[0] < errors[1] / 4.0 and errors[0] < 1e-3
+    assert errors[0] < errors[1] / 1.8 and errors[0] < 2e-4

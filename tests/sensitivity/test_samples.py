@@ -118,6 +118,24 @@ def test_more_samples_predict_better():
     np.testing.assert_allclose(few(hand), curved((0, 0)) + np.array(hand) @ curved_slopes((0, 0)), rtol=1e-14)
 
 
+def test_samples_that_are_near_each_other_do_not_weigh_alike():
+    """A thin body is dragged by a small part of its diagonal, all of which is within epsilon."""
+    scale, hand = 0.02, np.array([0.48, 0.47])
+    fine = lambda c: curved(np.asarray(c) / scale)  # noqa: E731
+    slopes = lambda c: curved_slopes(np.asarray(c) / scale) / scale  # noqa: E731
+    places = [(0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5)]
+    near = samples_of([tuple(scale * x for x in c) for c in places], fine, slopes)
+    far = samples_of(places, curved, curved_slopes)
+    errors = [np.linalg.norm(one - curved(hand)) for one in (near(tuple(scale * hand)), far(tuple(hand)))]
+    # Smoothed by the size they all weigh the same, and are off by what the plane through them is off.
+    coarse = np.empty(2)
+    _kernels.gmls(scale * hand, np.empty(0), scale * np.array(places), 1.0, EPSILON**2, near._rows, coarse)
+    assert len(near) == 4 and max(errors) < 0.1 * np.linalg.norm(coarse - curved(hand))
+    # Those that fill the shape are smoothed by its size, and those at one place as if they were a little apart.
+    wide = samples_of([(0.0, 0.0), (3.0, 0.0)], curved, curved_slopes)
+    assert wide.smoothing == EPSILON and samples_of([(0.1, 0.1)], curved, curved_slopes).smoothing == 1e-3 * EPSILON
+
+
 def test_the_last_state_pulls_the_value_there():
     found = samples_of([(0.0, 0.0)], curved, curved_slopes)
     hand = (0.4, 0.4)

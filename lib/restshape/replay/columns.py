@@ -83,6 +83,7 @@ SAMPLED: dict[str, npt.DTypeLike] = {
     "samples": np.int64,
     "samples_projected": np.int64,
     "sample_ages": "S80",
+    "sample_epsilon": np.float64,
     "solver_steps": np.int64,
     "idle_time": np.float64,
     "idle_spent": np.float64,

@@ -96,6 +96,7 @@ class SampledFrames(PredictedFrames):
             "samples": len(places),
             "samples_projected": sum(at.projected for at in places),
             "sample_ages": " ".join(str(self._frame - at.frame) for at in places),
+            "sample_epsilon": made.smoothing if made else nan,
             "solver_steps": self._steps,
             "idle_time": self._time.given,
             "idle_spent": self._time.paid,
@@ -218,7 +219,7 @@ class SampledFrames(PredictedFrames):
 
     def _expected_error(self, error: float, way: float) -> float:
         # Nearer than epsilon samples are not told apart.
-        least = self.spec.epsilon * self.size
+        least = (self._samples.smoothing if self._samples is not None else self.spec.epsilon) * self.size
         return error * max(1.0, max(self.distance, least) / max(way, least)) ** 2
 
     @property

@@ -309,7 +309,8 @@ class PredictSpec(Strict):
     """``[predict]``: how ``--predict gmls`` mixes what is known at several places of a drag.
 
     Args:
-        epsilon: distance below which samples weigh alike, in parts of the shape's diagonal.
+        epsilon: distance below which samples weigh alike, in parts of the shape's diagonal, or of the spread of
+            the samples where that is less.
         samples: how many are kept at most.
         frame_time: seconds of a frame of a drag that solver steps may take, by the calibration.
         levels: nested meshes of a drag: the coarsest of them is predicted, the finest shown, and solved in idle time;

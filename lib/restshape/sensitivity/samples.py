@@ -52,7 +52,7 @@ class DragSamples:
     Args:
         gesture: what the hand holds, whose coefficients c are.
         size: of the shape; d = c / size.
-        epsilon: keeps weights finite, in sizes.
+        epsilon: keeps weights finite, in sizes or, where that is less, in distances of the samples; see `smoothing`.
         most: samples that are kept.
 
     Attributes:
@@ -83,6 +83,17 @@ class DragSamples:
     def shape(self) -> tuple[int, ...]:
         """Of the values of a sample."""
         return self._shape
+
+    @property
+    def smoothing(self) -> float:
+        """The epsilon of the weights, in sizes: samples nearer than that weigh alike.
+
+        That is the given share of the size, or of the root mean square distance of all places from their mean where
+        these are closer: a hand that stays within epsilon would weigh all of them alike.
+        """
+        places = np.array([at.c for at in self.places] + ([] if self.last is None else [self.last]))
+        spread = float(np.sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean())) if len(places) else 0.0
+        return self.epsilon * min(1.0, max(SAME, spread / self.size))
 
     def distance(self, c: Hand) -> float:
         """From a place of the hand to the nearest sample, in the gesture's coefficients."""
@@ -139,7 +150,7 @@ class DragSamples:
         """
         if not len(self.places):
             return
-        step, jump = STEP * self.epsilon * self.size, (values - self(c)).ravel()
+        step, jump = STEP * self.smoothing * self.size, (values - self(c)).ravel()
         around = [[self((c[0] + way * (j == 0), c[1] + way * (j == 1))) for way in (step, -step)] for j in range(2)]
         slopes = [(derivatives[j] - (one - other) / (2.0 * step)).ravel() for j, (one, other) in enumerate(around)]
         for m, at in enumerate(self.places):
@@ -169,7 +180,7 @@ class DragSamples:
         out = np.empty(self._rows.shape[1])
         last = NONE if self.last is None else np.array(self.last)
         places = np.array([at.c for at in self.places])
-        _kernels.gmls(np.array(c), last, places, self.size, self.epsilon**2, self._rows, out)
+        _kernels.gmls(np.array(c), last, places, self.size, self.smoothing**2, self._rows, out)
         return out.reshape(self._shape)
 
     def _near(self, c: Hand, least: float = NEAREST) -> list[SamplePlace]:
