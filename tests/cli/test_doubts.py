@@ -236,6 +236,12 @@ def test_one_entry_is_one(tmp_path):
         scene_of(tmp_path, change=('outline = ["bottom", "right", "top", "left"]', "outline = []"))
 
 
+def test_a_frame_of_an_edit_that_takes_too_long_may_have_more_frames():
+    slow, large = messages("replay", 60.0, 1e9, "", edits=True)
+    assert "give an edit that goes far more frames, take a coarser mesh, or raise --frame-limit" in slow
+    assert "more frames" not in large + "".join(messages("replay", 60.0, 1e9, ""))
+
+
 @pytest.mark.parametrize(("size", "named"), [(5_000_000, True), (1000, False)])
 def test_a_large_drawing_is_named_where_the_first_frame_takes_too_long(tmp_path, size, named):
     (tmp_path / "part.dxf").write_bytes(b" " * size)

@@ -229,6 +229,20 @@ def test_the_ball_is_where_the_frame_has_it(recording):
     assert edges == pytest.approx([40, 80], abs=1)
 
 
+def test_a_body_that_moves_is_in_the_box_wherever_it_goes_but_for_what_is_far(recording):
+    cloth = recording(*12 * [0.1])
+    # Its centre goes from 0.5 to 1.6, with a radius of 0.3, beside cloth that ends at 1.
+    for frames, right in ((np.arange(1), 1.0), (np.arange(12), 1.9)):
+        high = drape_scenery(cloth, frames).high[0]
+        assert right <= high <= right + 0.1
+    still = recording(0.1, 0.1)
+    far = {name: values for name, values in still.table.items()} | {
+        "bodies.ball.sphere.center.0": np.array([0.5, 90.0])
+    }
+    still.table = far
+    assert drape_scenery(still, np.arange(2)).high[0] < 5.0
+
+
 def test_everything_at_rest_lies_within_the_box(recording):
     cloth = recording(0.0, -0.4, -900.0, rests=(1, 1, 0))
     scenery = drape_scenery(cloth, np.arange(3))

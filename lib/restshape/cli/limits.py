@@ -93,7 +93,7 @@ def limited(args: argparse.Namespace) -> Iterator[Callable[[], None]]:
         seconds,
         int(memory),
         LIMIT_REACHED,
-        *messages(args.command, args.frame_limit, memory, kept, large_drawing(args)),
+        *messages(args.command, args.frame_limit, memory, kept, large_drawing(args), bool(vars(args).get("edits"))),
     )
     try:
         yield _kernels.begin_frame
@@ -116,7 +116,9 @@ def large_drawing(args: argparse.Namespace) -> str:
     return f"{one_line(named.name)[:60]} has {size / 1e6:.0f} MB" if size > LARGE_FILE else ""
 
 
-def messages(command: str, seconds: float, memory: float, kept: str, file: str = "") -> tuple[str, str]:
+def messages(
+    command: str, seconds: float, memory: float, kept: str, file: str = "", edits: bool = False
+) -> tuple[str, str]:
     """What is said where a frame takes too long, and where memory runs out.
 
     Args:
@@ -124,15 +126,17 @@ def messages(command: str, seconds: float, memory: float, kept: str, file: str =
         seconds, memory: its limits [s], [bytes].
         kept: what becomes of the frames before.
         file: `large_drawing`, which is the likely cause in the first frame.
+        edits: whether a script is replayed, each of whose edits may have more frames.
     """
     slow = f"frame %d takes longer than {seconds:g} s{kept}"
     large = f"in frame %d more than {memory / 1e9:.3g} GB of memory are in use{kept}"
-    do = "look for a coordinate in the wrong unit, take a coarser mesh, or raise"
+    more = "give an edit that goes far more frames, " if edits else ""
+    do = f"look for a coordinate in the wrong unit, {more}take a coarser mesh, or raise"
     if file:
         do = f"{file}: read some of its layers alone (shape.layers), export less, take a coarser mesh, or raise"
     return (
         f"restshape {command}: {slow}\n  try: {do} --frame-limit\n",
-        f"restshape {command}: {large}\n  try: {do} --memory-limit\n",
+        f"restshape {command}: {large}\n  try: {do.replace(more, '')} --memory-limit\n",
     )
 
 

@@ -22,8 +22,8 @@ COLOURS = "YlGnBu"
 AZIMUTH, ELEVATION = np.deg2rad(-58.0), np.deg2rad(24.0)
 FAR = 2.2
 """Distance of the camera over the diagonal of what it sees."""
-ROOM = 0.5
-"""Part of the cloth's diagonal up to which bodies are shown beyond it."""
+ROOM, MOVING_ROOM = 0.5, 2.0
+"""Part of the cloth's diagonal up to which bodies are shown beyond it, at rest and where they move."""
 RARE = 0.005
 """Part of the cells whose tension may lie beyond either end of the colour bar: corners that are pinned are singular."""
 MARGIN, THINNEST = 0.02, 0.2
@@ -94,9 +94,14 @@ def drape_scenery(recording: Recording, frames: np.ndarray) -> DrapeScenery:
     found = [places(recording, int(i)) for i in resting]
     low, high = np.min([x.min(axis=0) for x in found], axis=0), np.max([x.max(axis=0) for x in found], axis=0)
     size = float(np.linalg.norm(high - low))
-    most = low - ROOM * size, high + ROOM * size
-    shown = [body for i in frames for body in bodies(recording, int(i)).values()]
-    for body in shown:
+    inner = low, high
+    shown = [pair for i in frames for pair in bodies(recording, int(i)).items()]
+    # All are compared with what they are at first.
+    first = dict(reversed(shown))
+    moving = {name for name, body in shown if body != first[name]}
+    for name, body in shown:
+        room = (MOVING_ROOM if name in moving else ROOM) * size
+        most = inner[0] - room, inner[1] + room
         surface, _ = body_surface(body, *most)
         ends = np.clip((surface.min(axis=0), surface.max(axis=0)), *most) if body.kind != "plane" else (low, high)
         low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])

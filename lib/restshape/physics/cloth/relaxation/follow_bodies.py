@@ -57,10 +57,10 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         still = still + 1 if reached < 1.0 and reached - share < STILL * least else 0
         if still > PATIENCE:
             reached, still = min(1.0, share + least), 0
-            doubts.add("a body went on before the cloth could follow")
+            doubts.add("a body went on before the cloth could follow: give it more frames")
         if parts == MOST_PARTS:
             reached = 1.0
-            doubts.add("a body went the rest of its way before the cloth could follow")
+            doubts.add("a body went the rest of its way before the cloth could follow: give it more frames")
         x = x + (reached - share) / (1.0 - share) * way
         share, last, now = reached, now, path.at(reached)
         contact.history = take_along(contact.history, last, now)

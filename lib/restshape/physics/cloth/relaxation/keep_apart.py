@@ -18,7 +18,7 @@ PARTS = 60
 """Parts of the way of supports, with a rough descent after each, at most."""
 STILL, PATIENCE = 0.01, 6
 """Supports do not get any farther that go less than this part of what is left of their way, so many times in a row."""
-LEFT = "a support went on before the cloth could follow"
+LEFT = "a support went on before the cloth could follow: give it more frames"
 
 
 def kept_apart(state: RelaxationState, last: np.ndarray) -> RelaxationState:
