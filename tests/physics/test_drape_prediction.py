@@ -112,3 +112,16 @@ def test_drapes_of_a_drag_go_on_to_a_new_mesh(tmp_path):
     after = rows[new + 1]
     assert after["predicted"] and not after["refused"] and after["samples_projected"] > 0
     assert off(found[new + 1], found[new]) < 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", [HANGING, ON_BALL], ids=["hanging", "on a ball"])
+def test_the_estimate_is_about_the_distance_from_the_drape(tmp_path, text):
+    """Far along one derivative cloth is stretched, whose tension would hide most of the distance."""
+    scene = write_scene(tmp_path, text.replace("size = 0.0", "size = 0.05 #"))
+    script = write_script(tmp_path, drag("right", HAND, across(HAND, (0.3, 0.1), 6)))
+    made, parts = make_replay(scene, script, predict="linear"), []
+    for row in made.frames():
+        if row["predicted"]:
+            parts.append(row["estimate"] / made.analysis.predictor.compare_cold())
+    assert len(parts) >= 3 and min(parts) > 0.4 and max(parts) < 2.5, parts

@@ -9,11 +9,11 @@ import numpy as np
 
 from restshape.algebra.solve_counts import SolveCounts
 from restshape.algebra.work_counts import pass_seconds
-from restshape.analysis.correction import conjugate_steps, gathered, preconditioner
 from restshape.analysis.frame import Frame
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative
+from restshape.physics.cloth.sensitivity.drape_distance import USUAL, Accuracy, missing_way, stabilised_step
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import Alignment, Context
@@ -25,9 +25,6 @@ EXPECTED = 10
 PASSES = 3
 """Passes over all elements of a step besides one for each of its iterations: more steps in a frame do not predict
 better."""
-DELAY, ENOUGH = 2, 1e-2
-"""Steps of conjugate gradients that together gain less than a share of the squared energy: the distance is known to
-about a tenth."""
 GROWS = 10.0
 """Times that a step may make the residual of a prediction larger."""
 WORTH = 1e-3
@@ -64,16 +61,19 @@ class DrapePrediction:
 
     Args:
         analysis: whose state it reads and replaces.
+        accuracy: of Newton steps.
 
     Source: docs/theory/design-derivative.md.
     """
 
     transferable = False
 
-    def __init__(self, analysis: PredictedDrape, delay: int = DELAY, enough: float = ENOUGH) -> None:
-        self.analysis, self._delay, self._enough = analysis, delay, enough
+    def __init__(self, analysis: PredictedDrape, accuracy: Accuracy = USUAL) -> None:
+        self.analysis, self._accuracy = analysis, accuracy
         self._applied = EXPECTED
         self._missing: tuple[object, np.ndarray] = (None, np.empty(0))
+        self._rest: RelaxationState | None = None
+        self._tensions = np.empty((0, 3))
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
         """Derivatives (2, n, 3) of the unknowns along the hand's two directions; see `analysis.Predictor`."""
@@ -94,6 +94,9 @@ class DrapePrediction:
         if problem.mesh.topology != rest.topology:
             # Flips have made other triangles than those of the elements.
             return
+        if self._rest is not rest:
+            # Its nodes have not moved in the material yet.
+            self._rest, self._tensions = rest, problem.tensions(rest.x)
         moved = self.analysis.moved(rest)
         self.analysis.state = replace(
             moved,
@@ -136,15 +139,15 @@ class DrapePrediction:
     def distance(self) -> float:
         """About the distance of the prediction from the drape on the same mesh, over its size.
 
-        That of a Newton step, or the way on which friction would let the cloth slide there, whichever is longer.
+        That of Newton steps, or the way on which friction would let the cloth slide there, whichever is longer.
         """
         return max(self.share(self.missing()), self.slide())
 
     def missing(self) -> np.ndarray:
-        """About what a prediction (n, 3) lacks to be the drape: a Newton step, found once a prediction."""
+        """About what a prediction (n, 3) lacks to be the drape, found once a prediction; see `missing_way`."""
         state = self.analysis.state
         if self._missing[0] is not state:
-            self._missing = state, self._newton_step()
+            self._missing = state, missing_way(state.solver, state.x, self._tensions, self._accuracy)
         return self._missing[1]
 
     # --- mixed from several drapes ------------------------------------------------------------------------------------
@@ -176,7 +179,8 @@ class DrapePrediction:
         """Take a Newton step from the prediction, as far as nothing is passed; whether another one pays."""
         state = self.analysis.state
         problem, solver, x = state.problem, state.solver, state.x
-        way = self.missing()
+        self._applied = 0
+        way = stabilised_step(solver, x, None, self._accuracy, self._counted)
         if not np.isfinite(way).all():
             return False
         after = x + problem.step_share(x, way) * way
@@ -201,24 +205,8 @@ class DrapePrediction:
         """As `set_values`."""
         self.set_values(values)
 
-    def _newton_step(self) -> np.ndarray:
-        """Conjugate steps (n, 3) with the stabilised tangent of the prediction, on the kept factor."""
-        state = self.analysis.state
-        problem, solver, x = state.problem, state.solver, state.x
-        rest, self._applied = np.empty_like(x), 0
-        problem.residual(x, rest)
-        equations = solver.equations
-        matrix = equations.tangents.matrix(x, True, equations.supporting_inertia)
-        kept = preconditioner(solver.linear, equations.rows)
-
-        def precondition(r: np.ndarray) -> np.ndarray:
-            self._applied += 1
-            return kept(r)
-
-        product = gathered(matrix.mult, equations.rows, solver.comm)
-        return conjugate_steps(product, precondition, -rest.ravel(), delay=self._delay, enough=self._enough).reshape(
-            x.shape
-        )
+    def _counted(self) -> None:
+        self._applied += 1
 
     def slide(self) -> float:
         """The longest way on which what friction holds would slide if it followed, over the size of the cloth."""

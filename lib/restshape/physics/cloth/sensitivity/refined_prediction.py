@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from restshape.analysis.analysis import Alignment
     from restshape.scene.model import Scene
 
-DELAY, ENOUGH = 1, 0.1
+ACCURACY = (1, 0.1)
 """Steps of conjugate gradients of the coarse cloth end after one that gains less than a share of the squared energy."""
 NO_HAND = (None, (0.0, 0.0))
 
@@ -100,7 +100,7 @@ class RefinedPrediction:
         nested = state.problem.mesh.hierarchy
         self._map = FineCorrection(nested, self.levels, state.problem.morley)
         self._coarse = self.analysis.on()
-        self._own = DrapePrediction(self._coarse, DELAY, ENOUGH)
+        self._own = DrapePrediction(self._coarse, ACCURACY)
         self.settle(state.scene)
 
     def settle(self, scene: Scene) -> None:
