@@ -16,7 +16,7 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.physics.cloth.pictures.body_surfaces import body_surface
 from restshape.physics.cloth.pictures.drape import bodies, drape_scenery, places, shows_cloth
-from restshape.physics.cloth.pictures.drape_frames import convergence_words, draw_drape_frames
+from restshape.physics.cloth.pictures.drape_frames import _caption, convergence_words, draw_drape_frames
 from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
@@ -255,6 +255,15 @@ def test_everything_at_rest_lies_within_the_box(recording):
     for corner in product(*zip(scenery.low, scenery.high)):
         ((u, v),) = scenery.from_aside.project(np.array([corner]))
         assert left - 1e-12 <= u <= right + 1e-12 and bottom - 1e-12 <= v <= top + 1e-12
+
+
+def test_no_line_of_a_caption_begins_with_a_unit(recording):
+    cloth = recording(0.0)
+    cloth.table["untrusted"] = np.array(["stretched by 5.71 % at (0, 592) mm of the pattern, trusted are 5 %"])
+    for wide in np.linspace(1.0, 5.0, 41):
+        text, colour = _caption(cloth, 0, wide)
+        assert colour == UNTRUSTED and not any(line.strip()[:1] == "%" for line in text.splitlines())
+        assert not any(line.strip().startswith("mm") for line in text.splitlines())
 
 
 def test_captions_report_convergence(recording):

@@ -185,6 +185,9 @@ def draw_drape_frames(recording: Recording, chosen: np.ndarray, scenery: DrapeSc
 def _caption(recording: Recording, i: int, wide: float) -> tuple[str, str]:
     """What stands above a frame, in lines for a panel this wide [inch], and its colour."""
     words, colour = convergence_words(recording, i)
+    for unit in ("%", "mm"):
+        # No line begins with the unit of the number before it.
+        words = words.replace(f" {unit}", f"\N{NO-BREAK SPACE}{unit}")
     lines = [f"frame {i}, t = {recording.times[i]:.2f} s", *wrap(words, int(wide / LETTER) - 1)]
     return "\n".join(f" {line}" for line in lines), colour
 
