@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace restshape {
@@ -30,6 +31,7 @@ class HarmonicExtension {
         }
         shapes_.resize(cell_count);
         for (std::int32_t e = 0; e < cell_count; ++e) shapes_[e] = shape_of(X, cells + 3 * e);
+        make_pattern();
         assemble();
         if (free_count_) factor_.analyzePattern(stiffness_);
         factorise();
@@ -39,8 +41,14 @@ class HarmonicExtension {
     Rows solve(const Eigen::Ref<const Rows>& values) const {
         Rows inside(free_count_, values.cols());
         if (free_count_) {
-            const Eigen::MatrixXd load = pull_ * values;
-            inside = factor_.solve(load);
+            const Rows load = pull_ * values;
+            if (values.cols() == 4) {
+                substitute<4>(load, &inside);
+            } else if (values.cols() == 2) {
+                substitute<2>(load, &inside);
+            } else {
+                inside = factor_.solve(load);
+            }
         }
         Rows all(node_count_, values.cols());
         for (std::int32_t i = 0; i < node_count_; ++i) {
@@ -94,24 +102,94 @@ class HarmonicExtension {
         return shape;
     }
 
+    // Numbers of both ends of a side of a cell, negative at the boundary.
+    std::pair<std::int32_t, std::int32_t> ends(std::size_t e, int i) const {
+        return {number_[cells_[3 * e + (i + 1) % 3]], number_[cells_[3 * e + (i + 2) % 3]]};
+    }
+
+    // The lower triangle by columns, the diagonal first, and where in it the sides of the cells are: sorted by counts,
+    // for the cells have each entry twice at most.
+    void make_pattern() {
+        std::vector<std::int32_t> first(free_count_ + 1, 0);
+        const auto each_side = [this](auto&& visit) {
+            for (std::size_t e = 0; e < shapes_.size(); ++e) {
+                for (int i = 0; i < 3; ++i) {
+                    const auto [a, b] = ends(e, i);
+                    if (a >= 0 && b >= 0) visit(static_cast<std::int32_t>(3 * e + i), std::min(a, b), std::max(a, b));
+                }
+            }
+        };
+        each_side([&](std::int32_t, std::int32_t column, std::int32_t) { ++first[column + 1]; });
+        for (std::int32_t k = 0; k < free_count_; ++k) first[k + 1] += first[k];
+        std::vector<std::pair<std::int32_t, std::int32_t>> sides(first.back());  // row, side
+        std::vector<std::int32_t> next(first.begin(), first.end() - 1);
+        each_side([&](std::int32_t side, std::int32_t column, std::int32_t row) {
+            sides[next[column]++] = {row, side};
+        });
+        slots_.assign(3 * shapes_.size(), -1);
+        stiffness_.resize(free_count_, free_count_);
+        stiffness_.reserve(static_cast<Eigen::Index>(sides.size()) + free_count_);
+        std::int32_t count = 0;
+        for (std::int32_t column = 0; column < free_count_; ++column) {
+            stiffness_.startVec(column);
+            stiffness_.insertBack(column, column) = 0.0;
+            std::sort(sides.begin() + first[column], sides.begin() + first[column + 1]);
+            ++count;
+            std::int32_t last = -1;
+            for (std::int32_t k = first[column]; k < first[column + 1]; ++k) {
+                if (sides[k].first != last) {
+                    stiffness_.insertBack(last = sides[k].first, column) = 0.0;
+                    ++count;
+                }
+                slots_[sides[k].second] = count - 1;
+            }
+        }
+        stiffness_.finalize();
+    }
+
     void assemble() {
-        entries_.clear();
+        double* values = stiffness_.valuePtr();
+        const auto* columns = stiffness_.outerIndexPtr();
+        std::fill(values, values + stiffness_.nonZeros(), 0.0);
         pulls_.clear();
         for (std::size_t e = 0; e < shapes_.size(); ++e) {
             for (int i = 0; i < 3; ++i) {
                 const double w = weights_[e] * shapes_[e].half_cotangents[i];
-                const std::int32_t a = number_[cells_[3 * e + (i + 1) % 3]], b = number_[cells_[3 * e + (i + 2) % 3]];
-                if (a >= 0) entries_.emplace_back(a, a, w);
-                if (b >= 0) entries_.emplace_back(b, b, w);
-                if (a >= 0 && b >= 0) entries_.emplace_back(std::max(a, b), std::min(a, b), -w);
+                const auto [a, b] = ends(e, i);
+                if (a >= 0) values[columns[a]] += w;
+                if (b >= 0) values[columns[b]] += w;
+                if (a >= 0 && b >= 0) values[slots_[3 * e + i]] -= w;
                 if (a >= 0 && b < 0) pulls_.emplace_back(a, -1 - b, w);
                 if (b >= 0 && a < 0) pulls_.emplace_back(b, -1 - a, w);
             }
         }
-        stiffness_.resize(free_count_, free_count_);
-        stiffness_.setFromTriplets(entries_.begin(), entries_.end());
         pull_.resize(free_count_, boundary_count_);
         pull_.setFromTriplets(pulls_.begin(), pulls_.end());
+    }
+
+    // The factor's substitutions for all columns together, in the order in which Eigen does them one after the other.
+    template <int columns>
+    void substitute(const Rows& load, Rows* inside) const {
+        using Row = Eigen::Array<double, 1, columns>;
+        std::vector<Row> x(free_count_);
+        const auto& lower = factor_.matrixL().nestedExpression();
+        const auto& place = factor_.permutationP().indices();
+        const Eigen::VectorXd diagonal = factor_.vectorD();
+        const auto* first = lower.outerIndexPtr();
+        const auto* rows = lower.innerIndexPtr();
+        const double* values = lower.valuePtr();
+        for (std::int32_t k = 0; k < free_count_; ++k) x[place[k]] = load.row(k);
+        for (std::int32_t k = 0; k < free_count_; ++k) {
+            const Row own = x[k];
+            for (auto j = first[k]; j < first[k + 1]; ++j) x[rows[j]] -= values[j] * own;
+        }
+        for (std::int32_t k = 0; k < free_count_; ++k) x[k] *= 1.0 / diagonal[k];
+        for (std::int32_t k = free_count_ - 1; k >= 0; --k) {
+            Row own = x[k];
+            for (auto j = first[k]; j < first[k + 1]; ++j) own -= values[j] * x[rows[j]];
+            x[k] = own;
+        }
+        for (std::int32_t k = 0; k < free_count_; ++k) inside->row(k) = x[place[k]];
     }
 
     void factorise() {
@@ -124,7 +202,8 @@ class HarmonicExtension {
     std::vector<std::int32_t> cells_, number_;
     std::vector<Shape> shapes_;
     Eigen::VectorXd weights_;
-    std::vector<Eigen::Triplet<double, std::int32_t>> entries_, pulls_;
+    std::vector<std::int32_t> slots_;  // of each cell's sides in the stiffness; -1: an end is at the boundary
+    std::vector<Eigen::Triplet<double, std::int32_t>> pulls_;
     Eigen::SparseMatrix<double> stiffness_;
     Eigen::SparseMatrix<double, Eigen::RowMajor> pull_;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;

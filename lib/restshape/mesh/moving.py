@@ -206,7 +206,8 @@ class MovingMesh:
         if basis is None:
             Psi = np.zeros((2, *self.mesh.X.shape))
         else:
-            Psi = motion(self.mesh, self._boundary.basis(self.mesh.outline, basis), self.relocation)
+            boundary = self._boundary
+            Psi = motion(self.mesh, boundary.basis(self.mesh.outline, basis), self.relocation, boundary.nodes)
         self.state = replace(self.state, map=replace(known, Psi=Psi))
         return Psi
 

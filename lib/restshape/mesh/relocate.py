@@ -36,9 +36,8 @@ class BoundaryNodes:
         self._vertices, self._vertex_rows = lonely, row[mesh.vertex_node[lonely]]
         on_edge = np.flatnonzero(placed)
         on_edge = on_edge[np.argsort(mesh.node_edge[on_edge], kind="stable")]
-        edges, starts = np.unique(mesh.node_edge[on_edge], return_index=True)
-        chunks = np.split(on_edge, starts[1:])
-        self._groups = [(int(edge), row[chunk], mesh.node_param[chunk]) for edge, chunk in zip(edges, chunks)]
+        self._rows, self._parameters = row[on_edge], mesh.node_param[on_edge]
+        self._counts = np.bincount(mesh.node_edge[on_edge])
 
     def values(self, outline: Outline, points: np.ndarray) -> np.ndarray:
         """Positions (nb, d) of the nodes, or displacements, for control points or displacements of them.
@@ -48,8 +47,10 @@ class BoundaryNodes:
             points: (k, d) control points [m], or any displacement of them.
         """
         result = np.empty((len(self.nodes), self.dim))
-        for edge, rows, parameters in self._groups:
-            result[rows] = outline.point(edge, parameters, points=points)
+        first = np.zeros(len(outline.edges) + 1, dtype=np.int64)
+        np.cumsum(self._counts, out=first[1 : len(self._counts) + 1])
+        first[len(self._counts) + 1 :] = len(self._rows)
+        result[self._rows] = outline.points_on_all(first, self._parameters, points)
         result[self._vertex_rows] = points[self._vertices]
         return result
 
@@ -224,7 +225,7 @@ def extension(mesh: Mesh, nodes: np.ndarray, kind: str) -> Extension:
     return KINDS[kind](mesh, nodes)
 
 
-def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
+def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str, nodes: np.ndarray | None = None) -> np.ndarray:
     """Psi (2, n, d): node displacements a unit of each of a gesture's two coefficients.
 
     The harmonic map is solved twice: the strain of the first solution stiffens the second.
@@ -233,10 +234,11 @@ def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str) -> np.ndarray:
         mesh: the mesh as it lies now.
         boundary_basis: (2, nb, d) displacements of the boundary nodes, in the order of ``Boundary(mesh).nodes``.
         kind: one of `KINDS`.
+        nodes: (nb,) int32 boundary nodes, where they are known.
 
     Source: docs/theory/moving-the-mesh.md.
     """
     values = np.concatenate(list(boundary_basis), axis=1)
-    together = extension(mesh, BoundaryNodes(mesh).nodes, kind).adapted(values)
+    together = extension(mesh, BoundaryNodes(mesh).nodes if nodes is None else nodes, kind).adapted(values)
     parted = together.reshape(len(mesh.X), len(boundary_basis), mesh.dim)
     return np.ascontiguousarray(parted.transpose(1, 0, 2))

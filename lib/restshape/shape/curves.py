@@ -33,16 +33,6 @@ def half_angles(bulges: Reals) -> Reals:
     return 2.0 * np.arctan(bulges)
 
 
-def arc_fractions(half: Reals, s: Reals) -> Complexes:
-    """The same as :func:`arc_fraction` for a point each on arcs of half angles (m,), at shares s (m,)."""
-    z = s + 0j
-    bent = np.flatnonzero(np.abs(half) >= STRAIGHT)
-    if len(bent):
-        own, t = half[bent], s[bent]
-        z[bent] = np.exp(1j * own * (t - 1.0)) * (np.sin(own * t) / np.sin(own))
-    return z
-
-
 def arc_fraction_rate(bulge: float, s: Reals) -> Complexes:
     """Complex dz/ds of :func:`arc_fraction`."""
     half = 2.0 * np.arctan(bulge)

@@ -239,24 +239,20 @@ class Outline:
         """
         return self._combine(edge, np.atleast_1d(np.asarray(s, dtype=float)), points, rate=False)
 
-    def points_on_all(self, first: Indices, s: Reals) -> Reals:
+    def points_on_all(self, first: Indices, s: Reals, points: Reals | None = None) -> Reals:
         """Points (m, 2) of all edges in one call: the same as those of :meth:`point`.
 
         Args:
             first: (n_edges + 1,) where the parameters of each edge start, the last one m.
             s: (m,) parameters, edge after edge.
+            points: (k, 2) control points, or a displacement of them; default: this outline's.
         """
-        counts, ends, half = np.diff(first), self.layout.ends, curves.half_angles(self.bulges)
-        own = np.ascontiguousarray(self.points).view(np.complex128)[:, 0]
-        z = curves.arc_fractions(np.repeat(half, counts), s)
-        p = np.repeat(own[ends[:, 0]], counts) * (1.0 - z) + np.repeat(own[ends[:, 1]], counts) * z
-        # Arcs once more by one number an end: arrays of numbers are multiplied with other rounding.
-        for edge in np.flatnonzero(np.abs(half) >= curves.STRAIGHT).tolist():
-            part, (a, b) = z[first[edge] : first[edge + 1]], ends[edge]
-            p[first[edge] : first[edge + 1]] = complex(own[a]) * (1.0 - part) + complex(own[b]) * part
-        found = p.view(np.float64).reshape(-1, 2)
-        for edge in self.layout.curved:
-            found[first[edge] : first[edge + 1]] = self.point(edge, s[first[edge] : first[edge + 1]])
+        own, t = self.points if points is None else points, s[:, None]
+        start, end = (np.repeat(self.layout.ends[:, k], np.diff(first)) for k in (0, 1))
+        found: Reals = own[start] * (1.0 - t) + own[end] * t
+        bent = np.abs(curves.half_angles(self.bulges)) >= curves.STRAIGHT
+        for edge in (*np.flatnonzero(bent).tolist(), *self.layout.curved):
+            found[first[edge] : first[edge + 1]] = self.point(edge, s[first[edge] : first[edge + 1]], points)
         return found
 
     def lengths(self) -> Reals:
