@@ -10,7 +10,7 @@ from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.quadrature import DEGREE_4
 from restshape.mesh.transfer import Transfer
 
-ROUGH = 1e-6
+ROUGH = 1e-3
 """Residual of the uniform velocities over their right sides: whatever is left, they make up for all momentum that is
 missing, which is little."""
 

@@ -80,7 +80,7 @@ class ConsistentMass:
 
     def __init__(self, problem: SteadyProblem) -> None:
         shape = problem.boundary.mask.shape
-        self._problem, self._topology = problem, -1
+        self._problem, self._topology, self._places = problem, -1, np.zeros(0)
         self._operator = Operator(PETSc.COMM_SELF, shape[1], np.array([0, shape[0]], dtype=np.int32))
         self._right, self._way = np.zeros(shape), np.zeros(shape)
         self._b, self._x = (PETSc.Vec().createWithArray(own, comm=PETSc.COMM_SELF) for own in (self._right, self._way))
@@ -95,17 +95,26 @@ class ConsistentMass:
         Raises:
             ReplayProblem: no convergence.
         """
-        problem, ksp = self._problem, self._ksp
-        if self._topology != problem.space.topology:
-            self._operator.set_topology(problem.blocks(), problem.boundary.mask)
-            self._topology = problem.space.topology
-        terms = [part.term(self._way) for part in problem.integrals(CONSISTENT)]
+        ksp = self._ksp
+        self._follow()
         self._right[:] = rhs
         for vector in (self._b, self._x):
             vector.stateIncrease()
-        ksp.setOperators(self._operator.assemble(terms, None))
         ksp.setTolerances(rtol=tolerance, atol=0.0, max_it=MOST)
         ksp.solve(self._b, self._x)
         if ksp.getConvergedReason() < 0:
             raise ReplayProblem("the solve with the mass matrix did not converge")
         return self._way.copy()
+
+    def _follow(self) -> None:
+        """Assemble the matrix where it is not of the space as it lies."""
+        problem, space = self._problem, self._problem.space
+        known = self._topology == space.topology
+        # Places themselves are compared: a frame that is taken back gives its version to the next one.
+        if known and np.array_equal(self._places, space.X) and not problem.varies:
+            return
+        if not known:
+            self._operator.set_topology(problem.blocks(), problem.boundary.mask)
+        terms = [part.term(self._way) for part in problem.integrals(CONSISTENT)]
+        self._ksp.setOperators(self._operator.assemble(terms, None))
+        self._topology, self._places = space.topology, space.X.copy()

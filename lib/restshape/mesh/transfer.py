@@ -56,7 +56,9 @@ class Transfer:
         Args:
             field: (n, f) values at the nodes.
         """
-        return np.einsum("ij,ijk->ik", self.weights, field[self.nodes])
+        out = np.empty((1, len(self.nodes), field.shape[1]))
+        self.rows(np.ascontiguousarray(field, dtype=float)[None], out)
+        return out[0]
 
     def rows(self, rows: np.ndarray, out: np.ndarray) -> None:
         """Write the values of many fields at the points.

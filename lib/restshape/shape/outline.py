@@ -249,7 +249,7 @@ class Outline:
         """
         own, t = self.points if points is None else points, s[:, None]
         start, end = (np.repeat(self.layout.ends[:, k], np.diff(first)) for k in (0, 1))
-        found: Reals = own[start] * (1.0 - t) + own[end] * t
+        found: Reals = np.add(own[start] * np.subtract(1.0, t), own[end] * t)
         bent = np.abs(curves.half_angles(self.bulges)) >= curves.STRAIGHT
         for edge in (*np.flatnonzero(bent).tolist(), *self.layout.curved):
             found[first[edge] : first[edge + 1]] = self.point(edge, s[first[edge] : first[edge + 1]], points)
