@@ -31,6 +31,25 @@ def test_the_map_is_linear_in_the_boundary(kind):
     assert np.allclose(extend(2.0 * u - 3.0 * v), 2.0 * extend(u) - 3.0 * extend(v), rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("columns", [1, 2, 3, 4])
+def test_columns_are_extended_together_as_each_by_itself(columns):
+    """Two and four are substituted together; the Laplacian in dense numbers is another way to each."""
+    mesh = holed_mesh()
+    nodes = BoundaryNodes(mesh).nodes
+    values = np.random.default_rng(7).normal(size=(len(nodes), columns))
+    found = extension(mesh, nodes, "harmonic")(values)
+    stiffness = np.zeros((len(mesh.X), len(mesh.X)))
+    for cell in mesh.cells:
+        a, b, c = mesh.X[cell]
+        opposite = np.array([c - b, a - c, b - a])
+        area = 0.5 * abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
+        stiffness[np.ix_(cell, cell)] += opposite @ opposite.T / (4.0 * area)
+    inside = np.setdiff1d(np.arange(len(mesh.X)), nodes)
+    wanted = np.linalg.solve(stiffness[np.ix_(inside, inside)], -stiffness[np.ix_(inside, nodes)] @ values)
+    assert np.abs(found[inside] - wanted).max() < 1e-12 * np.abs(values).max()
+    assert np.array_equal(found[nodes], values)
+
+
 @pytest.mark.parametrize("make", [l_mesh, holed_mesh])
 def test_positive_mean_value_weights_are_non_negative_and_sum_to_one(make):
     mesh = make()

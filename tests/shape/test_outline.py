@@ -46,6 +46,9 @@ def test_all_edges_at_once_have_the_bits_of_each():
     s, first = np.concatenate([S, S[:7], S[3:20], S[::2]]), np.cumsum([0, 41, 7, 17, 21])
     each = [drawn.point(edge, s[first[edge] : first[edge + 1]]) for edge in range(4)]
     np.testing.assert_array_equal(drawn.points_on_all(first, s), np.concatenate(each))
+    moved = np.random.default_rng(5).normal(size=drawn.points.shape)
+    each = [drawn.point(edge, s[first[edge] : first[edge + 1]], moved) for edge in range(4)]
+    np.testing.assert_array_equal(drawn.points_on_all(first, s, moved), np.concatenate(each))
     np.testing.assert_array_equal(drawn.lengths(), [drawn.length(edge) for edge in range(4)])
 
 
