@@ -27,6 +27,27 @@ HELD = '[supports.pins]\non = ["a", "b"]\nfix = ["x", "y", "z"]\n'
 CLAMPED = '[supports.clamp]\non = "left"\nfix = { x = "0*x", y = "0.02*y*y", z = "0.1*y*x", slope = "0" }\n'
 BALL = "[bodies.ball]\nsphere = {{ center = [0.1, 0.11, -0.062], radius = 0.06 }}\nfriction = {friction}\n"
 CONTACT = '[effects.contact]\nthickness = "2 mm"\nself = false\n'
+FOLDED = """
+[supports.left]
+on = "left"
+fix = ["x", "y", "z"]
+[supports.right]
+on = "right"
+fix = { x = -0.1, y = 0, z = 0.0008 }
+[bodies.floor]
+plane = { point = [0, 0, -0.0015], normal = [0, 0, 1] }
+friction = 0.3
+[effects.contact]
+thickness = "2 mm"
+self_friction = 0.3
+self_thickness = "1 mm"
+"""
+
+
+def folded(kind: str) -> str:
+    """The text of a scene with a strip of 0.2 m x 0.05 m on a floor, its right side back over its middle."""
+    text = head("cloth") + block(0.2, 0.05) + COTTON.format(kind=kind, bending=1e-6)
+    return text.replace('"0.2 MPa"', '"0.5 MPa"') + FOLDED + meshed(0.0125)
 
 
 def sheet(kind: str, *tables: str, bending: float = 5e-6, size: float = 0.025) -> str:

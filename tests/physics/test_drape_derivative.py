@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from drape_designs import BALL, CLAMPED, CONTACT, HELD, DrapeDesign, sheet
+from drape_designs import BALL, CLAMPED, CONTACT, HELD, DrapeDesign, folded, sheet
 from small_scenes import across, drag, write_scene, write_script
 
 from restshape._kernels import Body
@@ -38,6 +38,13 @@ def test_remainder_is_of_second_order(tmp_path, drape, kind):
     text, tables, step = DRAPES[drape]
     design = DrapeDesign(tmp_path, text(kind, *tables))
     check_order(design, design.direction(), step)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_remainder_of_cloth_on_itself_with_friction_is_of_second_order(tmp_path, kind):
+    design = DrapeDesign(tmp_path, folded(kind))
+    check_order(design, design.direction(), 4e-6)
 
 
 @pytest.mark.parametrize("kind", ["morley", "hinge"])

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from drape_designs import BALL, CONTACT, HELD, DrapeDesign, sheet
+from drape_designs import BALL, CONTACT, HELD, DrapeDesign, folded, sheet
 
 from restshape.errors import UserError
 
@@ -157,6 +157,27 @@ def test_stiffness_and_weight_that_grow_together_change_nothing(tmp_path):
     s = design.analysis.number_derivatives(keys, 1e-10).s
     change = cotton.E * s[0] + cotton.rho * s[1] + cotton.bending * s[2]
     assert np.abs(change).max() < 1e-7 * np.abs(cotton.rho * s[1]).max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["morley", "hinge"])
+def test_numbers_of_cloth_that_lies_on_itself_with_friction(tmp_path, kind):
+    design = DrapeDesign(tmp_path, folded(kind))
+    history = design.problem.self_contact.history
+    slid = np.linalg.norm(history.offsets[history.touching.forces > 0.0], axis=1) / 1e-4
+    assert (slid > 0.99).sum() > 5 and (slid < 0.9).sum() > 1, "some layers slide, and some stick"
+    found = design.analysis.derivative(design.direction()[None], 1e-8)
+    assert not found.note and found.sliding > 5 and found.sticking > 5
+    steps = {
+        "material.cotton.rho": 0.5,
+        "material.cotton.bending": 1e-9,
+        "supports.right.fix.x": 1e-6,
+        "effects.contact.self_friction": 4e-4,
+        "effects.contact.slip": 4e-8,
+        "effects.gravity.g.1": 1e-3,
+    }
+    for key, step in steps.items():
+        check(design, key, step)
 
 
 def test_what_is_no_number_is_refused(tmp_path):

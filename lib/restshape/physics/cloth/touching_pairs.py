@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,50 @@ def node_lists(collisions: Any, surface: CollisionSurface) -> np.ndarray:
     return np.concatenate([_nodes(kind, _numbers(collisions, kind), surface) for kind in KINDS])
 
 
+@dataclass(frozen=True, eq=False)
+class Collided:
+    """Collisions of one kind.
+
+    Args:
+        kind: name of the library's list.
+        nodes: (m, 4); where there are fewer, the first one again; there: (m, 4) whether it is one.
+        weights: (m,) areas [m^2]; scales: (m,) square of the product of two edges below which these are parallel [m^4].
+    """
+
+    kind: str
+    nodes: np.ndarray
+    there: np.ndarray
+    weights: np.ndarray
+    scales: np.ndarray
+
+    def pressing(self, places: np.ndarray, thickness: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Shares (m, 4) of the nodes at places (m, 4, 3) [m], normals (m, 3), forces (m,) over the stiffness [m^2].
+
+        Places, weights and scales may have complex steps.
+        """
+        shares = SHARES[self.kind](places) * self.there
+        way = np.einsum("mk,mka->ma", shares, places)
+        distance = np.sqrt(np.einsum("ma,ma->m", way, way))
+        forces = self.weights * barrier_force(distance, thickness)
+        if self.kind == "ee_collisions":
+            forces = forces * _mollified(places, self.scales)
+        return shares, way / distance[:, None], forces
+
+
+def collided(surface: CollisionSurface, collisions: Any) -> list[Collided]:
+    """The library's collisions by kind, those lists that are not empty."""
+    found = []
+    for kind in KINDS:
+        listed = getattr(collisions, kind)
+        if len(listed):
+            nodes = _nodes(kind, _numbers(collisions, kind), surface)
+            there = nodes >= 0
+            scales = [one.eps_x for one in listed] if kind == "ee_collisions" else np.ones(len(nodes))
+            weights = np.array([one.weight for one in listed])
+            found.append(Collided(kind, np.where(there, nodes, nodes[:, :1]), there, weights, np.array(scales)))
+    return found
+
+
 def touching(surface: CollisionSurface, collisions: Any, x: np.ndarray, thickness: float, stiffness: float) -> Touching:
     """The pairs that press each other apart.
 
@@ -55,30 +100,12 @@ def touching(surface: CollisionSurface, collisions: Any, x: np.ndarray, thicknes
         x: positions.
         thickness: distance at which contact begins [m]; stiffness: pressure of the barrier [Pa].
     """
-    given = (surface, collisions, x, thickness)
-    found = [_of_kind(kind, *given) for kind in KINDS if len(getattr(collisions, kind))]
-    if not found:
+    lists = collided(surface, collisions)
+    if not lists:
         return Touching.none()
+    found = [(one.nodes, *one.pressing(x[one.nodes], thickness)) for one in lists]
     nodes, shares, normals, forces = (np.concatenate(parts) for parts in zip(*found))
     return Touching(nodes, shares, normals, stiffness * forces)
-
-
-def _of_kind(
-    kind: str, surface: CollisionSurface, near: Any, x: np.ndarray, thickness: float
-) -> tuple[np.ndarray, ...]:
-    """Nodes, shares, normals and forces over the stiffness of the collisions of a kind."""
-    collisions = getattr(near, kind)
-    nodes = _nodes(kind, _numbers(near, kind), surface)
-    there = nodes >= 0
-    nodes = np.where(there, nodes, nodes[:, :1])
-    places = x[nodes]
-    shares = SHARES[kind](places) * there
-    way = np.einsum("mk,mka->ma", shares, places)
-    distance = np.linalg.norm(way, axis=1)
-    forces = np.array([one.weight for one in collisions]) * barrier_force(distance, thickness)
-    if kind == "ee_collisions":
-        forces *= _mollified(places, np.array([one.eps_x for one in collisions]))
-    return nodes, shares, way / distance[:, None], forces
 
 
 def barrier_force(distance: np.ndarray, thickness: float) -> np.ndarray:
@@ -87,7 +114,7 @@ def barrier_force(distance: np.ndarray, thickness: float) -> np.ndarray:
     The energy by area over stiffness and thickness is -(y^2 - 1)^2 ln y^2, y the distance over the thickness.
     """
     y = distance / thickness
-    inside = y < 1.0
+    inside = y.real < 1.0
     y = np.where(inside, y, 1.0)
     return np.where(inside, 4.0 * y * (y**2 - 1.0) * np.log(y**2) + 2.0 * (y**2 - 1.0) ** 2 / y, 0.0)
 
@@ -95,7 +122,8 @@ def barrier_force(distance: np.ndarray, thickness: float) -> np.ndarray:
 def _mollified(places: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """The part of the barrier that edges (m, 4, 3) have which are parallel, or nearly."""
     cross = np.cross(places[:, 1] - places[:, 0], places[:, 3] - places[:, 2])
-    y = np.minimum(np.einsum("ma,ma->m", cross, cross) / scale, 1.0)
+    y = np.einsum("ma,ma->m", cross, cross) / scale
+    y = np.where(y.real < 1.0, y, 1.0)
     return y * (2.0 - y)
 
 
@@ -112,7 +140,12 @@ def _along(point: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """How far along edges the places nearest to points (m, 3) are, from 0 to 1."""
     edge = end - start
     length = np.einsum("ma,ma->m", edge, edge)
-    return np.clip(np.einsum("ma,ma->m", point - start, edge) / length, 0.0, 1.0)
+    return _within(np.einsum("ma,ma->m", point - start, edge) / length)
+
+
+def _within(values: np.ndarray) -> np.ndarray:
+    """Values (m,), those beyond 0 and 1 at these; complex steps are let through."""
+    return np.where(values.real < 0.0, 0.0, np.where(values.real > 1.0, 1.0, values))
 
 
 def _two_edges(places: np.ndarray) -> np.ndarray:
@@ -121,7 +154,8 @@ def _two_edges(places: np.ndarray) -> np.ndarray:
     u, v, w = b - a, d - c, a - c
     uu, uv, vv, uw, vw = (np.einsum("ma,ma->m", *pair) for pair in ((u, u), (u, v), (v, v), (u, w), (v, w)))
     square = uu * vv - uv**2
-    s = np.clip(np.where(square > 0.0, (uv * vw - vv * uw) / np.where(square > 0.0, square, 1.0), 0.0), 0.0, 1.0)
+    crossed = square.real > 0.0
+    s = _within(np.where(crossed, (uv * vw - vv * uw) / np.where(crossed, square, 1.0), 0.0))
     t = _along(a + s[:, None] * u, c, d)
     s = _along(c + t[:, None] * v, a, b)
     return np.column_stack([1.0 - s, s, t - 1.0, -t])

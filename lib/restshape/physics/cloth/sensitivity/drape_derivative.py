@@ -10,7 +10,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.sensitivity.agreed_contact import FREE
+from restshape.physics.cloth.sensitivity.agreed_contact import FREE, SLIDES
 from restshape.physics.cloth.sensitivity.hand_rates import hand_rates
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
 from restshape.physics.cloth.sensitivity.scene_rates import scene_rates
@@ -23,7 +23,6 @@ SLACK = 100.0
 THICK = 0.01
 """Thickness over length of the plate that cloth with a singular tangent bends like. Source: the thesis, 5.3.3."""
 STIFFENED = "the derivative is that of cloth which bends like a plate of 1/100 of its length: its tangent is singular"
-LAYERS = "friction between layers has the normal forces of the drape"
 
 Rates = tuple[np.ndarray, np.ndarray]
 """Rates (n, 3) of the residual at constant unknowns, and of the prescribed unknowns."""
@@ -68,7 +67,7 @@ def hand_derivative(state: RelaxationState, motion: np.ndarray, tolerance: float
     """
     return solved(
         state,
-        [lambda tangent, dX=dX: hand_rates(state, tangent.contact, tangent.gradients, dX) for dX in motion],
+        [lambda tangent, dX=dX: hand_rates(state, tangent, dX) for dX in motion],
         tolerance,
     )
 
@@ -87,7 +86,7 @@ def number_derivatives(state: RelaxationState, keys: Sequence[str], tolerance: f
 
     Source: docs/theory/design-derivative.md.
     """
-    return solved(state, [lambda tangent, key=key: scene_rates(state, tangent.contact, key) for key in keys], tolerance)
+    return solved(state, [lambda tangent, key=key: scene_rates(state, tangent, key) for key in keys], tolerance)
 
 
 def solved(
@@ -97,25 +96,26 @@ def solved(
     if state.problem is None or not state.report.converged:
         raise ReplayProblem("the cloth is not at rest: there is no derivative of its drape")
     tangent = RestTangent(state)
-    found = [one(tangent) for one in rates]
-    s, residuals = _solutions(tangent, found, tolerance)
+    changes = [one(tangent) for one in rates]
+    s, residuals = _solutions(tangent, changes, tolerance)
     note, lost = "", SLACK * tolerance
     if not (residuals <= lost).all() and state.problem.bending:
         log.info("Tangent of the drape is nearly singular: its derivative once more with stiffened bending")
         note = STIFFENED
         with state.problem.stiffened(THICK):
-            s, residuals = _solutions(RestTangent(state, own=True), found, tolerance)
+            s, residuals = _solutions(RestTangent(state, own=True), changes, tolerance)
     if not (residuals <= lost).all():
         raise ReplayProblem(
             "the tangent is nearly singular: no derivative of the drape "
             f"(its residual is {residuals.max():.1e} of the right side)"
         )
     corners = len(state.problem.corner_number)
-    sticking, sliding = tangent.contact.counts if tangent.contact else (0, 0)
-    states = tangent.contact.states[:corners] if tangent.contact else np.full(corners, FREE)
-    own = state.problem.self_contact
-    if own and own.rough and len(own.history.offsets):
-        note = "; ".join(filter(None, (note, LAYERS)))
+    found = [part for part in (tangent.contact, tangent.layers) if part]
+    sticking, sliding = (sum(part.counts[k] for part in found) for k in range(2))
+    states = np.full(corners, FREE)
+    for part in found:
+        own = part.states[:corners]
+        states = np.where(own == FREE, states, np.where(states == SLIDES, states, own))
     return DrapeDerivative(s, residuals, tangent.iterations, sticking, sliding, states, note)
 
 

@@ -7,13 +7,11 @@ import numpy as np
 from restshape.fem.assembled import Assembled
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact
+from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
 from restshape.physics.cloth.sensitivity.support_rates import pattern_turn, support_rates
 
 
-def hand_rates(
-    state: RelaxationState, contact: AgreedContact | None, gradients: np.ndarray, dX: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def hand_rates(state: RelaxationState, tangent: RestTangent, dX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rates (n, 3) [N] of the residual, and those (n, 3) [m] of the prescribed unknowns, when material moves.
 
     The elements carry dual numbers of their places in the material. What enters them as a parameter and depends on
@@ -22,22 +20,22 @@ def hand_rates(
 
     Args:
         state: at rest.
-        contact: there; None: it touches nothing.
-        gradients: (corners, 3, 2) of the positions there, along which material goes.
+        tangent: there.
         dX: (corners, 2) rates of the places of the mesh's nodes in the material [m].
 
     Source: docs/theory/design-derivative.md: f_i of the thesis's (5.11).
     """
-    problem, x = state.problem, state.x
+    problem, x, contact = state.problem, state.x, tangent.contact
     moved = node_motion(problem, dX)
     prescribed = support_rates(problem, state.scene, dX)
     out = Assembled(problem.material_integrals()).design_product(x, moved)
     out += problem.bending_rates(x, dX, pattern_turn(state.scene))
     # Where material is that nodes come to, along the cloth: anchors go with it.
-    way = np.einsum("iak,ik->ia", gradients, dX)
+    way = np.einsum("iak,ik->ia", tangent.gradients, dX)
     if contact:
         out += contact.rates(areas=problem.area_rates(moved), anchors=problem.contact.place(way))
-    if problem.self_contact and problem.self_contact.rough:
+    if tangent.layers:
+        out += tangent.layers.pattern_rates(dX)
         out[problem.corner_number] += problem.self_contact.place_rates(problem.corners(x), way)
     return out, prescribed
 

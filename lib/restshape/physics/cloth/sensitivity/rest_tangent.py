@@ -14,6 +14,7 @@ from restshape.fem.assembled import Assembled
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact
+from restshape.physics.cloth.sensitivity.agreed_layers import AgreedLayers
 
 RESTART, MOST = 60, 600
 """Directions of one cycle of GMRES, and steps at most."""
@@ -42,9 +43,17 @@ class RestTangent:
             if contact
             else None
         )
-        self.sliding: csr_matrix | None = None
+        own = self.problem.self_contact
+        self.layers = (
+            AgreedLayers(own, self.problem.corners(self.x), self.problem.corner_number, self.problem.n_nodes)
+            if own and own.active and own.rough and len(own.history.offsets)
+            else None
+        )
+        self.rubbing = self.layers.tangent() if self.layers else None
+        self.sliding: csr_matrix | None = self.rubbing
         if self.contact and self.contact.acts:
-            self.sliding = self.contact.tangent()
+            found = self.contact.tangent()
+            self.sliding = found if self.rubbing is None else found + self.rubbing
         self.iterations = 0
 
     @cached_property
@@ -55,6 +64,8 @@ class RestTangent:
     def product(self, d: np.ndarray) -> np.ndarray:
         """K d (n, 3) by the elements, without the matrix, for d (n, 3); prescribed unknowns count."""
         out = Assembled(self.problem.material_integrals()).tangent_product(self.x, d)
+        if self.rubbing is not None:
+            out += (self.rubbing @ d.ravel()).reshape(d.shape)
         return out + self.contact.rates(d) if self.contact else out
 
     def solve(self, right: np.ndarray, tolerance: float) -> np.ndarray:

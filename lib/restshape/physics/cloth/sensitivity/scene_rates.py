@@ -17,8 +17,10 @@ from restshape.physics.cloth.cloth_supports import AXES
 from restshape.physics.cloth.fabric import FabricRates
 from restshape.physics.cloth.layers import stiffness_share
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact, BodyChange, ContactChange
+from restshape.physics.cloth.sensitivity.agreed_contact import BodyChange, ContactChange
+from restshape.physics.cloth.sensitivity.agreed_layers import AgreedLayers
 from restshape.physics.cloth.sensitivity.fabric_rates import fabric_rates
+from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
 from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
 from restshape.physics.cloth.thin_bodies import borne
 from restshape.scene.bodies import Body, Start
@@ -28,7 +30,7 @@ from restshape.scene.space_values import evaluated
 from restshape.shape.placement import rotation, rotation_rates
 
 
-def scene_rates(state: RelaxationState, contact: AgreedContact | None, key: str) -> tuple[np.ndarray, np.ndarray]:
+def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple[np.ndarray, np.ndarray]:
     """The rates (n, 3) of the residual, and those (n, 3) of the prescribed unknowns, a unit of a number of the scene.
 
     Material, formulas, bodies and supports carry dual numbers, or complex steps, to what the elements take; elements
@@ -36,7 +38,7 @@ def scene_rates(state: RelaxationState, contact: AgreedContact | None, key: str)
 
     Args:
         state: at rest.
-        contact: there; None: it touches nothing.
+        tangent: there.
         key: dotted, such as "material.cotton.bending", "bodies.ball.sphere.radius" or "effects.gravity.g.2".
 
     Raises:
@@ -52,10 +54,10 @@ def scene_rates(state: RelaxationState, contact: AgreedContact | None, key: str)
     prescribed, turn = _support_rates(state, number)
     out = _material_forces(state, number, fabric)
     out += problem.turned_clamps(x, turn)
-    if contact:
-        out += contact.rates(change=_contact_change(state, number))
+    if tangent.contact:
+        out += tangent.contact.rates(change=_contact_change(state, number))
     if problem.self_contact and problem.self_contact.active:
-        out += _layer_forces(state, number, fabric)
+        out += _layer_forces(state, tangent.layers, number, fabric)
     return out, prescribed
 
 
@@ -156,8 +158,13 @@ def _kernel_rates(body: Body, rates: dict) -> _kernels.BodyRates:
             return make.box(*numbers, rates["center"], rates["half"], turned, rates["radius"])
 
 
-def _layer_forces(state: RelaxationState, number: ChangingNumber, fabric: FabricRates) -> np.ndarray:
+def _layer_forces(
+    state: RelaxationState, layers: AgreedLayers | None, number: ChangingNumber, fabric: FabricRates
+) -> np.ndarray:
     """Rates (n, 3) of the forces between layers, whose stiffness is decided from weight or bending.
+
+    Args:
+        layers: that friction holds; None: there is none. Others as of `scene_rates`.
 
     Raises:
         UserError: the distance at which they begin changes.
@@ -169,6 +176,10 @@ def _layer_forces(state: RelaxationState, number: ChangingNumber, fabric: Fabric
     )
     if share:
         out[problem.corner_number] = share * own.barrier_forces(corners)
+    settings, where = state.plan.settings("contact"), "effects.contact"
+    if layers and settings:
+        rough = number.rate(settings.self_friction, f"{where}.self_friction")
+        out += layers.number_rates(share * own.values.stiffness, rough, number.rate(settings.slip, f"{where}.slip"))
     if number.key == "effects.contact.thickness" and own.at(corners).near:
         raise UserError(
             "layers touch, and drapes have no derivative by the distance at which their contact begins",
