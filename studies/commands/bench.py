@@ -19,6 +19,7 @@ from restshape_studies.commands import (
     bench_jumps,
     bench_limit,
     bench_maps,
+    bench_nested,
     bench_order,
     bench_regret,
     bench_reuse,
@@ -58,6 +59,7 @@ MODULES = (
     bench_effectivity,
     bench_jumps,
     bench_maps,
+    bench_nested,
 )
 KINDS: dict[str, Kind] = {kind.name: kind for module in MODULES for kind in module.KINDS}
 

@@ -1,14 +1,23 @@
 """Hard drags of cloth that is predicted: what derivatives cannot know of, and where it rests at the end."""
 
+import os
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
+from time import process_time
 
+import numpy as np
 from restshape_studies.stability.case import Case, Statement, Trial, above, below, true
 from restshape_studies.stability.scenery import across, drag
 from restshape_verification.couture.hard_scenes import CONTACT, ball, floor, outside, resting, square
 
 LEAST_ESTIMATE = 0.05
 """Of its size that predicted cloth must say at least to be off, once it hangs over a ball by most of its length."""
+
+NOTED = ("converged", "level_shown", "estimate")
+"""Columns that are kept of each frame."""
+GROWTH = 8 << 20
+"""Bytes that the last nine tenths of many frames may add: a coarse mesh that was kept from each rest would be more."""
 
 
 def predicted_snap(trial: Trial) -> Iterator[Statement]:
@@ -37,7 +46,46 @@ def predicted_snap(trial: Trial) -> Iterator[Statement]:
         yield from resting(made, last)
 
 
+def refined_drag(trial: Trial) -> Iterator[Statement]:
+    """A hand goes to and fro for 10,000 frames on a coarse mesh: memory and time stay, the fine drape comes back."""
+    pins = '[supports.pins]\non = ["a", "b"]\nfix = ["x", "y", "z"]\n'
+    text = square(0.05, pins).replace("[mesh]", "[mesh]\nlevels = 2")
+    there, back = (0.3, 0.15), (0.32, 0.15)
+    press, _, release = drag("right", there, [there])
+    turns = trial.count(500, 6)
+    rests = {"do": "idle", "frames": 2}
+    way = [{"do": "drag", "path": across(a, b, 9)} for a, b in ((there, back), (back, there))]
+    made = trial.replay(text, [press, *([*way, rests] * turns), release], predict="gmls")
+    rows, used, first, last = [], [], None, None
+    begun = process_time()
+    for row in made.frames():
+        if first is None:
+            first = made.analysis.x.copy()
+        rows.append({name: row[name] for name in NOTED})
+        used.append((process_time() - begun, _resident()))
+        last = made.analysis.x
+    shown = [row for row in rows if row["level_shown"] == 1]
+    yield above("frames shown from the coarse mesh", len(shown), 0.6 * len(rows))
+    yield true("none of them says that it is at rest", all(row["converged"] == -1 for row in shown))
+    yield true("at rest on release, on the fine mesh", rows[-1]["converged"] == 1 and rows[-1]["level_shown"] == 2)
+    yield below("distance of the drape after all from the first one [m]", float(np.abs(last - first).max()), 1e-5)
+    yield below("largest estimate of what is shown", max(row["estimate"] for row in shown), 0.2)
+    tenth, whole = len(used) // 10, len(used) - 1
+    yield below("growth of memory after the first tenth [bytes]", used[whole][1] - used[tenth][1], GROWTH)
+    early, late = used[5 * tenth][0] - used[tenth][0], used[whole][0] - used[whole - 4 * tenth][0]
+    yield below("seconds of the processor of the last four tenths over those of the second to fifth", late / early, 2.0)
+
+
+def _resident() -> int:
+    """Memory [bytes] of this process."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
 CASES = {
+    "refined_drag": Case(
+        refined_drag,
+        exempt={"rebuild": "there is no mesh to predict on", "thesis": "springs do not follow the hand linearly"},
+    ),
     "predicted_snap": Case(
         predicted_snap,
         exempt={"rebuild": "there is no mesh to predict on", "thesis": "springs do not follow the hand linearly"},

@@ -30,6 +30,8 @@ def hinges(cells: np.ndarray, cell_edges: np.ndarray) -> np.ndarray:
 def border_cells(cells: np.ndarray, cell_edges: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The triangle (k,) at each edge (k,) of the border, and its nodes (k, 3) int32: the edge's ends, with it on the
     left, and the corner opposite. Arguments as of `hinges`."""
+    if not len(edges):
+        return np.empty(0, dtype=np.intp), np.empty((0, 3), dtype=np.int32)
     flat = cell_edges.ravel()
     sides = np.flatnonzero(np.isin(flat, edges))
     sides = sides[np.argsort(flat[sides], kind="stable")]

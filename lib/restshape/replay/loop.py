@@ -87,7 +87,7 @@ class Replay:
             end = perf_counter()
             self._times(row, start, edited, end)
             self._measure(edit, row)
-            if whole(row, "level") > 1 or edit.change not in ("none", "move"):
+            if whole(row, "level") > 1 or edit.change not in ("none", "move") or row["predicted"]:
                 clean_up(self.comm)
             self._hand_over(edit, row, start, end)
             yield row
