@@ -123,6 +123,19 @@ class Predictor(Protocol):
             None where they cannot be mixed with those of the last solution.
         """
 
+    def nodal_fields(self, rows: np.ndarray, nodes: int) -> np.ndarray | None:
+        """The fields (m, n, f) at the nodes of `Analysis.space` that values or derivatives (count, ...) hold.
+
+        Args:
+            rows: of solutions on one mesh; nodes: how many it has.
+
+        Returns:
+            None where they are not of such nodes.
+        """
+
+    def with_nodal_fields(self, rows: np.ndarray, fields: np.ndarray) -> np.ndarray:
+        """The same rows (count, ...) with fields (m, n, f) at other nodes, which the analysis has been solved on."""
+
     def set_mixed(self, values: np.ndarray) -> None:
         """As `set_values`, of values that several solutions in one basis have been mixed to."""
 

@@ -115,6 +115,14 @@ class BucklingPrediction:
     def alignment(self, before: np.ndarray) -> Alignment | None:
         """None: `mixable` knows modes besides, which can be mixed."""
 
+    def nodal_fields(self, rows: np.ndarray, nodes: int) -> np.ndarray | None:
+        """None: `mixable` knows modes besides, which are mixed with their displacement."""
+        return None
+
+    def with_nodal_fields(self, rows: np.ndarray, fields: np.ndarray) -> np.ndarray:
+        """The rows themselves."""
+        return rows
+
     def set_mixed(self, values: np.ndarray) -> None:
         """As `set_values`."""
         self.set_values(values)
@@ -189,6 +197,21 @@ class MixedBuckling(BucklingPrediction):
             return np.concatenate([u, (turn @ small @ turn.T).ravel(), (turn @ rows).ravel()])
 
         return aligned
+
+    def nodal_fields(self, rows: np.ndarray, nodes: int) -> np.ndarray:
+        """The displacement and the modes (count (1 + k), n, 2) of rows (count, 2 n + k k + k 2 n)."""
+        # The number k of modes is the positive root of k k + 2 n k = length - 2 n.
+        n = 2 * nodes
+        k = round(float(np.sqrt((0.5 * n) ** 2 + rows.shape[1] - n)) - 0.5 * n)
+        return np.concatenate([rows[:, :n], rows[:, n + k * k :]], axis=1).reshape(-1, nodes, 2)
+
+    def with_nodal_fields(self, rows: np.ndarray, fields: np.ndarray) -> np.ndarray:
+        """Rows (count, 2 m + k k + k 2 m) with displacement and modes (count (1 + k), m, 2) at other nodes."""
+        parts = fields.reshape(len(rows), -1, fields[0].size)
+        k = parts.shape[1] - 1
+        n = (rows.shape[1] - k * k) // (1 + k)
+        modes = parts[:, 1:].reshape(len(rows), -1)
+        return np.concatenate([parts[:, 0], rows[:, n : n + k * k], modes], axis=1)
 
     def set_values(self, values: np.ndarray) -> None:
         """Take predicted values for those of the mesh as it lies now: the eigenvectors of the matrix mix the modes."""

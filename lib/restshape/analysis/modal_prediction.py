@@ -151,6 +151,16 @@ class ModalPrediction:
             return None
         return lambda one: np.column_stack([turn @ one[:, :count] @ turn.T, turn @ one[:, count:]])
 
+    def nodal_fields(self, rows: np.ndarray, nodes: int) -> np.ndarray:
+        """The modes (count k, n2, columns) by plane nodes of rows (count, k, k + n f)."""
+        count, k = rows.shape[:2]
+        return rows[:, :, k:].reshape(count * k, nodes, -1)
+
+    def with_nodal_fields(self, rows: np.ndarray, fields: np.ndarray) -> np.ndarray:
+        """Rows (count, k, k + m f) with modes (count k, m2, columns) by other plane nodes."""
+        count, k = rows.shape[:2]
+        return np.concatenate([rows[:, :, :k], fields.reshape(count, k, -1)], axis=2)
+
     def set_mixed(self, values: np.ndarray) -> None:
         """As `set_values`: the mixed stiffness knows more of frequencies than Rayleigh's quotients of mixed modes."""
         self.set_values(values)

@@ -199,6 +199,14 @@ class SteadyPredictor:
         """The identity: unknowns are those of nodes."""
         return np.asarray
 
+    def nodal_fields(self, rows: np.ndarray, nodes: int) -> np.ndarray | None:
+        """The unknowns (count, n, f) themselves; None at seams and in mixed spaces, where they are of other nodes."""
+        return rows if rows.shape[1] == nodes else None
+
+    def with_nodal_fields(self, rows: np.ndarray, fields: np.ndarray) -> np.ndarray:
+        """The fields (count, n, f) themselves."""
+        return fields
+
     def set_mixed(self, values: np.ndarray) -> None:
         """As `set_values`."""
         self.set_values(values)

@@ -73,6 +73,8 @@ class RefinedFrames(SampledFrames):
         self._corrections: DragSamples | None = None
         self._fine_frame, self._refined = 0, False
 
+    rebases = False
+
     def row(self) -> RowValues:
         """As of `SampledFrames`, and which mesh is shown, and for how many frames the finest has had no solution."""
         level = self.levels.coarse if self.active else self.levels.finest

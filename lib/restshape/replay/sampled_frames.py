@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from restshape.errors import ReplayProblem
 from restshape.replay.idle_time import IdleTime
 from restshape.replay.predicted_frames import PredictedFrames
-from restshape.sensitivity.projected_samples import LeftSamples, nodal
+from restshape.sensitivity.projected_samples import LeftSamples, can_be_projected
 from restshape.sensitivity.samples import DragSamples, SamplePlace
 
 if TYPE_CHECKING:
@@ -53,6 +53,8 @@ class SampledFrames(PredictedFrames):
     """
 
     kind = "gmls"
+    rebases = True
+    """Samples of another mesh are made to agree with the answer on this one."""
 
     def __init__(
         self,
@@ -245,10 +247,10 @@ class SampledFrames(PredictedFrames):
 
     def _leave(self, edit: ScriptFrame) -> LeftSamples | None:
         """The samples, whose nodes a frame takes elsewhere; None where there are none to go on with."""
-        made, former, space = self._samples, self._former, self.analysis.space
-        if made is None or not len(made) or former is None or space is None or not nodal(made, space):
+        made, former, space, aligned = self._samples, self._former, self.analysis.space, self._aligned
+        if made is None or not len(made) or former is None or space is None or aligned is None:
             return None
-        return LeftSamples(made, space, edit, former)
+        return LeftSamples(made, self.predictor, aligned, space, edit, former) if can_be_projected(space) else None
 
     def _projected(self, edit: ScriptFrame) -> DragSamples | None:
         """The samples that were left in this frame, on the nodes of now; None where there are none."""
@@ -258,8 +260,11 @@ class SampledFrames(PredictedFrames):
             return None
         if left.samples.gesture is not edit.gesture or edit.scene is not self._scene:
             return None
-        self._aligned = self.predictor.values()
-        return left.projected(space, motion)
+        found = left.projected(space, motion)
+        if found is None:
+            return None
+        self._aligned = found[1]
+        return found[0]
 
     def _sample(self, edit: ScriptFrame, made: DragSamples) -> None:
         """Differentiate a frame that has been solved, and take it for a sample."""
@@ -270,7 +275,7 @@ class SampledFrames(PredictedFrames):
             self._stuck = True
             return
         values = self.predictor.values()
-        if made.mesh not in (None, self._mesh) and nodal(made, self.analysis.space):
+        if made.mesh not in (None, self._mesh) and self.rebases:
             made.rebase(edit.c, values, s)
         made.mesh = self._mesh
         made.add(SamplePlace(edit.c, edit.index, self._mesh), values, s)

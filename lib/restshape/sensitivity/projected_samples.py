@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -24,28 +24,46 @@ NEARLY = 1e-9
 """Part of the size of a shape up to which corners of a mesh lie on it."""
 
 
-def nodal(samples: DragSamples, space: Space | None) -> bool:
-    """Whether the values of samples are fields at the nodes of a mesh of triangles."""
-    return space is not None and space.cell_type in PLANE and samples.shape[:1] == (len(space.X),)
+class NodalValues(Protocol):
+    """What knows which fields at the nodes of a mesh values and derivatives hold: an `analysis.Predictor`."""
+
+    def nodal_fields(self, rows: Reals, nodes: int) -> Reals | None: ...
+    def with_nodal_fields(self, rows: Reals, fields: Reals) -> Reals: ...
+
+
+def can_be_projected(space: Space | None) -> bool:
+    """Whether fields at the nodes of a space can be interpolated at others."""
+    return space is not None and space.cell_type in PLANE
 
 
 class LeftSamples:
     """Samples whose nodes a frame takes elsewhere, as these lie in the middle of that frame.
 
     Args:
-        samples: of which values are `nodal`.
+        samples: of fields at the nodes of a mesh of triangles.
+        values: knows these fields.
+        aligned: values of the solution whose basis all samples have.
         space: the mesh before, or its nodes of second order.
         frame: in which others take their place; former: the frame before.
     """
 
-    def __init__(self, samples: DragSamples, space: Space, frame: ScriptFrame, former: ScriptFrame) -> None:
+    def __init__(
+        self,
+        samples: DragSamples,
+        values: NodalValues,
+        aligned: Reals,
+        space: Space,
+        frame: ScriptFrame,
+        former: ScriptFrame,
+    ) -> None:
         self.samples, self.space, self.frame = samples, space, frame
+        self._values, self._aligned, self._nodes = values, aligned, len(space.X)
         self._interpolations = space.interpolations
         # Where triangles have inverted, the mesh before lies on the shape before.
         self._c = frame.c if _lies_on(space, frame) else former.c
 
-    def projected(self, space: Space, motion: Reals) -> DragSamples:
-        """The samples on the nodes of now, by barycentric coordinates in the mesh before.
+    def projected(self, space: Space, motion: Reals) -> tuple[DragSamples, Reals] | None:
+        """The samples on the nodes of now, by barycentric coordinates in the mesh before, and `aligned` on these.
 
         Flips leave the nodes, but those of second order at the middles of sides.
 
@@ -53,15 +71,29 @@ class LeftSamples:
             space: the nodes of now.
             motion: (2, m, d) displacements of them a unit of each of the hand's coefficients.
 
+        Returns:
+            None where values are of other nodes.
+
         Source: docs/theory/design-derivative.md; 5.1.4 of the thesis.
         """
+        write = self._flip
+        if space is not self.space:
+            back = self._c[0] - self.frame.c[0], self._c[1] - self.frame.c[1]
+            write = Transfer(self.space, space.X + back[0] * motion[0] + back[1] * motion[1]).rows
+
+        def rows_there(rows: Reals) -> Reals | None:
+            fields = self._values.nodal_fields(rows, self._nodes)
+            if fields is None:
+                return None
+            there = np.empty((len(fields), len(space.X), fields.shape[2]))
+            write(np.ascontiguousarray(fields), there)
+            return self._values.with_nodal_fields(rows, there)
+
+        aligned = rows_there(self._aligned[None])
+        if aligned is None:
+            return None
         log.info("%4d %s projected", self.frame.index, counted(len(self.samples), "sample"))
-        shape = len(space.X), *self.samples.shape[1:]
-        if space is self.space:
-            return self.samples.projected(self._flip, shape)
-        back = self._c[0] - self.frame.c[0], self._c[1] - self.frame.c[1]
-        points = space.X + back[0] * motion[0] + back[1] * motion[1]
-        return self.samples.projected(Transfer(self.space, points).rows, shape)
+        return self.samples.projected(rows_there), aligned[0]
 
     def _flip(self, rows: Reals, out: Reals) -> None:
         """Write fields (count, n, f) after flips, of nodes at the middles of sides."""

@@ -160,17 +160,17 @@ class DragSamples:
         if self.last is not None:
             self._rows[0] += jump + (self.last[0] - c[0]) * slopes[0] + (self.last[1] - c[1]) * slopes[1]
 
-    def projected(self, write: Callable[[Reals, Reals], None], shape: tuple[int, ...]) -> DragSamples:
+    def projected(self, there: Callable[[Reals], Reals]) -> DragSamples:
         """The same samples on another mesh, marked as projected.
 
         Args:
-            write: writes values of that mesh (count, *shape) from those (count, ...) of this one.
-            shape: of the values of that mesh.
+            there: values and derivatives (count, ...) on that mesh, from those (count, ...) on this one.
         """
         found = DragSamples(self.gesture, self.size, self.epsilon, self.most)
         known = 1 + 3 * len(self.places)
-        found._shape, found._rows = shape, np.zeros((1 + 3 * self.most, int(np.prod(shape))))
-        write(self._rows[:known].reshape(known, *self._shape), found._rows[:known].reshape(known, *shape))
+        rows = there(self._rows[:known].reshape(known, *self._shape))
+        found._shape, found._rows = rows.shape[1:], np.zeros((1 + 3 * self.most, rows[0].size))
+        found._rows[:known] = rows.reshape(known, -1)
         found.places = [replace(at, projected=True) for at in self.places]
         found.last, found.mesh = self.last, self.mesh
         return found

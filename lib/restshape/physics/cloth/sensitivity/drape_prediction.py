@@ -201,6 +201,16 @@ class DrapePrediction:
         """The identity, of drapes of the same mesh."""
         return np.asarray if before.shape == self.analysis.state.x.shape else None
 
+    def nodal_fields(self, rows: np.ndarray, nodes: int) -> np.ndarray | None:
+        """The positions (count, nodes, 3) of corners; None on several ranks, where those of Morley's are elsewhere."""
+        morley = self.analysis.state.problem.morley is not None
+        return None if morley and self.analysis.context.comm.size > 1 else rows[:, :nodes]
+
+    def with_nodal_fields(self, rows: np.ndarray, fields: np.ndarray) -> np.ndarray:
+        """Unknowns (count, m, 3) with such positions: slopes at sides are means of those of the triangles beside."""
+        morley = self.analysis.state.problem.morley
+        return fields if morley is None else np.stack([morley.spanned(one) for one in fields])
+
     def set_mixed(self, values: np.ndarray) -> None:
         """As `set_values`."""
         self.set_values(values)

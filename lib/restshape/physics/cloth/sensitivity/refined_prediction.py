@@ -250,6 +250,13 @@ class RefinedPrediction:
         """The identity, of drapes of the same coarse mesh."""
         return self.own.alignment(before)
 
+    def nodal_fields(self, rows: np.ndarray, nodes: int) -> None:
+        """None: values are of a coarse mesh."""
+
+    def with_nodal_fields(self, rows: np.ndarray, fields: np.ndarray) -> np.ndarray:
+        """The rows themselves."""
+        return rows
+
     def set_mixed(self, values: np.ndarray) -> None:
         """As `set_values`."""
         self.set_values(values)
