@@ -75,3 +75,6 @@ def test_triangles_of_half_of_the_cloth_are_warned_of(tmp_path, capsys):
         out = capsys.readouterr()
         words = " ".join((out.out + out.err).split())
         assert 'show no folds of cloth 1 m long: set mesh.size to "100 mm" or less' in words
+    assert main(["check", scene, "--set", "mesh.size=25"]) == 0
+    words = " ".join(capsys.readouterr().out.split())
+    assert words.count("warning mesh.size") == 1 and "no folds" not in words

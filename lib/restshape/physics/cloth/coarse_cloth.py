@@ -19,7 +19,8 @@ def coarse_words(scene: Scene, outline: Outline) -> list[str]:
     low, high = outline.bounds()
     shorter, longer = sorted(float(side) for side in high - low)
     found, size = [], scene.mesh.size
-    if size is not None and size * FEWEST > (1.0 + TOLERANCE) * longer:
+    # More than the whole pattern is a wrong unit, which is warned of in any scene.
+    if size is not None and (1.0 + TOLERANCE) * longer / FEWEST < size <= longer:
         found.append(
             f"mesh.size: triangles of {si(size, 'm', 3)} show no folds of cloth {si(longer, 'm', 3)} long: "
             f'set mesh.size to "{si(longer / TRIANGLES, "m", 2)}" or less'
