@@ -16,7 +16,7 @@ from small_scenes import across, drag, write_scene, write_script
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.outputs.si_numbers import length_unit, si
+from restshape.outputs.si_numbers import length_unit, si, three_digits
 from restshape.replay.level_names import LEVEL_NAMES
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
@@ -323,3 +323,8 @@ def test_numbers_carry_si_prefixes(value, unit, text):
 
 def test_lengths_on_axes_suit_the_part():
     assert [length_unit(size)[1] for size in (12.0, 1.2, 0.3, 2e-4)] == ["m", "m", "mm", "µm"]
+
+
+def test_times_have_three_digits_and_no_exponent():
+    found = [three_digits(value) for value in (0.01234, 12.345, 999.4, 999.6, 2843.7, 1e5, 1e9, -4321.0, 0.0)]
+    assert found == ["0.0123", "12.3", "999", "1000", "2844", "100000", "1e+09", "-4321", "0"]

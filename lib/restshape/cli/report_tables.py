@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from restshape.cli.doubtful import print_doubtful, untrusted_words
 from restshape.cli.options import print_table
 from restshape.cli.quantity_cells import cells
-from restshape.outputs.si_numbers import counted, si
+from restshape.outputs.si_numbers import counted, si, three_digits
 from restshape.replay.level_names import LEVEL_NAMES
 
 if TYPE_CHECKING:
@@ -179,4 +179,4 @@ def _beside(recording: Recording, rows: list[dict[str, Any]]) -> dict[str, list[
 
 
 def _short(value: object) -> object:
-    return f"{value:.3g}" if isinstance(value, float) else value
+    return three_digits(value) if isinstance(value, float) else value

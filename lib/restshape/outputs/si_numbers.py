@@ -62,6 +62,11 @@ def digits_apart(values: Sequence[float], usual: int) -> int:
     return max(usual, needed) if needed <= MOST_DIGITS else usual
 
 
+def three_digits(value: float) -> str:
+    """A number to three digits, from a thousand on to all those before the point: ``three_digits(2843.7) == "2844"``."""
+    return f"{value:.0f}" if 999.5 <= abs(value) < 1e7 else f"{value:.3g}"
+
+
 def counted(number: int, what: str) -> str:
     """How many there are: ``counted(1, "frame") == "1 frame"``, ``counted(2, "frame") == "2 frames"``."""
     return f"{number} {what}{'' if number == 1 else 's'}"

@@ -7,7 +7,7 @@ from textwrap import shorten
 import numpy as np
 
 from restshape.outputs.picture_files import save_picture
-from restshape.outputs.si_numbers import counted
+from restshape.outputs.si_numbers import counted, three_digits
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.stacked_panels import stack_panels
@@ -47,7 +47,7 @@ def draw_levels(recording: Recording, path: Path) -> None:
                 drawn.setdefault(name, bar)
             start += length
         axes.plot([row["p50"], row["p95"]], [place, place], color=INK, linewidth=1.2, marker="|", markersize=7)
-        text = f"p50 {row['p50']:.3g} ms, p95 {row['p95']:.3g} ms   ({counted(row['frames'], 'frame')})"
+        text = f"p50 {three_digits(row['p50'])} ms, p95 {three_digits(row['p95'])} ms   ({counted(row['frames'], 'frame')})"
         axes.text(row["p95"] + 0.012 * longest, place, text, va="center", color=INK)
     for row in rows:
         if row not in shown:
