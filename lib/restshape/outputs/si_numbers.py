@@ -63,7 +63,7 @@ def digits_apart(values: Sequence[float], usual: int) -> int:
 
 
 def three_digits(value: float) -> str:
-    """A number to three digits, from a thousand on to all those before the point: ``three_digits(2843.7) == "2844"``."""
+    """A number to three digits, or to all before the point: ``three_digits(2843.7) == "2844"``."""
     return f"{value:.0f}" if 999.5 <= abs(value) < 1e7 else f"{value:.3g}"
 
 

@@ -47,7 +47,8 @@ def draw_levels(recording: Recording, path: Path) -> None:
                 drawn.setdefault(name, bar)
             start += length
         axes.plot([row["p50"], row["p95"]], [place, place], color=INK, linewidth=1.2, marker="|", markersize=7)
-        text = f"p50 {three_digits(row['p50'])} ms, p95 {three_digits(row['p95'])} ms   ({counted(row['frames'], 'frame')})"
+        times = ", ".join(f"{name} {three_digits(row[name])} ms" for name in ("p50", "p95"))
+        text = f"{times}   ({counted(row['frames'], 'frame')})"
         axes.text(row["p95"] + 0.012 * longest, place, text, va="center", color=INK)
     for row in rows:
         if row not in shown:
