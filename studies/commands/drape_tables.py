@@ -17,8 +17,9 @@ def show_drape(name: str, found: Mapping[str, Any]) -> None:
         _show_numbers(name, found["numbers"])
     times, (first, second) = found["ms"], found["residuals"]
     print(
-        f"both derivatives by hand take {times['least']:.1f} ms (median {times['median']:.1f}), with their factor at "
-        f"hand, at {found['nodes']} nodes: {found['iterations']} iterations, residuals {first:.1e} and {second:.1e}"
+        f"both derivatives by hand take {times['least']:.1f} ms (median {times['median']:.1f}), and "
+        f"{times['processor']:.1f} ms of the processor, with their factor at hand, at {found['nodes']} nodes: "
+        f"{found['iterations']} iterations, residuals {first:.1e} and {second:.1e}"
     )
     print(
         f"{found['sticking']} places stick, {found['sliding']} slide, {found['free']} nodes are free of friction"

@@ -22,10 +22,11 @@ def triangle_areas(X: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 def triangle_rates(X: np.ndarray, corners: np.ndarray, dX: np.ndarray) -> np.ndarray:
     """Rates (ne,) of the areas of triangles when nodes at X (n, 2) [m] move with dX (n, 2)."""
-    a, b, c = X[corners].swapaxes(0, 1)
-    da, db, dc = dX[corners].swapaxes(0, 1)
-    u, v, du, dv = b - a, c - a, db - da, dc - da
-    return 0.5 * (du[:, 0] * v[:, 1] + u[:, 0] * dv[:, 1] - du[:, 1] * v[:, 0] - u[:, 1] * dv[:, 0])
+    (ax, ay), (bx, by), (cx, cy) = ((X[:, 0][nodes], X[:, 1][nodes]) for nodes in corners.T)
+    (dax, day), (dbx, dby), (dcx, dcy) = ((dX[:, 0][nodes], dX[:, 1][nodes]) for nodes in corners.T)
+    ux, uy, vx, vy = bx - ax, by - ay, cx - ax, cy - ay
+    dux, duy, dvx, dvy = dbx - dax, dby - day, dcx - dax, dcy - day
+    return 0.5 * (dux * vy + ux * dvy - duy * vx - uy * dvx)
 
 
 def lumped(X: np.ndarray, corners: np.ndarray, density: float | np.ndarray = 1.0) -> np.ndarray:
