@@ -8,7 +8,7 @@ from cloths import PIN, write_cloth
 
 from restshape.cli.main import main
 from restshape.replay.recording import Recording
-from restshape.report.tables import level_table, note_table
+from restshape.report.tables import level_table, note_table, with_values
 
 
 def test_an_undo_that_brings_back_a_drape_is_not_counted_as_solved(tmp_path):
@@ -22,6 +22,7 @@ def test_an_undo_that_brings_back_a_drape_is_not_counted_as_solved(tmp_path):
     replayed = json.loads(data.read_text())
     with Recording(recording) as found:
         levels = {row["level"]: row["frames"] for row in level_table(found)}
+        assert list(with_values(found)) == [False, True, False, False, False]
     assert replayed["still"] == levels["values"] + levels["still"] == 1
     assert replayed["idle"] - replayed["still"] == levels["idle"] == 3
 

@@ -57,9 +57,9 @@ def with_values(recording: Recording) -> np.ndarray:
     """
     dragged = {event for one in physics_of(recording) for event in one.value_drags}
     known = {"set", "undo", "redo", *dragged}
-    events = [event in known for event in recording.table.get("event", [""] * recording.n)]
-    solved = (column(recording, "iterations") > 0) | bool(dragged)
-    return np.array(events, dtype=bool) & (column(recording, "level") == 0) & solved
+    events = recording.table.get("event", [""] * recording.n)
+    solved = (column(recording, "iterations") > 0) | np.array([event in dragged for event in events], dtype=bool)
+    return np.array([event in known for event in events], dtype=bool) & (column(recording, "level") == 0) & solved
 
 
 def analysed(recording: Recording) -> np.ndarray:
