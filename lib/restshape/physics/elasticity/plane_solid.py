@@ -176,7 +176,7 @@ class PlaneSolid(TransientProblem):
         region = self.space.cell_region
         thickness, density = self.materials[:, 2], self.materials[:, 3]
         # Regions that fill the shape leave no cell to row 0, whose material may not exist.
-        if not np.all(density[np.unique(region)] > 0):
+        if not np.all(density[np.flatnonzero(np.bincount(region))] > 0):
             raise UserError(
                 "a body without density cannot vibrate",
                 "material",
