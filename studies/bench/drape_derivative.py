@@ -51,7 +51,7 @@ def measure_drape(request: Request, by: Sequence[str] = (), only_times: bool = F
 
     Returns: nodes, unknowns, size [m]; ms: least and median time of both derivatives, with their factor at hand, and
         the least of the processor; residuals (2,) by the elements, iterations, places that stick and slide, nodes that
-        are free, note; edge; steps (of the size of the cloth); remainders (2, steps) over the derivative times the step,
+        are free, note; edge; steps (of the size of the cloth); remainders (2, steps) over the derivative times a step,
         None where there is no rest; empty where they were not asked for; numbers: as of `number_remainders`.
     """
     scene = request.scene if only_times else _resting(request.scene)
