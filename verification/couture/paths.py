@@ -74,9 +74,9 @@ class Ends:
         apart = "on different meshes" if self.distance is None else f"{si(self.distance, 'm', 3)} apart"
         first, second = (si(energy, "J", 6) for energy in self.energies)
         ways = f"in {self.frames[0]} and in {self.frames[1]} frames"
-        if self.same:
-            return f"the same drape {ways}: {apart}, energies {first} and {second}"
-        return f"two rests {ways}: {apart}, energies {first} and {second}"
+        drapes = "the same drape" if self.same else "two rests"
+        doubt = "" if all(self.converged) else "; frames until then were refused, or have not converged"
+        return f"{drapes} {ways}: {apart}, energies {first} and {second}{doubt}"
 
 
 def halved(events: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -29,6 +29,8 @@ def test_two_rests_are_reported_with_their_energies():
     two = Ends((9, 5), (-0.1, -0.2), 0.02, 0.3, (True, True))
     assert not two.same and two.report() == "two rests in 9 and in 5 frames: 20 mm apart, energies -100 mJ and -200 mJ"
     assert "different meshes" in Ends((9, 5), (-0.1, -0.2), None, 0.3, (True, True)).report()
+    refused = Ends((9, 5), (-0.1, -0.1), 0.0, 0.3, (False, True)).report()
+    assert refused.endswith("; frames until then were refused, or have not converged")
 
 
 @pytest.mark.slow
