@@ -5,9 +5,10 @@ from restshape_verification.couture.stability_bodies import CASES as BODIES
 from restshape_verification.couture.stability_contact import CASES as CONTACT
 from restshape_verification.couture.stability_edits import CASES as EDITS
 from restshape_verification.couture.stability_fabrics import CASES as FABRICS
+from restshape_verification.couture.stability_folds import CASES as FOLDS
 from restshape_verification.couture.stability_layers import CASES as LAYERS
 from restshape_verification.couture.stability_predicted import CASES as PREDICTED
 from restshape_verification.couture.stability_starts import CASES as STARTS
 from restshape_verification.couture.stability_trust import CASES as TRUST
 
-CASES: dict[str, Case] = {**STARTS, **FABRICS, **BODIES, **CONTACT, **LAYERS, **EDITS, **PREDICTED, **TRUST}
+CASES: dict[str, Case] = {**STARTS, **FABRICS, **BODIES, **CONTACT, **LAYERS, **FOLDS, **EDITS, **PREDICTED, **TRUST}
