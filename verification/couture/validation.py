@@ -8,6 +8,7 @@ from restshape_verification.couture.validation_cantilever import (
     hinged_cantilever,
     wide_cantilever,
 )
+from restshape_verification.couture.validation_derivatives import drape_identities
 from restshape_verification.couture.validation_folds import folded_twice
 from restshape_verification.couture.validation_friction import capstan, incline
 from restshape_verification.couture.validation_hanging import catenary, hanging
@@ -20,6 +21,7 @@ CASES: dict[str, Case] = {
     "hanging": hanging,
     "cantilever": cantilever,
     "cantilever_derivative": cantilever_derivative,
+    "drape_identities": drape_identities,
     "wide_cantilever": wide_cantilever,
     "hinged_cantilever": hinged_cantilever,
     "plates": plates,

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from petsc4py import PETSc
 from restshape_studies.verification import verification
 from restshape_verification.couture.comparisons import Counted
 from restshape_verification.couture.validation import CASES
@@ -130,3 +131,9 @@ def test_counting_steps_and_slopes():
     counted = Counted(Matrices())
     assert counted.step_matrix(1, 2) == 3 and counted.constrained == 7 and counted.matrices == 1
     assert slope([0.4, 0.1]) == pytest.approx(2.0)
+
+
+@pytest.mark.slow
+def test_identities_of_derivatives_of_drapes():
+    checks = CASES["drape_identities"](PETSc.COMM_WORLD)
+    assert len(checks) == 6 and all(check.value < check.tolerance for check in checks)
