@@ -44,7 +44,7 @@ def generate(outline: Outline, spec: MeshSpec, ranks: int = 1) -> Mesh:
         refined = refine(outline, boundary, facets, facet_edge, border, sizing)
         if refined is not None:
             _kernels.smooth_fresh(*refined[1:], len(refined[0].points), SWEEPS)
-            return assemble(outline, *refined, ranks)
+            return assemble(outline, *refined, ranks, (facets, facet_edge) if refined[0] is boundary else None)
     # Also where CGAL fails: gmsh shows why, or finds a way.
     from restshape.mesh.mesher import triangulate
 
@@ -65,12 +65,20 @@ def generate(outline: Outline, spec: MeshSpec, ranks: int = 1) -> Mesh:
     return assemble(outline, boundary, X, cells, ranks)
 
 
-def assemble(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndarray, ranks: int) -> Mesh:
+def assemble(
+    outline: Outline,
+    boundary: Boundary,
+    X: np.ndarray,
+    cells: np.ndarray,
+    ranks: int,
+    known: tuple[np.ndarray, np.ndarray] | None = None,
+) -> Mesh:
     """A mesh with its nodes and cells in their final order.
 
     Args:
         outline: the shape; boundary: its nodes, the first rows of X.
         X: (n, 2) [m]; cells: (ne, 3) counter-clockwise; ranks: number of ranks.
+        known: facets of the boundary and their edges, where there are any.
 
     Raises:
         ReplayProblem: an edge of the outline is not made of sides of triangles.
@@ -81,7 +89,7 @@ def assemble(outline: Outline, boundary: Boundary, X: np.ndarray, cells: np.ndar
     number[order] = np.arange(len(X), dtype=np.int32)
     X, cells = X[order], number[cells]
     cells = cells[cell_order(cells, len(X))]
-    facets, facet_edge = _facets(outline, boundary)
+    facets, facet_edge = known or _facets(outline, boundary)
     facets = number[facets]
     node_edge, node_param = np.full(len(X), -1, dtype=np.int32), np.zeros(len(X))
     on_boundary = number[: len(boundary.points)]
