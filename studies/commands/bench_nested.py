@@ -21,6 +21,7 @@ SIZES = (1.0, 100.0)
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--mm", type=float, default=3.5, help="size of the fine mesh [mm] (default: 3.5)")
+    parser.add_argument("--bending", choices=BENDINGS, help="this kind alone (default: both)")
     parser.add_argument("--along", type=int, default=30, metavar="N", help="frames of the drag (default: 30)")
 
 
@@ -34,9 +35,9 @@ def check(args: argparse.Namespace) -> None:
         raise UserError("a drag has two frames at least", "--along", "name more")
 
 
-def own(_: argparse.Namespace) -> list[Case]:
+def own(args: argparse.Namespace) -> list[Case]:
     """Its cases: kinds of bending."""
-    return [Case(name, Path(), None) for name in BENDINGS]
+    return [Case(name, Path(), None) for name in BENDINGS if args.bending in (None, name)]
 
 
 def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:

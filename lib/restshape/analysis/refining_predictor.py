@@ -60,6 +60,9 @@ class RefiningPredictor(Predictor, Protocol):
     def refine(self) -> bool:
         """Take a step of the fine mesh towards its solution, beside what is shown; whether another one is needed."""
 
+    def reached(self) -> Reals | None:
+        """The correction that steps of `refine` have led to; None where that is no better than what is shown."""
+
     def take(self) -> None:
         """Let the fine mesh be solved from where `refine` has come to."""
 

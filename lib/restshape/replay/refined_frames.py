@@ -45,7 +45,8 @@ class RefinedFrames(SampledFrames):
     Frames of a drag are those of the coarse mesh, with as many solver steps of it as there is time for; one whose
     prediction would be too far off is solved on it. The correction, what the fine mesh had besides at its last
     solutions, is mixed from samples of its own. In idle time the coarse mesh is solved and differentiated, and then
-    the fine one is, step by step: where the hand moves on before it is at its solution, its steps are forgotten.
+    the fine one is, step by step: where the hand moves on before it is at its solution, where they have led to is the
+    last state that the correction is mixed from.
 
     Args:
         analysis: of the finest mesh; others as of `SampledFrames`.
@@ -174,6 +175,9 @@ class RefinedFrames(SampledFrames):
             super()._sample(last, made)
         elif work == STEP:
             self._refined = not self.pair.refine()
+            reached = self.pair.reached()
+            if self._corrections is not None and reached is not None:
+                self._corrections.set_last(last.c, reached)
         elif work == FINE:
             predicted = self.predictor.prediction
             self.pair.take()
@@ -212,4 +216,5 @@ class RefinedFrames(SampledFrames):
         if self._corrections is None or self._corrections.gesture is not made.gesture:
             self._corrections = DragSamples(made.gesture, self.size, self.spec.epsilon, self.spec.samples)
         self._corrections.add(SamplePlace(edit.c, edit.index, self._mesh), values, slopes)
+        self._corrections.set_last(edit.c, values)
         self.pair.correction = values

@@ -98,8 +98,8 @@ class MixedNewton:
                 found: tuple[np.ndarray | None, bool] = end.value
                 return found
 
-    def steps(self, x: np.ndarray) -> Generator[None, None, tuple[np.ndarray | None, bool]]:
-        """The same by single steps: what `converge` gives is the value of the generator."""
+    def steps(self, x: np.ndarray) -> Generator[np.ndarray, None, tuple[np.ndarray | None, bool]]:
+        """The same by single steps, each of which gives where it leads; the value is what `converge` gives."""
         solver, problem, report = self.solver, self.problem, self.report
         least, since, escapes, forces = np.inf, 0, 0, np.empty_like(x)
         best: tuple[float, np.ndarray | None] = (np.inf, None)
@@ -127,5 +127,5 @@ class MixedNewton:
             if since > PATIENCE or (d := self.way(x, forces, given)) is None:
                 break
             x = self.go(x, d)
-            yield
+            yield x
         return best[1], False

@@ -40,14 +40,18 @@ class Refinement:
     Args:
         analysis: that holds a prediction.
         most: steps.
+
+    Attributes:
+        reached: (n, 3) where the last step has led; better: with less forces than what is shown.
     """
 
     def __init__(self, analysis: Relaxed, most: int) -> None:
         self.analysis, self.most = analysis, most
-        self.report, self._reached = ConvergenceReport(), np.empty((0, 3))
-        self._shown, self._begun = analysis.state, analysis.entered()
+        self.report, self.reached, self.better = ConvergenceReport(), np.empty((0, 3)), False
+        self._begun = analysis.entered()
         self._steps = self._run(self._begun.x.copy())
         problem = self._begun.problem
+        self._residual = self._begun.solver.residual_norm(analysis.state.x)
         shown = _memory(problem)
         problem.begin(self._begun.x)
         self._memory = _memory(problem)
@@ -59,9 +63,9 @@ class Refinement:
         shown, before = _memory(problem), (report.steps, report.iterations, report.factors)
         _remember(problem, self._memory)
         try:
-            next(self._steps)
+            self._note(next(self._steps))
         except StopIteration as end:
-            self._reached = end.value
+            self._note(end.value)
             return False
         finally:
             self._memory = _memory(problem)
@@ -71,12 +75,16 @@ class Refinement:
             counts.factors += report.factors - before[2]
         return True
 
+    def _note(self, x: np.ndarray) -> None:
+        """Take note of where a step has led, and whether that is nearer to rest than what is shown."""
+        self.reached, self.better = x, self._begun.solver.residual_norm(x) < self._residual
+
     def take(self) -> None:
         """Let the analysis hold the positions that were reached, from which its next `solve` goes on."""
         friction, layers = self._memory
-        self.analysis.state = replace(self._begun, x=self._reached, friction=friction, layers=layers)
+        self.analysis.state = replace(self._begun, x=self.reached, friction=friction, layers=layers)
 
-    def _run(self, x: np.ndarray) -> Generator[None, None, np.ndarray]:
+    def _run(self, x: np.ndarray) -> Generator[np.ndarray, None, np.ndarray]:
         """Steps from x (n, 3), which is changed; the value is where they led."""
         solver, report = self._begun.solver, self.report
         if not solver.tries.left_out():
@@ -91,7 +99,7 @@ class Refinement:
             solver.converge(x, MEMORY, report)
             if report.converged or report.falls or report.steps == before:
                 break
-            yield
+            yield x
         return x
 
 

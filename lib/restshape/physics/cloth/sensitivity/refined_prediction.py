@@ -200,6 +200,11 @@ class RefinedPrediction:
             self._refinement = Refinement(self.analysis, self.analysis.state.plan.settings("drape").steps)
         return self._refinement.advance()
 
+    def reached(self) -> np.ndarray | None:
+        """The correction (n, 3) that steps of `refine` have led to; None where that is no better than what is shown."""
+        steps = self._refinement
+        return self.map.of(self._corners(), steps.reached) if steps is not None and steps.better else None
+
     def take(self) -> None:
         """Let the fine analysis solve from where `refine` has come to."""
         if self._refinement is not None:
