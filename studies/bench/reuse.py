@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 from restshape_studies.bench.job import STOPPED, Job, Row, run
-from restshape_studies.bench.turns import Announce, Case, Play, in_turns, median_ratio, rows_of
+from restshape_studies.bench.turns import Announce, Case, OutOfTime, Play, in_turns, median_ratio, rows_of
 
-from restshape.errors import UserError
 from restshape.replay.columns import STAGES
 from restshape.replay.summary import percentiles, summarise
 from restshape.replay.tally import beside
@@ -54,6 +53,7 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
     Each record says how many `turns` were asked for, and which policies were `left_out`, and why.
 
     Raises:
+        OutOfTime: no policy ends within the seconds.
         UserError: the scene or the script cannot be replayed.
     """
     jobs = {
@@ -71,7 +71,7 @@ def compare(case: Case, plan: Plan, announce: Announce, play: Play = run) -> Row
             counted[name] = rows_of(outcome, job)
     jobs = {name: job for name, job in jobs.items() if name in counted}
     if not jobs:
-        raise UserError(f"no policy ends within {plan.seconds:g} s", str(case.scene), "give more --seconds")
+        raise OutOfTime(f"no policy ends within {plan.seconds:g} s", str(case.scene), "give more --seconds")
     runs = {
         name: [{"load": run.load, **timed(run.rows)} for run in turns]
         for name, turns in in_turns(case.name, jobs, plan.repeat, announce, play, plan.seconds).items()

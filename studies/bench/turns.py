@@ -16,6 +16,10 @@ Play = Callable[[Job], Outcome]
 Announce = Callable[[str], None]
 
 
+class OutOfTime(UserError):
+    """No run of a scene has come to its end in the time that it has; other scenes may."""
+
+
 @dataclass(frozen=True)
 class Case:
     """One scene with one script.

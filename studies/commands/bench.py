@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from restshape_studies.bench.job import note_words
-from restshape_studies.bench.turns import Case
+from restshape_studies.bench.turns import Case, OutOfTime
 from restshape_studies.commands import (
     bench_design,
     bench_drags,
@@ -100,7 +100,7 @@ class Only(argparse.Action):
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure; 0 when it is done, 2 on bad input, or on ranks of MPI."""
+    """Measure; 0 when it is done, 2 on bad input, or on ranks of MPI, 3 where a scene of several is left out."""
     kind = KINDS[args.study]
     if getattr(args, "redraw", None):
         return redraw(kind, args)
@@ -113,15 +113,22 @@ def run(args: argparse.Namespace) -> int:
     draws = kind.picture and not getattr(args, "only_times", False)
     picture = _picture(args.out, kind.picture) if draws else getattr(args, "picture", None)
     found: dict[str, Any] = {}
-    start = time.monotonic()
+    start, late = time.monotonic(), OutOfTime("")
     for case in cases:
-        found[case.name] = kind.measure(args, case, announce)
+        try:
+            found[case.name] = kind.measure(args, case, announce)
+        except OutOfTime as problem:
+            late = problem
+            announce(f"{case.name} is left out: {problem.one_line}")
+            continue
         kind.show(args, case.name, found[case.name])
         if kind.times and not own:
             tolerance = tolerance_of(case, args)
             print(f"times are of {kind.times}; systems are solved to {tolerance:g}")
             if not several:
                 found[case.name] |= {"times": kind.times, "tolerance": tolerance}
+    if not found:
+        raise late
     if kind.sum_up and several:
         kind.sum_up(found)
     print(f"took {time.monotonic() - start:.0f} s")
@@ -130,7 +137,7 @@ def run(args: argparse.Namespace) -> int:
     if picture and kind.draw:
         _draw(picture, lambda: kind.draw(found, args, picture), data)
     write_json(args, data)
-    return 0
+    return 3 if len(found) < len(cases) else 0
 
 
 def tolerance_of(case: Case, args: argparse.Namespace) -> float:

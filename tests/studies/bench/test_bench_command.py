@@ -1,8 +1,11 @@
 """`restshape bench` as people and programs call it; no time is asserted."""
 
 import json
+from dataclasses import replace
 
 import pytest
+from restshape_studies.bench.turns import OutOfTime
+from restshape_studies.commands.bench import KINDS
 from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.cli.main import main
@@ -145,3 +148,18 @@ def test_a_scene_without_a_script(tmp_path, command, scene):
 def test_the_help_names_both_studies(command):
     reported = command("bench", "--help").stdout
     assert "reuse" in reported and "size" in reported
+
+
+def test_a_scene_that_no_policy_ends_is_left_out_and_the_others_go_on(tmp_path, monkeypatch, capsys):
+    def measure(args, case, announce):
+        if case.name == "kirsch":
+            raise OutOfTime("no policy ends within 1 s", "kirsch.toml", "give more --seconds")
+        return {"auto": 7}
+
+    short = replace(KINDS["reuse"], measure=measure, show=lambda *_: None, picture="", draw=None, times="")
+    monkeypatch.setitem(KINDS, "reuse", short)
+    file = tmp_path / "found.json"
+    assert main(["bench", "reuse", "kirsch", "cook", "--json", str(file)]) == 3
+    assert "kirsch is left out: kirsch.toml: no policy ends within 1 s" in capsys.readouterr().err
+    assert json.loads(file.read_text())["cook"] == {"auto": 7}
+    assert main(["bench", "reuse", "kirsch"]) == 2
