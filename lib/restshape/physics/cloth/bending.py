@@ -204,12 +204,10 @@ class HingeBending:
 
         One matrix (1, 3, 3) is that of all.
         """
-        if len(D) == 1 and alike_everywhere(D):
-            return np.full((len(cells), 1), fabric.hinge_factor * D[0, 0, 0])
         n = normals(self.mesh.X, cells)
         curvature = np.column_stack([n[:, 0] ** 2, n[:, 1] ** 2, 2.0 * n[:, 0] * n[:, 1]])
-        moments = curvature @ D[0] if len(D) == 1 else np.einsum("iab,ib->ia", D, curvature)
-        stiffness = fabric.hinge_factor * np.einsum("ia,ia->i", curvature, moments)
+        each = np.broadcast_to(D, (len(cells), 3, 3))
+        stiffness = fabric.hinge_factor * np.einsum("ia,iab,ib->i", curvature, each, curvature)
         return np.ascontiguousarray(stiffness[:, None])
 
     def _cells_of_hinges(self) -> np.ndarray:
