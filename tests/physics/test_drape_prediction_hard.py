@@ -9,7 +9,7 @@ from restshape.replay.parity import Parity
 
 HAND = (0.2, 0.1)
 ALONE = ["predict.frame_time=0"]
-LAID = sheet("hinge", HELD, BALL.format(friction=0.2), CONTACT, size=0.04)
+SLIPPERY = sheet("hinge", HELD, BALL.format(friction=0.2), CONTACT, size=0.04)
 
 
 def rows_and_places(scene, script, kind, overrides=()):
@@ -42,7 +42,7 @@ def resting(*places, rest):
 @pytest.mark.slow
 def test_half_of_what_sticks_begins_to_slide_within_a_drag(tmp_path):
     """The derivative has all of friction's state as it was: the estimate says what that leaves, release mends it."""
-    scene = write_scene(tmp_path, LAID)
+    scene = write_scene(tmp_path, SLIPPERY)
     script = write_script(tmp_path, drag("right", HAND, across(HAND, (0.23, 0.1), 8)))
     rows, places, slides = rows_and_places(scene, script, "linear")
     _, exact, solved = rows_and_places(scene, script, "none")
