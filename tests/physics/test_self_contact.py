@@ -95,6 +95,22 @@ def test_the_share_of_a_step_is_that_of_the_library(folded):
         assert contact.step_share(x, d) == pytest.approx(known, rel=1e-9)
 
 
+def test_shares_and_pairs_of_steps_beside_each_other_are_those_of_steps_by_themselves(folded):
+    """Pairs that are kept from one step to the next lose none: long steps, short ones, and some that go back."""
+    contact, x, _ = folded
+    surface, reach, random = contact.surface, 0.02, np.random.default_rng(6)
+    parts = surface.flat[:, :2], surface.edges, surface.cells
+    kept, shares = _kernels.NearPairs(*parts), []
+    for k in range(24):
+        d = random.choice([1e-4, 1e-3, 5e-3, 3e-2]) * random.normal(size=x.shape) + random.normal(size=3)
+        shares.append(kept.step_share(x, d, reach))
+        assert shares[-1] == _kernels.NearPairs(*parts).step_share(x, d, reach)
+        x = x + (0.5 * shares[-1] if k % 3 else -1e-3) * d
+        for found, known in zip(kept.search(x, reach), _kernels.NearPairs(*parts).search(x, reach)):
+            np.testing.assert_array_equal(found, known)
+    assert min(shares) < 1.0 == max(shares)
+
+
 def test_near_pairs_are_those_that_comparing_all_finds(folded):
     contact, x, _ = folded
     surface, reach = contact.surface, 0.05

@@ -1,13 +1,15 @@
 // The numbers of a Cholesky factor U^T D U in symmetric blocks, in the place and the form of PETSc's own: pivots
 // inverted, before all rows, and rows of -U.
 //
-// Up-looking, row after row, as PETSc does it (S. C. Eisenstat, M. C. Gursky, M. H. Schultz and A. H. Sherman, Yale
-// sparse matrix package I, Int. J. Numer. Meth. Engng 18 (1982) 1145), with a column of a block in one register.
+// Up-looking, as PETSc does it (S. C. Eisenstat, M. C. Gursky, M. H. Schultz and A. H. Sherman, Yale sparse matrix
+// package I, Int. J. Numer. Meth. Engng 18 (1982) 1145), for some rows of blocks with nearly the same columns at once,
+// whose numbers in a column lie in one or two registers: what is read of a row above is used for all of them.
 #pragma once
 
 #include <petscsys.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -58,87 +60,153 @@ class BlockFactor {
     // Returns how many products of two blocks it took.
     double make(const StoredBlocks& a, const BlockRows& u) {
         const PetscInt n = a.count;
-        row_.assign(static_cast<std::size_t>(n) * size, Column::Zero());
+        group(u);
+        row_.assign(static_cast<std::size_t>(n) * size * most_lanes, 0.0);
         next_.assign(n, -1);
         first_.assign(n, -1);
         at_.resize(n);
         products_ = 0.0;
-        for (PetscInt k = 0; k < n; ++k) {
-            load(a, k);
-            // Rows with an entry in this column, each with those right of it.
-            for (PetscInt i = first_[k]; i >= 0;) {
-                const PetscInt other = next_[i];
-                eliminate(u, k, i);
-                i = other;
-            }
-            store(u, k);
+        for (PetscInt k = 0; k < n; k = end_[k]) {
+            const PetscInt high = end_[k] - k;
+            if (high == 1)
+                make_rows<1>(a, u, k);
+            else if (high == 2)
+                make_rows<2>(a, u, k);
+            else
+                make_rows<widest>(a, u, k);
         }
         return products_;
     }
 
  private:
-    static constexpr int lanes = size == 3 ? 4 : 2;
+    static constexpr int most_lanes = 16, widest = most_lanes / size;
+    static constexpr double slack = 1.3;  // what a group's rows hold if all have the columns of the last, over theirs
     static constexpr std::size_t numbers = size * size;
     using Block = Eigen::Matrix<double, size, size>;
-    using Column = Eigen::Array<double, lanes, 1>;
 
-    void load(const StoredBlocks& a, PetscInt k) {
+    // Rows of a group: a number each in every column, at least so many that registers are full.
+    static constexpr int lanes(int rows) {
+        int found = 2;
+        while (found < rows * size) found *= 2;
+        return found;
+    }
+    template <int rows>
+    using Column = Eigen::Array<double, lanes(rows), 1>;
+    template <int rows>
+    using Columns = Eigen::Map<Column<rows>, Eigen::AlignedMax>;
+
+    // Groups of rows of blocks: each row's first column is the next row, so that this has all columns that it has.
+    void group(const BlockRows& u) {
+        const PetscInt n = u.count;
+        head_.resize(n);
+        end_.resize(n);
+        for (PetscInt k = 0; k < n;) {
+            PetscInt end = k + 1;
+            double own = static_cast<double>(beyond(u, k) + 1);
+            for (; end < n && end - k < widest && beyond(u, end - 1) && u.column[u.start[end - 1]] == end; ++end) {
+                const auto wide = static_cast<double>(beyond(u, end) + 1), high = static_cast<double>(end - k);
+                if ((high + 1.0) * (wide + 0.5 * high) > slack * (own + wide)) break;
+                own += wide;
+            }
+            for (const PetscInt first = k; k < end; ++k) head_[k] = first, end_[k] = end;
+        }
+    }
+    static PetscInt beyond(const BlockRows& u, PetscInt k) { return u.start[k + 1] - u.start[k]; }
+
+    template <int rows>
+    void make_rows(const StoredBlocks& a, const BlockRows& u, PetscInt k) {
+        const PetscInt end = end_[k];
+        for (PetscInt row = k; row < end; ++row) load<rows>(a, row, row - k);
+        // Rows above with an entry in a column of the group, each with those right of it.
+        for (PetscInt i = first_[k]; i >= 0;) {
+            const PetscInt other = next_[i];
+            eliminate<rows>(u, k, end, i);
+            i = other;
+        }
+        for (PetscInt row = k; row < end; ++row) {
+            store<rows>(u, row, row - k);
+            at_[row] = u.start[row];
+            eliminate<rows>(u, k, end, row);
+        }
+        for (PetscInt row = k; row < end; ++row) clear<rows>(row);
+        for (PetscInt j = u.start[end - 1]; j < u.start[end]; ++j) clear<rows>(u.column[j]);
+    }
+
+    template <int rows>
+    double* column(PetscInt k) {
+        return &row_[static_cast<std::size_t>(k) * size * lanes(rows)];
+    }
+    template <int rows>
+    void clear(PetscInt k) {
+        std::fill_n(column<rows>(k), size * lanes(rows), 0.0);
+    }
+
+    template <int rows>
+    void load(const StoredBlocks& a, PetscInt k, PetscInt own) {
         for (PetscInt j = a.start[k]; j < a.start[k + 1]; ++j)
             for (int c = 0; c < size; ++c)
                 for (int r = 0; r < size; ++r)
-                    row_[a.column[j] * size + c][r] = a.value[a.from[j] + r * a.length[k] + c];
+                    column<rows>(a.column[j])[c * lanes(rows) + own * size + r] =
+                        a.value[a.from[j] + r * a.length[k] + c];
     }
 
-    void eliminate(const BlockRows& u, PetscInt k, PetscInt i) {
-        const PetscInt place = at_[i], end = u.start[i + 1];
-        Eigen::Map<Block> own(u.value + place * numbers);
-        const Block inverse = Eigen::Map<const Block>(u.value + i * numbers), scaled = -inverse * own;
-        Column factor[size];
-        for (int r = 0; r < size; ++r) {
-            factor[r].setZero();
-            for (int c = 0; c < size; ++c) factor[r][c] = scaled(r, c);
+    // Takes row i out of those of a group from k to an end.
+    template <int rows>
+    void eliminate(const BlockRows& u, PetscInt k, PetscInt end, PetscInt i) {
+        const PetscInt place = at_[i], stop = u.start[i + 1];
+        const Block inverse = Eigen::Map<const Block>(u.value + i * numbers);
+        Block scaled[rows];
+        Column<rows> factor[size];
+        for (int r = 0; r < size; ++r) factor[r].setZero();
+        PetscInt past = place;
+        for (; past < stop && u.column[past] < end; ++past) {
+            const PetscInt own = u.column[past] - k;
+            scaled[past - place] = -inverse * Eigen::Map<const Block>(u.value + past * numbers);
+            for (int r = 0; r < size; ++r)
+                for (int c = 0; c < size; ++c) factor[r][own * size + c] = scaled[past - place](r, c);
+            products_ += static_cast<double>(stop - past);
         }
-        for (PetscInt j = place; j < end; ++j) add(factor, u.value + j * numbers, &row_[u.column[j] * size]);
-        products_ += static_cast<double>(end - place);
-        own = scaled;
-        follow(u, i, place + 1);
+        if (past > place)
+            for (PetscInt j = place; j < stop; ++j) add<rows>(factor, u.value + j * numbers, column<rows>(u.column[j]));
+        for (PetscInt j = place; j < past; ++j) Eigen::Map<Block>(u.value + j * numbers) = scaled[j - place];
+        follow(u, i, past);
     }
 
     // target += factor^T block.
-    static void add(const Column (&factor)[size], const double* block, Column* target) {
+    template <int rows>
+    static void add(const Column<rows> (&factor)[size], const double* block, double* target) {
         for (int c = 0; c < size; ++c) {
-            Column sum = target[c];
+            Columns<rows> place(target + c * lanes(rows));
+            Column<rows> sum = place;
             for (int r = 0; r < size; ++r) sum += factor[r] * block[c * size + r];
-            target[c] = sum;
+            place = sum;
         }
     }
 
-    void store(const BlockRows& u, PetscInt k) {
+    template <int rows>
+    void store(const BlockRows& u, PetscInt k, PetscInt own) {
+        const auto copy = [&](const double* from, double* to) {
+            for (int c = 0; c < size; ++c)
+                for (int r = 0; r < size; ++r) to[c * size + r] = from[c * lanes(rows) + own * size + r];
+        };
         Block pivot;
-        for (int c = 0; c < size; ++c) pivot.col(c) = row_[k * size + c].template head<size>();
+        copy(column<rows>(k), pivot.data());
         Eigen::Map<Block>(u.value + k * numbers) = inverse_of<size>(pivot);
-        for (int c = 0; c < size; ++c) row_[k * size + c].setZero();
-        for (PetscInt j = u.start[k]; j < u.start[k + 1]; ++j) {
-            Column* from = &row_[u.column[j] * size];
-            for (int c = 0; c < size; ++c) {
-                for (int r = 0; r < size; ++r) u.value[j * numbers + c * size + r] = from[c][r];
-                from[c].setZero();
-            }
-        }
-        follow(u, k, u.start[k]);
+        for (PetscInt j = u.start[k]; j < u.start[k + 1]; ++j) copy(column<rows>(u.column[j]), u.value + j * numbers);
     }
 
-    // Row i is next wanted in the column of this place.
+    // Row i is next wanted in the group of the column of this place.
     void follow(const BlockRows& u, PetscInt i, PetscInt place) {
         at_[i] = place;
         if (place >= u.start[i + 1]) return;
-        const PetscInt column = u.column[place];
-        next_[i] = first_[column];
-        first_[column] = i;
+        const PetscInt group = head_[u.column[place]];
+        next_[i] = first_[group];
+        first_[group] = i;
     }
 
-    std::vector<Column, Eigen::aligned_allocator<Column>> row_;  // by columns of blocks
+    std::vector<double, Eigen::aligned_allocator<double>> row_;  // by columns of blocks
     std::vector<PetscInt> next_, first_, at_;
+    std::vector<PetscInt> head_, end_;  // the first row of each row's group, and the first one after it
     double products_ = 0.0;
 };
 

@@ -82,9 +82,9 @@ class BoxTree {
         if (count) split(0, count, middle);
     }
 
-    // Boxes around the nodes, or their ways, wider by a margin on each side.
-    void fit(const Point3* from, const Point3* way, double margin) {
-        for (size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = around(static_cast<int>(i), from, way, margin);
+    // Boxes around the nodes, or their ways, wider by a margin on each side, and by the most room of a node.
+    void fit(const Point3* from, const Point3* way, double margin, const double* room = nullptr) {
+        for (size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = around(static_cast<int>(i), from, way, margin, room);
         for (size_t k = branches_.size(); k-- > 0;) {
             Branch& b = branches_[k];
             b.box = b.left ? branches_[b.left].box : boxes_[order_[b.first]];
@@ -97,6 +97,12 @@ class BoxTree {
 
     int count() const { return static_cast<int>(boxes_.size()); }
     const int32_t* item(int i) const { return nodes_.data() + i * width_; }
+
+    double most_of(const double* values, int i) const {
+        double most = values[item(i)[0]];
+        for (int k = 1; k < width_; ++k) most = std::max(most, values[item(i)[k]]);
+        return most;
+    }
 
     // Calls found(i, j) for pairs of different items of this tree, each once.
     template <class Found>
@@ -137,7 +143,8 @@ class BoxTree {
         return number;
     }
 
-    Box around(int i, const Point3* from, const Point3* way, double margin) const {
+    Box around(int i, const Point3* from, const Point3* way, double margin, const double* room) const {
+        if (room) margin += most_of(room, i);
         Box box{{INFINITY, INFINITY, INFINITY, 0.0}, {-INFINITY, -INFINITY, -INFINITY, 0.0}};
         for (int k = 0; k < width_; ++k) {
             const Point3 &p = from[item(i)[k]], q = way ? p + way[item(i)[k]] : p;
@@ -196,26 +203,48 @@ class NearPairs {
 
     NearPairs(const int32_t* edges, int n_edges, const int32_t* cells, int n_cells, const int32_t* nodes, int n_nodes,
               const double* X)
-        : edges_(edges, n_edges, 2, X), cells_(cells, n_cells, 3, X), nodes_(nodes, n_nodes, 1, X) {}
+        : edges_(edges, n_edges, 2, X), cells_(cells, n_cells, 3, X), nodes_(nodes, n_nodes, 1, X) {
+        for (int i = 0; i < n_edges; ++i) {
+            const double *a = X + 2 * edges[2 * i], *b = X + 2 * edges[2 * i + 1];
+            length_ += std::hypot(a[0] - b[0], a[1] - b[1]) / n_edges;
+        }
+    }
 
-    // At one place, from what the last way has found where that holds all of it.
+    // At one place, from what is known around it, or on the last way, where that holds all of it.
     void search(const Point3* at, double reach, Pairs& edge_edge, Pairs& cell_node) {
-        const bool known = holds(at, reach);
-        if (!known) {
+        if (const double off = off_home(at, nullptr); reach <= home_reach_ && off < INFINITY) {
+            within(home_edges_, reach + 2.0 * off, [&](int i, int j) { add_edges(at, reach, i, j, edge_edge); });
+            within(home_cells_, reach + 2.0 * off, [&](int i, int j) { add_cell(at, reach, i, j, cell_node); });
+        } else if (holds(at, reach)) {
+            for (const auto& [i, j] : near_edges_) add_edges(at, reach, i, j, edge_edge);
+            for (const auto& [i, j] : near_cells_) add_cell(at, reach, i, j, cell_node);
+        } else {
             fit(at, nullptr, 0.5 * reach);
             edges_.with_itself([&](int i, int j) { add_edges(at, reach, i, j, edge_edge); });
             cells_.with(nodes_, [&](int i, int j) { add_cell(at, reach, i, *nodes_.item(j), cell_node); });
-        } else {
-            for (const auto& [i, j] : near_edges_) add_edges(at, reach, i, j, edge_edge);
-            for (const auto& [i, j] : near_cells_) add_cell(at, reach, i, j, cell_node);
         }
         std::sort(edge_edge.begin(), edge_edge.end());
         std::sort(cell_node.begin(), cell_node.end());
     }
 
     // The share of a way, at most 1, on which no pair meets: each comes nearer by nine tenths at most. Keeps what may
-    // come within a reach on that way.
+    // come within a reach on that way, or around it.
     double share_of(const Point3* from, const Point3* way, double reach) {
+        const double most = settle(from, way, reach);
+        return most < INFINITY ? share_at_home(from, way, most) : share_on(from, way, reach);
+    }
+
+ private:
+    // A way that is so short goes by the pairs of a neighbourhood, which holds for others beside it; farther than
+    // `most` from each other at home none meet.
+    double share_at_home(const Point3* from, const Point3* way, double most) const {
+        double share = 1.0;
+        within(home_edges_, most, [&](int i, int j) { share = edges_met(from, way, i, j, share, 0.0).first; });
+        within(home_cells_, most, [&](int i, int j) { share = cell_met(from, way, i, j, share, 0.0).first; });
+        return share;
+    }
+
+    double share_on(const Point3* from, const Point3* way, double reach) {
         const int count = nodes_.count();
         start_.assign(from, from + count);
         way_.assign(way, way + count);
@@ -225,30 +254,119 @@ class NearPairs {
         fit(from, way, 0.5 * reach);
         double share = 1.0;
         edges_.with_itself([&](int i, int j) {
-            const int32_t *a = edges_.item(i), *b = edges_.item(j);
-            if (share_node(a, b)) return;
-            const int32_t four[4] = {a[0], a[1], b[0], b[1]};
-            const auto [met, near] = advanced<2>(from, way, four, share, reach, [](const Point3* x) {
-                return segment_distance(x[0], x[1], x[2], x[3]);
-            });
+            if (share_node(edges_.item(i), edges_.item(j))) return;
+            const auto [met, near] = edges_met(from, way, i, j, share, reach);
             share = met;
             if (near) near_edges_.push_back({i, j});
         });
         cells_.with(nodes_, [&](int i, int j) {
             const int32_t *a = cells_.item(i), node = *nodes_.item(j);
             if (a[0] == node || a[1] == node || a[2] == node) return;
-            const int32_t four[4] = {a[0], a[1], a[2], node};
-            const auto [met, near] = advanced<3>(from, way, four, share, reach, [](const Point3* x) {
-                return triangle_distance(x[3], x[0], x[1], x[2]);
-            });
+            const auto [met, near] = cell_met(from, way, i, node, share, reach);
             share = met;
             if (near) near_cells_.push_back({i, node});
         });
         return share;
     }
 
- private:
+    // Not inlined: each call has the same bits.
+    [[gnu::noinline]] std::pair<double, bool> edges_met(const Point3* from, const Point3* way, int i, int j,
+                                                        double most, double reach) const {
+        const int32_t *a = edges_.item(i), *b = edges_.item(j), four[4] = {a[0], a[1], b[0], b[1]};
+        return advanced<2>(from, way, four, most, reach,
+                           [](const Point3* x) { return segment_distance(x[0], x[1], x[2], x[3]); });
+    }
+    [[gnu::noinline]] std::pair<double, bool> cell_met(const Point3* from, const Point3* way, int i, int32_t node,
+                                                       double most, double reach) const {
+        const int32_t *a = cells_.item(i), four[4] = {a[0], a[1], a[2], node};
+        return advanced<3>(from, way, four, most, reach,
+                           [](const Point3* x) { return triangle_distance(x[3], x[0], x[1], x[2]); });
+    }
+
+    struct Neighbour {
+        double distance;
+        int32_t i, j;
+    };
+    using Neighbours = std::vector<Neighbour>;
+
     static constexpr double left = 0.1;  // part of a distance that stays
+
+    // The room of a node: how far it may go from where a neighbourhood was searched. Some of its ways, no less than a
+    // part of the edges' length; no more than another part, for pairs would be in it that never meet, and of the reach.
+    // What is not in it stays beyond the reach: it comes nearer by nine tenths only from ten times the reach on, which
+    // is farther than nodes go.
+    static constexpr double ways = 3.0, least_roomy = 0.1, roomy = 1.0 / 3.0, most_roomy = 2.25;
+
+    // Pairs of a neighbourhood that are nearer than a distance.
+    template <class Found>
+    static void within(const Neighbours& home, double distance, const Found& found) {
+        for (const Neighbour& pair : home) {
+            if (pair.distance > distance) break;
+            found(pair.i, pair.j);
+        }
+    }
+
+    // The distance in its neighbourhood within which pairs may meet on a way, infinite where the way is too long. The
+    // neighbourhood is searched again where the way leads out of the last one.
+    double settle(const Point3* from, const Point3* way, double reach) {
+        const Point3 mean = mean_of(way);
+        double longest = 0.0;
+        for (int i = 0; i < nodes_.count(); ++i) longest = std::max(longest, (way[i] - mean).norm());
+        const double most = std::min(roomy * length_, most_roomy * reach);
+        if (!(longest <= most)) return INFINITY;
+        double off = home_reach_ == reach && off_home(from, way) < INFINITY ? off_home(from, nullptr) : INFINITY;
+        if (off == INFINITY) {
+            home_.assign(from, from + nodes_.count());
+            home_reach_ = reach;
+            room_.resize(home_.size());
+            for (size_t i = 0; i < home_.size(); ++i)
+                room_[i] = std::min(most, std::max(ways * (way[i] - mean).norm(), least_roomy * length_));
+            find_home(reach);
+            off = 0.0;
+        }
+        // From farther apart two nodes do not come nearer by nine tenths.
+        return 2.0 * off + 2.0 * longest / (1.0 - left);
+    }
+
+    // What may come within a reach where all nodes have room.
+    void find_home(double reach) {
+        const Point3* x = home_.data();
+        const double* room = room_.data();
+        home_edges_.clear();
+        home_cells_.clear();
+        for (BoxTree* tree : {&edges_, &cells_, &nodes_}) tree->fit(x, nullptr, 0.5 * reach, room);
+        edges_.with_itself([&](int i, int j) {
+            const double d = edges_apart(x, i, j);
+            if (d < reach + edges_.most_of(room, i) + edges_.most_of(room, j)) home_edges_.push_back({d, i, j});
+        });
+        cells_.with(nodes_, [&](int i, int j) {
+            const int32_t node = *nodes_.item(j);
+            const double d = cell_apart(x, i, node);
+            if (d < reach + cells_.most_of(room, i) + room[node]) home_cells_.push_back({d, i, node});
+        });
+        for (Neighbours* part : {&home_edges_, &home_cells_})
+            std::sort(part->begin(), part->end(),
+                      [](const Neighbour& a, const Neighbour& b) { return a.distance < b.distance; });
+    }
+
+    // How far nodes are from home, after a way; infinite where one is beyond its room. Motions of all together bring
+    // nothing nearer.
+    double off_home(const Point3* at, const Point3* way) const {
+        if (home_.empty()) return INFINITY;
+        const Point3 none{0, 0, 0}, off = mean_of(at) - mean_of(home_.data()) + (way ? mean_of(way) : none);
+        double farthest = 0.0;
+        for (size_t i = 0; i < home_.size(); ++i) {
+            const double far = (at[i] - home_[i] - off + (way ? way[i] : none)).norm();
+            if (!(far <= room_[i])) return INFINITY;
+            farthest = std::max(farthest, far);
+        }
+        return farthest;
+    }
+    Point3 mean_of(const Point3* x) const {
+        Point3 sum{0, 0, 0};
+        for (int i = 0; i < nodes_.count(); ++i) sum = sum + x[i];
+        return sum * (1.0 / std::max(nodes_.count(), 1));
+    }
 
     void fit(const Point3* from, const Point3* way, double margin) {
         for (BoxTree* tree : {&edges_, &cells_, &nodes_}) tree->fit(from, way, margin);
@@ -259,15 +377,20 @@ class NearPairs {
     }
 
     void add_edges(const Point3* at, double reach, int i, int j, Pairs& found) const {
-        const int32_t *a = edges_.item(i), *b = edges_.item(j);
-        if (share_node(a, b)) return;
-        if (segment_distance(at[a[0]], at[a[1]], at[b[0]], at[b[1]]) < reach)
-            found.push_back({std::min(i, j), std::max(i, j)});
+        if (edges_apart(at, i, j) < reach) found.push_back({std::min(i, j), std::max(i, j)});
     }
     void add_cell(const Point3* at, double reach, int i, int32_t node, Pairs& found) const {
+        if (cell_apart(at, i, node) < reach) found.push_back({i, node});
+    }
+    // Infinite where they have a common node.
+    double edges_apart(const Point3* at, int i, int j) const {
+        const int32_t *a = edges_.item(i), *b = edges_.item(j);
+        return share_node(a, b) ? INFINITY : segment_distance(at[a[0]], at[a[1]], at[b[0]], at[b[1]]);
+    }
+    double cell_apart(const Point3* at, int i, int32_t node) const {
         const int32_t* a = cells_.item(i);
-        if (a[0] == node || a[1] == node || a[2] == node) return;
-        if (triangle_distance(at[node], at[a[0]], at[a[1]], at[a[2]]) < reach) found.push_back({i, node});
+        if (a[0] == node || a[1] == node || a[2] == node) return INFINITY;
+        return triangle_distance(at[node], at[a[0]], at[a[1]], at[a[2]]);
     }
 
     // Whether what the last way has found is all that is within a reach at a place beside it.
@@ -290,7 +413,7 @@ class NearPairs {
     // The share of the way, at most `most`, on which the first few of four nodes do not meet the others, and whether
     // they may come within a reach on all of it. Distances change by no more than the parts move relative to each
     // other, so that steps of a part of them are safe. Source: Li, Kaufman and Jiang, ACM TOG 40(4) (2021) 170,
-    // algorithm 1.
+    // algorithm 1. What is found does not depend on `most` where that is larger: pairs may be taken in any order.
     template <int first, class Distance>
     static std::pair<double, bool> advanced(const Point3* from, const Point3* way, const int32_t* four, double most,
                                             double reach, const Distance& distance) {
@@ -308,7 +431,7 @@ class NearPairs {
         const double speed = std::sqrt(fastest[0]) + std::sqrt(fastest[1]);
         double apart = distance(x);
         const bool near = apart < reach + speed;
-        if (apart >= speed * most || speed == 0.0) return {most, near};
+        if ((1.0 - left) * apart >= speed * most || speed == 0.0) return {most, near};
         const double least = left * apart;
         double gone = 0.0;
         for (int steps = 0; steps < most_steps; ++steps) {
@@ -329,6 +452,11 @@ class NearPairs {
     std::vector<Point3> start_, way_;
     double reach_ = 0.0;
     Pairs near_edges_, near_cells_;
+    // A neighbourhood: where it was searched, how far nodes may go from there, and what may come within a reach then.
+    std::vector<Point3> home_;
+    std::vector<double> room_;
+    double length_ = 0.0, home_reach_ = -1.0;  // of edges in the flat sheet, on average
+    Neighbours home_edges_, home_cells_;       // by distance there
 };
 
 }  // namespace restshape

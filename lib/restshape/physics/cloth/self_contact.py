@@ -195,7 +195,10 @@ class SelfContact:
 
     def energy(self, x: np.ndarray) -> float:
         """The potential [J] at x (n, 3) [m]."""
-        return self.at(x).energy + self.history.energy(x, self.values.friction, self.values.slip)
+        energy = self.at(x).energy
+        if not len(self.history.offsets):
+            return energy
+        return energy + self.history.energy(x, self.values.friction, self.values.slip)
 
     def forces(self, x: np.ndarray) -> np.ndarray:
         """The gradient (n, 3) [N] of the potential at x (n, 3) [m]."""
