@@ -47,8 +47,8 @@ MOST = 130
 MOST_RANKS = 25
 """The same on two ranks, which are slow where others use the cores."""
 FRAMES: dict[str, int] = {"bridge": 525, "cantilever": 282, "vibration/building": 200, "solid": 189}
-FRAMES |= {"couture/pins thesis": 5, "couture/sphere-drag thesis": 3}
-THINNED: dict[str, int] = {"couture/pins": 4, "couture/sphere-drag": 4}
+FRAMES |= {"couture/pins thesis": 5, "couture/sphere-drag thesis": 3, "couture/sphere-longer thesis": 3}
+THINNED: dict[str, int] = {"couture/pins": 4, "couture/sphere-drag": 4, "couture/sphere-longer": 4}
 """By how much events of scripts are made shorter where each frame is slow: all are kept, in fewer frames each.
 
 Keys are an application, application/script, application/script policy, or a whole name."""

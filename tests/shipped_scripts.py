@@ -31,6 +31,7 @@ COARSE = {
     "longer": 0.04,
     "pins": 0.1,
     "sphere-drag": 0.09,
+    "sphere-longer": 0.09,
     "strip": 0.01,
     "supported": 0.4,
 }

@@ -2,11 +2,13 @@
 
 # More than 15 modules: the command joins all studies, their scenes, pictures and files.
 
+from __future__ import annotations
+
 import argparse
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape_studies.bench.job import note_words
 from restshape_studies.bench.turns import Case, OutOfTime
@@ -30,13 +32,16 @@ from restshape_studies.commands.bench_kind import Kind, read_results, unscripted
 from restshape.application import applications
 from restshape.cli.options import add_json, add_set, require_mesh, write_json
 from restshape.cli.ranks import launched
-from restshape.cli.shipped import named_scenes, refuse_shared_script, script_of
+from restshape.cli.shipped import named_scenes, refuse_shared_script, script_of, scripts_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import writable
 from restshape.outputs.claims import refuse_foreign
 from restshape.outputs.kinds import PictureFile
 from restshape.outputs.picture_files import drawn_from, fingerprint
+
+if TYPE_CHECKING:
+    from restshape.scene.model import Scene
 
 PLACE = 5
 OWN = "those of the study"
@@ -193,7 +198,7 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
     for path in paths:
         scene = load_scene(path, args.set)
         require_mesh(scene, kind.about)
-        edits = (args.edits or script_of(path)) if scripted else None
+        edits = (args.edits or _script(kind, path, scene)) if scripted else None
         if edits is not None:
             load_script(edits, scene)
         elif scripted and kind.scenes not in ("still", "either"):
@@ -206,6 +211,16 @@ def cases_of(kind: Kind, args: argparse.Namespace) -> list[Case]:
             announce(f"{name}: script {edits}")
         cases.append(Case(name, path, edits))
     return cases
+
+
+def _script(kind: Kind, path: Path, scene: Scene) -> Path | None:
+    """The script of a scene that is taken where none is named; none where there is none."""
+    from restshape.scene.edit_script import load_script
+
+    known = scripts_of(path)
+    fits = kind.fits
+    fitting = known if fits is None else [one for one in known if fits(load_script(one, scene), scene)]
+    return next(iter(fitting or known), None)
 
 
 def installed_scene(stem: str) -> Path:

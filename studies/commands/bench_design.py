@@ -1,8 +1,10 @@
 """The studies of `restshape bench` that have to do with the design derivative: its use and its exactness."""
 
+from __future__ import annotations
+
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape_studies.bench.turns import Announce, Case
 from restshape_studies.commands.bench_kind import (
@@ -21,6 +23,10 @@ from restshape_studies.commands.drape_tables import show_drape
 from restshape.cli.options import print_table
 from restshape.errors import UserError
 
+if TYPE_CHECKING:
+    from restshape.scene.edit_script import Script
+    from restshape.scene.model import Scene
+
 EXACT = "solve.tolerance=1e-12"
 """Derivatives by differences are only as good as the solves."""
 
@@ -37,6 +43,12 @@ def measure_prediction(args: argparse.Namespace, case: Case, announce: Announce)
     from restshape_studies.bench.prediction import study
 
     return study(case.name, job_of(args, case), args.repeat, announce)
+
+
+def drags_the_shape(script: Script, scene: Scene) -> bool:
+    """Whether a hand of a script takes hold of the shape, and not of bodies or supports alone."""
+    beside = {*scene.raw.get("bodies", {}), *scene.raw.get("supports", {})}
+    return any(event.do == "press" and event.on not in beside for event in script.events)
 
 
 def draw_prediction(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
@@ -170,6 +182,7 @@ KINDS = (
         picture="bench-predict.png",
         times=f"{FRAMES}; predicted frames have their estimated distance from the solution",
         draw=draw_prediction,
+        fits=drags_the_shape,
     ),
     Kind(
         "derivative",

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from restshape_studies.bench.job import Job
 from restshape_studies.bench.turns import Announce, Case
@@ -15,6 +15,10 @@ from restshape_studies.bench.turns import Announce, Case
 from restshape.errors import UserError
 from restshape.outputs.picture_files import STAMP
 from restshape.policy import POLICIES
+
+if TYPE_CHECKING:
+    from restshape.scene.edit_script import Script
+    from restshape.scene.model import Scene
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,7 @@ class Kind:
         picture: file name in the folder after --out; empty: no such picture.
         times: what the times that it prints include; empty where it has none.
         draw: draws the picture; given the scenes' names with what was found, the arguments and the path.
+        fits: of several scripts of a scene, the first that fits is taken where none is named; none: the first one.
         own: the cases that a "still" study takes where no scene is named.
     """
 
@@ -52,6 +57,7 @@ class Kind:
     picture: str = ""
     times: str = ""
     draw: Callable[[dict[str, Any], argparse.Namespace, Path], None] | None = None
+    fits: Callable[[Script, Scene], bool] | None = None
     own: Callable[[argparse.Namespace], list[Case]] | None = None
 
 

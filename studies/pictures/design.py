@@ -87,8 +87,9 @@ def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
     shown = (way > 0) & (error > 0)
     axes.loglog(way[shown], error[shown], color="#332288", marker="o", markersize=4, linestyle="none")
     if shown.any():
-        # Through the middle of the points, for a prediction of first order.
-        middle = np.exp(np.median(np.log(error[shown]) - 2 * np.log(way[shown])))
+        # Through the nearest points: farther off, terms of higher order have their share.
+        near = shown & (way <= np.quantile(way[shown], 0.1))
+        middle = np.exp(np.median(np.log(error[near]) - 2 * np.log(way[near])))
         ends = np.array([way[shown].min(), way[shown].max()])
         axes.loglog(ends, middle * ends**2, color=FAINT, linewidth=1.0, label="slope 2")
         axes.legend(loc="upper left")
@@ -101,7 +102,7 @@ def draw_prediction(name: str, found: Mapping[str, Any], path: Path) -> None:
 
 
 def _draw_ways(axes: Axes, ways: Mapping[str, Any]) -> None:
-    """Draw errors over the frames of drags, a line for each way; diamonds are samples of moving least squares."""
+    """Draw errors over the frames of drags, a line for each way, and below them where samples were taken."""
     for (way, one), colour in zip(ways.items(), (FAINT, "#cc6677", "#332288", "#999933", "#44aa99")):
         if "error" not in one:
             continue
@@ -111,9 +112,10 @@ def _draw_ways(axes: Axes, ways: Mapping[str, Any]) -> None:
         for k, (frames, errors) in enumerate(parts):
             axes.semilogy(frames, errors, color=colour, linewidth=1.2, label=None if k else way)
         if way == "gmls" and one["sampled"]:
-            axes.plot(
-                one["sampled"], np.full(len(one["sampled"]), np.median(one["error"])), "D", color=colour, markersize=4
-            )
-    axes.set(xlabel="frame (diamonds: samples taken)", ylabel="error of the answer, relative")
+            # Just above the axis, whatever the errors are.
+            height, across = np.full(len(one["sampled"]), 0.02), axes.get_xaxis_transform()
+            axes.plot(one["sampled"], height, "D", color=colour, markersize=4, transform=across, label="sample of gmls")
+    axes.set(xlabel="frame", ylabel="error of the answer, relative")
+    axes.margins(y=0.1)
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
-    axes.legend(loc="best")
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=5, fontsize=7, handlelength=1.2, columnspacing=1.0)

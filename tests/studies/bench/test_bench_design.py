@@ -6,7 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from drape_designs import BALL, HELD, sheet
+from restshape_studies.commands import bench
 from small_scenes import across, drag, plate, write_scene, write_script
+
+from restshape.scene.load import load_scene
 
 pytestmark = pytest.mark.cli
 
@@ -104,6 +107,21 @@ def test_what_cannot_be_measured(tmp_path, command, scene, words, reported):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("jobs_here")
+def test_of_several_scripts_the_one_that_drags_the_shape_is_predicted(tmp_path):
+    scene = write_scene(tmp_path, sheet("hinge", HELD, BALL.format(friction=0.3), "[effects.contact]\n", size=0.1))
+    press = {"do": "press", "on": "ball", "at": [0.1, 0.1]}
+    of_body = write_script(tmp_path, [press, {"do": "release"}], "a.jsonl")
+    of_shape = write_script(tmp_path, [{**press, "on": "right", "at": [0.2, 0.1]}, {"do": "release"}], "b.jsonl")
+    for path in (of_body, of_shape):
+        head, *lines = path.read_text().splitlines(keepends=True)
+        path.write_text("".join([json.dumps(json.loads(head) | {"scene": scene.name}) + "\n", *lines]))
+    read = load_scene(scene)
+    assert bench._script(bench.KINDS["predict"], scene, read) == of_shape
+    assert bench._script(bench.KINDS["drape"], scene, read) == of_body
+    of_shape.unlink()
+    assert bench._script(bench.KINDS["predict"], scene, read) == of_body
+
+
 def test_a_motion_has_no_prediction(command):
     done = command("bench", "predict", SCENES / "building.toml", "--edits", SCENES / "building.jsonl", "--repeat", 1)
     assert done.returncode == 2 and "time integration depends on the past" in done.stderr
