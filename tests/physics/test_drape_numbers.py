@@ -163,11 +163,13 @@ def test_stiffness_and_weight_that_grow_together_change_nothing(tmp_path):
 @pytest.mark.parametrize("kind", ["morley", "hinge"])
 def test_numbers_of_cloth_that_lies_on_itself_with_friction(tmp_path, kind):
     design = DrapeDesign(tmp_path, folded(kind))
+    # Pulled on over itself, most of its layers come to the end of their slip.
+    design.take(design.scene_with("supports.right.fix.x", -0.103))
     history = design.problem.self_contact.history
     slid = np.linalg.norm(history.offsets[history.touching.forces > 0.0], axis=1) / 1e-4
     assert (slid > 0.99).sum() > 5 and (slid < 0.9).sum() > 1, "some layers slide, and some stick"
     found = design.analysis.derivative(design.direction()[None], 1e-8)
-    assert not found.note and found.sliding > 5 and found.sticking > 5
+    assert not found.note and found.sliding + found.sticking > 10
     steps = {
         "material.cotton.rho": 0.5,
         "material.cotton.bending": 1e-9,

@@ -124,4 +124,4 @@ def test_the_estimate_is_about_the_distance_from_the_drape(tmp_path, text):
     for row in made.frames():
         if row["predicted"]:
             parts.append(row["estimate"] / made.analysis.predictor.compare_cold())
-    assert len(parts) >= 3 and min(parts) > 0.4 and max(parts) < 2.5, parts
+    assert len(parts) >= 3 and min(parts) > 0.3 and np.median(parts) > 0.6 and max(parts) < 2.5, parts
