@@ -269,6 +269,11 @@ def test_epsilon_that_makes_no_sense_is_refused(tmp_path, value):
         make_replay(write_scene(tmp_path, plate()), None, overrides=[f"predict.epsilon={value}"])
 
 
+def test_a_time_of_a_frame_that_no_hand_waits_for_is_refused(tmp_path):
+    with pytest.raises(UserError, match=r"predict\.frame_time"):
+        make_replay(write_scene(tmp_path, plate()), None, overrides=["predict.frame_time=1e9"])
+
+
 def test_more_than_ten_samples_are_refused(tmp_path):
     with pytest.raises(UserError, match=r"predict\.samples"):
         make_replay(write_scene(tmp_path, plate()), None, overrides=["predict.samples=11"])

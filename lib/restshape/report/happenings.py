@@ -15,6 +15,8 @@ from restshape.report.recorded_quantities import limit_series, quantity_units
 from restshape.report.style import LEVEL_LABELS, SOLVED, VALUES
 from restshape.report.tables import column, predicted, refused, solved_at_rest, untrusted, with_values
 
+LEAST_ERROR = 0.01
+"""Percent below which an error is only said to be smaller."""
 LONGEST = 90
 """Letters of a reason at most."""
 
@@ -152,7 +154,8 @@ def frame_words(recording: Recording, i: int) -> Iterator[str]:
         yield "predicted"
     estimate = float(column(recording, "estimate")[i])
     if np.isfinite(estimate):
-        yield f"error {100.0 * cleared(estimate, 1.0):.2g} %"
+        share = 100.0 * cleared(estimate, 1.0)
+        yield f"error {share:.2g} %" if share == 0.0 or share >= LEAST_ERROR else f"error below {LEAST_ERROR:g} %"
     if uncertain(recording)[i]:
         yield "limit uncertain"
     worst = worst_frame(recording)

@@ -319,7 +319,7 @@ class PredictSpec(Strict):
 
     epsilon: Annotated[Number, Field(ge=1e-6, le=100)] = 10.0**-1.5
     samples: Annotated[Whole, Field(ge=1, le=10)] = 10
-    frame_time: Annotated[Time, Field(ge=0)] = 1.0 / 60.0
+    frame_time: Annotated[Time, Field(ge=0, le=10)] = 1.0 / 60.0
     levels: Annotated[Whole, Field(ge=1)] | None = None
 
 
