@@ -72,7 +72,7 @@ def show_prediction(args: argparse.Namespace, name: str, found: dict[str, Any]) 
     session, ratios = found["session_s"], found["ratios"]
     heads = ("prediction against solves", "solved", "predicted", "times as fast")
     rows = [
-        ("single predicted frames [ms]", f"{1e3 / fps['solved']:.3f}", f"{1e3 / fps['predicted']:.3f}", "frames"),
+        ("single predicted frames, mean [ms]", f"{1e3 / fps['solved']:.3f}", f"{1e3 / fps['predicted']:.3f}", "frames"),
         ("the whole session [s]", f"{session['solved']:.3f}", f"{session['predicted']:.3f}", "session"),
     ]
     print_table("", heads, [(*row[:3], f"{ratios[row[3]]:.2f}") for row in rows], right=heads[1:])
