@@ -5,11 +5,13 @@ import pytest
 from petsc4py import PETSc
 from restshape_studies.verification import verification
 from restshape_verification.couture.comparisons import Counted
+from restshape_verification.couture.nested_folds import nested_heights
 from restshape_verification.couture.validation import CASES
 from restshape_verification.couture.validation_buckling import DENSITY, NU, SLENDER, D, lightest
 from restshape_verification.couture.validation_cantilever import ELASTICA, equilateral
 from restshape_verification.couture.validation_friction import Hung
 from restshape_verification.couture.validation_hanging import chain, stretched
+from restshape_verification.couture.validation_layers import loop_height
 from restshape_verification.couture.validation_meshes import slope
 from restshape_verification.couture.validation_plates import SIDES
 from scipy.integrate import quad, solve_bvp, solve_ivp
@@ -137,3 +139,11 @@ def test_counting_steps_and_slopes():
 def test_identities_of_derivatives_of_drapes():
     checks = CASES["drape_identities"](PETSc.COMM_WORLD)
     assert len(checks) == 6 and all(check.value < check.tolerance for check in checks)
+
+
+@pytest.mark.slow
+def test_nested_folds_whose_tips_meet_are_as_high_as_one_alone():
+    """One of 2 D and 2 w is as high as one of D and w."""
+    inner, outer = nested_heights(1e-4, 0.02)
+    assert inner < loop_height(0.0) < outer
+    assert [inner, outer] == pytest.approx([loop_height(0.0)] * 2, rel=5e-3)
