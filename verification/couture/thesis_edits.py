@@ -33,6 +33,18 @@ TURNS, STEP = 15, 0.004
 DERIVED, TOLERANCE = "20.5 mm", 1e-6
 
 
+class Positions:
+    """Values that are nodal fields as they are: `projected_samples.NodalValues`."""
+
+    def nodal_fields(self, rows: np.ndarray, nodes: int) -> np.ndarray:
+        """The rows (count, nodes, 3)."""
+        return rows
+
+    def with_nodal_fields(self, rows: np.ndarray, fields: np.ndarray) -> np.ndarray:
+        """The fields (count, m, 3)."""
+        return fields
+
+
 def edit_rows() -> list[dict[str, Any]]:
     """Rows of `restshape tables` on edits; all of them are times."""
     return [*remeshing_rows(), *prediction_rows(), derivative_row()]
@@ -87,7 +99,8 @@ def _remeshed(size: str, levels: int) -> tuple[MovingMesh, list[float]]:
 def _projected(moving: MovingMesh, space: Any, samples: DragSamples, frame: EditFrame, former: EditFrame) -> None:
     """Do what a frame of level 3 does for the frames after it."""
     moving.update(frame)
-    LeftSamples(samples, space, frame, former).projected(moving.field_mesh, moving.field_motion)
+    aligned = np.zeros((len(space.X), 3))
+    LeftSamples(samples, Positions(), aligned, space, frame, former).projected(moving.field_mesh, moving.field_motion)
 
 
 def _filled(samples: DragSamples, nodes: int, generator: np.random.Generator) -> DragSamples:

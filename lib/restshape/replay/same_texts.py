@@ -3,10 +3,12 @@
 import re
 
 from restshape.replay.constraints import UNSURE
+from restshape.scene.units import UnitError, finite_quantity
 
 UNCERTAIN_VALUES = re.compile(f"(?<={UNSURE})[^;:]*")
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 """A number by itself: none of a name, such as that of `rail_2`."""
+UNIT = re.compile(r" [^\s,;:]+")
 
 
 def without_numbers(text: str) -> str:
@@ -15,6 +17,16 @@ def without_numbers(text: str) -> str:
 
 
 def severity(text: str) -> float:
-    """The size of the first number of a text, the largest of which is the worst of those that say the same; 0: none."""
+    """The size of the first number of a text in its SI unit; 0: none.
+
+    The largest is the worst of texts that say the same.
+    """
     found = NUMBER.search(text)
-    return abs(float(found.group())) if found else 0.0
+    if found is None:
+        return 0.0
+    unit = UNIT.match(text, found.end())
+    try:
+        return abs(finite_quantity(found.group() + unit.group() if unit else found.group(), None)[0])
+    except UnitError:
+        # The word behind it is no unit.
+        return abs(float(found.group()))
