@@ -111,6 +111,15 @@ def test_a_hand_that_moves_on_leaves_the_fine_solve_at_a_step(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_new_mesh_within_a_drag_begins_again(tmp_path):
+    rows, _ = shown(tmp_path, cloth(), far((0.06, 0.1), rest=0, frames=14))
+    drags = [(row["level"], row["level_shown"], row["refused"]) for row in rows if row["event"] == "drag"]
+    assert {2, 3} <= {level for level, *_ in drags} and not any(refused for *_, refused in drags)
+    assert drags[drags.index((3, 2, "")) + 1] == (1, 1, "")
+    assert rows[-1]["event"] == "release" and rows[-1]["converged"] == 1
+
+
+@pytest.mark.slow
 def test_a_motion_takes_the_fine_cloth_along_as_it_is(tmp_path):
     """The correction is in directions of the coarse cloth: turned and moved coarse cloth is turned fine cloth."""
     maps = []

@@ -195,6 +195,10 @@ class RefinedFrames(SampledFrames):
             self.note = f"not predicted: {problem}"
             self._samples = None
             return None
+        known = self._corrections
+        if known is not None and known.mesh != self._mesh:
+            # Fine nodes of other triangles are others.
+            self._corrections = None
         return super()._taken(edit, gesture)
 
     def _leave(self, edit: ScriptFrame) -> None:
@@ -215,6 +219,7 @@ class RefinedFrames(SampledFrames):
         values, slopes = self.pair.fine_correction(motion, edit.scene.solve.tolerance)
         if self._corrections is None or self._corrections.gesture is not made.gesture:
             self._corrections = DragSamples(made.gesture, self.size, self.spec.epsilon, self.spec.samples)
+        self._corrections.mesh = self._mesh
         self._corrections.add(SamplePlace(edit.c, edit.index, self._mesh), values, slopes)
         self._corrections.set_last(edit.c, values)
         self.pair.correction = values

@@ -102,6 +102,8 @@ class RefinedPrediction:
         self._coarse = self.analysis.on()
         self._own = DrapePrediction(self._coarse, ACCURACY)
         self.settle(state.scene)
+        if len(self.correction) != len(state.x):
+            self._kept = self.correction = self.map.of(self._corners(), state.x)
 
     def settle(self, scene: Scene) -> None:
         """Relax the coarse cloth on its mesh as it lies.
