@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
+from math import isnan
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 from petsc4py import PETSc
 
@@ -19,16 +20,23 @@ from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
+if TYPE_CHECKING:
+    from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+
+BARE = ("solve.estimate=none",)
 WAYS = {
-    "coarse, shown on the fine": ("predict.levels=2",),
-    "coarse, without steps": ("predict.levels=2", "predict.frame_time=0"),
+    "coarse, shown on the fine": (),
+    "the same, nothing estimated": BARE,
+    "coarse, without steps": ("predict.frame_time=0",),
+    "the same without steps, nothing estimated": ("predict.frame_time=0", *BARE),
     "the fine alone": ("predict.levels=1",),
 }
-"""What a drag is predicted on, with solver steps in the time of a frame and without."""
+"""What a drag is predicted on, with solver steps in the time of a frame and without, with residuals and estimates and
+without."""
 
 
 def nested_drags(
-    scene: Path, bending: str, size: float, frames: int, folder: Path, announce: Callable[[str], None]
+    scene: Path, bending: str, size: float, frames: int, folder: Path, announce: Callable[[str], None], levels: int = 2
 ) -> dict[str, Any]:
     """Seconds of the processor of the frames of one drag, by the mesh that is predicted.
 
@@ -39,6 +47,7 @@ def nested_drags(
         frames: of the drag, which goes by a tenth of the pattern.
         folder: for the script.
         announce: called with what comes next.
+        levels: of nested meshes; each has four times the triangles of the one before.
     """
     script, found = folder / "edits.jsonl", {}
     lines = [
@@ -50,8 +59,9 @@ def nested_drags(
     words = (
         f"effects.cloth.bending={bending}",
         f"mesh.size={size}",
-        "mesh.levels=2",
-        "effects.drape.levels=2",
+        f"mesh.levels={levels}",
+        f"effects.drape.levels={levels}",
+        f"predict.levels={levels}",
         "effects.contact.self=false",
     )
     for way, own in WAYS.items():
@@ -61,15 +71,17 @@ def nested_drags(
 
 
 def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
-    """Times of the predicted frames of a drag, estimates and residuals included."""
+    """Times of the predicted frames of a drag, estimates and residuals included; positions are read in each."""
     scene = load_scene(path, words)
     script = load_script(edits, scene)
     request = Request(
         scene, script, application_of(scene), policy("auto"), Calibration.load(), predict="gmls", overrides=words
     )
     replay = Replay(request, PETSc.COMM_SELF)
+    analysis = cast("RelaxationAnalysis", replay.analysis)
     rows, times, begun = [], [], time.process_time()
     for row in replay.frames():
+        _ = analysis.x
         now = time.process_time()
         rows.append(row)
         times.append(now - begun)
@@ -77,12 +89,15 @@ def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
     shown = [k for k, row in enumerate(rows) if row["event"] == "drag" and row["predicted"]]
     press = next(k for k, row in enumerate(rows) if row["event"] == "press")
     return {
+        "nodes": len(analysis.problem.mesh.X),
+        "coarse": len(analysis.problem.mesh.hierarchy.meshes[0].X),
         "elements": int(rows[0]["elements"]),
         "unknowns": int(rows[0]["unknowns"]),
         "first": times[0],
         "press": times[press],
         "frames": len(shown),
         "median": median(times[k] for k in shown) if shown else None,
+        "worst": max((times[k] for k in shown), default=None),
         "steps": median(int(rows[k]["solver_steps"]) for k in shown) if shown else None,
-        "estimate": max((float(rows[k]["estimate"]) for k in shown), default=None),
+        "estimate": max((one for k in shown if not isnan(one := float(rows[k]["estimate"]))), default=None),
     }

@@ -16,12 +16,14 @@ from restshape.errors import UserError
 BENDINGS = ("hinge", "morley")
 SIZES = (1.0, 100.0)
 """Sizes [mm] of the fine mesh that may be asked for."""
+MOST_LEVELS = 4
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--mm", type=float, default=3.5, help="size of the fine mesh [mm] (default: 3.5)")
     parser.add_argument("--bending", choices=BENDINGS, help="this kind alone (default: both)")
+    parser.add_argument("--levels", type=int, default=2, metavar="N", help="nested meshes (default: 2)")
     parser.add_argument("--along", type=int, default=30, metavar="N", help="frames of the drag (default: 30)")
 
 
@@ -31,6 +33,8 @@ def check(args: argparse.Namespace) -> None:
         raise UserError("it has a scene and edits of its own", "SCENE", "leave it out")
     if not SIZES[0] <= args.mm <= SIZES[1]:
         raise UserError(f"{args.mm:g} mm is no size for it", "--mm", f"name one of {SIZES[0]:g} to {SIZES[1]:g} mm")
+    if not 2 <= args.levels <= MOST_LEVELS:
+        raise UserError(f"{args.levels} nested meshes are no number for it", "--levels", f"name 2 to {MOST_LEVELS}")
     if args.along < 2:
         raise UserError("a drag has two frames at least", "--along", "name more")
 
@@ -46,20 +50,42 @@ def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[st
 
     scene = application("couture").folder / "scenes" / "longer.toml"
     with tempfile.TemporaryDirectory(prefix="restshape-nested-") as folder:
-        return nested_drags(scene, case.name, 1e-3 * args.mm, args.along, Path(folder), announce)
+        return nested_drags(scene, case.name, 1e-3 * args.mm, args.along, Path(folder), announce, args.levels)
 
 
 def show(_: argparse.Namespace, name: str, found: Mapping[str, Any]) -> None:
     """Print the table of a kind of bending."""
-    heads = ("predicted", "triangles", "unknowns", "first [s]", "press [s]", "frames", "p50 [ms]", "a second")
+    heads = (
+        "predicted",
+        "nodes",
+        "coarse",
+        "unknowns",
+        "first [s]",
+        "press [s]",
+        "frames",
+        "p50 [ms]",
+        "worst",
+        "a second",
+    )
     heads += ("steps", "largest estimate")
     rows = []
     for way, one in found.items():
-        counts = f"{one['elements']:,}", f"{one['unknowns']:,}", f"{one['first']:.2f}", f"{one['press']:.2f}"
-        pace = ["-"] * 4
+        counts = (
+            f"{one['nodes']:,}",
+            f"{one['coarse']:,}",
+            f"{one['unknowns']:,}",
+            f"{one['first']:.2f}",
+            f"{one['press']:.2f}",
+        )
+        pace = ["-"] * 5
         if one["frames"]:
-            pace = [f"{1e3 * one['median']:.1f}", f"{1.0 / one['median']:.0f}", f"{one['steps']:g}"]
-            pace.append(f"{one['estimate']:.1e}")
+            pace = [
+                f"{1e3 * one['median']:.1f}",
+                f"{1e3 * one['worst']:.1f}",
+                f"{1.0 / one['median']:.0f}",
+                f"{one['steps']:g}",
+            ]
+            pace.append("-" if one["estimate"] is None else f"{one['estimate']:.1e}")
         rows.append((way, *counts, str(one["frames"]), *pace))
     print_table(name, heads, rows, heads[1:])
 
@@ -75,6 +101,6 @@ KINDS = (
         scenes="still",
         about="drags on nested meshes are about one",
         own=own,
-        times="whole frames, of the processor, with their residual and estimates; p50 of those that are predicted",
+        times="whole frames, of the processor, with residual and estimates where there are any; p50 of predicted ones",
     ),
 )

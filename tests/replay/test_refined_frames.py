@@ -158,3 +158,25 @@ def test_columns_are_those_of_nested_meshes_alone(tmp_path):
     columns = {way: columns_of(scene, application_of(scene), way) for way in ("none", "linear", "gmls")}
     assert REFINED.keys() <= columns["gmls"].keys()
     assert not REFINED.keys() & (columns["none"].keys() | columns["linear"].keys())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", [cloth(), HANGING], ids=["on a ball", "hanging"])
+def test_without_estimates_frames_are_the_same_and_less_is_said_of_them(tmp_path, text):
+    """With flips, a new mesh and a rest on the way: what is left out of frames changes none of those that follow."""
+    events = far((0.21, 0.1), (0.6, 0.3), rest=3, frames=14)
+    (rows, found), (lean, bare) = (
+        shown(tmp_path, text, events, overrides=[f"solve.estimate={when}"]) for when in ("auto", "none")
+    )
+    assert {2, 3} <= {row["level"] for row in rows if row["event"] == "drag"}
+    assert [x.tobytes() for x in found] == [x.tobytes() for x in bare]
+    left = ("residual", "estimate", "max_strain")
+    for full, row in zip(rows, lean):
+        coarse = row["level_shown"] == 1 and row["predicted"]
+        assert all(np.isnan(row[name]) for name in left) or not (coarse and row["event"] == "drag")
+        same = [
+            name for name in ("q_lowest", "note", "predicted", "samples", "solver_steps", "converged") if name in row
+        ]
+        assert [row[name] for name in same] == [full[name] for name in same]
+        assert np.isnan(row["residual"]) if coarse else row["residual"] == full["residual"]
+    assert sum(np.isnan(row["residual"]) for row in lean) > 4

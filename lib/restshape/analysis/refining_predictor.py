@@ -17,10 +17,12 @@ class RefiningPredictor(Predictor, Protocol):
     Attributes:
         correction: what the fine mesh has besides the coarse one, as it is to be shown.
         waits: nothing is shown before `show`, for more is to come.
+        lean: of what is shown positions alone are made before more is asked for.
     """
 
     correction: Reals
     waits: bool
+    lean: bool
 
     @property
     def settled(self) -> bool:
@@ -42,6 +44,10 @@ class RefiningPredictor(Predictor, Protocol):
 
     def show(self) -> None:
         """Let the analysis of the fine mesh hold what the coarse one has, with the correction."""
+
+    @property
+    def distance_known(self) -> bool:
+        """Whether `coarse_distance` takes no steps of its own."""
 
     def coarse_distance(self) -> float:
         """About the distance of the coarse mesh from its solution, relative."""

@@ -24,6 +24,11 @@ class WantedErrors(NamedTuple):
 NOTHING, EVERYTHING, ANSWER = WantedErrors(False, False), WantedErrors(True, True), WantedErrors(True, False)
 
 
+def wants_nothing(when: str | int, edit: ScriptFrame) -> bool:
+    """Whether nothing is estimated of a frame, whatever it computes; arguments as of `estimated`."""
+    return when != "auto" and not estimated(when, edit, {}).answer
+
+
 def estimated(when: str | int, edit: ScriptFrame, row: RowValues) -> WantedErrors:
     """What is estimated of a frame that was solved.
 

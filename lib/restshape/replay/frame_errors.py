@@ -51,6 +51,7 @@ class FrameErrors:
     def __init__(self, request: Request, comm: PETSc.Comm, stages: Stages, parts: ReplayParts) -> None:
         self.analysis, self.prediction = parts.analysis, parts.prediction
         self.estimating = True
+        self._measures_predicted = parts.prediction is None or parts.prediction.measured
         self._known: tuple[object, dict[str, float]] = (None, {})
         self._measured: tuple[object, float] = (None, nan)
         self.linear_theory = LinearTheory(parts.analysis)
@@ -82,15 +83,16 @@ class FrameErrors:
             row: of the frame; edit: the frame.
             answered: it shows an answer of its own.
         """
-        row["residual"] = self._residual() if answered else nan
         wanted = estimated(edit.scene.solve.estimate, edit, row) if self.estimating and answered else NOTHING
-        row.update(self._estimates(row, answered, wanted))
+        looked_at = answered and (wanted.answer or not row["predicted"] or self._measures_predicted)
+        row["residual"] = self._residual() if looked_at else nan
+        row.update(self._estimates(row, looked_at, wanted))
         if not (self.estimating and answered):
             return
         row.update(self._distances(edit, row, wanted))
         row.update(self.singular(edit, row))
         self.linear_theory.note(row)
-        row.update(self.quantity_errors(row, wanted, self.analysis.state))
+        row.update(self.quantity_errors(row, wanted, self.analysis.state if self._estimator else None))
         # Jumps that a scene asks for are part of the answer.
         row.update(self.jumps(edit, row, wanted.solves or bool(wanted.answer and edit.scene.solve.jumps)))
         if limits := self.limits(edit.scene.quantities):

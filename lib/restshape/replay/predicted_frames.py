@@ -72,6 +72,8 @@ class PredictedFrames:
     """
 
     kind = "linear"
+    measured = True
+    """Frames that are predicted have a residual, and an estimate, whether or not they are asked for."""
 
     def __init__(self, analysis: Analysis[Problem], moving: Follower, session: Session, policy: Policy) -> None:
         if analysis.predictor is None:

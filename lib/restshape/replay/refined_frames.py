@@ -7,6 +7,7 @@ from math import nan
 from typing import TYPE_CHECKING, NamedTuple
 
 from restshape.errors import ReplayProblem
+from restshape.replay.estimated_frames import wants_nothing
 from restshape.replay.sampled_frames import SampledFrames
 from restshape.sensitivity.samples import DragSamples, SamplePlace
 
@@ -73,7 +74,9 @@ class RefinedFrames(SampledFrames):
         self.levels = levels
         self._corrections: DragSamples | None = None
         self._fine_frame, self._refined = 0, False
+        self._stale = False
 
+    measured = False
     rebases = False
 
     def row(self) -> RowValues:
@@ -94,17 +97,21 @@ class RefinedFrames(SampledFrames):
         if made is not None and known is not None and edit.gesture is made.gesture and edit.change == "move":
             self.pair.correction = known(edit.c)
         pair, before = self.pair, self.predictor.values() if made is not None else None
-        pair.waits = True
+        pair.waits, pair.lean = True, wants_nothing(edit.scene.solve.estimate, edit)
         try:
             shown = super().show(edit, mesh_update)
+            pair.waits, self._stale = False, True
+            if before is not None and self.predictor.values() is not before:
+                pair.show()
+            if shown and pair.lean and pair.distance_known:
+                self.estimated(nan)
         finally:
-            pair.waits = False
-        if before is not None and self.predictor.values() is not before:
-            pair.show()
+            pair.waits = pair.lean = False
         return shown
 
     def estimated(self, estimate: float) -> None:
         """Take note of how far the coarse mesh is from its solution: the fine one decides on no frame."""
+        self._stale = False
         super().estimated(self.pair.coarse_distance())
 
     def _is_trusted(self) -> bool:
@@ -113,6 +120,12 @@ class RefinedFrames(SampledFrames):
             self.estimated(nan)
         if super()._is_trusted():
             return True
+        if self._stale:
+            # Frames since have not been estimated.
+            self.estimated(nan)
+            if super()._is_trusted():
+                self._doubt = ""
+                return True
         scene = self._scene
         if scene is None:
             return False

@@ -50,6 +50,11 @@ def observer(problem: ObservedCloth, quantities: Mapping[str, Quantity]) -> Obse
     return Observer({name: _function(problem, name, quantity) for name, quantity in quantities.items()})
 
 
+def of_places(quantities: Mapping[str, Quantity]) -> bool:
+    """Whether quantities are of where the cloth lies alone, and not of what it resists with."""
+    return not any(quantity.reaction or quantity.energy for quantity in quantities.values())
+
+
 def reactions(problem: ObservedCloth, x: np.ndarray) -> np.ndarray:
     """Forces (corners, 3) [N] of supports on the nodes at x (n, 3)."""
     out = np.empty_like(x)

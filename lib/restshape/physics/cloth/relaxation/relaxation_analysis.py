@@ -27,6 +27,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
 from restshape.physics.cloth.cloth_fields import requested_fields
 from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.cloth_quantities import of_places
 from restshape.physics.cloth.relaxation.binding import bind, moved_material, restored
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_comparison import compare_cold
@@ -36,6 +37,7 @@ from restshape.physics.cloth.relaxation.row import Row
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative, hand_derivative, number_derivatives
 from restshape.physics.cloth.sensitivity.drape_prediction import DrapePrediction
+from restshape.physics.cloth.sensitivity.postponed import Postponed
 from restshape.physics.cloth.sensitivity.refined_prediction import RefinedPrediction
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -65,7 +67,9 @@ class RelaxationAnalysis(Timeless):
     why_not = ""
 
     def __init__(self, scene: Scene, plan: Plan, context: Context) -> None:
-        self.context, self.state = context, RelaxationState(plan)
+        self.context = context
+        self._state = RelaxationState(plan)
+        self._postponed: Postponed | None = None
         self.bound: RelaxationState | None = None
         self.age = 0
         self.watch: Watch = lambda *_: None
@@ -129,6 +133,33 @@ class RelaxationAnalysis(Timeless):
     def refined(self, levels: int) -> RefinedPrediction:
         """Predicts frames from a coarse mesh, of so many nested ones the first."""
         return RefinedPrediction(self, self.predictor, levels)
+
+    @property
+    def state(self) -> RelaxationState:
+        """All that is known of the last equilibrium or prediction."""
+        if self._postponed is not None:
+            postponed, self._postponed = self._postponed, None
+            self._state = postponed.state()
+        return self._state
+
+    @state.setter
+    def state(self, state: RelaxationState) -> None:
+        self._state, self._postponed = state, None
+
+    def postpone(self, shown: Postponed) -> None:
+        """Show a prediction whose state is made where it is asked for."""
+        self._postponed = shown
+
+    @property
+    def rest(self) -> RelaxationState:
+        """The equilibrium that is shown, or that the prediction is from."""
+        state = self._state if self._postponed is None else self._postponed.rest
+        return state.rest or state
+
+    @property
+    def predicted(self) -> bool:
+        """Whether a prediction is shown."""
+        return self._postponed is not None or self._state.predicted
 
     def entered(self) -> RelaxationState:
         """The state that a solve begins with: of a prediction as much as lets the cloth pass nothing on its way."""
@@ -219,7 +250,7 @@ class RelaxationAnalysis(Timeless):
     @property
     def x(self) -> np.ndarray:
         """Positions (n, 3) [m] at the last solution, and with Morley's triangles slopes of edges."""
-        return self.state.x
+        return self._state.x if self._postponed is None else self._postponed.x
 
     @property
     def problem(self) -> ClothProblem | None:
@@ -229,12 +260,12 @@ class RelaxationAnalysis(Timeless):
     @property
     def space(self) -> Mesh | None:
         """The mesh whose nodes are shown; None before the first solution."""
-        return self.state.mesh
+        return self.rest.mesh
 
     @property
     def unknowns(self) -> int:
         """Unknowns of the equations, prescribed ones included."""
-        return self.state.x.size
+        return self.x.size
 
     @property
     def tolerance(self) -> float:
@@ -243,12 +274,19 @@ class RelaxationAnalysis(Timeless):
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest, evaluated once a solution."""
+        if self._postponed is not None and of_places(made(self.rest.scene).quantities):
+            return self.rest.observer(self.x)
         if self._observed[0] is not self.state:
             self._observed = (self.state, self.state.observer(self.state.x))
         return self._observed[1]
 
     def row(self) -> dict[str, Any]:
-        """Columns of the frame's row that only this analysis has, made once a solution."""
+        """Columns of the frame's row that only this analysis has, made once a solution.
+
+        Of a prediction that nothing has asked more of, `max_strain` is not a number.
+        """
+        if self._postponed is not None:
+            return self._row.postponed(self.rest)
         if self._rows[0] is not self.state:
             self._rows = (self.state, self._row(self.state))
         return dict(self._rows[1])

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import nan
 from typing import Any
 
 from restshape.physics.cloth.body_columns import body_columns, body_row
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.trust import trust_in
+from restshape.physics.cloth.trust import Trust, trust_in
 from restshape.scene.bodies import Body
 
 
@@ -23,10 +25,21 @@ class Row:
 
     def __call__(self, state: RelaxationState) -> dict[str, Any]:
         """The columns at a state."""
-        bodies, report = state.scene.bodies, state.report
-        trust = trust_in(state)
+        notes = "; ".join([*convergence_notes(state), *state.notes])
+        return self._columns(
+            state, state.report, trust_in(state), -1 if state.predicted else int(state.report.converged), notes
+        )
+
+    def postponed(self, rest: RelaxationState) -> dict[str, Any]:
+        """The columns of a prediction from an equilibrium, of which its positions alone are looked at."""
+        return self._columns(rest, ConvergenceReport(), Trust((), nan, nan, -1), -1, "")
+
+    def _columns(
+        self, state: RelaxationState, report: ConvergenceReport, trust: Trust, converged: int, note: str
+    ) -> dict[str, Any]:
+        bodies = state.scene.bodies
         return {
-            "converged": -1 if state.predicted else int(report.converged),
+            "converged": converged,
             "tangent_positive_definite": -1 if report.stable is None else int(report.stable),
             "relaxation_steps": report.steps,
             "factorisations": report.factors,
@@ -35,7 +48,7 @@ class Row:
             "max_strain": trust.max_strain,
             "crossings": trust.crossings,
             "untrusted": "; ".join(trust.reasons),
-            "note": "; ".join([*convergence_notes(state), *state.notes]),
+            "note": note,
             **body_row(dict(zip(bodies, state.bodies)), self.body_columns),
         }
 

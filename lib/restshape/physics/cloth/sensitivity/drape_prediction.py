@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from restshape.algebra.solve_counts import SolveCounts
+from restshape.algebra.weak_calls import weak_call
 from restshape.algebra.work_counts import pass_seconds
 from restshape.analysis.frame import Frame
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative
 from restshape.physics.cloth.sensitivity.drape_distance import USUAL, Accuracy, missing_way, stabilised_step
+from restshape.physics.cloth.sensitivity.postponed import Postponed
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import Alignment, Context
@@ -37,6 +41,21 @@ class PredictedDrape(Protocol):
     state: RelaxationState
     counts: SolveCounts
     context: Context
+
+    @property
+    def x(self) -> np.ndarray:
+        """Unknowns (n, 3) of the state."""
+
+    @property
+    def rest(self) -> RelaxationState:
+        """The equilibrium that is shown, or that the prediction is from."""
+
+    @property
+    def predicted(self) -> bool:
+        """Whether a prediction is shown."""
+
+    def postpone(self, shown: Postponed) -> None:
+        """Show a prediction whose state is made where it is asked for."""
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> DrapeDerivative:
         """Derivatives of the last equilibrium along the hand's directions."""
@@ -84,22 +103,38 @@ class DrapePrediction:
 
     def values(self) -> np.ndarray:
         """The unknowns (n, 3) at the last equilibrium or prediction."""
-        return self.analysis.state.x
+        return self.analysis.x
 
     def set_values(self, values: np.ndarray) -> None:
         """Take predicted unknowns (n, 3) for those of the pattern as it lies now."""
-        state = self.analysis.state
-        rest = state.rest or state
+        rest = self.analysis.rest
+        if rest.problem.mesh.topology == rest.topology:
+            # Flips make other triangles than those of the elements.
+            self.analysis.state = self._predicted(rest, values)
+
+    def show_values(self, values: np.ndarray, distance: Callable[[], float] | None = None) -> None:
+        """The same, of which nothing but positions is made before it is asked for.
+
+        Args:
+            values: (n, 3) unknowns.
+            distance: of `RelaxationState`.
+        """
+        rest = self.analysis.rest
+        if rest.problem.mesh.topology == rest.topology:
+            # Weakly, for the analysis that keeps it is kept by this object.
+            make = partial(weak_call(self._predicted), rest, values, distance)
+            self.analysis.postpone(Postponed(rest, values, make))
+
+    def _predicted(
+        self, rest: RelaxationState, values: np.ndarray, distance: Callable[[], float] | None = None
+    ) -> RelaxationState:
+        """The state with predicted unknowns (n, 3), from an equilibrium, on the pattern as it lies."""
         problem = rest.problem
-        if problem.mesh.topology != rest.topology:
-            # Flips have made other triangles than those of the elements.
-            return
         if self._rest is not rest:
             # Its nodes have not moved in the material yet.
             self._rest, self._tensions = rest, problem.tensions(rest.x)
-        moved = self.analysis.moved(rest)
-        self.analysis.state = replace(
-            moved,
+        return replace(
+            self.analysis.moved(rest),
             x=problem.constrain(values),
             place=problem.place,
             friction=problem.contact.history if problem.contact else None,
@@ -109,12 +144,13 @@ class DrapePrediction:
             notes=(),
             doubts=(),
             rest=rest,
+            distance=distance,
         )
 
     @property
     def prediction(self) -> np.ndarray | None:
         """The predicted unknowns; None where the analysis holds an equilibrium."""
-        return self.analysis.state.x if self.analysis.state.predicted else None
+        return self.analysis.x if self.analysis.predicted else None
 
     def error(self, predicted: np.ndarray) -> float:
         """The distance of predicted unknowns (n, 3) on this mesh from the drape, over its size."""
@@ -159,7 +195,8 @@ class DrapePrediction:
 
     def seconds_since(self, before: tuple[int, ...]) -> float:
         """Seconds by the calibration of the solves since there were these counts; 0 without a factor."""
-        linear = None if self.analysis.state.solver is None else self.analysis.state.solver.linear
+        solver = self.analysis.rest.solver
+        linear = None if solver is None else solver.linear
         if linear is None or not linear.kept.ready:
             return 0.0
         matrices, iterations, factors = (now - then for now, then in zip(self.counted(), before))
@@ -169,7 +206,7 @@ class DrapePrediction:
 
     def step_seconds(self) -> float:
         """Seconds that `step` costs, with as many iterations as the last one had."""
-        linear = self.analysis.state.solver.linear
+        linear = self.analysis.rest.solver.linear
         if linear is None or not linear.kept.ready:
             return np.inf
         passes = pass_seconds(linear.kept.size.nonzeros, self.analysis.context.calibration)

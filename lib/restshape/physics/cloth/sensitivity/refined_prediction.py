@@ -47,6 +47,7 @@ class RefinedPrediction:
     Attributes:
         correction: (n, 3) of the fine cloth, that is shown.
         waits: nothing is shown before `show`, for more is to come.
+        lean: of what is shown positions alone are made before more is asked for.
 
     Source: docs/theory/design-derivative.md; 5.3.5 of the thesis.
     """
@@ -56,6 +57,7 @@ class RefinedPrediction:
     def __init__(self, analysis: NestedDrape, fine: DrapePrediction, levels: int) -> None:
         self.analysis, self.fine, self.levels = analysis, fine, levels
         self.correction, self.waits = np.empty((0, 3)), False
+        self.lean = False
         self._kept = self.correction
         self._coarse: NestedDrape | None = None
         self._own: DrapePrediction | None = None
@@ -115,13 +117,13 @@ class RefinedPrediction:
         report = self.coarse.state.report
         if not report.converged:
             raise ReplayProblem(f"the cloth on the coarse mesh does not come to rest: {report.why}")
-        if self.analysis.state.predicted:
+        if self.analysis.predicted:
             self._show()
 
     @property
     def settled(self) -> bool:
         """Whether the coarse cloth is at rest on its mesh as it lies."""
-        return self._coarse is not None and not self._coarse.state.predicted
+        return self._coarse is not None and not self._coarse.predicted
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
         """Derivatives (2, n, 3) of the coarse unknowns; motion (2, corners, 2) is of the fine mesh's nodes."""
@@ -134,7 +136,10 @@ class RefinedPrediction:
     def set_values(self, values: np.ndarray) -> None:
         """Take predicted coarse unknowns (n, 3) for those of the pattern as it lies now, and show them."""
         self.leave()
-        self.own.set_values(values)
+        if self.lean:
+            self.own.show_values(values)
+        else:
+            self.own.set_values(values)
         self._step = None
         self._show()
 
@@ -149,6 +154,11 @@ class RefinedPrediction:
     def step_seconds(self) -> float:
         """Seconds that `step` costs, by the calibration."""
         return self.own.step_seconds()
+
+    @property
+    def distance_known(self) -> bool:
+        """Whether the coarse cloth is at rest, or has taken a step, so that `coarse_distance` takes none."""
+        return self.settled or self._step is not None
 
     def coarse_distance(self) -> float:
         """About the distance of the coarse cloth from its drape, over its size: of the last step, or of one that is
@@ -224,14 +234,18 @@ class RefinedPrediction:
 
     def show(self) -> None:
         """Let the fine analysis hold the coarse cloth with the correction."""
-        self.fine.set_values(self.map.joined(self._corners(), self.correction))
+        values = self.map.joined(self._corners(), self.correction)
+        if self.lean:
+            self.fine.show_values(values, weak_call(self.distance))
+            return
+        self.fine.set_values(values)
         state = self.analysis.state
         if state.predicted:
             self.analysis.state = replace(state, distance=weak_call(self.distance))
 
     def _corners(self) -> np.ndarray:
         """Positions (n_coarse, 3) of the coarse mesh's nodes."""
-        return self.coarse.state.problem.corners(self.coarse.state.x)
+        return self.coarse.rest.problem.corners(self.coarse.x)
 
     # --- mixed from several drapes ------------------------------------------------------------------------------------
 
