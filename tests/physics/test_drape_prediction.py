@@ -73,11 +73,28 @@ def test_the_same_bits_twice_idle_work_included(tmp_path):
     assert [[row[name] for name in names] for row in rows] == [[row[name] for name in names] for row in again]
 
 
-def test_a_body_in_the_hand_is_relaxed(tmp_path):
+def test_steps_go_on_after_one_that_cost_too_much(tmp_path):
+    """What the last step has cost says no more at another drape, whose tangent and factor are others."""
+    scene, script = write_scene(tmp_path, HANGING), write_script(tmp_path, far((0.204, 0.1), (0.208, 0.1), frames=3))
+    made = make_replay(scene, script, overrides=["predict.frame_time=1"], predict="gmls")
+
+    def spend(row):
+        if row["event"] == "press":
+            made.prediction.predictor._applied = 10**9
+
+    rows = [row for row in rows_of(made, spend) if row["event"] == "drag"]
+    assert [row["solver_steps"] for row in rows[:3]] == [0, 0, 0]
+    assert all(row["predicted"] and row["solver_steps"] >= 1 for row in rows[3:])
+
+
+@pytest.mark.parametrize("kind", ["linear", "gmls"])
+def test_a_body_in_the_hand_is_relaxed_and_noted_once_a_drag(tmp_path, kind):
     scene = write_scene(tmp_path, ON_BALL)
-    events = [{"do": "press", "on": "ball"}, {"do": "drag", "to": [0.101, 0.11]}, {"do": "release"}]
-    rows, _ = shown(scene, write_script(tmp_path, events), "gmls")
+    once = [{"do": "press", "on": "ball"}, {"do": "drag", "to": [0.101, 0.11]}, {"do": "release"}]
+    rows, _ = shown(scene, write_script(tmp_path, [*once, *once]), kind)
     assert not any(row["predicted"] for row in rows) and all(row["converged"] == 1 for row in rows)
+    noted = [row["event"] for row in rows if "the hand moves ball, which is no part of the shape" in row["note"]]
+    assert noted == ["press", "press"]
 
 
 def test_a_body_that_goes_within_a_drag_leaves_no_sample(tmp_path):

@@ -10,6 +10,7 @@ from small_scenes import across, make_replay, plate, rows_of, write_scene, write
 from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.errors import UserError
+from restshape.physics.cloth.sensitivity.refined_prediction import RefinedPrediction
 from restshape.replay.columns import REFINED, columns_of
 
 QUANTITIES = '[quantities]\nlowest = { displacement = "z", reduce = "min" }\n'
@@ -117,6 +118,23 @@ def test_a_new_mesh_within_a_drag_begins_again(tmp_path):
     assert {2, 3} <= {level for level, *_ in drags} and not any(refused for *_, refused in drags)
     assert drags[drags.index((3, 2, "")) + 1] == (1, 1, "")
     assert rows[-1]["event"] == "release" and rows[-1]["converged"] == 1
+
+
+@pytest.mark.slow
+def test_a_fine_solve_that_falls_is_no_correction(tmp_path, monkeypatch):
+    """Where steps of the fine cloth have led far from what is shown, frames are as without them."""
+    events = far((0.22, 0.1), (0.225, 0.1), rest=8, released=False)
+    slow = Calibration.load()
+    units = {name: 150.0 * value for name, value in slow.__dict__.items() if name != "machine"}
+    found = {}
+    for way in (None, 0.2, 1e-4):
+
+        def fallen(pair, way=way):
+            return None if way is None else pair.correction + way * np.array([0.0, 0.0, -1.0])
+
+        monkeypatch.setattr(RefinedPrediction, "reached", fallen)
+        _, found[way] = shown(tmp_path, HANGING, events, calibration=replace(slow, **units))
+    assert off(found[0.2][-1], found[None][-1]) == 0.0 < off(found[1e-4][-1], found[None][-1])
 
 
 @pytest.mark.slow

@@ -63,6 +63,9 @@ class RefiningPredictor(Predictor, Protocol):
             ReplayProblem: there is no derivative.
         """
 
+    def way(self, correction: Reals) -> float:
+        """Of a correction since both meshes had solutions, relative."""
+
     def refine(self) -> bool:
         """Take a step of the fine mesh towards its solution, beside what is shown; whether another one is needed."""
 

@@ -24,6 +24,7 @@ log = logging.getLogger("restshape.replay")
 
 SPRINGS = "not predicted: nodes that springs relax do not follow the hand linearly"
 ARC = "not predicted: bending an arc is not linear"
+BESIDE = "not predicted: the hand moves {}, which is no part of the shape"
 TRUSTED = 0.2
 """Estimated relative distance from the solution beyond which a frame is solved instead."""
 
@@ -95,6 +96,7 @@ class PredictedFrames:
         self._c = (0.0, 0.0)
         self._estimate: tuple[float, float] | None = None
         self._doubt = ""
+        self._beside = ""
 
     @property
     def distance(self) -> float:
@@ -184,6 +186,7 @@ class PredictedFrames:
         self.note, self._before = self._doubt, None
         self._doubt = ""
         gesture = self.session.grabbed
+        self._note_beside(edit)
         kept = self.made is not None and self.made.gesture is gesture and idle
         self.active = False
         if kept:
@@ -195,6 +198,13 @@ class PredictedFrames:
                 log.info("%4d Frames %s", edit.index, self.note)
             return
         self.made = self._taken(edit, edit.gesture)
+
+    def _note_beside(self, edit: ScriptFrame) -> None:
+        """Say at its first frame what a hand holds beside the shape: a body, or a support."""
+        before, self._beside = self._beside, edit.hand[0] if edit.hand and self.session.grabbed is None else ""
+        if self._beside not in ("", before):
+            self.note = BESIDE.format(self._beside)
+            log.info("%4d Frames %s", edit.index, self.note)
 
     def idle(self, edit: ScriptFrame, solve: Callable[[ScriptFrame], None]) -> None:
         """Before a frame, spend the edit time since the last one: on nothing.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from restshape.errors import ReplayProblem
 from restshape.replay.estimated_frames import wants_nothing
+from restshape.replay.predicted_frames import TRUSTED
 from restshape.replay.sampled_frames import SampledFrames
 from restshape.sensitivity.samples import DragSamples, SamplePlace
 
@@ -189,7 +190,9 @@ class RefinedFrames(SampledFrames):
         elif work == STEP:
             self._refined = not self.pair.refine()
             reached = self.pair.reached()
-            if self._corrections is not None and reached is not None:
+            # Cloth that falls goes too far to be a correction.
+            near = reached is not None and self.pair.way(reached) <= TRUSTED
+            if self._corrections is not None and reached is not None and near:
                 self._corrections.set_last(last.c, reached)
         elif work == FINE:
             predicted = self.predictor.prediction

@@ -96,6 +96,7 @@ class DrapePrediction:
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
         """Derivatives (2, n, 3) of the unknowns along the hand's two directions; see `analysis.Predictor`."""
+        self._applied = EXPECTED
         found, state = self.analysis.derivative(motion, min(tolerance, TOLERANCE)), self.analysis.state
         if found.note and found.note not in state.notes:
             self.analysis.state = replace(state, notes=(*state.notes, found.note))

@@ -199,8 +199,11 @@ class RefinedPrediction:
 
         That of the coarse cloth from its own, and the way of the correction since the last fine drape.
         """
-        way = self.correction - self._kept
-        return self.coarse_distance() + self.fine.share(way)
+        return self.coarse_distance() + self.way(self.correction)
+
+    def way(self, correction: np.ndarray) -> float:
+        """Of a correction (n, 3) since the last fine drape, over the size of the cloth."""
+        return self.fine.share(correction - self._kept)
 
     def quantity_distances(self) -> dict[str, float]:
         """None: what the coarse cloth has says nothing of quantities on the fine one."""
