@@ -88,12 +88,13 @@ def test_steps_go_on_after_one_that_cost_too_much(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["linear", "gmls"])
-def test_a_body_in_the_hand_is_relaxed_and_noted_once_a_drag(tmp_path, kind):
+@pytest.mark.parametrize("held, to", [("ball", [0.101, 0.11]), ("pins", [0.101, 0.0])])
+def test_a_body_or_a_pin_in_the_hand_is_relaxed_and_noted_once_a_drag(tmp_path, kind, held, to):
     scene = write_scene(tmp_path, ON_BALL)
-    once = [{"do": "press", "on": "ball"}, {"do": "drag", "to": [0.101, 0.11]}, {"do": "release"}]
+    once = [{"do": "press", "on": held}, {"do": "drag", "to": to}, {"do": "release"}]
     rows, _ = shown(scene, write_script(tmp_path, [*once, *once]), kind)
     assert not any(row["predicted"] for row in rows) and all(row["converged"] == 1 for row in rows)
-    noted = [row["event"] for row in rows if "the hand moves ball, which is no part of the shape" in row["note"]]
+    noted = [row["event"] for row in rows if f"the hand moves {held}, which is no part of the shape" in row["note"]]
     assert noted == ["press", "press"]
 
 
