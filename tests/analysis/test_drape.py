@@ -230,7 +230,7 @@ def test_moved_material_takes_its_place_on_the_cloth(tmp_path, bending):
     found.space.X[inner] += 0.01
     found.problem.update()
     morley = found.problem.morley
-    x = found.state.advected().unknowns_at(found.problem.place, morley.side_number if morley else None)
+    x = found.state.advected.unknowns_at(found.problem.place, morley.side_number if morley else None)
     np.testing.assert_allclose(found.problem.corners(x)[:, :2], found.space.X, atol=1e-9)
     assert found.problem.bending_energy(x) < 1e-20
 

@@ -127,7 +127,8 @@ def test_cloth_that_jumps_says_how_far_and_by_how_much_its_energy_fell(tmp_path,
     (note,) = state.notes
     found = re.fullmatch(r"cloth jumped (\d+) mm where the hand went 10 mm; energy fell by (\S+) mJ", note)
     assert float(found[1]) == pytest.approx(1e3 * way, abs=0.5)
-    assert float(found[2]) == pytest.approx(1e3 * fell, rel=0.1)
+    # Descents end at rests of other energies before it, which the parabola is through.
+    assert float(found[2]) == pytest.approx(1e3 * fell, rel=0.25 if left_out else 0.1)
 
 
 def test_frames_are_left_out_after_tries_in_vain():

@@ -67,7 +67,7 @@ def refined_drag(trial: Trial) -> Iterator[Statement]:
     yield below("of them frames that say that they are at rest", resting, 0)
     yield true("at rest on release, on the fine mesh", row["converged"] == 1 and row["level_shown"] == 2)
     distance = float(np.abs(made.analysis.x - first).max())
-    yield below("distance of the drape after all from the first one [m]", distance, 1e-5)
+    yield below("distance of the drape after all from the first one [m]", distance, 1e-8)
     yield below("largest estimate of what is shown", largest, 0.2)
     yield below("growth of memory after the first tenth [bytes]", used[-1][1] - used[1][1], GROWTH)
     early, late = used[5][0] - used[1][0], used[9][0] - used[5][0]

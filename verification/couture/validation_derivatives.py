@@ -13,7 +13,7 @@ COARSE = ["mesh.size=0.06", "mesh.levels=1", "effects.drape.tolerance=1e-9", "ef
 BALL, CONTACT, COTTON = "bodies.ball.sphere", "effects.contact", "material.cotton"
 TOLERANCE = 1e-10
 """Of derivatives."""
-BOUND = 1e-5
+BOUND = 1e-6
 """Of what is exact but for the rest and the solves, as a share of the largest of its parts."""
 
 
