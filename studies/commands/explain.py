@@ -16,6 +16,7 @@ from restshape.cli.shipped import script_of
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import counted
+from restshape.scene.materials import sources
 
 PLACE = 1
 SUMMARY = "print which effects a scene calls for and why, what each costs, and which solvers it gets"
@@ -76,6 +77,9 @@ def run(args: argparse.Namespace) -> int:
     if called := kernels(rows):
         print()
         print_table("kernels called, a frame", ("effect", "kernels: calls, elements in each"), called)
+    if named := sources({own: material.name for own, material in scene.material.items()}):
+        print()
+        print_table("materials", ("material", "name", "source of its values"), named)
     note_words(args.petsc)
     write_json(args, rows)
     return 0

@@ -2,6 +2,7 @@
 
 import pytest
 
+from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS
 from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS, ElasticMaterial
 from restshape.physics.heat.heat_declaration import HEAT, ThermalMaterial
 from restshape.scene.materials import LIBRARY, library
@@ -46,7 +47,7 @@ def test_solids_and_heat_share_one_library():
         "timber",
         "PLA",
     }
-    assert dict(HEAT.materials) == KNOWN and set(KNOWN) | set(ELASTIC_MATERIALS) == set(LIBRARY)
+    assert dict(HEAT.materials) == KNOWN and set(KNOWN) | set(ELASTIC_MATERIALS) | set(CLOTH_MATERIALS) == set(LIBRARY)
     for name in set(KNOWN) & set(ELASTIC_MATERIALS):
         assert (
             conductor(name=name).rho

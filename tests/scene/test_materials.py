@@ -8,11 +8,13 @@ from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.physics.cloth.cloth_declaration import CLOTH
+from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS
 from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS, PLANE_SOLIDS
 from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS, ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
+from restshape.scene.materials import LIBRARY, sources
 from restshape.scene.model import Material
 from restshape.scene.scene_type import material_type
 
@@ -34,9 +36,15 @@ def test_where_no_material_is_known_a_name_is_refused():
         Material.model_validate({"name": "steel"})
 
 
-@pytest.mark.parametrize("physics", [PLANE_SOLIDS, FREE_VIBRATIONS, CLOTH], ids=lambda one: one.name)
-def test_solids_plates_and_cloth_know_the_same(physics):
+@pytest.mark.parametrize("physics", [PLANE_SOLIDS, FREE_VIBRATIONS], ids=lambda one: one.name)
+def test_solids_and_plates_know_the_same(physics):
     assert physics.materials is ELASTIC_MATERIALS
+
+
+def test_cloth_knows_fabrics_besides():
+    fabrics = set(CLOTH_MATERIALS) - set(ELASTIC_MATERIALS)
+    assert CLOTH.materials is CLOTH_MATERIALS and set(ELASTIC_MATERIALS) < set(CLOTH_MATERIALS)
+    assert fabrics == {"soft cloth", "dress cloth", "interlock", "denim", "trouser cloth", "polyester cloth"}
 
 
 def test_steel_is_that_of_the_standard():
@@ -178,3 +186,8 @@ def test_a_thickness_that_names_what_is_not_there_is_refused():
     scene = Path(__file__).parents[1] / "scenes" / "bar_100.toml"
     with pytest.raises(UserError, match="names 'foo'"):
         load_scene(scene, ["material.aluminium.thickness=4 mm*(1 - foo*x)"])
+
+
+def test_sources_are_those_of_the_names_that_are_taken():
+    found = sources({"hem": "steel", "own": None})
+    assert found == [("hem", "steel", LIBRARY["steel"]["source"])]

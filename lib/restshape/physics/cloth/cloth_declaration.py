@@ -3,13 +3,12 @@
 from typing import Literal
 
 from restshape.physics.cloth.cloth_derived_effects import CLOTH as DERIVED
-from restshape.physics.cloth.cloth_material_keys import ClothMaterial
+from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS, ClothMaterial
 from restshape.physics.cloth.cloth_scene_checks import check_cloth
 from restshape.physics.cloth.cloth_solver_plan import cloth_plan
 from restshape.physics.cloth.effects import EFFECTS, cloth_columns
 from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.physics.cloth.weight import mass_and_weight
-from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS
 from restshape.scene.bodies import Body, Start, body_words, start_words
 from restshape.scene.load_kind import ENTITIES
 from restshape.scene.physics import OwnPictures, Physics, Section
@@ -27,7 +26,7 @@ CLOTH = Physics(
     summary="sheets that stretch and bend, hang from supports and lie on bodies",
     solver=cloth_plan,
     material=ClothMaterial,
-    materials=ELASTIC_MATERIALS,
+    materials=CLOTH_MATERIALS,
     boundary={"x": "length", "y": "length", "z": "length", "slope": "angle"},
     support=ClothSupport,
     quantities={

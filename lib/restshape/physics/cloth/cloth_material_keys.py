@@ -5,8 +5,12 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema, model_validator
 
 from restshape.physics.elasticity.elasticity_material_keys import ElasticMaterial
+from restshape.scene.materials import FABRIC, library
 from restshape.scene.units import UnitError
 from restshape.scene.values import Measured, read_number
+
+CLOTH_MATERIALS = library("E", "orthotropic", FABRIC)
+"""Fabrics, and materials whose stiffness is known, by name."""
 
 
 def _read_bending(raw: Any, info: ValidationInfo) -> float | tuple[float, float]:
