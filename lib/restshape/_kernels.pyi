@@ -413,6 +413,11 @@ class NearPairs:
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         reach: typing.SupportsFloat | typing.SupportsIndex,
     ) -> tuple: ...
+    def sew(
+        self,
+        numbers: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        sewn: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    ) -> None: ...
     def step_share(
         self,
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

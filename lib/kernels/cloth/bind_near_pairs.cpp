@@ -59,6 +59,14 @@ py::tuple search(Search& own, const Doubles& x, double reach) {
     return py::make_tuple(array_of(edge_edge), array_of(cell_node));
 }
 
+void sew(Search& own, const Numbers& of, const Numbers& sewn) {
+    if (of.ndim() != 1 || of.shape(0) != own.nodes) throw std::invalid_argument("numbers must have the shape (n,)");
+    require_numbers(sewn, 2, own.nodes, "sewn numbers must have the shape (k, 2)");
+    for (py::ssize_t i = 0; i < of.size(); ++i)
+        if (of.data()[i] < 0 || of.data()[i] >= own.nodes) throw std::invalid_argument("a number is out of range");
+    own.found.sew(of.data(), sewn.data(), static_cast<int>(sewn.shape(0)));
+}
+
 double step_share(Search& own, const Doubles& x, const Doubles& d, double reach) {
     return own.found.share_of(own.points(x), own.points(d), reach);
 }
@@ -69,6 +77,8 @@ void bind_near_pairs(py::module_& m) {
     py::class_<Search>(m, "NearPairs", "Finds parts of a sheet that may come near each other on a straight way.")
         .def(py::init<const Doubles&, const Numbers&, const Numbers&>(), "X"_a, "edges"_a, "cells"_a,
              "Of edges (m, 2) and triangles (ne, 3) between nodes X (n, 2) of the flat sheet.")
+        .def("sew", &sew, "numbers"_a, "sewn"_a,
+             "Nodes of one of the numbers (n,) are as one, and so are those of pairs (k, 2) of numbers.")
         .def(
             "search", &search, "x"_a, "reach"_a,
             "Pairs without a common node, of edges (k, 2) and of a triangle and a node (l, 2), that are within a reach "

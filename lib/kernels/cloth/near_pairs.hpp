@@ -210,6 +210,20 @@ class NearPairs {
         }
     }
 
+    // Nodes that are sewn together are as one: of one number of `of`, or, with a node to the middle of an edge, of two
+    // numbers that are a pair of `sewn`. Pairs of parts with such nodes are none, like those with a common node.
+    void sew(const int32_t* of, const int32_t* sewn, int count) {
+        of_.assign(of, of + nodes_.count());
+        start_of_.assign(nodes_.count() + 1, 0);
+        sewn_.resize(2 * static_cast<size_t>(count));
+        for (int k = 0; k < 2 * count; ++k) ++start_of_[sewn[k] + 1];
+        std::partial_sum(start_of_.begin(), start_of_.end(), start_of_.begin());
+        std::vector<int32_t> next(start_of_.begin(), start_of_.end() - 1);
+        for (int k = 0; k < 2 * count; ++k) sewn_[next[sewn[k]]++] = sewn[k ^ 1];
+        home_.clear();
+        start_.clear();
+    }
+
     // At one place, from what is known around it, or on the last way, where that holds all of it.
     void search(const Point3* at, double reach, Pairs& edge_edge, Pairs& cell_node) {
         if (const double off = off_home(at, nullptr); reach <= home_reach_ && off < INFINITY) {
@@ -254,14 +268,14 @@ class NearPairs {
         fit(from, way, 0.5 * reach);
         double share = 1.0;
         edges_.with_itself([&](int i, int j) {
-            if (share_node(edges_.item(i), edges_.item(j))) return;
+            if (joined(edges_.item(i), edges_.item(j))) return;
             const auto [met, near] = edges_met(from, way, i, j, share, reach);
             share = met;
             if (near) near_edges_.push_back({i, j});
         });
         cells_.with(nodes_, [&](int i, int j) {
-            const int32_t *a = cells_.item(i), node = *nodes_.item(j);
-            if (a[0] == node || a[1] == node || a[2] == node) return;
+            const int32_t node = *nodes_.item(j);
+            if (joined(cells_.item(i), node)) return;
             const auto [met, near] = cell_met(from, way, i, node, share, reach);
             share = met;
             if (near) near_cells_.push_back({i, node});
@@ -372,8 +386,20 @@ class NearPairs {
         for (BoxTree* tree : {&edges_, &cells_, &nodes_}) tree->fit(from, way, margin);
     }
 
-    static bool share_node(const int32_t* a, const int32_t* b) {
-        return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
+    // Whether edges, or a triangle and a node, have a common node, or nodes that are sewn together.
+    bool joined(const int32_t* a, const int32_t* b) const {
+        if (of_.empty()) return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
+        return as_one(a[0], b[0]) || as_one(a[0], b[1]) || as_one(a[1], b[0]) || as_one(a[1], b[1]);
+    }
+    bool joined(const int32_t* a, int32_t node) const {
+        if (of_.empty()) return a[0] == node || a[1] == node || a[2] == node;
+        return as_one(a[0], node) || as_one(a[1], node) || as_one(a[2], node);
+    }
+    bool as_one(int32_t i, int32_t j) const {
+        const int32_t p = of_[i], q = of_[j];
+        if (p == q) return true;
+        const auto first = sewn_.begin() + start_of_[p], end = sewn_.begin() + start_of_[p + 1];
+        return std::find(first, end, q) != end;
     }
 
     void add_edges(const Point3* at, double reach, int i, int j, Pairs& found) const {
@@ -382,14 +408,14 @@ class NearPairs {
     void add_cell(const Point3* at, double reach, int i, int32_t node, Pairs& found) const {
         if (cell_apart(at, i, node) < reach) found.push_back({i, node});
     }
-    // Infinite where they have a common node.
+    // Infinite where they are joined.
     double edges_apart(const Point3* at, int i, int j) const {
         const int32_t *a = edges_.item(i), *b = edges_.item(j);
-        return share_node(a, b) ? INFINITY : segment_distance(at[a[0]], at[a[1]], at[b[0]], at[b[1]]);
+        return joined(a, b) ? INFINITY : segment_distance(at[a[0]], at[a[1]], at[b[0]], at[b[1]]);
     }
     double cell_apart(const Point3* at, int i, int32_t node) const {
         const int32_t* a = cells_.item(i);
-        if (a[0] == node || a[1] == node || a[2] == node) return INFINITY;
+        if (joined(a, node)) return INFINITY;
         return triangle_distance(at[node], at[a[0]], at[a[1]], at[a[2]]);
     }
 
@@ -448,6 +474,8 @@ class NearPairs {
 
     static constexpr int most_steps = 10000;  // of an advance: what is left of the way is not gone
     BoxTree edges_, cells_, nodes_;
+    // Numbers of nodes, and of each those that are sewn to it; empty where there are no seams.
+    std::vector<int32_t> of_, start_of_, sewn_;
     // The last way, and what may come within a reach on it.
     std::vector<Point3> start_, way_;
     double reach_ = 0.0;

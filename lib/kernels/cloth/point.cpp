@@ -1,6 +1,7 @@
-// Potentials at nodes and at points of triangles.
+// Potentials at nodes and at points of triangles, and springs of seams.
 #include "cloth/point.hpp"
 
+#include "cloth/seam.hpp"
 #include "fem/element.hpp"
 
 namespace restshape {
@@ -10,6 +11,7 @@ std::vector<Element> point_elements() {
         element_of<PointPotentialElement>("potential", "point1"),
         element_of<TrianglePotentialElement>("potential", "tri3"),
         element_of<PointCouplingElement>("coupling", "point2"),
+        element_of<SeamEdgeElement>("seam", "edge3"),
     };
 }
 

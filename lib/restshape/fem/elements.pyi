@@ -42,6 +42,7 @@ OSEEN_FLOW: Family
 PLATE: Family
 POTENTIAL: Family
 PRESSURE: Family
+SEAM: Family
 SLOW_FLOW: Family
 STOKES: Family
 STVK: Family

@@ -7,6 +7,7 @@ from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS, ClothMa
 from restshape.physics.cloth.cloth_scene_checks import check_cloth
 from restshape.physics.cloth.cloth_solver_plan import cloth_plan
 from restshape.physics.cloth.effects import EFFECTS, cloth_columns
+from restshape.physics.cloth.seam_keys import Seam
 from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.physics.cloth.weight import mass_and_weight
 from restshape.scene.bodies import Body, Start, body_words, start_words
@@ -40,14 +41,15 @@ CLOTH = Physics(
         ),
         "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum", on=tuple(ENTITIES)),
         "energy": QuantityKind(
-            Literal["strain", "membrane", "bending", "potential"],
+            Literal["strain", "membrane", "bending", "seams", "potential"],
             "moment",
             "sum",
-            summary='of cloth "strain" is that of "membrane" and "bending", "potential" that with weight and contact',
+            summary='of cloth "strain" is "membrane" and "bending", "potential" that with weight, seams and contact',
         ),
     },
     sections={
         "bodies": Section(Body, "what cloth comes to lie on", named=True, words=body_words),
+        "seams": Section(Seam, "edges that are sewn together", named=True),
         "start": Section(Start, "where the flat cloth lies at first", optional=True, words=start_words),
     },
     effects=EFFECTS,

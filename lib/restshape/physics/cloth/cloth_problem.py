@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
+from restshape.algebra.operator import Block
 from restshape.algebra.traits import Traits
 from restshape.fem.assembled import Assembled
 from restshape.fem.integral import Integral, Term
@@ -30,6 +31,7 @@ from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.parameters import Lumped, lumped_rates, triangle_rates
 from restshape.physics.cloth.point_forces import PointForces, TriangleForces
+from restshape.physics.cloth.seams import SeamForces, Seams
 from restshape.physics.cloth.self_contact import SelfContact
 from restshape.physics.cloth.self_forces import SelfCoupling, SelfForces, coupled_nodes
 from restshape.scene.model import Quantity
@@ -62,6 +64,7 @@ class ClothProblem(SteadyProblem):
         place: where the nodes were in the material at the last `update`.
         boundary: prescribed unknowns; lumped: areas and masses of the nodes.
         softness: part of the membrane's stiffness that there is.
+        seams: what sews edges together; None: nothing does.
         self_contact: of the cloth with itself; None: it passes through itself.
 
     Source: docs/theory/cloth.md.
@@ -77,6 +80,7 @@ class ClothProblem(SteadyProblem):
     ) -> None:
         self.mesh, self.contact = mesh, contact
         self.self_contact: SelfContact | None = None
+        self.seams: Seams | None = None
         self.morley = MorleySpace(mesh) if fabric.kind == "morley" else None
         nodes = np.arange(len(mesh.X), dtype=np.int32)
         self.corner_number = self.morley.corner_number if self.morley else nodes
@@ -113,8 +117,9 @@ class ClothProblem(SteadyProblem):
 
     @property
     def coverings(self) -> int:
-        """Another one whenever contact of the cloth with itself may couple other nodes."""
-        return self.self_contact.coverings if self.self_contact else 0
+        """Another one whenever contact of the cloth with itself, or seams, may couple other nodes."""
+        sewn = self.seams.changes if self.seams else 0
+        return (self.self_contact.coverings if self.self_contact else 0) + sewn
 
     @property
     def stiffness_version(self) -> int:
@@ -175,6 +180,8 @@ class ClothProblem(SteadyProblem):
         self.boundary = ClothDirichlet(self.supports, mesh, self.corner_number, len(self.X), morley)
         self.lumped = Lumped.of(self.X, self.membrane.corners, density, self.g * self.boundary.free)
         self.soften(self.softness)
+        if self.seams:
+            self._place_seams(self.seams)
         if self.self_contact:
             self.self_contact.place(mesh.X)
         if self.bending:
@@ -184,6 +191,21 @@ class ClothProblem(SteadyProblem):
         """Give the membrane a part of its stiffness, or 1 for all of it; weight and bending stay."""
         self.softness, self._changes = part, self._changes + 1
         self.membrane.update(self.fabric, self.lumped.density, self.g, part)
+
+    def sew(self, seams: Seams) -> None:
+        """Have seams from now on."""
+        self.seams = seams
+        self._place_seams(seams)
+
+    def _place_seams(self, seams: Seams) -> None:
+        """Let seams join what they join where the nodes are now: neighbours across them touch no more than others."""
+        seams.place(self.mesh.X)
+        if self.surface.sew(*seams.sewing()) and self.self_contact:
+            self.self_contact.set_values(self.self_contact.values)
+
+    def pull_seams(self, part: float) -> None:
+        """Give seams a part of their stiffness, or 1 for all of it."""
+        self.seams.pull, self._changes = part, self._changes + 1
 
     @contextmanager
     def stiffened(self, share: float) -> Iterator[None]:
@@ -255,23 +277,34 @@ class ClothProblem(SteadyProblem):
 
     # --- integrals ------------------------------------------------------------------------------------------------
 
-    def blocks(self) -> list[np.ndarray]:
-        """Nodes of what has a tangent: membrane, points, bending, and pairs that contact with itself couples."""
+    def blocks(self) -> list[Block]:
+        """Nodes of what has a tangent: membrane, points, bending, seams, and pairs that contact with itself couples."""
         bent = self.bending.blocks() if self.bending else []
+        sewn = [(self.seams.own_nodes, self.seams.dofs)] if self.seams else []
         pairs = [coupled_nodes(self.self_contact, self.corner_number)] if self.self_contact else []
-        return [self.membrane.corners, np.ascontiguousarray(self.corner_number[:, None]), *bent, *pairs]
+        return [self.membrane.corners, np.ascontiguousarray(self.corner_number[:, None]), *bent, *sewn, *pairs]
 
     def integrals(self, kind: str, part: float = 1.0) -> Sequence[Term]:
         """The integrals of a kind, see `fem.problem`; no load has steps."""
         if kind == STIFFNESS:
-            return [self.membrane.integral(self.X, weighs=False), *self.bending_integrals()]
+            return [self.membrane.integral(self.X, weighs=False), *self.bending_integrals(), *self.seam_integrals()]
         if kind != INTERNAL:
             return []
-        return [self.membrane.integral(self.X), *self.bending_integrals(), *self._contact()]
+        return [self.membrane.integral(self.X), *self.bending_integrals(), *self.seam_integrals(), *self._contact()]
 
     def material_integrals(self) -> list[Term]:
-        """Those of the cloth by itself: membrane, weight, bending, and contact with itself."""
-        return [self.membrane.integral(self.X), *self.bending_integrals(), *self._own_contact()]
+        """Those of the cloth by itself: membrane, weight, bending, seams, and contact with itself."""
+        own = self._own_contact()
+        return [self.membrane.integral(self.X), *self.bending_integrals(), *self.seam_integrals(), *own]
+
+    def seam_integrals(self) -> list[SeamForces]:
+        """Those of seams."""
+        return [self.seams.integral(self._first_free_block)] if self.seams else []
+
+    @property
+    def _first_free_block(self) -> int:
+        """The block of the operator after those of membrane, points and bending."""
+        return 2 + len(self.bending.blocks() if self.bending else [])
 
     def bending_integrals(self) -> list[Integral]:
         """Those of bending."""
@@ -295,6 +328,7 @@ class ClothProblem(SteadyProblem):
         found: list[Term] = [self.membrane.integral(self.X, stabilised)]
         if self.contact or inertia:
             found += self._points(inertia, curved=not stabilised)
+        found += self.seam_integrals()
         found += self._own_contact(curved=not stabilised)
         return found if self.quadratic_bending else found + self.bending_integrals()
 
@@ -308,7 +342,7 @@ class ClothProblem(SteadyProblem):
         forces = SelfForces(self.X, np.ascontiguousarray(self.corner_number[:, None]), self.self_contact, curved)
         if not len(self.self_contact.pairs):
             return [forces]
-        return [forces, SelfCoupling(forces, 2 + len(self.bending.blocks() if self.bending else []))]
+        return [forces, SelfCoupling(forces, self._first_free_block + (self.seams is not None))]
 
     def _points(self, inertia: float = 0.0, curved: bool = True) -> list[PointForces | TriangleForces]:
         numbers, contact = self.corner_number, self.contact
@@ -333,7 +367,11 @@ class ClothProblem(SteadyProblem):
         """Potential energy [J] at x (n, 3), of weight too."""
         # Bending is summed by itself first, as it is reported by itself.
         total = Assembled([self.membrane.integral(self.X)]).energy(x) + self.bending_energy(x)
-        return total + Assembled(self._contact()).energy(x)
+        return total + self.seam_energy(x) + Assembled(self._contact()).energy(x)
+
+    def seam_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of seams at x (n, 3)."""
+        return Assembled(self.seam_integrals()).energy(x)
 
     def bending_energy(self, x: np.ndarray) -> float:
         """Energy [J] of bending at x (n, 3)."""
@@ -362,9 +400,10 @@ class ClothProblem(SteadyProblem):
         Assembled(self.integrals(INTERNAL)).residual(x, out)
 
     def internal_forces(self, x: np.ndarray, out: np.ndarray) -> None:
-        """Set `out` (n, 3) [N] to the forces of membrane, bending and weight, also where prescribed."""
+        """Set `out` (n, 3) [N] to the forces of membrane, bending, weight and seams, also where prescribed."""
         out[:] = 0.0
-        Assembled([self.membrane.integral(self.X), *self.bending_integrals()]).residual(x, out)
+        parts = [self.membrane.integral(self.X), *self.bending_integrals(), *self.seam_integrals()]
+        Assembled(parts).residual(x, out)
 
     # --- what is shown --------------------------------------------------------------------------------------------
 

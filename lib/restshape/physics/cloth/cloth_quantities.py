@@ -38,6 +38,9 @@ class ObservedCloth(Protocol):
     def bending_energy(self, x: np.ndarray) -> float:
         """Energy [J] of bending at x (n, 3)."""
 
+    def seam_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of seams at x (n, 3)."""
+
 
 def observer(problem: ObservedCloth, quantities: Mapping[str, Quantity]) -> Observer:
     """What evaluates the quantities of a scene at positions x (n, 3) [m] of its cloth.
@@ -108,6 +111,7 @@ def _energy(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[
         "strain": lambda x: problem.membrane_energy(x) + problem.bending_energy(x),
         "membrane": problem.membrane_energy,
         "bending": problem.bending_energy,
+        "seams": problem.seam_energy,
         "potential": problem.energy,
     }
     if quantity.energy not in kinds:

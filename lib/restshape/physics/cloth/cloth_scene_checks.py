@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from restshape.physics.cloth.seam_keys import check_seams
 from restshape.scene.checks import refuse_places
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
@@ -37,6 +38,7 @@ def check_cloth(scene: Scene, source: Source) -> None:
     for place, value in formulas_of_bodies(scene):
         refuse_places(place, value, "a number of a body", source)
     _check_bodies(scene, source)
+    check_seams(scene, scene.shape.kinds(), source)
     for name, material in scene.material.items():
         if "thickness" not in material.model_fields_set:
             raise source.error(("material", name), "the cloth has no thickness", 'add thickness = "0.3 mm"')

@@ -30,18 +30,37 @@ class CollisionSurface:
 
     Attributes:
         edges: (m, 2) int32 nodes; cells: (ne, 3) int32.
+        sewn: what seams join, of `NearPairs.sew`; None: there are none.
 
     Source: Ferguson and others, IPC Toolkit; Li and others, ACM TOG 39(4), 2020, 49.
     """
 
     def __init__(self, X: np.ndarray, cells: np.ndarray) -> None:
         self.edges, self.cells = unique_edges(cells), np.array(cells, np.int32)
+        self.sewn: tuple[np.ndarray, np.ndarray] | None = None
         self.place(X)
 
     def place(self, X: np.ndarray) -> None:
         """Take in where the nodes are in the material, (n, 2) [m]."""
         self.flat = columns(np.column_stack([X, np.zeros(len(X))]))
         self.__dict__.pop("mesh", None)
+
+    def sew(self, numbers: np.ndarray, pairs: np.ndarray) -> bool:
+        """Let nodes of one of the numbers (n,), and of pairs (k, 2) of numbers, be as one: their parts do not meet.
+
+        Returns: whether they are others than before.
+        """
+        before, self.sewn = self.sewn, (numbers, pairs)
+        return before is None or not all(map(np.array_equal, before, self.sewn))
+
+    def as_one(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Whether nodes (m,) and others (m,) are the same, or sewn together."""
+        if self.sewn is None:
+            return first == second
+        numbers, pairs = self.sewn
+        n, i, j = np.int64(len(numbers)), numbers[first], numbers[second]
+        keys = np.minimum(i, j) * n + np.maximum(i, j)
+        return (i == j) | np.isin(keys, pairs[:, 0] * n + pairs[:, 1])
 
     @cached_property
     def library(self) -> Any:
@@ -59,18 +78,24 @@ class CollisionSurface:
 
     def crosses(self, x: np.ndarray) -> bool:
         """Whether an edge passes through a triangle at positions x (n, 3)."""
-        return bool(self.library.has_intersections(self.mesh, columns(x), self.library.LBVH()))
+        meet = bool(self.library.has_intersections(self.mesh, columns(x), self.library.LBVH()))
+        return meet and (self.sewn is None or len(self._passed(x)) > 0)
 
     def crossed(self, x: np.ndarray) -> np.ndarray:
         """Numbers (k,) of the triangles that edges of others pass through at positions x (n, 3)."""
         if not np.isfinite(x).all() or not self.crosses(x):
             return np.empty(0, np.int64)
+        return self._passed(x)
+
+    def _passed(self, x: np.ndarray) -> np.ndarray:
+        """The same, where something may be crossed."""
         search = self.library.LBVH()
         search.build(columns(x), np.asfortranarray(self.edges), np.asfortranarray(self.cells))
         near = search.detect_edge_face_candidates()
         edge, cell = np.array([(pair.edge_id, pair.face_id) for pair in near], np.int64).reshape(-1, 2).T
         ends, corners = self.edges[edge], self.cells[cell]
-        apart = (ends[:, :, None] != corners[:, None, :]).all(axis=(1, 2))
+        first, second = np.broadcast_arrays(ends[:, :, None], corners[:, None, :])
+        apart = ~self.as_one(first.ravel(), second.ravel()).reshape(first.shape).any(axis=(1, 2))
         hit = passes_through(x[ends[apart]], x[corners[apart]])
         return np.unique(cell[apart][hit])
 

@@ -36,6 +36,8 @@ class NearPairs:
         # About as long as an edge: farther, and each part comes by many others.
         self._short = float(np.ptp(surface.flat[:, :2], axis=0).max()) / len(surface.cells) ** 0.5
         self._search = _kernels.NearPairs(surface.flat[:, :2], surface.edges, surface.cells)
+        if surface.sewn is not None:
+            self._search.sew(*surface.sewn)
 
     def at(self, x: np.ndarray) -> Any:
         """The library's `Candidates` at x (n, 3) [m]."""

@@ -20,6 +20,8 @@ from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layers import layer_values
 from restshape.physics.cloth.parameters import triangle_areas
+from restshape.physics.cloth.seam_lines import SeamPair, seam_pairs
+from restshape.physics.cloth.seams import Seams
 from restshape.physics.cloth.self_contact import SelfContact, SelfContactValues
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
@@ -39,6 +41,7 @@ class ClothArguments:
         contact: settings of the effect; None: nothing touches, and there are no bodies.
         placed: (n, 3) where nodes lie at first [m], before supports take them; start: with these.
         layers: how parts of the cloth push each other away; None: they pass through each other.
+        seams: what is sewn together.
     """
 
     fabric: Fabric
@@ -49,6 +52,7 @@ class ClothArguments:
     placed: np.ndarray
     start: np.ndarray
     layers: SelfContactValues | None = None
+    seams: tuple[SeamPair, ...] = ()
 
 
 def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
@@ -71,12 +75,15 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
         placed=placed,
         start=np.where(supports.mask, supports.places, placed),
         layers=layer_values(scene, plan, mesh, fabric),
+        seams=seam_pairs(scene, mesh, placed, float(fabric.membrane.max())),
     )
 
 
 def cloth_problem(mesh: Mesh, arguments: ClothArguments) -> ClothProblem:
     """The problem of a scene's cloth on a mesh."""
     problem = ClothProblem(mesh, arguments.fabric, arguments.supports, arguments.g)
+    if arguments.seams:
+        problem.sew(Seams(arguments.seams, problem.corner_number))
     if arguments.layers:
         problem.self_contact = SelfContact(problem.surface, arguments.layers)
     if arguments.bodies:
@@ -92,6 +99,13 @@ def cloth_problem(mesh: Mesh, arguments: ClothArguments) -> ClothProblem:
             triangle_areas(problem.X, problem.membrane.corners),
         )
     return problem
+
+
+def set_values(problem: ClothProblem, arguments: ClothArguments) -> None:
+    """Let fabric, supports, acceleration and seams be others, of the same kinds, and the mesh as it lies now."""
+    if problem.seams:
+        problem.seams.pairs = arguments.seams
+    problem.set_values(arguments.fabric, arguments.supports, arguments.g)
 
 
 def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:

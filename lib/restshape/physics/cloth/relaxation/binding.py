@@ -24,7 +24,7 @@ from restshape.physics.cloth.relaxation.keep_apart import initial_positions, kep
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact
+from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact, set_values
 from restshape.physics.cloth.squeezed import refuse_squeezed
 from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
@@ -57,6 +57,7 @@ def bind(
     problem, notes = state.problem, ()
     if cold:
         notes = tuple(start_notes(problem, state.x, scene))
+        notes += tuple(problem.seams.ease_notes()) if problem.seams else ()
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
@@ -188,7 +189,7 @@ def restored(
     mesh, arguments = frame.mesh, options.arguments(frame.mesh)
     if mesh is before.mesh and mesh.topology == before.topology and same_elements(before.problem, arguments):
         problem = before.problem
-        problem.set_values(arguments.fabric, arguments.supports, arguments.g)
+        set_values(problem, arguments)
         set_contact(problem, arguments)
     else:
         problem = cloth_problem(mesh, arguments)
@@ -213,6 +214,8 @@ def same_elements(problem: ClothProblem, arguments: ClothArguments) -> bool:
     """Whether the elements of a problem are those of other arguments."""
     fabric, new, contact = problem.fabric, arguments.fabric, problem.contact
     if (contact is None) != (not arguments.bodies) or (problem.self_contact is None) != (arguments.layers is None):
+        return False
+    if (problem.seams is None) != (not arguments.seams):
         return False
     if contact is not None and len(contact.bodies) != len(arguments.bodies):
         return False
@@ -279,7 +282,7 @@ def moved_material(before: RelaxationState, arguments: ClothArguments) -> Relaxa
     """The state with moved nodes, other values, supports and bodies on the same topology."""
     problem = before.problem
     # Material that has come elsewhere takes the place that the cloth has there.
-    problem.set_values(arguments.fabric, arguments.supports, arguments.g)
+    set_values(problem, arguments)
     x = in_material(before, problem)
     set_contact(problem, arguments)
     # What sticks does so wherever its nodes are in it.

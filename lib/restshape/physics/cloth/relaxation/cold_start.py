@@ -13,6 +13,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
+from restshape.physics.cloth.relaxation.close_seams import close_seams
 from restshape.physics.cloth.relaxation.equilibrium import NEAR, ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.keep_apart import initial_positions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
@@ -75,6 +76,8 @@ class ColdStart:
             try:
                 x = solver.problem.flat(places) if level else initial_positions(solver.problem, self.arguments(mesh))
                 solver.problem.begin(x)
+                if level == 0:
+                    close_seams(solver, x, most, report)
                 if level == 0 and self.softened:
                     soften(solver, x, most, report)
                 self._fall(solver, x, ROUGH, most, report)

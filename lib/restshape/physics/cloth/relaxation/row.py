@@ -25,7 +25,7 @@ class Row:
 
     def __call__(self, state: RelaxationState) -> dict[str, Any]:
         """The columns at a state."""
-        notes = "; ".join([*convergence_notes(state), *state.notes])
+        notes = "; ".join([*convergence_notes(state), *seam_notes(state), *state.notes])
         return self._columns(
             state, state.report, trust_in(state), -1 if state.predicted else int(state.report.converged), notes
         )
@@ -48,9 +48,26 @@ class Row:
             "max_strain": trust.max_strain,
             "crossings": trust.crossings,
             "untrusted": "; ".join(trust.reasons),
+            **seam_row(state),
             "note": note,
             **body_row(dict(zip(bodies, state.bodies)), self.body_columns),
         }
+
+
+def seam_notes(state: RelaxationState) -> list[str]:
+    """Which seam is open at an equilibrium, if one is."""
+    problem = state.problem
+    if state.predicted or not problem.seams:
+        return []
+    return problem.seams.gap_notes(problem.corners(state.x))
+
+
+def seam_row(state: RelaxationState) -> dict[str, float]:
+    """The columns of seams; none where a scene has none."""
+    problem = state.problem
+    if not problem.seams:
+        return {}
+    return {"seam_gap": problem.seams.gap(problem.corners(state.x)), "seam_energy": problem.seam_energy(state.x)}
 
 
 def convergence_notes(state: RelaxationState) -> list[str]:

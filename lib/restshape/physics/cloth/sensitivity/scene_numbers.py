@@ -17,12 +17,12 @@ from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 
-TABLES = ("material", "bodies", "supports", "start", "effects", "parameters")
+TABLES = ("material", "bodies", "supports", "seams", "start", "effects", "parameters")
 """Whose numbers drapes have derivatives by."""
 EFFECTS = ("gravity", "contact")
 """Those whose numbers drapes have derivatives by."""
-SILENT = ("slope", "scatter", "seed")
-"""Numbers that give a support its kind, or a start its chance."""
+SILENT = ("slope", "scatter", "seed", "ease")
+"""Numbers that give a support its kind, a start its chance, or a seam its note."""
 STEP = 1e-30
 """Of complex steps, which are exact: nothing is subtracted."""
 

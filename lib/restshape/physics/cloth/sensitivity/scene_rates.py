@@ -54,6 +54,8 @@ def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple
     prescribed, turn = _support_rates(state, number)
     out = _material_forces(state, number, fabric)
     out += problem.turned_clamps(x, turn)
+    if problem.seams:
+        out += _seam_forces(state, number, fabric)
     if tangent.contact:
         out += tangent.contact.rates(change=_contact_change(state, number))
     if problem.self_contact and problem.self_contact.active:
@@ -93,6 +95,17 @@ def _material_forces(state: RelaxationState, number: ChangingNumber, fabric: Fab
     if problem.bending:
         parts += problem.bending.rate_integrals(problem.X, fabric.bending)
     return Assembled(parts).residual(x)
+
+
+def _seam_forces(state: RelaxationState, number: ChangingNumber, fabric: FabricRates) -> np.ndarray:
+    """Rates (n, 3) of the forces of seams, linear in their stiffness: one given, or decided from the membrane's."""
+    problem, rates = state.problem, np.zeros(len(state.problem.seams.stiffness))
+    strongest = int(np.argmax(np.broadcast_to(problem.fabric.membrane, fabric.membrane.shape)))
+    decided = float(fabric.membrane.reshape(-1)[strongest]) / problem.stiffest
+    for name, own in problem.seams.springs_by_name():
+        given = state.scene.seams[name].stiffness is not None
+        rates[own] = number.rate(1.0, f"seams.{name}.stiffness") if given else decided * problem.seams.stiffness[own]
+    return Assembled([problem.seams.integral(0, rates)]).residual(state.x)
 
 
 # --- contact ---------------------------------------------------------------------------------------------------------

@@ -1,0 +1,88 @@
+"""What a scene says about its seams."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Self
+
+from pydantic import Field, model_validator
+
+from restshape.scene.model import Entities
+from restshape.scene.units import UnitError
+from restshape.scene.values import Strict, number_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from restshape.scene.model import Scene
+    from restshape.scene.source import Source
+
+
+class Seam(Strict):
+    """``[seams.NAME]``: edges that are sewn together, paired by share of their lengths.
+
+    Several edges on one side are one line, in their order.
+
+    Args:
+        start: the edges of the first side.
+        to: those of the second side.
+        reverse: false where the same face of the cloth is outside on both sides, true where it changes; left out, the
+            ends that are nearer to each other at first are sewn together.
+        ease: how much longer one side may be than the other one, over the length of that, without a note.
+        stiffness: of the springs by length [N/m^2]; left out, 100 times the membrane's over the mesh size.
+    """
+
+    start: Annotated[Entities, Field(alias="from", description="the edges of the first side")]
+    to: Entities
+    reverse: bool | None = None
+    ease: Annotated[number_of("number"), Field(ge=0)] = 0.02
+    stiffness: Annotated[number_of("pressure"), Field(gt=0)] | None = None
+
+    @property
+    def sides(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Names of the edges of both sides."""
+        return edges_of(self.start), edges_of(self.to)
+
+    @model_validator(mode="after")
+    def _has_two_sides(self) -> Self:
+        first, second = self.sides
+        both = [*first, *second]
+        twice = next((name for name in both if both.count(name) > 1), None)
+        if twice is not None:
+            raise UnitError(f"the edge {twice!r} would be sewn to itself", "name each edge once in a seam")
+        return self
+
+
+def edges_of(names: str | tuple[str, ...]) -> tuple[str, ...]:
+    """One name, or several, as a tuple."""
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
+    """Checks what seams join.
+
+    Args:
+        scene: of cloth; source: of it.
+        kinds: of the shape's entities by name.
+
+    Raises:
+        UserError: a side is no edge or on a plane of symmetry, or two seams pair the same edges in unlike ways.
+    """
+    mirrored = {name for support in scene.supports.values() if support.symmetry for name in edges_of(support.on)}
+    known: dict[frozenset[tuple[str, ...]], tuple[str, bool | None]] = {}
+    for name, seam in scene.seams.items():
+        for key, side in zip(("from", "to"), seam.sides):
+            for edge in side:
+                if not kinds.get(edge, "").endswith("edge"):
+                    is_it = f"is {kinds[edge]!r}" if edge in kinds else "is not there"
+                    edges = ", ".join(one for one, kind in kinds.items() if kind.endswith("edge"))
+                    what = f"the seam is to join the edge {edge!r}, which {is_it}"
+                    raise source.error(("seams", name, key), what, f"name one of the edges: {edges}")
+                if edge in mirrored:
+                    what = f"the seam is on {edge!r}, which lies on a plane of symmetry: there the cloth goes on"
+                    raise source.error(("seams", name, key), what, "take out the seam, or the symmetry")
+        first, second = seam.sides
+        other = known.setdefault(frozenset((first, second)), (name, seam.reverse))
+        if other[0] != name:
+            alike = other[1] == seam.reverse
+            what = f"the seams {other[0]!r} and {name!r} join the same edges" + ("" if alike else " in unlike ways")
+            raise source.error(("seams", name), what, "keep one of them")

@@ -1,0 +1,286 @@
+"""Seams as springs from the nodes of each side to places on the edges of the other one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.fem.elements import SEAM
+from restshape.fem.integral import Integral
+from restshape.physics.cloth.seam_lines import SAME, SeamLine, SeamPair
+
+OPEN = 1e-3
+"""Distance across a seam [m] from which on a note reports it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Springs:
+    """The springs of one seam, in order along it.
+
+    Args:
+        lines: the line, 0 or 1, of each (m,); node: its place (m,) in that line's nodes.
+        edge: (m,) place of the other line's node at which the edge begins that it is sewn to.
+    """
+
+    lines: np.ndarray
+    node: np.ndarray
+    edge: np.ndarray
+
+    @classmethod
+    def of(cls, shares: Sequence[np.ndarray]) -> Springs:
+        """Springs between two sides whose nodes have these shares (p,), (q,) of their lengths.
+
+        Together they integrate the square of the distance along the seam by the trapezoidal rule on the pieces between
+        all nodes of both sides: constant forces on a seam are those that either mesh has by itself.
+        """
+        values = np.concatenate(shares)
+        line = np.repeat([0, 1], [len(part) for part in shares])
+        node = np.concatenate([np.arange(len(part)) for part in shares])
+        order = np.lexsort((node, line, np.round(values / SAME)))
+        kept = order[_kept(values[order], line[order])]
+        line, node = line[kept], node[kept]
+        edge = np.empty(len(kept), np.int64)
+        for side in range(2):
+            own = line == side
+            edge[own] = _edges_at(shares[1 - side], shares[side][node[own]])
+        return cls(line, node, edge)
+
+    def nodes(self, lines: Sequence[SeamLine]) -> np.ndarray:
+        """Nodes (m, 3) of the mesh: the one that is sewn, and the ends of the edge that it is sewn to."""
+        found = np.empty((len(self.node), 3), np.int32)
+        for side in range(2):
+            own, other = self.lines == side, lines[1 - side].nodes
+            found[own, 0] = lines[side].nodes[self.node[own]]
+            found[own, 1], found[own, 2] = other[self.edge[own]], other[self.edge[own] + 1]
+        return found
+
+    def coefficients(self, lengths: Sequence[np.ndarray]) -> np.ndarray:
+        """What the element takes at its nodes (m, 3, 2), for lengths (p,), (q,) [m] along both sides."""
+        return self._table([part / part[-1] for part in lengths], 0.5 * (lengths[0][-1] + lengths[1][-1]))
+
+    def coefficient_rates(self, lengths: Sequence[np.ndarray], rates: Sequence[np.ndarray]) -> np.ndarray:
+        """The rates (m, 3, 2) of `coefficients` as the lengths have these rates."""
+        shares = [part / part[-1] for part in lengths]
+        changes = [(d - share * d[-1]) / part[-1] for part, share, d in zip(lengths, shares, rates)]
+        mean, change = (0.5 * (part[0][-1] + part[1][-1]) for part in (lengths, rates))
+        out = self._table(changes, mean)
+        out[:, 0, 1] += self._table(shares, change)[:, 0, 1]
+        return out
+
+    def _table(self, shares: Sequence[np.ndarray], length: float) -> np.ndarray:
+        """Shares of the nodes, and a length times half of what lies between the springs beside each; linear in both."""
+        out = np.zeros((len(self.node), 3, 2))
+        for side in range(2):
+            own, other = self.lines == side, shares[1 - side]
+            out[own, 0, 0] = shares[side][self.node[own]]
+            out[own, 1, 0], out[own, 2, 0] = other[self.edge[own]], other[self.edge[own] + 1]
+        place = out[:, 0, 0]
+        out[:, 0, 1] = 0.5 * length * (np.append(place[1:], place[-1]) - np.insert(place[:-1], 0, place[0]))
+        return out
+
+
+def _kept(values: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Which (m,) of the sorted shares of both lines stay: of a place that both have nodes at, those of one line."""
+    group = np.cumsum(np.diff(values, prepend=values[0]) > 2.0 * SAME)
+    counts = np.array([np.bincount(group[line == side], minlength=group[-1] + 1) for side in range(2)])
+    return (line == np.where(counts[1] > counts[0], 1, 0)[group]).nonzero()[0]
+
+
+def _edges_at(shares: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """The edges (m,) of a line with these shares (q,) of its nodes that places (m,) lie on."""
+    found = np.clip(np.searchsorted(shares, places + SAME, side="right") - 1, 0, len(shares) - 2)
+    flat = np.diff(shares) <= SAME
+    while (on := flat[found] & (found > 0)).any():
+        # Between two edges that follow each other at a distance: the end of the first.
+        found[on] -= 1
+    return found
+
+
+class Seams:
+    """All seams of cloth on one mesh.
+
+    Args:
+        pairs: what is sewn.
+        corner_number: (corners,) node of each node of the mesh.
+
+    Attributes:
+        pairs: others with other stiffness may be set before `place`.
+        pull: part of their stiffness that there is.
+        changes: another number whenever the springs are between other nodes.
+        nodes: (m, 3) nodes of the mesh of each spring.
+    """
+
+    def __init__(self, pairs: Sequence[SeamPair], corner_number: np.ndarray) -> None:
+        self.pairs, self.corner_number = tuple(pairs), corner_number
+        self.pull, self.changes = 1.0, 0
+        self._springs: list[Springs] = []
+        self.nodes = np.zeros((0, 3), np.int32)
+        self.X = np.empty((0, 2))
+
+    def place(self, X: np.ndarray) -> None:
+        """Take in where the mesh's nodes are in the material, (n, 2) [m]."""
+        self.X = X.copy()
+        self.lengths = [[line.lengths(X) for line in (pair.first, pair.second)] for pair in self.pairs]
+        self._springs = [Springs.of([part / part[-1] for part in lengths]) for lengths in self.lengths]
+        nodes = np.vstack([one.nodes(lines) for one, lines in zip(self._springs, self._lines)])
+        if not np.array_equal(nodes, self.nodes):
+            self.nodes, self.changes = nodes, self.changes + 1
+        tables = [one.coefficients(lengths) for one, lengths in zip(self._springs, self.lengths)]
+        self.coefficients = np.vstack(tables)
+        self.stiffness = np.repeat([pair.stiffness for pair in self.pairs], [len(table) for table in tables])
+
+    @property
+    def edge_length(self) -> float:
+        """Of the edges along seams, on average [m]."""
+        ends = self.X[self.nodes[:, 1:]]
+        return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean())
+
+    @property
+    def _lines(self) -> list[tuple[SeamLine, SeamLine]]:
+        return [(pair.first, pair.second) for pair in self.pairs]
+
+    @property
+    def dofs(self) -> np.ndarray:
+        """Nodes (m, 3) int32 whose unknowns the springs have."""
+        return np.ascontiguousarray(self.corner_number[self.nodes].astype(np.int32))
+
+    @property
+    def own_nodes(self) -> np.ndarray:
+        """Numbers (m, 3) int32 of what each spring has at its nodes, which no other one has."""
+        return np.arange(self.nodes.size, dtype=np.int32).reshape(-1, 3)
+
+    def integral(self, block: int, stiffness: np.ndarray | None = None) -> SeamForces:
+        """The springs, a block of the operator, with their stiffness or another (m,) [N/m^2]."""
+        values = self.pull * self.stiffness if stiffness is None else stiffness
+        table = np.ascontiguousarray(self.coefficients.reshape(-1, 2))
+        places = np.ascontiguousarray(self.X[self.nodes].reshape(-1, 2))
+        parameters = np.ascontiguousarray(values[:, None])
+        own = Integral(
+            SEAM["edge3"], places, self.own_nodes, parameters, block=block, coefficients=table, dofs=self.dofs
+        )
+        return SeamForces(self, own)
+
+    def coefficient_rates(self, dX: np.ndarray) -> np.ndarray:
+        """Rates (3 m, 2) of shares and lengths when the mesh's nodes move with dX (n, 2)."""
+        found = []
+        for lines, springs, lengths in zip(self._lines, self._springs, self.lengths):
+            rates = [line.length_rates(self.X, dX) for line in lines]
+            found.append(springs.coefficient_rates(lengths, rates))
+        return np.ascontiguousarray(np.vstack(found).reshape(-1, 2))
+
+    @property
+    def _parts(self) -> np.ndarray:
+        """Parts (m,) of the edges' ends: how far the places are from their first ends."""
+        s = self.coefficients[:, :, 0]
+        return (s[:, 0] - s[:, 1]) / (s[:, 2] - s[:, 1])
+
+    def gaps(self, corners: np.ndarray) -> np.ndarray:
+        """Distances (m,) [m] across the seams at positions (n, 3) of the mesh's nodes."""
+        t, x = self._parts[:, None], corners[self.nodes]
+        return np.linalg.norm(x[:, 0] - (1.0 - t) * x[:, 1] - t * x[:, 2], axis=1)
+
+    def gap(self, corners: np.ndarray) -> float:
+        """The largest of them."""
+        return float(self.gaps(corners).max())
+
+    def gap_notes(self, corners: np.ndarray) -> list[str]:
+        """What there is to say of seams that are open at positions (n, 3): of the widest."""
+        gaps = self.gaps(corners)
+        wide = sorted(((gaps[own].max(), name) for name, own in self.springs_by_name()), reverse=True)
+        found = [(gap, name) for gap, name in wide if gap > OPEN]
+        others = f", and {len(found) - 1} others are open" if len(found) > 1 else ""
+        return [f"seams.{name} is open by {1e3 * gap:.3g} mm{others}" for gap, name in found[:1]]
+
+    def ease_notes(self) -> list[str]:
+        """What there is to say of sides of unlike lengths."""
+        found = []
+        for pair, (first, second) in zip(self.pairs, self.lengths):
+            ratio = first[-1] / second[-1]
+            if max(ratio, 1.0 / ratio) > 1.0 + pair.ease:
+                longer = "from" if ratio > 1.0 else "to"
+                found.append((max(ratio, 1.0 / ratio), f"seams.{pair.name}.{longer}"))
+        found.sort(reverse=True)
+        others = f", and {len(found) - 1} others" if len(found) > 1 else ""
+        return [
+            f"{where} is gathered: {ratio:.3g} times as long as what it is sewn to{others}"
+            for ratio, where in found[:1]
+        ]
+
+    def sewing(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers (n,) int32 of the mesh's nodes, one for those that are sewn to each other, and pairs (k, 2) of them.
+
+        A pair is a node, and an end of the edge between whose ends it is sewn.
+        """
+        t = self._parts
+        at_ends = [(self.nodes[:, 0], self.nodes[:, 1], t < 1.0 - ENDS), (self.nodes[:, 0], self.nodes[:, 2], t > ENDS)]
+        inner = (t > ENDS) & (t < 1.0 - ENDS)
+        joined = np.vstack([np.column_stack([i, j])[on & ~inner] for i, j, on in at_ends])
+        number = _clusters(joined, len(self.X))
+        between = np.vstack([np.column_stack([number[i], number[j]])[inner] for i, j, _ in at_ends])
+        return number, np.unique(np.sort(between, axis=1), axis=0).astype(np.int32)
+
+    def springs_by_name(self) -> list[tuple[str, slice]]:
+        """The springs of each seam."""
+        ends = np.cumsum([0, *(len(one.node) for one in self._springs)]).tolist()
+        return [(pair.name, slice(*ends[k : k + 2])) for k, pair in enumerate(self.pairs)]
+
+
+ENDS = 1e-6
+"""Part of an edge from whose ends on a place is between them."""
+
+
+def _clusters(pairs: np.ndarray, n: int) -> np.ndarray:
+    """The smallest number (n,) int32 of those that pairs (k, 2) join each one with."""
+    number = np.arange(n, dtype=np.int32)
+    while True:
+        low = np.minimum(number[pairs[:, 0]], number[pairs[:, 1]])
+        found = number.copy()
+        for side in range(2):
+            np.minimum.at(found, pairs[:, side], low)
+        if np.array_equal(found, number):
+            return number
+        number = found
+
+
+@dataclass(frozen=True, eq=False)
+class SeamForces:
+    """Like `fem.integral.Integral`, over springs that each have nodes, shares and lengths of their own.
+
+    Args:
+        seams: whose springs they are; own: over these.
+    """
+
+    seams: Seams
+    own: Integral
+
+    @property
+    def block(self) -> int | None:
+        """Of the operator."""
+        return self.own.block
+
+    def add_residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None = None) -> None:
+        """Add the forces [N] at x (n, 3) to `out` (n, 3)."""
+        self.own.add_residual(x, out)
+
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """Energies (m,) [J] of the springs at x (n, 3)."""
+        return self.own.energies(x)
+
+    def term(self, x: np.ndarray, coefficient: float = 1.0, residual_factor: float | None = None) -> tuple:
+        """The springs at x (n, 3) as a term of `algebra.operator.Operator.assemble`."""
+        return self.own.term(x, coefficient, residual_factor)
+
+    def add_tangent_product(self, x: np.ndarray, d: np.ndarray, out: np.ndarray) -> None:
+        """Add (dr/dx) d, at x (n, 3) along d (n, 3), to `out` (n, 3)."""
+        self.own.add_tangent_product(x, d, out)
+
+    def add_design_product(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None = None) -> None:
+        """Add (dr/dX) dX + (dr/dx) dx to `out` (n, 3), dX (n, 2) of all nodes; arguments as of `Integral`'s."""
+        seams = self.seams
+        at_corners = dX[seams.corner_number]
+        rates = seams.coefficient_rates(at_corners)
+        moved = np.ascontiguousarray(at_corners[seams.nodes].reshape(-1, 2))
+        own = self.own
+        own.element.design(own.X, moved, x, own.entities, own.parameters, out, dx, own.coefficients, rates, own.dofs)

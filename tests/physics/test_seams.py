@@ -1,0 +1,236 @@
+"""Seams: pairs by share of length, forces that both sides have alike, derivatives, and cloth that is sewn."""
+
+import numpy as np
+import pytest
+from drape_designs import COTTON, DrapeDesign
+from small_scenes import block, head, meshed, write_scene
+
+from restshape._kernels import NearPairs
+from restshape.errors import UserError
+from restshape.fem.assembled import Assembled
+from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.membrane import Membrane
+from restshape.physics.cloth.seam_lines import SeamLine, SeamPair
+from restshape.physics.cloth.seams import Seams, Springs
+from restshape.replay.first_frame import first_frame
+from restshape.scene.load import load_scene
+
+TUBE = """
+[seams.side]
+from = "left"
+to = "right"
+[supports.pin]
+on = ["d"]
+fix = ["x", "y", "z"]
+"""
+
+
+def strip(width, height, rows, offset=0.0):
+    """Nodes (n, 2) and triangles of a rectangle, two nodes wide, with nodes at these parts of its height."""
+    y = height * np.asarray(rows)
+    X = np.column_stack([np.tile([offset, offset + width], len(y)), np.repeat(y, 2)])
+    cells = np.array([(k + a, k + b, k + c) for k in range(0, len(X) - 2, 2) for a, b, c in ((0, 1, 3), (0, 3, 2))])
+    return X, cells.astype(np.int32)
+
+
+def two_strips(rows, other):
+    """Two rectangles of 0.1 m x 0.2 m that are sewn together, one beside the other in the pattern."""
+    X, cells = strip(0.1, 0.2, rows)
+    Y, others = strip(0.1, 0.2, other, 0.3)
+    right = np.arange(len(rows), dtype=np.int32) * 2 + 1
+    left = len(X) + np.arange(len(other), dtype=np.int32) * 2
+    lines = [SeamLine(nodes, np.ones(len(nodes) - 1)) for nodes in (right, left)]
+    seams = Seams([SeamPair("middle", *lines, 3e5, 0.02)], np.arange(len(X) + len(Y), dtype=np.int32))
+    places = np.vstack([X, Y])
+    seams.place(places)
+    return places, np.vstack([cells, others + len(X)]), seams
+
+
+def irregular(count, seed):
+    """Parts of a height, from 0 to 1."""
+    inner = np.sort(np.random.default_rng(seed).uniform(0.05, 0.95, count))
+    return np.concatenate([[0.0], inner, [1.0]])
+
+
+def test_uniform_stretch_goes_through_a_seam_of_unlike_meshes():
+    """The patch test: constant tension leaves nothing but what the springs give, in either mesh."""
+    X, cells, seams = two_strips(irregular(4, 1), irregular(7, 2))
+    modulus, strain = 300.0, 0.03
+    membrane = Membrane("stvk", cells)
+    fabric = Fabric(np.diag([modulus, modulus, 0.5 * modulus]), np.zeros((3, 3)), 0.1, "none", 1.0, "stvk")
+    membrane.update(fabric, np.zeros(len(cells)), np.zeros(3), 1.0)
+    x = np.column_stack([(1 + strain) * X[:, 0], X[:, 1], np.zeros(len(X))])
+    tension = modulus * (strain + 0.5 * strain**2) * (1 + strain)
+    second = X[:, 0] > 0.2
+    x[second, 0] += -0.2 * (1 + strain) + tension / 3e5
+    forces = Assembled([membrane.integral(X), seams.integral(1)]).residual(x)
+    inner = (X[:, 0] > 0.05) & (X[:, 0] < 0.35)
+    assert np.abs(forces[inner]).max() < 1e-12 * modulus
+    assert seams.gap(x) == pytest.approx(tension / 3e5)
+    # Energy of the springs: k g^2/2 along the whole seam.
+    assert seams.integral(1).energies(x).sum() == pytest.approx(0.5 * tension**2 / 3e5 * 0.2)
+
+
+def test_forces_on_both_sides_are_equal_and_opposite():
+    X, _, seams = two_strips(irregular(3, 5), irregular(5, 6))
+    x = np.random.default_rng(1).normal(size=(len(X), 3))
+    forces = Assembled([seams.integral(1)]).residual(x)
+    first = X[:, 0] < 0.2
+    np.testing.assert_allclose(forces[first].sum(axis=0), -forces[~first].sum(axis=0), rtol=1e-12)
+
+
+def test_alike_sides_are_sewn_node_to_node():
+    rows = irregular(4, 3)
+    _, _, seams = two_strips(rows, rows)
+    number, pairs = seams.sewing()
+    assert len(seams.nodes) == len(rows) and not len(pairs)
+    assert len(np.unique(number)) == len(number) - len(rows)
+
+
+def test_places_that_both_sides_have_keep_all_nodes_of_a_corner_between_edges():
+    # Two edges at a distance on the second side: both of their ends are sewn to the node between.
+    springs = Springs.of([np.array([0.0, 0.5, 1.0]), np.array([0.0, 0.5, 0.5, 1.0])])
+    assert sorted(springs.node[springs.lines == 1]) == [1, 2]
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_forces_follow_places_in_the_material_to_first_order(seed):
+    """dr/dX of springs whose places, lengths and shares hang on all nodes of both sides."""
+    X, _, seams = two_strips(irregular(4, 10 + seed), irregular(6, 20 + seed))
+    random = np.random.default_rng(seed)
+    x, dX = random.normal(size=(len(X), 3)), random.normal(size=X.shape) * 1e-2
+    rate = np.zeros_like(x)
+    seams.integral(1).add_design_product(x, dX, rate)
+
+    def forces(step):
+        seams.place(X + step * dX)
+        return Assembled([seams.integral(1)]).residual(x)
+
+    here, errors = forces(0.0), []
+    for step in (1e-2, 5e-3):
+        errors.append(np.abs(forces(step) - here - step * rate).max())
+    assert np.abs(rate).max() > 1.0 and 1.8 < np.log2(errors[0] / errors[1]) < 2.2
+
+
+def test_moving_and_turning_a_side_in_the_pattern_changes_no_force():
+    X, _, seams = two_strips(irregular(4, 1), irregular(5, 2))
+    x = np.random.default_rng(1).normal(size=(len(X), 3))
+    second, moved = X[:, 0] > 0.2, np.zeros_like(X)
+    moved[second] = (X[second] - X[second].mean(axis=0)) @ [[0.0, 1.0], [-1.0, 0.0]] + [0.3, -0.1]
+    rate = np.zeros_like(x)
+    seams.integral(1).add_design_product(x, moved, rate)
+    scale = np.abs(Assembled([seams.integral(1)]).residual(x)).max()
+    assert np.abs(rate).max() < 1e-12 * scale
+
+
+def test_parts_that_are_sewn_together_do_not_meet():
+    X, cells = np.array([[0, 0], [1, 0], [0, 1], [3, 0], [4, 0], [3, 1.0]]), np.array([[0, 1, 2], [3, 4, 5]], np.int32)
+    edges = np.array([[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]], np.int32)
+    x = np.column_stack([X % 3, [0, 0, 0, 1e-3, 1e-3, 1e-3]])
+    known = NearPairs(X, edges, cells)
+    assert len(known.search(x, 2e-3)[0]) == 9
+    known.sew(np.array([0, 1, 2, 0, 4, 5], np.int32), np.array([[1, 5]], np.int32))
+    edge_edge, cell_node = known.search(x, 2e-3)
+    # Of the edges, those with node 0 or 3, and those with 1 or 5, are neighbours.
+    assert edge_edge.tolist() == [[1, 5], [2, 3]]
+    assert cell_node.tolist() == [[0, 4], [1, 2]]
+
+
+def tube(kind="hinge", size=0.04, extra=""):
+    return head("cloth") + block(0.3, 0.1) + COTTON.format(kind=kind, bending=5e-6) + TUBE + extra + meshed(size)
+
+
+@pytest.mark.parametrize("kind", ["morley", "hinge"])
+def test_a_strip_is_sewn_to_a_tube_that_hangs(tmp_path, kind):
+    quantities = '[quantities]\nsewn = { energy = "seams" }\npull = { reaction = "z", at = "d" }\n'
+    row = first_frame(write_scene(tmp_path, tube(kind, extra=quantities))).row
+    assert row["converged"] == 1 and row["tangent_positive_definite"] == 1
+    assert row["seam_gap"] < 1e-4 and row["crossings"] == 0
+    assert row["seam_energy"] == row["q_sewn"] > 0.0
+    assert row["q_pull"] == pytest.approx(500 * 0.3e-3 * 9.81 * 0.03, rel=1e-6)
+
+
+UNLIKE = """
+[shape]
+outline = ["bottom", "lower", "upper", "top", "left"]
+[shape.vertices]
+a = [0, 0]
+b = [0.3, 0]
+m = [0.3, 0.037]
+c = [0.3, 0.1]
+d = [0, 0.1]
+[shape.edges]
+bottom = { line = ["a", "b"] }
+lower = { line = ["b", "m"] }
+upper = { line = ["m", "c"] }
+top = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[seams.side]
+from = "left"
+to = ["lower", "upper"]
+[supports.pins]
+on = ["a", "d"]
+fix = ["x", "y", "z"]
+[effects.contact]
+self = false
+"""
+"""A strip whose sides have other nodes: springs go from both to places between."""
+
+
+@pytest.fixture
+def unlike(tmp_path):
+    """Returns a function that makes the drape of a strip that is sewn to a tube."""
+
+    def made(kind):
+        text = head("cloth") + UNLIKE + COTTON.format(kind=kind, bending=5e-6) + meshed(0.04)
+        return DrapeDesign(tmp_path, text)
+
+    return made
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["morley", "hinge"])
+def test_remainder_of_a_sewn_drape_is_of_second_order(unlike, kind):
+    design = unlike(kind)
+    first, second = design.remainders(design.direction(), 1e-4)
+    assert second > 1e-10 and 1.8 < np.log2(first / second) < 2.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", ["material.cotton.E", "seams.side.stiffness"])
+def test_remainder_by_what_gives_seams_their_stiffness_is_of_second_order(unlike, key):
+    design = unlike("hinge")
+    value = 0.2e6
+    if key == "seams.side.stiffness":
+        # Soft enough that it matters.
+        value = 50.0
+        design.take(design.scene_with(key, value))
+    s = design.analysis.number_derivatives([key], 1e-10).s[0]
+    steps = (0.04 * value, 0.02 * value)
+    first, second = (float(np.linalg.norm(design.change(key, value + h) - design.x - h * s)) for h in steps)
+    assert second > 1e-10 and 1.8 < np.log2(first / second) < 2.2
+
+
+MESSAGES = {
+    "unknown": ('from = "front"\nto = "right"', "'front', which is not there"),
+    "no edge": ('from = "a"\nto = "right"', "'a', which is 'vertex'"),
+    "itself": ('from = "left"\nto = "left"', "'left' would be sewn to itself"),
+    "twice": (
+        'from = "left"\nto = "right"\n[seams.other]\nfrom = "right"\nto = "left"\nreverse = true',
+        "in unlike ways",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", MESSAGES)
+def test_seams_that_make_no_sense_are_refused(tmp_path, case):
+    text, message = MESSAGES[case]
+    cloth = head("cloth") + block() + COTTON.format(kind="hinge", bending=1e-6) + meshed(0.2)
+    with pytest.raises(UserError, match=message):
+        load_scene(write_scene(tmp_path, f"{cloth}[seams.one]\n{text}\n"))
+
+
+def test_a_seam_on_a_plane_of_symmetry_is_refused(tmp_path):
+    text = tube().replace('on = ["d"]\nfix = ["x", "y", "z"]', 'on = "left"\nsymmetry = "x"')
+    with pytest.raises(UserError, match="plane of symmetry: there the cloth goes on"):
+        load_scene(write_scene(tmp_path, text))
