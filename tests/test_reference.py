@@ -97,4 +97,4 @@ def test_headings_of_the_page_are_what_is_written_in_files():
     assert len(set(headings)) == len(headings)
     table, event = r"(`\[[\w.]+\]`(, )?)+( [a-z]+)?", r'Event `"[a-z]+"`( of [a-z]+)?'
     assert not [one for one in headings if not re.fullmatch(f"{table}|{event}|Header", one)]
-    assert {"`[solve]`", "`[shape.edges.NAME]` arc", 'Event `"press"`'} <= set(headings)
+    assert {"`[solve]`", "`[shape.edges.NAME]`, `[panels.NAME.edges.NAME]` arc", 'Event `"press"`'} <= set(headings)

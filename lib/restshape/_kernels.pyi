@@ -435,11 +435,13 @@ class OutlineCheck:
                 typing.SupportsInt | typing.SupportsIndex,
                 collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
                 collections.abc.Sequence[bool],
+                typing.SupportsInt | typing.SupportsIndex,
             ]
         ],
         gap: typing.SupportsFloat | typing.SupportsIndex,
         sharpest: typing.SupportsFloat | typing.SupportsIndex,
-        round: collections.abc.Sequence[bool] = [],
+        round: collections.abc.Sequence[bool],
+        spot_pieces: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
     ) -> None: ...
     def check(
         self, c0: typing.SupportsFloat | typing.SupportsIndex, c1: typing.SupportsFloat | typing.SupportsIndex

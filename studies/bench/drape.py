@@ -181,5 +181,5 @@ def _finite(value: float) -> float | None:
 
 def _initial_energy(cloth: ClothProblem, scene: Scene) -> float:
     """The energy [J] of the weight at the initial placement, flat and without scatter."""
-    places = InitialPlacement(scene.start, scene.parameters).places(cloth.mesh.X)
+    places = InitialPlacement(scene).places(cloth.mesh)
     return -float(cloth.lumped.mass[cloth.corner_number] @ (places @ cloth.g))

@@ -150,7 +150,7 @@ def turned_over(made: Replay) -> float:
     """The part of the triangles of the start that are turned over, seen from above."""
     analysis = made.analysis
     scene, mesh = analysis.state.scene, analysis.space
-    x = InitialPlacement(scene.start, scene.parameters).scattered(mesh)[:, :2]
+    x = InitialPlacement(scene).scattered(mesh)[:, :2]
     a, b, c = x[mesh.corners].swapaxes(0, 1)
     u, v = b - a, c - a
     return float(np.mean(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] < 0))

@@ -12,7 +12,7 @@ namespace {
 
 using Coordinates = py::array_t<double, py::array::c_style>;
 using Indices = py::array_t<std::int32_t, py::array::c_style>;
-using Loops = std::vector<std::tuple<int, std::vector<int>, std::vector<bool>>>;
+using Loops = std::vector<std::tuple<int, std::vector<int>, std::vector<bool>, int>>;
 
 std::vector<Point> points_of(const Coordinates& array) {
     if (array.ndim() != 2 || array.shape(1) != 2) throw py::value_error("coordinates must be (n, 2)");
@@ -22,21 +22,28 @@ std::vector<Point> points_of(const Coordinates& array) {
 }
 
 OutlineCheck make_check(const Indices& first, const Indices& ends, const Loops& loops, double gap, double sharpest,
-                        const std::vector<bool>& round) {
+                        const std::vector<bool>& round, const std::vector<int>& spot_pieces) {
     if (ends.ndim() != 2 || ends.shape(1) != 2) throw py::value_error("ends must be (n_edges, 2)");
     if (first.size() != ends.shape(0) + 1) throw py::value_error("first must have one entry more than edges");
     std::vector<std::array<int, 2>> pairs(ends.shape(0));
     for (py::ssize_t e = 0; e < ends.shape(0); ++e) pairs[e] = {ends.at(e, 0), ends.at(e, 1)};
     std::vector<SampledLoop> sampled;
-    for (const auto& [kind, edges, forward] : loops) sampled.push_back({kind, edges, forward});
+    for (const auto& [kind, edges, forward, piece] : loops) sampled.push_back({kind, edges, forward, piece});
     std::vector<bool> rounds(round);
     rounds.resize(pairs.size(), false);
-    return {std::vector<int>(first.data(), first.data() + first.size()), pairs, sampled, gap, sharpest, rounds};
+    return {std::vector<int>(first.data(), first.data() + first.size()),
+            pairs,
+            sampled,
+            gap,
+            sharpest,
+            rounds,
+            spot_pieces};
 }
 
 const char* name_of(Fault fault) {
-    static const char* names[] = {"none",   "resample", "cross",  "touch",      "fold",          "short",
-                                  "turned", "outside",  "nested", "point_near", "point_outside", "point_in_hole"};
+    static const char* names[] = {"none",       "resample",      "cross",        "touch",  "fold",
+                                  "short",      "turned",        "outside",      "nested", "overlap",
+                                  "point_near", "point_outside", "point_in_hole"};
     return names[static_cast<int>(fault)];
 }
 
@@ -46,7 +53,7 @@ void bind_outline(py::module_& m) {
     py::class_<OutlineCheck>(m, "OutlineCheck",
                              "Validity of a sampled outline along a motion that is linear in two numbers.")
         .def(py::init(&make_check), py::arg("first"), py::arg("ends"), py::arg("loops"), py::arg("gap"),
-             py::arg("sharpest"), py::arg("round") = std::vector<bool>{})
+             py::arg("sharpest"), py::arg("round"), py::arg("spot_pieces"))
         .def(
             "set_motion",
             [](OutlineCheck& self, const Coordinates& p0, const Coordinates& p1, const Coordinates& p2,

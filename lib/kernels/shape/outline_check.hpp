@@ -58,6 +58,7 @@ enum class Fault {
     turned,
     outside,
     nested,
+    overlap,
     point_near,
     point_outside,
     point_in_hole
@@ -73,20 +74,23 @@ struct SampledLoop {
     int kind;  // 0 outline, 1 hole, 2 region
     std::vector<int> edges;
     std::vector<bool> forward;
+    int piece = 0;  // that it is part of
 };
 
 class OutlineCheck {
  public:
     // first: samples of edge e are first[e] .. first[e + 1] - 1; ends: vertices at its ends;
-    // gap: clearance; sharpest: smallest angle between edges at a vertex; round: whether an edge is a line or an arc.
+    // gap: clearance; sharpest: smallest angle between edges at a vertex; round: whether an edge is a line or an arc;
+    // spot_pieces: of which piece embedded points are.
     OutlineCheck(std::vector<int> first, std::vector<std::array<int, 2>> ends, std::vector<SampledLoop> loops,
-                 double gap, double sharpest, std::vector<bool> round)
+                 double gap, double sharpest, std::vector<bool> round, std::vector<int> spot_pieces)
         : first_(std::move(first)),
           ends_(std::move(ends)),
           loops_(std::move(loops)),
           gap_(gap),
           sharpest_(std::tan(sharpest)),
-          round_(std::move(round)) {
+          round_(std::move(round)),
+          spot_pieces_(std::move(spot_pieces)) {
         find_probes();
     }
 
@@ -292,7 +296,9 @@ class OutlineCheck {
     void find_probes() {
         for (std::size_t i = 0; i < loops_.size(); ++i)
             for (std::size_t j = 0; j < loops_.size(); ++j) {
-                if (i == j || loops_[i].kind == 0 || loops_[j].kind == 2) continue;
+                if (i == j || loops_[j].kind == 2) continue;
+                // Outlines lie beside each other, and what is inside one of them has nothing to do with the others.
+                if (loops_[i].kind == 0 ? loops_[j].kind != 0 : loops_[i].piece != loops_[j].piece) continue;
                 for (int e : loops_[i].edges)
                     if (std::find(loops_[j].edges.begin(), loops_[j].edges.end(), e) == loops_[j].edges.end()) {
                         probes_.push_back({static_cast<int>(i), static_cast<int>(j), first_[e]});
@@ -310,7 +316,8 @@ class OutlineCheck {
         for (const auto& [i, j, k] : probes_) {
             if ((loop_state_[i] == 0 && loop_state_[j] == 0) || (loop_state_[i] == 2 && loop_state_[j] == 2)) continue;
             const Point p{0.5 * (now_[k].x + now_[k + 1].x), 0.5 * (now_[k].y + now_[k + 1].y)};
-            if (inside(p, loops_[j]) == (loops_[j].kind == 0)) continue;
+            if (inside(p, loops_[j]) == (loops_[i].kind != 0 && loops_[j].kind == 0)) continue;
+            if (loops_[i].kind == 0) return {Fault::overlap, i, j, p};
             return {loops_[j].kind == 0 ? Fault::outside : Fault::nested, i, j, p};
         }
         return {};
@@ -325,7 +332,9 @@ class OutlineCheck {
                     if (distance2(p, now_[k], now_[k + 1]) < gap_ * gap_) return {Fault::point_near, i, e, p};
             }
             for (int l = 0; l < static_cast<int>(loops_.size()); ++l) {
-                if (loops_[l].kind == 2 || inside(p, loops_[l]) == (loops_[l].kind == 0)) continue;
+                if (loops_[l].kind == 2 || loops_[l].piece != spot_pieces_[i] ||
+                    inside(p, loops_[l]) == (loops_[l].kind == 0))
+                    continue;
                 return {loops_[l].kind == 0 ? Fault::point_outside : Fault::point_in_hole, i, l, p};
             }
         }
@@ -343,6 +352,7 @@ class OutlineCheck {
     std::vector<SampledLoop> loops_;
     double gap_, sharpest_;
     std::vector<bool> round_;
+    std::vector<int> spot_pieces_;
     std::vector<Probe> probes_;
     std::array<std::vector<Point>, 3> samples_, spots_;
     std::vector<std::uint8_t> state_;

@@ -12,6 +12,7 @@ from restshape.mesh.delaunay import refine, uses_cgal
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.numbering import cell_order, node_order
 from restshape.mesh.partition import node_owners
+from restshape.mesh.piece_meshes import joined, own_spec, parts
 from restshape.mesh.regions import cell_regions, contains, signed_area
 from restshape.mesh.sizing import GRADING, sizing_of
 from restshape.scene.model import MeshSpec
@@ -36,6 +37,25 @@ def generate(outline: Outline, spec: MeshSpec, ranks: int = 1) -> Mesh:
         ReplayProblem: this shape cannot be meshed.
         UserError: `near` names an entity that is not there.
     """
+    if outline.piece_names != ("outline",):
+        sizing_of(outline, spec)
+        return assemble(
+            outline, *joined(outline, [_refined(part, own_spec(part, spec)) for part in parts(outline)]), ranks
+        )
+    boundary, X, cells, known = _refined(outline, spec)
+    return assemble(outline, boundary, X, cells, ranks, known)
+
+
+Refined = tuple[Boundary, np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]
+"""A boundary with its nodes, all nodes (n, 2) [m], triangles (ne, 3), and facets with their edges where known."""
+
+
+def _refined(outline: Outline, spec: MeshSpec) -> Refined:
+    """Nodes and triangles of one piece, in any order.
+
+    Raises:
+        ReplayProblem: this shape cannot be meshed.
+    """
     sizing = sizing_of(outline, spec)
     boundary = discretise(outline, sizing)
     facets, facet_edge = _facets(outline, boundary)
@@ -44,7 +64,7 @@ def generate(outline: Outline, spec: MeshSpec, ranks: int = 1) -> Mesh:
         refined = refine(outline, boundary, facets, facet_edge, border, sizing)
         if refined is not None:
             _kernels.smooth_fresh(*refined[1:], len(refined[0].points), SWEEPS)
-            return assemble(outline, *refined, ranks, (facets, facet_edge) if refined[0] is boundary else None)
+            return (*refined, (facets, facet_edge) if refined[0] is boundary else None)
     # Also where CGAL fails: gmsh shows why, or finds a way.
     from restshape.mesh.mesher import triangulate
 
@@ -62,7 +82,7 @@ def generate(outline: Outline, spec: MeshSpec, ranks: int = 1) -> Mesh:
     )
     _refuse_broken(outline, boundary, X, cells)
     _kernels.smooth_fresh(X, cells, len(boundary.points), SWEEPS)
-    return assemble(outline, boundary, X, cells, ranks)
+    return boundary, X, cells, None
 
 
 def assemble(

@@ -10,6 +10,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.over_mesh import NodesAndCells
+from restshape.mesh.regions import cell_patches
 from restshape.shape.outline import Entity, Outline
 
 _topologies = itertools.count(1)
@@ -70,6 +71,7 @@ class Mesh(NodesAndCells):
     topology: int
     geometry: int = 0
     hierarchy: Hierarchy | None = None
+    _node_piece: tuple[np.ndarray, int] = (np.empty(0, dtype=np.int32), -1)
 
     dim: ClassVar[int] = 2
     cell_type: ClassVar[str] = "tri3"
@@ -165,7 +167,7 @@ class Mesh(NodesAndCells):
         Raises:
             UserError: there is no such entity.
         """
-        filled = name == "all" or self._regions(self.outline.entity(name))
+        filled = name == "all" or name in self._panels() or self._regions(self.outline.entity(name))
         return self.cells_of(name) if filled else np.empty(0, dtype=np.int32)
 
     def facets_of(self, name: str) -> np.ndarray:
@@ -186,11 +188,42 @@ class Mesh(NodesAndCells):
         """
         entity = self.outline.entity(name)
         loops = self.outline.loops
+        if name in (panels := self._panels()):
+            return np.flatnonzero(self.cell_piece == panels.index(name)).astype(np.int32)
         if any(loops[i].kind == "outline" for i in entity.loops):
             return np.arange(len(self.cells), dtype=np.int32)
         wanted = self._regions(entity)
         chosen = np.flatnonzero(np.isin(self.cell_region, wanted)) if wanted else np.empty(0)
         return chosen.astype(np.int32)
+
+    def _panels(self) -> tuple[str, ...]:
+        """Names of the pieces where there are several, or where one has a name of its own."""
+        pieces = self.outline.piece_names
+        return () if pieces == ("outline",) else pieces
+
+    @property
+    def cell_piece(self) -> np.ndarray:
+        """Number (ne,) of the piece of the outline that each triangle lies in."""
+        return self.node_piece[self.cells[:, 0]]
+
+    @property
+    def node_piece(self) -> np.ndarray:
+        """Number (n,) of the piece of the outline that each node lies in, which flips do not change."""
+        known, of = self._node_piece
+        if of != len(self.X):
+            known = self._find_pieces()
+            self._node_piece = known, len(self.X)
+        return known
+
+    def _find_pieces(self) -> np.ndarray:
+        found = np.zeros(len(self.X), dtype=np.int32)
+        if len(self.outline.piece_names) < 2:
+            return found
+        patch = cell_patches(self.cell_edges, np.zeros(len(self.edge_nodes), dtype=bool))
+        own = np.zeros(patch.max() + 1, dtype=np.int32)
+        own[patch[self.facet_cell]] = self.outline.layout.edge_piece[self.facet_edge]
+        found[self.cells] = own[patch][:, None]
+        return found
 
     def _regions(self, entity: Entity) -> list[int]:
         """Numbers, from 1, of the region loops of an entity."""

@@ -8,7 +8,8 @@ from restshape.scene.bodies import bodies_of
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
 from restshape.scene.formula_checks import check_formulas, check_units
 from restshape.scene.load_kind import ENTITIES, any_of
-from restshape.scene.model import EdgeLoop, Load, Quantity, Scene
+from restshape.scene.model import EdgeLoop, Load, Quantity, Scene, ShapeSpec
+from restshape.scene.panels import panels_of
 from restshape.scene.permits import outside
 from restshape.scene.scene_parameters import Parameters
 from restshape.scene.source import Source, name_suggestion, suggestion
@@ -62,14 +63,20 @@ def check_shaped(scene: Scene, application: Application, source: Source) -> None
 
 def _check_names(scene: Scene, source: Source) -> None:
     """Refuses a name that stands for two entities."""
-    taken: dict[str, str] = {}
-    for key, kind in scene.shape.named.items():
-        for name in getattr(scene.shape, key):
-            if name in taken:
-                raise source.error(
-                    ("shape", key, name), f"name {name!r} used twice: for {taken[name]} and here", "rename one of them"
-                )
-            taken[name] = f"the {kind} shape.{key}.{name}"
+    for table, shape in _written_shapes(scene).items():
+        taken: dict[str, str] = {}
+        for key, kind in shape.named.items():
+            for name in getattr(shape, key):
+                if name in taken:
+                    what = f"name {name!r} used twice: for {taken[name]} and here"
+                    raise source.error((*table, key, name), what, "rename one of them")
+                taken[name] = f"the {kind} {'.'.join(table)}.{key}.{name}"
+
+
+def _written_shapes(scene: Scene) -> dict[tuple[str, ...], ShapeSpec]:
+    """The shapes as the scene writes them, by their tables: its one shape, or its panels."""
+    panels = panels_of(scene)
+    return {("panels", name): panel for name, panel in panels.items()} if panels else {("shape",): scene.shape}
 
 
 def check_file(key: tuple[str, ...], file: str, source: Source) -> None:
@@ -102,16 +109,22 @@ def _check_shape(scene: Scene, source: Source) -> None:
         return
     if shape.file:
         return
+    for table, written in _written_shapes(scene).items():
+        _check_edges(written, table, source)
+
+
+def _check_edges(shape: ShapeSpec, table: tuple[str, ...], source: Source) -> None:
+    """Refuses edges and loops of things that are not there."""
     if shape.outline is None:
-        raise source.error(("shape", "outline"), "the shape has no outline", 'add outline = ["edge", ...] to [shape]')
+        raise source.error((*table, "outline"), "the shape has no outline", 'add outline = ["edge", ...] to [shape]')
     for name, edge in shape.edges.items():
         for vertex in getattr(edge, edge.kind):
-            _refuse_absent(vertex, shape.vertices, "vertex", ("shape", "edges", name, edge.kind), source)
-    loops: dict[tuple[str, ...], list[str]] = {("shape", "outline"): shape.outline}
+            _refuse_absent(vertex, shape.vertices, "vertex", (*table, "edges", name, edge.kind), source)
+    loops: dict[tuple[str, ...], list[str]] = {(*table, "outline"): shape.outline}
     for key in ("holes", "regions"):
         for name, loop in getattr(shape, key).items():
             if isinstance(loop, EdgeLoop):
-                loops[("shape", key, name, "loop")] = loop.loop
+                loops[(*table, key, name, "loop")] = loop.loop
     for place, edges in loops.items():
         for edge_name in edges:
             _refuse_absent(edge_name, shape.edges, "edge", place, source)
@@ -172,7 +185,9 @@ def _check_references(scene: Scene, source: Source) -> None:
         _check_place(name, quantity, kinds, source)
     if in_file:
         return
-    places: dict[tuple[str, ...], list[str]] = {("shape", "groups", n): g for n, g in scene.shape.groups.items()}
+    places: dict[tuple[str, ...], list[str]] = {
+        scene.shape.written_key(("shape", "groups", n)): g for n, g in scene.shape.groups.items()
+    }
     places |= {("supports", name, "on"): support.on for name, support in scene.supports.items()}
     places |= {("loads", name, "on"): load.on for name, load in scene.loads.items()}
     places |= {("quantities", name, "at"): [q.at] for name, q in scene.quantities.items() if q.at is not None}

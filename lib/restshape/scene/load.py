@@ -1,5 +1,7 @@
 """Scenes from files: read, overridden, validated."""
 
+# More than 15 modules: all that a scene is read, checked and made from meets here.
+
 import re
 import tomllib
 from collections.abc import Sequence
@@ -15,6 +17,7 @@ from restshape.scene.checks import check_scene
 from restshape.scene.foreign import check_keys
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
 from restshape.scene.overrides import branched, parse_override, put
+from restshape.scene.panels import with_panels
 from restshape.scene.plain_values import Table, excess
 from restshape.scene.plan import plan
 from restshape.scene.scene_effects import read_effects
@@ -144,6 +147,9 @@ def revise(scene: Scene, key: str, value: object) -> Scene:
     if revised.mesh.order != scene.mesh.order:
         # The change makes the plan decide on another order.
         shared.pop("mesh", None)
+    if parts[0] in revised.tables.values() and revised.shape != scene.shape:
+        # Panels make the shape.
+        shared.pop("shape", None)
     if revised.solve.tolerance != scene.solve.tolerance:
         shared.pop("solve", None)
     return revised.model_copy(update=shared)
@@ -194,6 +200,10 @@ def _scene(raw: Table, source: Source) -> Scene:
     except ValidationError as error:
         raise user_error(error, source, kind) from error
     assert app, "a scene without an application is not valid"
+    try:
+        scene = with_panels(scene)
+    except UserError as error:
+        raise source.error(split_key(error.where), error.what, error.do) from error
     effects = read_effects(scene, app, parameters, source)
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source, parameters)

@@ -141,6 +141,15 @@ class ShapeSpec(Strict):
             raise UnitError(f"{of_file[0]} says how shape.file is read, which the scene does not have: leave it out")
         return self
 
+    @property
+    def pieces(self) -> Mapping[str, list[str]]:
+        """Names of the edges around each piece, by the piece's name; one that has no name of its own is "outline"."""
+        return {} if self.outline is None else {"outline": self.outline}
+
+    def written_key(self, key: tuple[str, ...]) -> tuple[str, ...]:
+        """The key of the scene that a key of the shape comes from: the same."""
+        return key
+
     def kinds(self) -> dict[str, str]:
         """Every name that this shape gives, also those inside loops, with what it names: vertex, edge, hole, ..."""
         kinds = {name: kind for key, kind in self.named.items() for name in getattr(self, key)}
@@ -411,4 +420,4 @@ class Scene(Strict):
         key = split_key(error.where)
         if not key or key[0] not in type(self).model_fields:
             return error
-        return self._source.error(key, error.what, error.do)
+        return self._source.error(self.shape.written_key(key), error.what, error.do)

@@ -39,12 +39,13 @@ def unchecked_outline(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
             that is wrong.
     """
     spec = with_file(spec, Path(scene_dir))
-    if spec.outline is None:
+    if not spec.pieces:
         raise UserError("the shape has no outline", "shape.outline", "list the edges of the outer loop in order")
     draft = Draft(vertices={name: (float(p[0]), float(p[1])) for name, p in spec.vertices.items()})
     for name, edge in spec.edges.items():
         draft.edges[name] = _edge(draft, name, edge)
-    _located("shape.outline", add_loop, draft, "outline", "outline", list(spec.outline))
+    for name, edges in spec.pieces.items():
+        _located("shape.outline", add_loop, draft, name, "outline", list(edges))
     for key, kind in (("holes", "hole"), ("regions", "region")):
         for name, loop in getattr(spec, key).items():
             _located(f"shape.{key}.{name}", _add, draft, name, kind, loop)
@@ -74,6 +75,8 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
 
 def _place(outline: Outline, wrong: str) -> str:
     """The key of the hole or region whose edges a message names; that of the shape where it names none of them."""
+    if wrong.startswith("panel"):
+        return "panels"
     words = wrong.replace(",", " ").split()
     for loop in outline.loops:
         if loop.kind in ("hole", "region") and any(outline.edges[edge].name in words for edge, _ in loop.edges):

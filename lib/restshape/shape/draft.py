@@ -10,6 +10,7 @@ from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape.curves import chord_parameters
 from restshape.shape.outline import RESERVED, Edge, Layout, Loop, Outline
+from restshape.shape.pieces import PieceFinder
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Draft:
     Args:
         vertices: points [m] by name, embedded points too.
         edges: by name, in order.
-        loops: (name, kind, [(edge name, forward)]), the outline first; the order may be either way round.
+        loops: (name, kind, [(edge name, forward)]), the outlines first; the order may be either way round.
         groups: entity names by group name.
         size: that tolerances are relative to; 0: from the box around the shape.
     """
@@ -87,17 +88,19 @@ class Draft:
     @staticmethod
     def _oriented(shape: Outline) -> Outline:
         loops, layout = [], shape.layout
+        place = PieceFinder(shape)
         for i, loop in enumerate(layout.loops):
             ccw = shape.loop_area(i) > 0.0
             turn = ccw == (loop.kind == "hole")
             chain = tuple((e, not forward) for e, forward in reversed(loop.edges)) if turn else loop.edges
-            loops.append(replace(loop, edges=chain))
+            loops.append(replace(loop, edges=chain, piece=place.of_loop(i)))
         same = layout.vertex_names, layout.edges, tuple(loops), layout.embedded, layout.groups, layout.size
-        return Outline(Layout(*same), shape.points, shape.bulges)
+        embedded = tuple(place.of_point(shape.points[i]) for i in layout.embedded)
+        return Outline(Layout(*same, embedded), shape.points, shape.bulges)
 
     def _check_names(self) -> None:
         seen: dict[str, str] = dict.fromkeys(RESERVED, "reserved")
-        loops = [(name, kind) for name, kind, _ in self.loops if kind != "outline"]
+        loops = [(name, kind) for name, kind, _ in self.loops if name != "outline"]
         named = [*((n, "vertex") for n in self.vertices), *((n, "edge") for n in self.edges), *loops]
         for name, kind in [*named, *((n, "group") for n in self.groups)]:
             if name in seen:

@@ -51,11 +51,18 @@ class Loop:
     """A closed chain of edges: (edge index, forward) in the order that keeps the material on the left.
 
     Regions are traversed counter-clockwise, so that their own inside is on the left.
+
+    Args:
+        name: of the entity.
+        kind: "outline", "hole" or "region".
+        edges: see above.
+        piece: number of the outline that it is, or lies in.
     """
 
     name: str
     kind: str
     edges: tuple[tuple[int, bool], ...]
+    piece: int = 0
 
 
 @dataclass(frozen=True)
@@ -71,7 +78,13 @@ class Entity:
 
 
 class Layout:
-    """What stays while control points move: names, edges, loops, groups."""
+    """What stays while control points move: names, edges, loops, groups.
+
+    Attributes:
+        pieces: names of the outlines, one of each connected piece; that of a single one may be "outline".
+        edge_piece: (n_edges,) number of the piece of each edge.
+        control_piece: (k,) likewise of each control point.
+    """
 
     def __init__(
         self,
@@ -81,6 +94,7 @@ class Layout:
         embedded: tuple[int, ...],
         groups: dict[str, tuple[str, ...]],
         size: float,
+        embedded_pieces: tuple[int, ...] = (),
     ) -> None:
         self.vertex_names, self.edges, self.loops = vertex_names, edges, loops
         self.embedded, self.groups, self.size = embedded, groups, size
@@ -88,6 +102,8 @@ class Layout:
         self.controls = tuple(np.array([e.start, *e.inner, e.end], dtype=np.int32) for e in edges)
         self.ends = np.array([(e.start, e.end) for e in edges], dtype=np.int32).reshape(-1, 2)
         self.curved = tuple(i for i, e in enumerate(edges) if e.kind not in ("line", "arc"))
+        self.pieces = tuple(loop.name for loop in loops if loop.kind == "outline")
+        self.edge_piece, self.control_piece = self._pieces(embedded_pieces)
         self.entities = self._entities()
         self._swept: dict[tuple[tuple[int, int], ...], SweptArea] = {}
 
@@ -111,6 +127,19 @@ class Layout:
             self._swept[signed] = SweptArea(self.edges, self.controls, edges)
         return self._swept[signed]
 
+    def _pieces(self, embedded: tuple[int, ...]) -> tuple[Indices, Indices]:
+        """Numbers of the pieces of edges and control points."""
+        of_edge = np.zeros(len(self.edges), dtype=np.int32)
+        for loop in self.loops:
+            of_edge[[e for e, _ in loop.edges]] = loop.piece
+        last = max((int(own.max()) for own in self.controls), default=-1)
+        of_control = np.zeros(max(last + 1, len(self.vertex_names)), dtype=np.int32)
+        for own, piece in zip(self.controls, of_edge):
+            of_control[own] = piece
+        if embedded:
+            of_control[list(self.embedded)] = embedded
+        return of_edge, of_control
+
     def _entities(self) -> dict[str, Entity]:
         named = {name: Entity(vertices=(i,)) for i, name in enumerate(self.vertex_names)}
         children: dict[str, list[int]] = {}
@@ -123,9 +152,22 @@ class Layout:
                 named[parent] = Entity(edges=tuple(indices))
         for i, loop in enumerate(self.loops):
             named[loop.name] = Entity(edges=tuple(sorted({e for e, _ in loop.edges})), loops=(i,))
+        if self.pieces not in ((), ("outline",)):
+            named |= self._panels()
         everything = range(len(self.vertex_names)), range(len(self.edges)), range(len(self.loops))
         named["all"] = Entity(*(tuple(indices) for indices in everything))
         return named
+
+    def _panels(self) -> dict[str, Entity]:
+        """Each piece by its name: all that is in it; and the outlines of all of them."""
+        found = {}
+        for k, name in enumerate(self.pieces):
+            vertices = np.flatnonzero(self.control_piece[: len(self.vertex_names)] == k).tolist()
+            loops = [i for i, loop in enumerate(self.loops) if loop.piece == k]
+            found[name] = Entity(tuple(vertices), tuple(np.flatnonzero(self.edge_piece == k).tolist()), tuple(loops))
+        around = [i for i, loop in enumerate(self.loops) if loop.kind == "outline"]
+        edges = {e for i in around for e, _ in self.loops[i].edges}
+        return {**found, "outline": Entity(edges=tuple(sorted(edges)), loops=tuple(around))}
 
 
 class Outline:
@@ -155,8 +197,13 @@ class Outline:
 
     @property
     def loops(self) -> tuple[Loop, ...]:
-        """All loops; the outline is the first."""
+        """All loops; the outline, or those of all pieces, are the first."""
         return self.layout.loops
+
+    @property
+    def piece_names(self) -> tuple[str, ...]:
+        """Names of the connected pieces: ("outline",), or those of panels."""
+        return self.layout.pieces
 
     @property
     def embedded(self) -> tuple[int, ...]:

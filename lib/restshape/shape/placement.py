@@ -35,6 +35,6 @@ def rotation_rates(angles: Angles, rates: Reals) -> Reals:
 
 
 def placed(start: Start, X: Reals) -> Reals:
-    """Places (n, 3) [m] of the flat pattern's points X (n, 2) [m] under a start of numbers alone."""
-    flat, about = np.column_stack([X, np.zeros(len(X))]), np.array(start.about)
+    """Places (n, 3) [m] of the flat pattern's points X (n, 2), or others (n, 3) [m], under a start of numbers alone."""
+    flat, about = X if X.shape[1] == 3 else np.column_stack([X, np.zeros(len(X))]), np.array(start.about)
     return (flat - about) @ rotation(start.turn).T + about + start.move

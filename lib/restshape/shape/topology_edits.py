@@ -159,7 +159,8 @@ def delete(outline: Outline, on: str) -> Outline:
     """
     entity = outline.entity(on)
     draft = draft_of(outline)
-    if entity.loops and len(entity.loops) == 1 and outline.loops[entity.loops[0]].name == on and on != "outline":
+    own = [outline.loops[i] for i in entity.loops]
+    if len(own) == 1 and own[0].name == on and own[0].kind != "outline":
         draft.loops = [loop for loop in draft.loops if loop[0] != on]
         _drop_unused(draft, outline)
     elif on in outline.vertex_names and entity.vertices[0] not in outline.embedded:

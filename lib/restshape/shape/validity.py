@@ -61,10 +61,21 @@ class MotionCheck:
             raise UserError(f"the shape would be cut into {count} straight pieces, more than {OUTLINE_PIECES}")
         first = np.concatenate([[0], np.cumsum([len(s) for s in params])]).astype(np.int32)
         ends = np.array([(edge.start, edge.end) for edge in outline.edges], dtype=np.int32).reshape(-1, 2)
-        loops = [(KINDS[loop.kind], [e for e, _ in loop.edges], [f for _, f in loop.edges]) for loop in outline.loops]
+        loops = [
+            (KINDS[loop.kind], [e for e, _ in loop.edges], [f for _, f in loop.edges], loop.piece)
+            for loop in outline.loops
+        ]
         embedded = np.array(outline.embedded, dtype=np.int32)
         rounds = [edge.kind in ("line", "arc") for edge in outline.edges]
-        check = _kernels.OutlineCheck(first, ends, loops, CLEARANCE * size, SHARPEST, rounds)
+        check = _kernels.OutlineCheck(
+            first,
+            ends,
+            loops,
+            CLEARANCE * size,
+            SHARPEST,
+            rounds,
+            outline.layout.control_piece[list(outline.embedded)].tolist(),
+        )
         reference = outline.points if gesture is None else gesture.reference
         basis = None if gesture is None else gesture.basis
         along, across = np.zeros((2, *outline.points.shape)) if basis is None else basis
@@ -122,6 +133,12 @@ def too_far(outline: Outline, way: tuple[float, float]) -> str | None:
     return None if far <= REACH * outline.size else beyond_reach("move the shape by", f"{far:.3g} m", outline)
 
 
+def _panels(outline: Outline, i: int, j: int) -> str:
+    """The names of the panels of two edges where they are two."""
+    one, other = (outline.piece_names[outline.layout.edge_piece[edge]] for edge in (i, j))
+    return f"{one} and {other}" if one != other else ""
+
+
 def describe(outline: Outline, found: tuple[str, int, int, float, float]) -> str:
     """The sentence for a finding (what, i, j, x, y) of the kernel."""
     what, i, j, x, y = found
@@ -130,6 +147,10 @@ def describe(outline: Outline, found: tuple[str, int, int, float, float]) -> str
     place = f"near ({x:.4g}, {y:.4g}) m"
     edges, loops = outline.edges, outline.loops
     gap = CLEARANCE * outline.size
+    if what == "overlap":
+        return f"panel {loops[i].name} would lie inside panel {loops[j].name}"
+    if what in ("cross", "touch") and (both := _panels(outline, i, j)):
+        return f"panels {both} would overlap, or nearly: edges {edges[i].name} and {edges[j].name} meet {place}"
     if what == "cross":
         return f"edge {edges[i].name} would cross " + ("itself" if i == j else f"edge {edges[j].name}") + f" {place}"
     if what == "touch":

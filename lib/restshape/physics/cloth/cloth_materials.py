@@ -10,6 +10,7 @@ from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
 from restshape.physics.elasticity.stiffness import PLANE, isotropic, orthotropic, plane_stress, turned
 from restshape.scene.model import Material, Scene
+from restshape.scene.panels import Panel, frames_of, panels_of
 from restshape.scene.plan import Plan
 
 
@@ -20,11 +21,9 @@ def fabric_of(scene: Scene, plan: Plan, mesh: Mesh) -> Fabric:
         UserError: a part of the cloth has no material, or it weighs nothing while gravity is on.
     """
     settings = plan.settings("cloth")
-    names = names_by_region(scene, mesh)
     _check_weight(scene, plan)
-    used = [name for name in scene.material if name in names]
-    sheets = [(membrane(m), bending(m), m.rho * m.thickness) for m in map(scene.material.get, used)]
-    row = np.array([used.index(name) if name else -1 for name in names])[mesh.cell_region]
+    used, row = sheets_of(scene, mesh)
+    sheets = [(membrane(m), bending(m), m.rho * m.thickness) for m in used]
     stretch, bend, density = (column[0] if len(used) == 1 else np.array(column)[row] for column in zip(*sheets))
     return Fabric(
         membrane=stretch,
@@ -33,7 +32,43 @@ def fabric_of(scene: Scene, plan: Plan, mesh: Mesh) -> Fabric:
         kind=settings.bending,
         hinge_factor=HINGE_STIFFNESS[settings.hinges],
         law=settings.membrane,
+        frames=tuple(frames_of(scene).values()),
     )
+
+
+def sheets_of(scene: Scene, mesh: Mesh) -> tuple[list[Material], np.ndarray]:
+    """Materials of a scene's cloth as they lie in the pattern plane, and the number (ne,) of each triangle's.
+
+    Those of panels are turned with them, and have their grain.
+    """
+    names = names_by_region(scene, mesh)
+    panels = panels_of(scene)
+    if not panels:
+        used = [name for name in scene.material if name in names]
+        row = np.array([used.index(name) if name else -1 for name in names])[mesh.cell_region]
+        return [scene.material[name] for name in used], row
+    frames, pairs = frames_of(scene), np.stack([mesh.cell_region, mesh.cell_piece], axis=1)
+    kinds, row = np.unique(pairs, axis=0, return_inverse=True)
+    found: list[Material] = []
+    for region, piece in kinds.tolist():
+        name = mesh.outline.piece_names[piece]
+        own = scene.material[_of_panel(scene, panels[name], names[region], region)]
+        grain = own.grain if panels[name].grain is None else panels[name].grain
+        found.append(own.model_copy(update={"grain": grain + frames[name].angle}))
+    return found, row.ravel()
+
+
+def _of_panel(scene: Scene, panel: Panel, name: str | None, region: int) -> str:
+    """The material of triangles of a panel: that of a region of theirs, else the panel's own, else that of the rest.
+
+    Args:
+        scene: of cloth.
+        panel: that they are of.
+        name: of the material of their region, or of the rest.
+        region: number of their region; 0: none.
+    """
+    given = name is not None and scene.material[name].region
+    return name if name is not None and (given or panel.material is None) else str(panel.material)
 
 
 def membrane(material: Material) -> np.ndarray:

@@ -138,8 +138,8 @@ class ClothProblem(SteadyProblem):
 
     @property
     def size(self) -> float:
-        """The longer side of the box around the flat cloth [m]."""
-        return float(np.ptp(self.X, axis=0).max())
+        """The longer side of the box around the flat cloth [m], or of the largest of those around its panels."""
+        return self.place.size
 
     @property
     def swing_time(self) -> float:
@@ -175,7 +175,7 @@ class ClothProblem(SteadyProblem):
         mesh, morley = self.mesh, self.morley
         if morley:
             morley.place()
-        self.place = MaterialPlace.of(mesh, morley)
+        self.place = MaterialPlace.of(mesh, morley, self.fabric.frames)
         density = np.broadcast_to(self.fabric.density, len(mesh.cells))
         self.boundary = ClothDirichlet(self.supports, mesh, self.corner_number, len(self.X), morley)
         self.lumped = Lumped.of(self.X, self.membrane.corners, density, self.g * self.boundary.free)

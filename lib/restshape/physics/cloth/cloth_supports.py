@@ -24,7 +24,8 @@ def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothS
     Raises:
         UserError: two of them clash, or one prescribes a slope or a plane of symmetry where there is no edge for it.
     """
-    places = placement.places(mesh.X)
+    places = placement.places(mesh)
+    coordinates = placement.coordinates(mesh)
     given = np.full(places.shape, np.nan)
     clamped, mirrored = [np.empty(0, dtype=np.int32)], [np.empty(0, dtype=np.int32)]
     axes = [np.empty(0, dtype=np.int32)]
@@ -36,7 +37,7 @@ def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothS
                 clamped.append(_edges(scene, mesh, support, where))
                 continue
             axis = AXES.index(direction)
-            moved = Nodal(value, scene.parameters, where)(mesh.X[nodes])
+            moved = Nodal(value, scene.parameters, where)(coordinates[nodes])
             _prescribe(given, nodes, axis, places[nodes, axis] + moved, mesh, f"{scene.path}: {where}")
         if support.symmetry:
             where = f"supports.{name}.symmetry"
@@ -51,7 +52,9 @@ def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothS
         mask=mask,
         places=np.where(mask, given, 0.0),
         clamped=clamped,
-        slopes=placement.slopes(normals(mesh.X, border_cells(mesh.cells, mesh.cell_edges, clamped)[1])),
+        slopes=placement.directions(
+            mesh, mesh.edge_nodes[clamped, 0], normals(mesh.X, border_cells(mesh.cells, mesh.cell_edges, clamped)[1])
+        ),
         mirrored=np.concatenate(mirrored),
         axes=np.concatenate(axes),
     )

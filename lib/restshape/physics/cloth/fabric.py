@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.scene.pattern_packing import PanelFrame
+
 
 @dataclass(frozen=True)
 class Fabric:
@@ -16,6 +18,7 @@ class Fabric:
         kind: "morley", "hinge", "nonlinear" (hinges) or "none".
         hinge_factor: of the stiffness of hinges, see `restshape.physics.cloth.parameters.HINGE_STIFFNESS`.
         law: of the membrane, "stvk" or "corotated".
+        frames: where the coordinates of each panel lie in the pattern plane; none of one sheet.
     """
 
     membrane: np.ndarray
@@ -24,6 +27,7 @@ class Fabric:
     kind: str = "morley"
     hinge_factor: float = 1.0 / 3.0
     law: str = "stvk"
+    frames: tuple[PanelFrame, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

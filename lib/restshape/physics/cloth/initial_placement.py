@@ -1,37 +1,44 @@
-"""Where flat cloth lies before it falls."""
+"""Where the flat cloth lies before it falls."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.scene.bodies import Start
-from restshape.scene.space_values import evaluated
-from restshape.shape.placement import placed, rotation
+from restshape.scene.model import Scene
+from restshape.scene.pattern_packing import PanelFrame
+from restshape.shape.panel_placement import PatternPlacement
 
 
 class InitialPlacement:
     """Where the flat cloth lies before it falls.
 
     Args:
-        start: of the scene; None: in the plane z = 0, where it was cut.
-        parameters: of the scene.
+        scene: of cloth; a sheet that it places nowhere lies in the plane z = 0, where it was cut.
+        frames: where the coordinates of panels lie in the pattern plane; None: where the scene lays them.
     """
 
-    def __init__(self, start: Start | None, parameters: dict[str, float]) -> None:
-        self.start = evaluated(start or Start(), parameters)
+    def __init__(self, scene: Scene, frames: Mapping[str, PanelFrame] | None = None) -> None:
+        self._pattern = PatternPlacement(scene, frames)
+        self.start = self._pattern.start
 
-    def places(self, X: np.ndarray) -> np.ndarray:
-        """Places (n, 3) [m] of material coordinates X (n, 2) [m]."""
-        return placed(self.start, X)
+    def coordinates(self, mesh: Mesh) -> np.ndarray:
+        """Coordinates (n, 2) [m] of a mesh's nodes in their own panels; X of one sheet."""
+        return self._pattern.coordinates(mesh.X, mesh.node_piece)
 
-    def slopes(self, normals: np.ndarray) -> np.ndarray:
-        """Derivatives (k, 3) of the places along directions (k, 2) of the material."""
-        return normals @ rotation(self.start.turn)[:, :2].T
+    def places(self, mesh: Mesh) -> np.ndarray:
+        """Places (n, 3) [m] of a mesh's nodes."""
+        return self._pattern.places(mesh.X, mesh.node_piece)
+
+    def directions(self, mesh: Mesh, nodes: np.ndarray | slice, d: np.ndarray) -> np.ndarray:
+        """Derivatives (k, 3) of the places along directions d (k, 2) of the pattern plane at nodes (k,)."""
+        return self._pattern.directions(d, mesh.node_piece[nodes])
 
     def scattered(self, mesh: Mesh) -> np.ndarray:
         """Places (n, 3) [m] of a mesh's nodes, with the scatter of the start."""
-        places = self.places(mesh.X)
+        places = self.places(mesh)
         if self.start.scatter:
             random = np.random.default_rng(self.start.seed).uniform(-1.0, 1.0, places.shape)
             # In an order that does not hang on the number of ranks.

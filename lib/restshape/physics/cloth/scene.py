@@ -63,7 +63,7 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
     """
     gravity = plan.settings("gravity")
     contact = plan.settings("contact")
-    placement = InitialPlacement(scene.start, scene.parameters)
+    placement = InitialPlacement(scene)
     fabric = fabric_of(scene, plan, mesh)
     supports, placed = supports_of(scene, mesh, placement), placement.scattered(mesh)
     return ClothArguments(

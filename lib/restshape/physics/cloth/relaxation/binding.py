@@ -29,6 +29,7 @@ from restshape.physics.cloth.squeezed import refuse_squeezed
 from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.model import Scene
+from restshape.scene.panels import frames_of
 
 log = logging.getLogger("restshape.physics")
 
@@ -62,7 +63,7 @@ def bind(
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
     if not (cold or origin) and before.problem is problem and options.strategy == "auto":
-        moved = float(np.linalg.norm(problem.X - before.place.X, axis=1).max())
+        moved = before.place.farthest(problem.place)
         state, found = drag_frame(state, LastRest(in_material(before, problem), before.bodies, moved, before.energy))
         if found:
             return replace(state, observer=problem.observer(scene.quantities)), False
@@ -272,10 +273,11 @@ def moved_corners(before: RelaxationState, frame: Frame, scene: Scene) -> np.nda
     """Positions (corners, 3) of the last frame: along the cloth, or, on a new mesh, by their displacements."""
     problem = before.problem
     if frame.mesh is problem.mesh:
-        return before.advected.corners_at(frame.mesh.X, problem.corner_number)
-    placement = InitialPlacement(scene.start, scene.parameters)
-    moved = problem.corners(before.x) - placement.places(problem.mesh.X)
-    return placement.places(frame.mesh.X) + transfer(problem.mesh, frame.mesh, moved)
+        return before.advected.corners_at(frame.mesh.X, problem.corner_number, tuple(frames_of(scene).values()))
+    # Panels that only lie elsewhere in the pattern plane stay where they are.
+    old = InitialPlacement(scene, frames_of(before.scene))
+    moved = problem.corners(before.x) - old.places(problem.mesh)
+    return InitialPlacement(scene).places(frame.mesh) + transfer(problem.mesh, frame.mesh, moved)
 
 
 def moved_material(before: RelaxationState, arguments: ClothArguments) -> RelaxationState:

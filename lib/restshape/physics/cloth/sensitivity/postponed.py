@@ -30,7 +30,7 @@ class Postponed:
         self.rest, self._make = rest, make
         mesh, problem = rest.problem.mesh, rest.problem
         self._mesh, self._X = mesh, mesh.X.copy()
-        supports = supports_of(rest.scene, mesh, InitialPlacement(rest.scene.start, rest.scene.parameters))
+        supports = supports_of(rest.scene, mesh, InitialPlacement(rest.scene))
         boundary = ClothDirichlet(supports, mesh, problem.corner_number, problem.n_nodes, problem.morley)
         self.x = np.where(boundary.mask, boundary.values, values)
 

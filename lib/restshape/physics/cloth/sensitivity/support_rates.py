@@ -19,8 +19,9 @@ def support_rates(problem: ClothProblem, scene: Scene, dX: np.ndarray) -> np.nda
     Places follow where the scene lays the flat cloth, and formulas of the place; slopes across clamped edges follow
     these edges.
     """
-    mesh, turn = problem.mesh, pattern_turn(scene)
-    flat = dX @ turn.T
+    mesh, placement = problem.mesh, InitialPlacement(scene)
+    flat = placement.directions(mesh, slice(None), dX)
+    coordinates = placement.coordinates(mesh)
     places = flat.copy()
     for name, support in scene.supports.items():
         nodes = nodes_on(mesh, support.on)
@@ -28,7 +29,7 @@ def support_rates(problem: ClothProblem, scene: Scene, dX: np.ndarray) -> np.nda
             if direction != "slope":
                 axis = AXES.index(direction)
                 moved = Nodal(value, scene.parameters, f"supports.{name}.fix.{direction}")
-                places[nodes, axis] = flat[nodes, axis] + moved.rate(mesh.X[nodes], dX[nodes])
+                places[nodes, axis] = flat[nodes, axis] + moved.rate(coordinates[nodes], dX[nodes])
     out = np.zeros((problem.n_nodes, 3))
     out[problem.corner_number] = np.where(problem.supports.mask, places, 0.0)
     if problem.morley:
@@ -36,10 +37,11 @@ def support_rates(problem: ClothProblem, scene: Scene, dX: np.ndarray) -> np.nda
         start, end = dX[mesh.edge_nodes[clamped]].swapaxes(0, 1)
         along = end - start
         # The unknown is the derivative along the edge's own normal, as long as the edge.
-        out[problem.morley.side_number[clamped]] = np.column_stack([along[:, 1], -along[:, 0]]) @ turn.T
+        turned = np.column_stack([along[:, 1], -along[:, 0]])
+        out[problem.morley.side_number[clamped]] = placement.directions(mesh, mesh.edge_nodes[clamped, 0], turned)
     return out
 
 
 def pattern_turn(scene: Scene) -> np.ndarray:
     """The matrix (3, 2) from directions in the flat pattern to those in space where the scene lays it."""
-    return rotation(InitialPlacement(scene.start, scene.parameters).start.turn)[:, :2]
+    return rotation(InitialPlacement(scene).start.turn)[:, :2]

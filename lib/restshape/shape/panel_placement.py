@@ -1,0 +1,102 @@
+"""Where the sheets of a scene lie before any load: one in the plane where it was cut, or panels, each where it says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.arrays import Indices, Reals
+from restshape.scene.bodies import Start, start_of
+from restshape.scene.model import Scene
+from restshape.scene.panels import frames_of, panels_of
+from restshape.scene.pattern_packing import PanelFrame
+from restshape.scene.space_values import evaluated
+from restshape.shape.placement import placed, rotation
+
+
+@dataclass(frozen=True)
+class SheetPlacement:
+    """Where one sheet lies: its own coordinates in the pattern plane, and these in space.
+
+    Args:
+        frame: of its own coordinates in the pattern plane; None: they are those of the plane.
+        own: where it lies by itself; None: in the plane z = 0.
+        whole: where all sheets are moved to.
+    """
+
+    frame: PanelFrame | None
+    own: Start | None
+    whole: Start
+
+    def coordinates(self, X: Reals) -> Reals:
+        """Own coordinates (n, 2) [m] of places X (n, 2) [m] in the pattern plane."""
+        return X if self.frame is None else (X - (self.frame.x, self.frame.y)) @ self._axes
+
+    def places(self, X: Reals) -> Reals:
+        """Places (n, 3) [m] in space of places X (n, 2) [m] in the pattern plane."""
+        own = self.coordinates(X)
+        return placed(self.whole, own if self.own is None else placed(self.own, own))
+
+    def directions(self, d: Reals) -> Reals:
+        """Directions (n, 3) in space of directions d (n, 2) in the pattern plane."""
+        if self.own is None:
+            return d @ rotation(self.whole.turn)[:, :2].T
+        own = d if self.frame is None else d @ self._axes
+        return own @ (rotation(self.whole.turn) @ rotation(self.own.turn))[:, :2].T
+
+    @property
+    def _axes(self) -> Reals:
+        """The matrix (2, 2) whose columns are its own axes in the pattern plane."""
+        return plane_axes(self.frame) if self.frame else np.eye(2)
+
+
+def plane_axes(frame: PanelFrame) -> Reals:
+    """The matrix (2, 2) whose columns are the axes of a frame in the pattern plane."""
+    c, s = np.cos(frame.angle), np.sin(frame.angle)
+    return np.array([[c, -s], [s, c]])
+
+
+class PatternPlacement:
+    """Where all sheets of a scene lie at first.
+
+    Args:
+        scene: of cloth.
+        frames: where the coordinates of panels lie in the pattern plane; None: where the scene lays them.
+    """
+
+    def __init__(self, scene: Scene, frames: Mapping[str, PanelFrame] | None = None) -> None:
+        self.start = evaluated(start_of(scene) or Start(), scene.parameters)
+        panels, frames = panels_of(scene), frames or frames_of(scene)
+        self.sheets = [SheetPlacement(None, None, self.start)]
+        if panels:
+            own = {name: _start(panels[name].turn, panels[name].about, panels[name].move) for name in panels}
+            self.sheets = [
+                SheetPlacement(frames[name], evaluated(own[name], scene.parameters), self.start) for name in panels
+            ]
+
+    def coordinates(self, X: Reals, pieces: Indices) -> Reals:
+        """Own coordinates (n, 2) [m] of places X (n, 2) [m] in the pattern plane, each of a piece by its number."""
+        return self._each("coordinates", X, pieces)
+
+    def places(self, X: Reals, pieces: Indices) -> Reals:
+        """Places (n, 3) [m] in space of places X (n, 2) [m] in the pattern plane, each of a piece by its number."""
+        return self._each("places", X, pieces)
+
+    def directions(self, d: Reals, pieces: Indices) -> Reals:
+        """Directions (n, 3) in space of directions d (n, 2) in the pattern plane, each of a piece by its number."""
+        return self._each("directions", d, pieces)
+
+    def _each(self, what: str, values: Reals, pieces: Indices) -> Reals:
+        if len(self.sheets) == 1:
+            return np.asarray(getattr(self.sheets[0], what)(values))
+        found = np.empty((len(values), 2 if what == "coordinates" else 3))
+        for k, sheet in enumerate(self.sheets):
+            own = pieces == k
+            found[own] = getattr(sheet, what)(values[own])
+        return found
+
+
+def _start(turn: object, about: object, move: object) -> Start:
+    return Start.model_construct(turn=turn, about=about, move=move)

@@ -1,0 +1,55 @@
+"""In which of several outlines a loop or a point lies."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from restshape.arrays import Reals
+from restshape.shape.outline import Outline
+
+
+class PieceFinder:
+    """Finds the piece of an outline that something lies in; it is the first where there is one, or none around it.
+
+    Args:
+        outline: whose loops may be turned either way.
+    """
+
+    def __init__(self, outline: Outline) -> None:
+        self._outline, loops = outline, outline.loops
+        self._around = [i for i, loop in enumerate(loops) if loop.kind == "outline"]
+        several = len(self._around) > 1
+        self._polygons = [self._polygon(i) for i in self._around] if several else []
+
+    def of_loop(self, loop: int) -> int:
+        """Number of the outline that a loop is, or that it lies in or shares an edge with."""
+        found, loops = self._outline.loops[loop], self._outline.loops
+        if loop in self._around:
+            return self._around.index(loop)
+        own = {e for e, _ in found.edges}
+        for k, i in enumerate(self._around):
+            if len(self._around) > 1 and own & {e for e, _ in loops[i].edges}:
+                return k
+        first = found.edges[0][0]
+        return self.of_point(self._outline.point(first, 0.5)[0])
+
+    def of_point(self, place: Reals) -> int:
+        """Number of the outline that a place (2,) [m] lies in."""
+        return next((k for k, polygon in enumerate(self._polygons) if _inside(polygon, place)), 0)
+
+    def _polygon(self, loop: int) -> Reals:
+        outline = self._outline
+        parts = []
+        for edge, forward in outline.loops[loop].edges:
+            chain = outline.polyline(edge)
+            parts.append((chain if forward else chain[::-1])[:-1])
+        return np.concatenate(parts)
+
+
+def _inside(polygon: Reals, place: Reals) -> bool:
+    """Whether a place (2,) lies inside a polygon (k, 2), by the parity of crossings."""
+    a, b, (x, y) = polygon, np.roll(polygon, -1, axis=0), place
+    crosses = (a[:, 1] > y) != (b[:, 1] > y)
+    rise = np.where(b[:, 1] == a[:, 1], 1.0, b[:, 1] - a[:, 1])
+    at = a[:, 0] + (y - a[:, 1]) / rise * (b[:, 0] - a[:, 0])
+    return bool(np.count_nonzero(crosses & (x < at)) % 2)
