@@ -6,7 +6,9 @@ from small_scenes import head, make_replay, meshed, write_scene, write_script
 
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
+from restshape.scene.panels import frames_of
 from restshape.shape.build import outline_from_spec
+from restshape.shape.panel_placement import PatternPlacement, plane_axes
 
 COTTON = """
 [material.cotton]
@@ -119,3 +121,129 @@ def test_bad_panels_are_refused_by_name(tmp_path, text, what, where):
     with pytest.raises(UserError) as refused:
         make_replay(write_scene(tmp_path, garment(text)))
     assert what in refused.value.what and where in refused.value.where
+
+
+def test_a_wrapped_panel_keeps_its_lengths_and_lies_on_its_cylinder(tmp_path):
+    """About the axis of a body that leans: distances along the pattern are those along the cylinder."""
+    post = "[bodies.post]\ncapsule = { start = [0, 0, 0], end = [0.1, 0, 0.3], radius = 0.04 }\n[effects.contact]\n"
+    tables = panel("front", "at = [0.3, 0.1]", 'angle = "20 deg"', 'around = "post"', width=0.1), post
+    scene = load_scene(write_scene(tmp_path, garment(*tables)))
+    outline = outline_from_spec(scene.shape)
+    X = np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.15], [0.1, 0.15]]) @ plane_axes(frames_of(scene)["front"]).T
+    X += [0.3, 0.1]
+    np.testing.assert_allclose(X, outline.points[[0, 1, 3, 2]], atol=1e-15)
+    places, pieces = PatternPlacement(scene), np.zeros(4, dtype=np.int32)
+    axis = np.array([0.1, 0.0, 0.3]) / np.hypot(0.1, 0.3)
+    off = places.places(X, pieces) - [0.05, 0.0, 0.15]
+    np.testing.assert_allclose(off @ axis, [0.0, 0.0, 0.15, 0.15], atol=1e-15)
+    np.testing.assert_allclose(np.linalg.norm(off - np.outer(off @ axis, axis), axis=1), 0.05)
+    around = off[1] - off[1] @ axis * axis
+    assert np.arccos(around @ off[0] / 0.05**2) * 0.05 == pytest.approx(0.1)
+    assert off[0, 1] < 0.0 and off[1, 0] > off[0, 0], "from the front to the right"
+    step = 1e-6 * np.array([[0.6, 0.8]])
+    slope = (places.places(X[1:2] + step, pieces[:1]) - places.places(X[1:2] - step, pieces[:1])) / 2.0
+    np.testing.assert_allclose(places.directions(step, X[1:2], pieces[:1]), slope, atol=1e-14)
+
+
+def test_each_panel_has_its_material_and_grain(tmp_path):
+    """Grain turns with the panel; a panel that names no material is of the one that none names."""
+    lining = (
+        '[material.lining]\northotropic = { E = ["2 MPa", "1 MPa", "1 MPa"], nu = [0.1, 0.1, 0.1],'
+        ' G = [3e5, 3e5, 3e5] }\nrho = 300\nthickness = "0.1 mm"\n'
+    )
+    turned = panel("back", 'angle = "90 deg"', 'material = "lining"', 'grain = "-90 deg"')
+    made = drape(tmp_path, garment(FRONT + turned + HUNG.format(name="front") + HUNG.format(name="back"), lining))
+    problem = made.analysis.problem
+    mesh, fabric = problem.mesh, problem.fabric
+    front, back = mesh.cells_of("front"), mesh.cells_of("back")
+    np.testing.assert_allclose(fabric.density[front], 0.15)
+    np.testing.assert_allclose(fabric.density[back], 0.03)
+    C = fabric.membrane[back]
+    assert np.allclose(C[:, 0, 0] / C[:, 1, 1], 2.0)
+
+
+def test_a_panel_that_is_only_moved_or_turned_in_the_pattern_drapes_as_before(tmp_path):
+    """By the hand, by a turn and by a key: after an edit that its vertex keeps; no step is taken, and others stay."""
+    events = [
+        {"do": "press", "on": "front.b"},
+        {"do": "drag", "to": [0.21, -0.01], "frames": 1},
+        {"do": "release"},
+        {"do": "press", "on": "front", "at": [0, 0]},
+        {"do": "drag", "to": [-0.5, -0.3], "frames": 2},
+        {"do": "release"},
+        {"do": "rotate", "on": "front", "by": "40 deg", "frames": 2},
+        {"do": "set", "key": "panels.front.at", "value": [-0.6, -0.4]},
+        {"do": "undo"},
+    ]
+    path = write_scene(tmp_path, garment(BOTH.replace("move", "at = [0, 0]\nmove", 1)))
+    replay, rows, seen = make_replay(path, write_script(tmp_path, events)), [], []
+    for row in replay.frames():
+        problem = replay.analysis.problem
+        rows.append(row)
+        seen.append((problem.mesh.X.copy(), problem.corners(replay.analysis.x).copy()))
+    assert all(row["converged"] and not row["refused"] for row in rows), [row["refused"] for row in rows]
+    edited = next(k for k, row in enumerate(rows) if row["line"] == 4)
+    mesh = replay.analysis.problem.mesh
+    back, front = mesh.nodes_of("back"), mesh.nodes_of("front")
+    for X, x in seen[edited + 1 :]:
+        np.testing.assert_allclose(x, seen[edited][1], atol=1e-12)
+        np.testing.assert_array_equal(X[back], seen[edited][0][back])
+    assert np.abs(seen[-1][0] - seen[edited][0])[front].max() > 0.3
+    steps = {row["line"]: row["relaxation_steps"] for row in rows if row["level"] == 1}
+    assert steps[6] == 0 and max(steps[line] for line in (8, 9, 10)) <= 1, "turns round what is at rest"
+    scene = replay.session.scene
+    own = PatternPlacement(scene).coordinates(mesh.X, mesh.node_piece)[front]
+    np.testing.assert_allclose(own.max(axis=0), [0.21, 0.15], atol=1e-12)
+
+
+FOLDED = """
+[panels.front]
+outline = ["hem", "side", "neck", "fold"]
+mirror = "fold"
+at = [0, 0]
+turn = ["90 deg", 0, 0]
+vertices = { a = [0, 0], b = [0.1, 0], c = [0.08, 0.15], d = [0, 0.15] }
+edges = { hem = { line = ["a", "b"] }, side = { spline = ["b", "c"], through = [[0.07, 0.08]] }, neck = { arc = ["c", "d"], through = [0.03, 0.13] }, fold = { line = ["d", "a"] } }
+holes = { eye = { circle = { center = [0.03, 0.05], radius = 0.01 } } }
+[supports.front]
+on = ["front.neck", "front.mirror.neck"]
+fix = ["x", "y", "z"]
+"""  # noqa: E501 (a line of TOML)
+
+
+def test_a_panel_that_is_cut_on_the_fold_keeps_both_halves_alike(tmp_path):
+    """The fold is a line of the mesh; a drag of one half moves the other, a vertex on the fold goes along it."""
+    press = {"do": "press", "on": "front.b", "at": [0.1, 0.0]}
+    drags = [press, {"do": "drag", "to": [0.12, 0.01], "frames": 1}, {"do": "release"}]
+    drags += [{"do": "press", "on": "front.d", "at": [0, 0]}, {"do": "drag", "to": [0.01, 0.01], "frames": 1}]
+    half = {"do": "insert", "on": "front.hem", "name": "front.m", "s": 0.5}
+    path = write_scene(tmp_path, garment(FOLDED, size=0.03))
+    replay = make_replay(path, write_script(tmp_path, [*drags, {"do": "release"}, half]))
+    rows = list(replay.frames())
+    assert [bool(row["refused"]) for row in rows] == [False] * (len(rows) - 1) + [True]
+    outline, mesh = replay.session.outline, replay.analysis.problem.mesh
+    at = {name: outline.points[outline.entity(f"front.{name}").vertices[0]] for name in ("a", "b", "c", "d")}
+    np.testing.assert_allclose(at["b"], [0.12, 0.01], atol=1e-15)
+    np.testing.assert_allclose(at["d"], [0.0, 0.16], atol=1e-15)
+    for name in ("b", "c"):
+        image = outline.points[outline.entity(f"front.mirror.{name}").vertices[0]]
+        np.testing.assert_allclose(image, at[name] * [-1, 1], atol=1e-15)
+    fold = mesh.nodes_of("front.fold")
+    assert len(fold) > 4 and np.abs(mesh.X[fold, 0]).max() < 1e-12
+    assert len(mesh.cells_of("front.mirror")) > 10
+    assert outline.names("hole") == ["front.eye", "front.mirror.eye"]
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        (('mirror = "fold"', 'mirror = "side"'), "is no straight line"),
+        (('mirror = "fold"', 'mirror = "spine"'), "there is no edge 'spine'"),
+        (("c = [0.08, 0.15]", "c = [-0.08, 0.15]"), "would"),
+    ],
+)
+def test_folds_that_cannot_be_are_refused(tmp_path, change, what):
+    """A bent one, one that is not there, and one that the panel crosses."""
+    with pytest.raises(UserError) as refused:
+        make_replay(write_scene(tmp_path, garment(FOLDED.replace(*change))))
+    assert what in refused.value.what and "panels.front" in refused.value.where

@@ -149,7 +149,12 @@ def check_parameters(scene: Scene, _: Application, source: Source) -> None:
 
 def _check_materials(scene: Scene, source: Source) -> None:
     """Refuses regions with two materials, and places with none."""
-    rest = [name for name, material in scene.material.items() if material.region is None]
+    panels = panels_of(scene)
+    named = {panel.material for panel in panels.values()}
+    rest = [name for name, material in scene.material.items() if material.region is None and name not in named]
+    if panels and None not in named and len(rest) < 2:
+        # Each panel names its own.
+        rest = [name for name, material in scene.material.items() if material.region is None][:1]
     if len(rest) > 1:
         raise source.error(
             ("material", rest[1]),

@@ -32,7 +32,7 @@ from restshape.scene.plain_values import Table, excess, named_files
 from restshape.scene.source import Source, read_text, split_key, suggestion
 from restshape.scene.units import UnitError, article, length_unit
 from restshape.scene.validation_errors import user_error
-from restshape.scene.values import Angle, Name, Number, Strict, only_one
+from restshape.scene.values import Angle, Number, PartName, Strict, only_one
 
 FORMAT = "restshape-edits"
 VERSION = 1
@@ -136,7 +136,7 @@ class Insert(EventLine):
 
     do: Literal["insert"]
     on: str
-    name: Name
+    name: PartName
     at: Position | None = None
     s: Annotated[float, Field(gt=0, lt=1)] | None = None
 
@@ -172,7 +172,7 @@ class Hole(EventLine):
     """A new hole: a circle by centre and radius [m], or a polygon [m]."""
 
     do: Literal["hole"]
-    name: Name
+    name: PartName
     center: Position | None = None
     radius: Annotated[Coordinate, Field(gt=0)] | None = None
     polygon: Annotated[list[Position], Field(min_length=3, max_length=POLYLINE_POINTS)] | None = None

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, NamedTuple, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from restshape.errors import UserError
 from restshape.scene.descriptions import listing
@@ -13,8 +13,9 @@ from restshape.scene.model import CircleLoop, EdgeLoop, PolygonLoop, ShapeSpec
 from restshape.scene.pattern_packing import PanelFrame, Where, bounds, packed
 from restshape.scene.shape_edges import ArcSpec, EdgePart, LineSpec
 from restshape.scene.space_values import ORIGIN, Angles, Place
+from restshape.scene.unfolding import IMAGE, unfolded
 from restshape.scene.units import UnitError
-from restshape.scene.values import Angle, Point
+from restshape.scene.values import Angle, Length, Point
 
 if TYPE_CHECKING:
     from restshape.scene.model import Scene
@@ -35,8 +36,13 @@ class Panel(ShapeSpec):
         angle: by which it is turned in the pattern plane, about its origin.
         move: displacement in space, after it is turned.
         turn: angles in space about x, then y, then z.
-        about: the point in space that stays where it is turned.
+        about: the point in space that stays where it is turned, and the one that it is wrapped about.
+        around: body that it is wrapped on, before it is turned: its y runs along the axis of the body, its x around
+            it, from the front (-y) to the right, with all lengths kept.
+        radius: of the cylinder that it is wrapped on; left out, that of the body and 10 mm.
         grain: angle of the grain from its own x axis; left out, that of its material.
+        mirror: straight edge around it that it is unfolded about: it is cut on the fold. Parts of the other half are
+            named ``mirror.PART``.
         material: name of its material; left out, the one that no region and no panel names.
     """
 
@@ -45,7 +51,10 @@ class Panel(ShapeSpec):
     move: Place = ORIGIN
     turn: Angles = ORIGIN
     about: Place = ORIGIN
+    around: str | None = None
+    radius: Annotated[Length, Field(gt=0)] | None = None
     grain: Angle | None = None
+    mirror: str | None = None
     material: str | None = None
 
     @model_validator(mode="after")
@@ -75,7 +84,7 @@ class PanelShape(ShapeSpec):
         panel = key[2].partition(".")[0] if len(key) > 2 else ""
         if panel not in self.outlines:
             return ("panels", *key[2:]) if key[:1] == ("shape",) else key
-        own = key[2].partition(".")[2]
+        own = key[2].partition(".")[2].removeprefix(f"{IMAGE}.")
         return ("panels", panel, key[1], own, *key[3:])
 
     @property
@@ -122,7 +131,26 @@ def with_panels(scene: Scene) -> Scene:
     for name, panel in panels.items():
         if panel.outline is None:
             raise UserError("the panel has no outline", f"panels.{name}.outline", 'add outline = ["edge", ...]')
-    return scene.model_copy(update={"shape": pattern_shape(panels)})
+    return scene.model_copy(update={"shape": pattern_shape({name: whole(name, one) for name, one in panels.items()})})
+
+
+def whole(name: str, panel: Panel) -> Panel:
+    """A panel with both of its halves, where it is cut on the fold.
+
+    Raises:
+        UserError: it cannot be unfolded.
+    """
+    if panel.mirror is None:
+        return panel
+    try:
+        return unfolded(panel, panel.mirror)
+    except UserError as error:
+        raise UserError(error.what, f"panels.{name}.{error.where}", error.do) from error
+
+
+def folds_of(scene: Scene) -> dict[str, str]:
+    """The edges that panels are unfolded about, by the names of the panels."""
+    return {name: f"{name}.{panel.mirror}" for name, panel in panels_of(scene).items() if panel.mirror is not None}
 
 
 def pattern_shape(panels: Mapping[str, Panel]) -> PanelShape:
@@ -187,5 +215,6 @@ def panel_words(panel: Panel) -> str:
     edges = f"{len(panel.outline or ())} edges around it"
     place = "packed in rows" if panel.at is None else f"at {listing(panel.at)} m"
     said = [f"turned by {listing(panel.turn)} rad in space", f"moved by {listing(panel.move)} m"]
+    said = [f"wrapped on {panel.around}", *said] if panel.around else said
     said += [f"of {panel.material}"] if panel.material else []
     return "; ".join([edges, place, *said])

@@ -74,10 +74,14 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
 
 
 def _place(outline: Outline, wrong: str) -> str:
-    """The key of the hole or region whose edges a message names; that of the shape where it names none of them."""
-    if wrong.startswith("panel"):
-        return "panels"
+    """The key of the hole or region whose edges a message names; that of the shape where it names none of them.
+
+    Of panels it is that of the panel.
+    """
     words = wrong.replace(",", " ").split()
+    if outline.piece_names != ("outline",):
+        named = [k for edge, k in zip(outline.edges, outline.layout.edge_piece.tolist()) if edge.name in words]
+        return f"panels.{outline.piece_names[named[0]]}" if len(set(named)) == 1 else "panels"
     for loop in outline.loops:
         if loop.kind in ("hole", "region") and any(outline.edges[edge].name in words for edge, _ in loop.edges):
             return f"shape.{loop.kind}s.{loop.name}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -11,9 +11,12 @@ import numpy as np
 from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.scene.model import Scene
+from restshape.scene.panels import frames_of
+from restshape.scene.pattern_packing import PanelFrame
 from restshape.shape.build import unchecked_outline
 from restshape.shape.gesture import Gesture, other_curves, towards
 from restshape.shape.outline import Edge, Layout, Outline
+from restshape.shape.panel_placement import plane_axes
 from restshape.shape.script_session import STILL
 from restshape.shape.validity import problem
 
@@ -86,7 +89,23 @@ class ShapeFollower:
 
     def _outline(self, scene: Scene) -> Outline:
         before, after = (unchecked_outline(one.shape, one.folder) for one in (self._scene, scene))
-        return followed(self._start, before, after)
+        frames = frames_of(self._scene), frames_of(scene)
+        return followed(_in_frames(self._start, *frames), _in_frames(before, *frames), after)
+
+
+def _in_frames(outline: Outline, now: Mapping[str, PanelFrame], wanted: Mapping[str, PanelFrame]) -> Outline:
+    """An outline whose panels lie in other frames, so that what edits have moved in a panel stays there."""
+    if now == wanted or now.keys() != wanted.keys():
+        return outline
+    points = outline.points.copy()
+    for k, name in enumerate(outline.piece_names):
+        if now[name] != wanted[name]:
+            own = outline.layout.control_piece == k
+            back, forth = plane_axes(now[name]), plane_axes(wanted[name])
+            away = points[own] - now[name][:2]
+            angle = now[name].angle != wanted[name].angle
+            points[own] = (away @ back @ forth.T if angle else away) + wanted[name][:2]
+    return outline.moved(points)
 
 
 def same_layout(one: Layout, other: Layout) -> bool:

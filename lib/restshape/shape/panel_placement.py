@@ -14,6 +14,7 @@ from restshape.scene.panels import frames_of, panels_of
 from restshape.scene.pattern_packing import PanelFrame
 from restshape.scene.space_values import evaluated
 from restshape.shape.placement import placed, rotation
+from restshape.shape.wrapping import Wrapping, wrapping_of
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,13 @@ class SheetPlacement:
         frame: of its own coordinates in the pattern plane; None: they are those of the plane.
         own: where it lies by itself; None: in the plane z = 0.
         whole: where all sheets are moved to.
+        wrapping: the cylinder that it lies on before it is turned; None: it is flat.
     """
 
     frame: PanelFrame | None
     own: Start | None
     whole: Start
+    wrapping: Wrapping | None = None
 
     def coordinates(self, X: Reals) -> Reals:
         """Own coordinates (n, 2) [m] of places X (n, 2) [m] in the pattern plane."""
@@ -37,14 +40,18 @@ class SheetPlacement:
     def places(self, X: Reals) -> Reals:
         """Places (n, 3) [m] in space of places X (n, 2) [m] in the pattern plane."""
         own = self.coordinates(X)
+        own = self.wrapping.places(own) if self.wrapping else own
         return placed(self.whole, own if self.own is None else placed(self.own, own))
 
-    def directions(self, d: Reals) -> Reals:
-        """Directions (n, 3) in space of directions d (n, 2) in the pattern plane."""
+    def directions(self, d: Reals, X: Reals) -> Reals:
+        """Directions (n, 3) in space of directions d (n, 2) in the pattern plane, at places X (n, 2) [m]."""
         if self.own is None:
             return d @ rotation(self.whole.turn)[:, :2].T
         own = d if self.frame is None else d @ self._axes
-        return own @ (rotation(self.whole.turn) @ rotation(self.own.turn))[:, :2].T
+        turn = rotation(self.whole.turn) @ rotation(self.own.turn)
+        if self.wrapping:
+            return self.wrapping.directions(self.coordinates(X), own) @ turn.T
+        return own @ turn[:, :2].T
 
     @property
     def _axes(self) -> Reals:
@@ -71,32 +78,34 @@ class PatternPlacement:
         panels, frames = panels_of(scene), frames or frames_of(scene)
         self.sheets = [SheetPlacement(None, None, self.start)]
         if panels:
-            own = {name: _start(panels[name].turn, panels[name].about, panels[name].move) for name in panels}
-            self.sheets = [
-                SheetPlacement(frames[name], evaluated(own[name], scene.parameters), self.start) for name in panels
-            ]
+            self.sheets = [_sheet(scene, name, frames[name], self.start) for name in panels]
 
     def coordinates(self, X: Reals, pieces: Indices) -> Reals:
         """Own coordinates (n, 2) [m] of places X (n, 2) [m] in the pattern plane, each of a piece by its number."""
-        return self._each("coordinates", X, pieces)
+        return self._each("coordinates", pieces, X)
 
     def places(self, X: Reals, pieces: Indices) -> Reals:
         """Places (n, 3) [m] in space of places X (n, 2) [m] in the pattern plane, each of a piece by its number."""
-        return self._each("places", X, pieces)
+        return self._each("places", pieces, X)
 
-    def directions(self, d: Reals, pieces: Indices) -> Reals:
-        """Directions (n, 3) in space of directions d (n, 2) in the pattern plane, each of a piece by its number."""
-        return self._each("directions", d, pieces)
+    def directions(self, d: Reals, X: Reals, pieces: Indices) -> Reals:
+        """Directions (n, 3) in space of directions d (n, 2) at places X (n, 2) [m], each of a piece by its number."""
+        return self._each("directions", pieces, d, X)
 
-    def _each(self, what: str, values: Reals, pieces: Indices) -> Reals:
+    def _each(self, what: str, pieces: Indices, *values: Reals) -> Reals:
         if len(self.sheets) == 1:
-            return np.asarray(getattr(self.sheets[0], what)(values))
-        found = np.empty((len(values), 2 if what == "coordinates" else 3))
+            return np.asarray(getattr(self.sheets[0], what)(*values))
+        found = np.empty((len(pieces), 2 if what == "coordinates" else 3))
         for k, sheet in enumerate(self.sheets):
             own = pieces == k
-            found[own] = getattr(sheet, what)(values[own])
+            found[own] = getattr(sheet, what)(*(each[own] for each in values))
         return found
 
 
-def _start(turn: object, about: object, move: object) -> Start:
-    return Start.model_construct(turn=turn, about=about, move=move)
+def _sheet(scene: Scene, name: str, frame: PanelFrame, whole: Start) -> SheetPlacement:
+    """Where a panel lies; one that is wrapped turns about the point that it is wrapped about."""
+    panel = panels_of(scene)[name]
+    wrapping = wrapping_of(scene, name, panel)
+    about = wrapping.centre.tolist() if wrapping else panel.about
+    own = Start.model_construct(turn=panel.turn, about=tuple(about), move=panel.move)
+    return SheetPlacement(frame, evaluated(own, scene.parameters), whole, wrapping)

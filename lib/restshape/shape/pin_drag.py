@@ -7,15 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.scene.bodies import bodies_of, pins_of, start_of
+from restshape.scene.bodies import bodies_of, pins_of
 from restshape.scene.edit_script import SUPPORTS
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
+from restshape.scene.panels import panels_of
 from restshape.scene.plain_values import Table, tables_in
-from restshape.scene.space_values import evaluated
 from restshape.shape.outline import Outline
-from restshape.shape.placement import placed
+from restshape.shape.panel_drag import begin_panel_drag
+from restshape.shape.panel_placement import PatternPlacement
 from restshape.shape.rigid_body_drag import begin_body_drag
 from restshape.shape.space_grab import Place, SpaceGrab, in_space
 
@@ -31,10 +32,14 @@ def pin_named(scene: Scene, outline: Outline, on: str) -> str | None:
 
 def place_of_pin(scene: Scene, outline: Outline, name: str) -> Place:
     """Where a support holds the sheet [m]: the mean place of its entities, in the directions that it fixes."""
-    support, start = scene.supports[name], start_of(scene)
-    assert start is not None
-    X = np.mean([outline.centroid(outline.entity(on)) for on in support.on], axis=0)
-    place = placed(evaluated(start, scene.parameters), X[None])[0]
+    support, pattern = scene.supports[name], PatternPlacement(scene)
+    entities = [outline.entity(on) for on in support.on]
+    pieces = np.array([outline.layout.control_piece[outline.control_points(one)[0]] for one in entities])
+    centres = np.array([outline.centroid(one) for one in entities])
+    if len(set(pieces.tolist())) == 1:
+        centres, pieces = centres.mean(axis=0)[None], pieces[:1]
+    X = np.mean(pattern.coordinates(centres, pieces), axis=0)
+    place = np.mean(pattern.places(centres, pieces), axis=0)
     for axis, value in support.fix.items():
         if axis in AXES:
             moved = value.evaluate(X[0], X[1], scene.parameters) if isinstance(value, Expression) else value
@@ -97,5 +102,7 @@ def begin_space_grab(outline: Outline, scene: Scene, on: str, at: tuple[float, .
     """
     if on in bodies_of(scene):
         return begin_body_drag(outline, scene, on, at)
+    if on in panels_of(scene):
+        return begin_panel_drag(outline, scene, on, at)
     pin = pin_named(scene, outline, on)
     return None if pin is None else begin_pin_drag(outline, scene, pin, at)

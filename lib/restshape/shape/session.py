@@ -36,6 +36,7 @@ from restshape.scene.event_line import EventLine
 from restshape.scene.given_numbers import edited_number
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
+from restshape.scene.panels import panels_of
 from restshape.scene.plan import plan, refuse_switched
 from restshape.shape import gesture as gestures
 from restshape.shape import rigid_body_drag, topology_edits
@@ -47,6 +48,7 @@ from restshape.shape.gradual import sweep
 from restshape.shape.hand_map import map_of, refuse_map
 from restshape.shape.handpath import resampled
 from restshape.shape.outline import Entity, Outline
+from restshape.shape.panel_drag import fold_beside, refuse_half, turned_panel
 from restshape.shape.pin_drag import begin_space_grab
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
@@ -123,6 +125,10 @@ class EditSession(ScriptSession[Outline]):
             what = f"{on} is a body, which {event.do!r} does not know"
             why = UserError(what, do="bodies can be pressed and dragged, rotated and scaled")
             return self._refused(event.frame_count, why)
+        try:
+            refuse_half(self.outline, self.scene, event.do, str(on))
+        except UserError as error:
+            return self._refused(event.frame_count, error)
         return super()._carried_out(event)
 
     @property
@@ -155,7 +161,10 @@ class EditSession(ScriptSession[Outline]):
                 yield Step("none")
                 return
             entity = self.outline.entity(event.on, names_in_space(self.scene) or ())
-            gesture = gestures.drag(self.outline, entity, *map_of(event))
+            tensor, mirror = map_of(event)
+            if mirror is None:
+                mirror = fold_beside(self.outline, self.scene, entity)
+            gesture = gestures.drag(self.outline, entity, tensor, mirror)
         except UserError as error:
             yield self._refusal(error)
             return
@@ -204,11 +213,23 @@ class EditSession(ScriptSession[Outline]):
             yield from self._change_body(event, rigid_body_drag.turned, lambda part: part * event.by)
             return
 
+        if event.on in panels_of(self.scene):
+            yield from self._turn_panel(event)
+            return
+
         def coefficients(part: float) -> tuple[float, float]:
             # 1 - cos would lose the digits of small angles.
             return -2.0 * float(np.sin(0.5 * part * event.by)) ** 2, float(np.sin(part * event.by))
 
         yield from self._turn(event, gestures.rotate, coefficients)
+
+    def _turn_panel(self, event: Rotate) -> Iterator[Step]:
+        """A whole panel turns in the pattern plane, about its middle where no point is named."""
+        scene, centre = self.scene, self.outline.centroid(self.outline.entity(event.on)).tolist()
+        about = event.about if event.about is not None else (centre[0], centre[1])
+        yield from self._revise_evenly(
+            event.frames, lambda part: turned_panel(scene, event.on, part * event.by, (about[0], about[1]))
+        )
 
     def _do_scale(self, event: Scale) -> Iterator[Step]:
         if event.on in bodies_of(self.scene):

@@ -15,6 +15,7 @@ from restshape.shape.script_session import GrabbedStep, Step
 
 if TYPE_CHECKING:
     from restshape.shape.gesture import Gesture
+    from restshape.shape.given_shape import Way
     from restshape.shape.outline import Outline
 
 Place = tuple[float, float, float]
@@ -27,8 +28,10 @@ class Draggable(Protocol):
     outline: Outline
     scene: Scene
 
-    def revised(self, wanted: Callable[[], Scene]) -> Step:
-        """One frame of an edit that changes the scene."""
+    def revised(
+        self, wanted: Callable[[], Scene], follow: Callable[[Outline, Scene], Way | None] | None = None
+    ) -> Step:
+        """One frame of an edit that changes the scene, and the shape where something follows."""
 
 
 @dataclass(slots=True)

@@ -52,23 +52,25 @@ def sheets_of(scene: Scene, mesh: Mesh) -> tuple[list[Material], np.ndarray]:
     found: list[Material] = []
     for region, piece in kinds.tolist():
         name = mesh.outline.piece_names[piece]
-        own = scene.material[_of_panel(scene, panels[name], names[region], region)]
+        own = scene.material[_of_panel(scene, panels[name], names[region])]
         grain = own.grain if panels[name].grain is None else panels[name].grain
         found.append(own.model_copy(update={"grain": grain + frames[name].angle}))
     return found, row.ravel()
 
 
-def _of_panel(scene: Scene, panel: Panel, name: str | None, region: int) -> str:
-    """The material of triangles of a panel: that of a region of theirs, else the panel's own, else that of the rest.
+def _of_panel(scene: Scene, panel: Panel, name: str | None) -> str:
+    """The material of triangles of a panel: that of a region of theirs, else the panel's own, else what none names.
 
     Args:
         scene: of cloth.
         panel: that they are of.
         name: of the material of their region, or of the rest.
-        region: number of their region; 0: none.
     """
-    given = name is not None and scene.material[name].region
-    return name if name is not None and (given or panel.material is None) else str(panel.material)
+    if name is not None and scene.material[name].region:
+        return name
+    named = {one.material for one in panels_of(scene).values()}
+    rest = next((one for one, m in scene.material.items() if not m.region and one not in named), name)
+    return str(panel.material or rest)
 
 
 def membrane(material: Material) -> np.ndarray:

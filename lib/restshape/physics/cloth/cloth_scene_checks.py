@@ -5,25 +5,30 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from restshape.errors import UserError
 from restshape.physics.cloth.seam_keys import check_seams
 from restshape.scene.checks import refuse_places
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
-from restshape.scene.source import Source
+from restshape.scene.panels import panels_of
+from restshape.scene.source import Source, split_key, suggestion
 from restshape.scene.space_values import evaluated
 from restshape.scene.units import UnitError
+from restshape.shape.panel_placement import PatternPlacement
 
 Key = tuple[str, ...]
 
 
 def formulas_of_bodies(scene: Scene) -> list[tuple[Key, Any]]:
-    """Keys and values of all that is a number, or a formula of the parameters, of ``[bodies]`` and ``[start]``."""
+    """Keys and values of all that is a number, or a formula of the parameters, of bodies, panels and ``[start]``."""
     found: list[tuple[Key, Any]] = []
     for name, body in scene.bodies.items():
         form = body.form
         given = [((body.kind, key), getattr(form, key)) for key in type(form).model_fields]
         for key, value in [*given, (("friction",), body.friction)]:
             found += [(("bodies", name, *key), one) for one in (value if isinstance(value, tuple) else (value,))]
+    for name, panel in panels_of(scene).items():
+        found += [(("panels", name, key), one) for key in ("move", "turn", "about") for one in getattr(panel, key)]
     if scene.start is not None:
         found += [(("start", key), one) for key in ("move", "turn", "about") for one in getattr(scene.start, key)]
     return found
@@ -38,6 +43,7 @@ def check_cloth(scene: Scene, source: Source) -> None:
     for place, value in formulas_of_bodies(scene):
         refuse_places(place, value, "a number of a body", source)
     _check_bodies(scene, source)
+    _check_panels(scene, source)
     check_seams(scene, scene.shape.kinds(), source)
     for name, material in scene.material.items():
         if "thickness" not in material.model_fields_set:
@@ -45,6 +51,25 @@ def check_cloth(scene: Scene, source: Source) -> None:
         if isinstance(material.thickness, Expression):
             what = f"the application {scene.app!r} knows one thickness a material only"
             raise source.error(("material", name, "thickness"), what, "give a number")
+
+
+def _check_panels(scene: Scene, source: Source) -> None:
+    """Refuses panels of a material, or around a body, that is not there, and places that are none."""
+    for name, panel in panels_of(scene).items():
+        for key, known in (("material", scene.material), ("around", scene.bodies)):
+            wanted = getattr(panel, key)
+            if wanted is not None and wanted not in known:
+                kind = "material" if key == "material" else "body"
+                raise source.error(
+                    ("panels", name, key), f"there is no {kind} {wanted!r}", suggestion(wanted, list(known))
+                )
+    if panels_of(scene):
+        try:
+            PatternPlacement(scene)
+        except UserError as error:
+            raise source.error(split_key(error.where), error.what, error.do) from error
+        except UnitError as error:
+            raise source.error(("panels",), error.what, error.do) from error
 
 
 def _check_bodies(scene: Scene, source: Source) -> None:

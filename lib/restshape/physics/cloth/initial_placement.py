@@ -34,7 +34,7 @@ class InitialPlacement:
 
     def directions(self, mesh: Mesh, nodes: np.ndarray | slice, d: np.ndarray) -> np.ndarray:
         """Derivatives (k, 3) of the places along directions d (k, 2) of the pattern plane at nodes (k,)."""
-        return self._pattern.directions(d, mesh.node_piece[nodes])
+        return self._pattern.directions(d, mesh.X[nodes], mesh.node_piece[nodes])
 
     def scattered(self, mesh: Mesh) -> np.ndarray:
         """Places (n, 3) [m] of a mesh's nodes, with the scatter of the start."""

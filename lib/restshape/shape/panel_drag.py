@@ -1,0 +1,117 @@
+"""Panels under the hand: moved and turned as a whole in the pattern plane, and what their folds ask of edits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from restshape.arrays import Reals
+from restshape.errors import UserError
+from restshape.scene.load import revise
+from restshape.scene.model import Scene
+from restshape.scene.panels import folds_of, frames_of, panels_of
+from restshape.scene.pattern_packing import PanelFrame, turned
+from restshape.shape.given_shape import ShapeFollower
+from restshape.shape.outline import Entity, Outline
+from restshape.shape.script_session import Step
+from restshape.shape.space_grab import Draggable, Place, SpaceGrab, in_space
+
+OF_HALVES = ("insert", "delete", "arc", "smooth", "pull", "rotate", "scale")
+"""Events that would change one half of a panel that is cut on the fold."""
+
+
+def with_frames(scene: Scene, frames: Mapping[str, PanelFrame]) -> Scene:
+    """The scene whose panels lie in these frames in the pattern plane.
+
+    Raises:
+        UserError: they make no scene.
+    """
+    for name, frame in frames.items():
+        known = panels_of(scene)[name]
+        if known.at != (frame.x, frame.y):
+            scene = revise(scene, f"panels.{name}.at", [frame.x, frame.y])
+        if known.angle != frame.angle:
+            scene = revise(scene, f"panels.{name}.angle", frame.angle)
+    return scene
+
+
+@dataclass(slots=True)
+class PanelDrag(SpaceGrab):
+    """A whole panel that the hand moves in the pattern plane; arguments as of `SpaceGrab`."""
+
+    def moved(self, scene: Scene, c: Place) -> Scene:
+        """The scene with the panel where it was at the press, plus a way c [m]; all others keep their places.
+
+        Raises:
+            UserError: the panel is there no more, or is to leave the plane.
+        """
+        if c[2] != 0.0:
+            raise UserError(f"{self.name} is a panel, which moves in the pattern plane", do="leave z out")
+        frames = dict(frames_of(self.before[1]))
+        if self.name not in panels_of(scene):
+            raise UserError(f"the panel {self.name!r} is there no more")
+        x, y, angle = frames[self.name]
+        return with_frames(scene, {**frames, self.name: PanelFrame(x + c[0], y + c[1], angle)})
+
+    def dragged(self, session: Draggable, point: tuple[float, ...]) -> Step:
+        """The frame in which the cursor goes to a point [m]."""
+        c = self.way_to(point)
+        if c == self.c:
+            return Step("none")
+        scene, follower = session.scene, ShapeFollower(session.outline, session.scene)
+
+        def wanted(_: float = 1.0) -> Scene:
+            return self.moved(scene, c)
+
+        step = session.revised(wanted, partial(follower, part=1.0, whole=wanted))
+        self.c = self.c if step.refused else c
+        return step
+
+
+def begin_panel_drag(outline: Outline, scene: Scene, name: str, at: tuple[float, ...] | None) -> PanelDrag:
+    """A hand that takes hold of a whole panel at a point of the pattern plane [m], else in its middle."""
+    x, y = outline.centroid(outline.entity(name)).tolist()
+    origin = in_space(at, (x, y, 0.0))
+    return PanelDrag(name, origin, origin, (outline, scene))
+
+
+def turned_panel(scene: Scene, name: str, angle: float, about: tuple[float, float]) -> Scene:
+    """The scene with a panel turned in the pattern plane by an angle [rad] about a point [m]."""
+    frames = dict(frames_of(scene))
+    x, y, before = frames[name]
+    u, v = turned((x - about[0], y - about[1]), angle)
+    return with_frames(scene, {**frames, name: PanelFrame(about[0] + u, about[1] + v, before + angle)})
+
+
+def fold_beside(outline: Outline, scene: Scene, entity: Entity) -> Reals | None:
+    """Two points (2, 2) [m] of the fold of the panel that an entity is part of; None where it has none.
+
+    Raises:
+        UserError: the entity is part of several panels, one of which is cut on the fold.
+    """
+    folds = folds_of(scene)
+    pieces = set(outline.layout.control_piece[outline.control_points(entity)].tolist())
+    beside = [folds[name] for k, name in enumerate(outline.piece_names) if k in pieces and name in folds]
+    if not beside:
+        return None
+    if len(pieces) > 1:
+        raise UserError("panels that are cut on the fold are moved one by one", do="name a part of one panel")
+    edge = outline.edges[outline.entity(beside[0]).edges[0]]
+    return np.asarray(outline.points[[edge.start, edge.end]])
+
+
+def refuse_half(outline: Outline, scene: Scene, does: str, on: str) -> None:
+    """Refuses an event that would change one half of a panel that is cut on the fold.
+
+    Raises:
+        UserError: it would.
+    """
+    if does not in OF_HALVES or not folds_of(scene) or on in outline.piece_names:
+        return
+    entity = outline.layout.entities.get(on)
+    if entity is not None and fold_beside(outline, scene, entity) is not None:
+        what = f"{on} is of a panel that is cut on the fold, of which {does!r} would change one half"
+        raise UserError(what, do="drag it, which moves both halves, or change the scene")
