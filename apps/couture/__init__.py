@@ -16,5 +16,6 @@ application = Application(
     analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",
     commands=(
         Command("drapes", "draw single frames of a recording of cloth", "restshape_apps.couture.drapes_command"),
+        Command("mannequin", "make the surface of a body by its measures", "restshape_apps.couture.mannequin_command"),
     ),
 )

@@ -154,6 +154,20 @@ class ExportFile(OutputFile):
         return EXPORT_MARK.encode() in head or head.startswith(EXPORT_HEADS.encode())
 
 
+BODY_MARK = "written by restshape mannequin"
+"""In the first line of every surface of a body."""
+
+
+class BodyFile(OutputFile):
+    """The surface of a body that `restshape mannequin` wrote."""
+
+    what = "a body that restshape mannequin wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it says so in its first line."""
+        return head.startswith(f"# {BODY_MARK}".encode())
+
+
 class PageFile(OutputFile):
     """A page of results in Markdown."""
 

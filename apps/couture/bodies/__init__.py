@@ -1,0 +1,1 @@
+"""Mannequins: closed surfaces of bodies by their measures."""
