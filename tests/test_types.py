@@ -19,6 +19,7 @@ BORDERS = {
     "shape/geo_model.py": "gmsh",
     "shape/geo_operations.py": "gmsh",
     "shape/plane_faces.py": "gmsh",
+    "shape/pattern_drawing.py": "ezdxf",
     "shape/step_names.py": "gmsh",
     "shape/svg.py": "svgelements: shapes, whose attributes depend on their kind",
     "shape/svg_segments.py": "svgelements",

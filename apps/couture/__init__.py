@@ -8,6 +8,8 @@ from pathlib import Path
 
 from restshape.application import Application, Command, Declared
 
+SUMMARY = "write a sewing pattern in another format, or as a scene"
+
 application = Application(
     name="couture",
     summary="cloth that hangs from supports and lies on bodies, in static equilibrium",
@@ -17,5 +19,6 @@ application = Application(
     commands=(
         Command("drapes", "draw single frames of a recording of cloth", "restshape_apps.couture.drapes_command"),
         Command("mannequin", "make the surface of a body by its measures", "restshape_apps.couture.mannequin_command"),
+        Command("pattern", SUMMARY, "restshape_apps.couture.pattern_command"),
     ),
 )

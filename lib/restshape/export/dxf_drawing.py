@@ -65,7 +65,7 @@ def _draw_loop(space: Any, outline: Outline, loop: Loop) -> bool:
         space.add_circle(MM * circle[0], MM * circle[1], dxfattribs={"layer": layer})
         return True
     for e, _ in loop.edges:
-        _draw_edge(space, outline, e, {"layer": outline.edges[e].name if loop.kind == "outline" else layer})
+        draw_edge(space, outline, e, {"layer": outline.edges[e].name if loop.kind == "outline" else layer})
     return False
 
 
@@ -82,7 +82,7 @@ def circle_of(outline: Outline, loop: Loop) -> tuple[np.ndarray, float] | None:
     return circles[0, :2], float(circles[0, 2])
 
 
-def _draw_edge(space: Any, outline: Outline, index: int, look: dict[str, str]) -> None:
+def draw_edge(space: Any, outline: Outline, index: int, look: dict[str, str]) -> None:
     """Draws one edge."""
     edge, bulge = outline.edges[index], float(outline.bulges[index])
     points = MM * outline.points[outline.layout.controls[index]]

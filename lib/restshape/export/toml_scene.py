@@ -15,6 +15,9 @@ from restshape.outputs.kinds import EXPORT_MARK
 from restshape.scene.load import remade
 from restshape.scene.plain_values import Table
 
+DEPTHS = {"shape": 1, "panels": 2}
+"""Depths of tables within one that have headers of their own."""
+
 
 def write_toml(frame: EditedFrame, path: Path) -> None:
     """Writes the scene of a frame, its shape as it was edited, from which edits go on.
@@ -31,14 +34,14 @@ def write_toml(frame: EditedFrame, path: Path) -> None:
 
 
 def toml_text(tables: Table) -> str:
-    """Plain tables as TOML: a header a table, tables of the shape one a kind, all within in one line each."""
+    """Plain tables as TOML: a header a table, those of shape and panels one a kind, all within in one line each."""
     document = tomlkit.document()
     for key, value in tables.items():
         if not isinstance(value, dict):
             document.add(key, tomlkit.item(value))
     for key, value in tables.items():
         if isinstance(value, dict):
-            document.add(key, _table(value, 1 if key == "shape" else 0))
+            document.add(key, _table(value, DEPTHS.get(key, 0)))
     return tomlkit.dumps(document)
 
 

@@ -49,10 +49,9 @@ def read_dxf(path: Path, layers: Mapping[str, str] | None = None) -> LooseCurves
         UserError: unreadable, or other entities.
     """
     layers = layers or {}
-    with _readable(path):
+    with readable(path):
         drawing = ezdxf.readfile(path)
-        unit = units.InsertUnits(int(drawing.header.get("$INSUNITS", 0)))
-        scale = units.conversion_factor(unit, units.InsertUnits.Meters) if unit else 1e-3
+        scale, sized = metres_in(drawing)
         there = [
             (entity, layer)
             for entity, layer in placed(drawing.modelspace(), drawing.blocks, path.name)
@@ -64,9 +63,15 @@ def read_dxf(path: Path, layers: Mapping[str, str] | None = None) -> LooseCurves
         label = {layer: layers.get(layer) or ("" if layer in NO_NAME else name_of(layer)) for _, layer in there}
         read = [(entity, layer) for entity, layer in there if not layers or layer in layers]
         drawn = ((entity, layer) for entity, layer in read if layer not in points)
-        curves = gathered((_curves_of(one, layer, label[layer], scale, path) for one, layer in drawn), path.name)
+        curves = gathered((curves_of(one, layer, label[layer], scale, path) for one, layer in drawn), path.name)
         named = {label[layer]: scale * points[layer] for _, layer in read if layer in points}
-    return LooseCurves(curves, doubt="" if unit else NO_UNIT, points=named)
+    return LooseCurves(curves, doubt="" if sized else NO_UNIT, points=named)
+
+
+def metres_in(drawing: Any) -> tuple[float, bool]:
+    """The metres in a unit of a drawing, and whether it says so; those of a millimetre where it does not."""
+    unit = units.InsertUnits(int(drawing.header.get("$INSUNITS", 0)))
+    return (units.conversion_factor(unit, units.InsertUnits.Meters) if unit else 1e-3), bool(unit)
 
 
 def _points(there: list[tuple[Any, str]]) -> dict[str, Reals]:
@@ -79,7 +84,7 @@ def _points(there: list[tuple[Any, str]]) -> dict[str, Reals]:
 
 
 @contextmanager
-def _readable(path: Path) -> Iterator[None]:
+def readable(path: Path) -> Iterator[None]:
     """Has whatever is wrong with a drawing that is read within be an error of the user's."""
     if path.stat().st_size > DRAWING_BYTES:
         raise UserError(f"the drawing is longer than {DRAWING_BYTES} bytes", path.name, "draw less")
@@ -98,7 +103,7 @@ def _readable(path: Path) -> Iterator[None]:
         raise UserError(f"this cannot be read as DXF: {why}", path.name, do) from error
 
 
-def _curves_of(entity: Any, layer: str, label: str, scale: float, path: Path) -> list[Curve]:
+def curves_of(entity: Any, layer: str, label: str, scale: float, path: Path) -> list[Curve]:
     """The curves of an entity, in metres."""
     kind = entity.dxftype()
     source = f"{kind} on layer {layer}"

@@ -47,7 +47,7 @@ def points_inside(
     """
     if not points:
         return {}
-    chains = [_chain(curve) for curve in (*border, *others)]
+    chains = [chain_of_curve(curve) for curve in (*border, *others)]
     a, b = (np.concatenate([chain[part] for chain in chains]) for part in (slice(-1), slice(1, None)))
     around = sum(len(chain) - 1 for chain in chains[: len(border)])
     found = {}
@@ -60,7 +60,7 @@ def points_inside(
     return found
 
 
-def _chain(curve: Curve) -> Reals:
+def chain_of_curve(curve: Curve) -> Reals:
     """Points (m, 2) of a curve whose straight connections stand for it."""
     if curve.kind == "spline":
         knots = curve.knots or curves.chord_parameters(curve.points)

@@ -1,0 +1,89 @@
+"""`restshape pattern`: a sewing pattern in another format, and as a scene of cloth."""
+
+import argparse
+from pathlib import Path
+
+from restshape.cli.options import add_json, write_json
+from restshape.errors import UserError, one_line
+from restshape.outputs.claims import refuse_outputs
+from restshape.outputs.kinds import ExportFile
+from restshape.outputs.si_numbers import counted
+from restshape.shape.pattern import Pattern
+
+READ = (".json", ".dxf", ".svg", ".toml")
+"""GarmentCode, AAMA or ASTM, drawings, and scenes."""
+SEWN = (".json", ".toml")
+"""Formats that have seams."""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what this command takes."""
+    what = "pattern: .json of GarmentCode, .dxf with the layers of AAMA and ASTM, .svg, or a scene of cloth (.toml)"
+    parser.add_argument("source", metavar="PATTERN|SCENE", type=Path, help=what)
+    parser.add_argument(
+        "--out", metavar="FILE", type=ExportFile, required=True, help="file to write, by its ending: one of the same"
+    )
+    add_json(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Reads the pattern, writes it, and says what it holds and what was left; the exit code."""
+    if args.out.suffix.lower() not in READ:
+        raise UserError(f"no pattern is written as {args.out.suffix or 'that'}", "--out", f"use {', '.join(READ)}")
+    refuse_outputs({"--out": args.out}, {f"pattern {args.source}": args.source})
+    pattern = _read(args.source)
+    areas = {piece.name: piece.outline().area() for piece in pattern.pieces}
+    try:
+        left = _write(pattern, args.out, args.source.stem)
+    except OSError as error:
+        what = f"{args.out} cannot be written: {(error.strerror or str(error)).lower()}"
+        raise UserError(what, "--out", "name another file") from error
+    notes = [*filter(None, [pattern.doubt]), *pattern.notes, *left]
+    seams = len(pattern.stitches) if args.out.suffix.lower() in SEWN else 0
+    sewn = f", {counted(seams, 'seam')}" if seams else ""
+    print(f"wrote {one_line(args.out)}: {counted(len(areas), 'piece')} of {sum(areas.values()):.6g} m^2{sewn}")
+    for note in notes:
+        print(f"note: {note}")
+    write_json(args, {"file": str(args.out), "areas": areas, "seams": seams, "notes": notes})
+    return 0
+
+
+def _read(path: Path) -> Pattern:
+    """The pattern of a file.
+
+    Raises:
+        UserError: there is none, or it cannot be read.
+    """
+    kind = path.suffix.lower()
+    if kind not in READ:
+        raise UserError(f"no pattern can be read from {path.name}", "PATTERN", f"use one of {', '.join(READ)}")
+    if not path.is_file():
+        raise UserError(f"there is no file {one_line(path)}", "PATTERN", "name one that is there")
+    if kind == ".toml":
+        from restshape.export.pattern_scene import pattern_of_scene
+        from restshape.scene.load import load_scene
+
+        return pattern_of_scene(load_scene(path))
+    if kind == ".json":
+        from restshape.shape.garmentcode import read_garmentcode
+
+        return read_garmentcode(path)
+    from restshape.shape.pattern_drawing import read_pattern_dxf, read_pattern_svg
+
+    return read_pattern_dxf(path) if kind == ".dxf" else read_pattern_svg(path)
+
+
+def _write(pattern: Pattern, path: Path, title: str) -> list[str]:
+    """Writes a pattern; what is left out."""
+    kind = path.suffix.lower()
+    if kind == ".toml":
+        from restshape.export.pattern_scene import write_pattern_scene
+
+        return write_pattern_scene(pattern, path, title)
+    if kind == ".json":
+        from restshape.export.garmentcode_file import write_garmentcode
+
+        return write_garmentcode(pattern, path)
+    from restshape.export.pattern_drawings import write_pattern_dxf, write_pattern_svg
+
+    return write_pattern_dxf(pattern, path) if kind == ".dxf" else write_pattern_svg(pattern, path)

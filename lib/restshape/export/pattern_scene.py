@@ -1,0 +1,131 @@
+"""Sewing patterns as scenes of cloth, and the patterns that scenes have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from restshape.export.shape_tables import shape_tables
+from restshape.export.toml_scene import toml_text
+from restshape.outputs.atomic_files import write_whole
+from restshape.outputs.kinds import EXPORT_MARK
+from restshape.scene.bodies import Start, start_of
+from restshape.scene.model import FORMAT, VERSION, Scene, ShapeSpec
+from restshape.scene.plain_values import Table
+from restshape.scene.space_values import evaluated
+from restshape.shape.build import unchecked_outline
+from restshape.shape.pattern import Pattern, PatternPiece, Stitch, Triple
+from restshape.shape.pattern_axes import UPRIGHT, angles_of
+from restshape.shape.placement import rotation
+
+TRIANGLES = 2000
+"""How many there are about in the meshes of all pieces."""
+SHEET = "sheet"
+"""The piece that the shape of a scene without panels is."""
+FABRIC = "dress cloth"
+TO_DO = """# Still to be given: what the pieces lie on, [bodies.NAME] with friction and [effects.contact], or what
+# holds them, [supports.NAME]; and their fabric.
+"""
+DIGITS = 12
+"""Significant digits of angles in degrees."""
+
+
+def write_pattern_scene(pattern: Pattern, path: Path, title: str) -> list[str]:
+    """Writes the scene of a pattern: a panel a piece, and its seams; bodies and supports are the user's to add.
+
+    Raises:
+        UserError: a piece is none.
+        OSError: it cannot be written.
+    """
+    write_whole(path, f"# {EXPORT_MARK}\n{TO_DO}{toml_text(scene_tables(pattern, title))}")
+    kept = [piece.name for piece in pattern.pieces if piece.kept or any(piece.kept_edges.values())]
+    return [f"left out, for a scene has no such keys: what the file says besides of {', '.join(kept)}"] if kept else []
+
+
+def scene_tables(pattern: Pattern, title: str) -> Table:
+    """The plain tables of the scene of a pattern."""
+    area = sum(piece.outline().area() for piece in pattern.pieces)
+    # Equilateral triangles.
+    size = np.sqrt(area / TRIANGLES * 4.0 / np.sqrt(3.0))
+    tables: Table = {"format": FORMAT, "version": VERSION, "app": "couture", "title": title}
+    if pattern.up == "y":
+        tables["start"] = {"turn": _angles(UPRIGHT)}
+    tables["panels"] = {piece.name: _panel(piece) for piece in pattern.pieces}
+    if pattern.stitches:
+        tables["seams"] = {
+            f"seam{number}": {"from": _one_or_all(stitch.first), "to": _one_or_all(stitch.second)}
+            for number, stitch in enumerate(pattern.stitches, 1)
+        }
+    tables["material"] = {"cloth": {"name": FABRIC}}
+    tables["effects"] = {"gravity": {}}
+    tables["mesh"] = {"size": f"{1e3 * size:.2g} mm"}
+    return tables
+
+
+def _panel(piece: PatternPiece) -> Table:
+    table: Table = dict(piece.shape)
+    if any(piece.move):
+        table["move"] = list(piece.move)
+    if any(piece.turn):
+        table["turn"] = _angles(piece.turn)
+    if piece.grain is not None:
+        table["grain"] = _angles((piece.grain,))[0]
+    return table
+
+
+def _angles(angles: tuple[float, ...]) -> list[str]:
+    return [f"{np.degrees(angle):.{DIGITS}g} deg" for angle in angles]
+
+
+def _one_or_all(names: tuple[str, ...]) -> str | list[str]:
+    return names[0] if len(names) == 1 else list(names)
+
+
+def pattern_of_scene(scene: Scene) -> Pattern:
+    """The pattern of a scene: its panels where they begin, and its seams; of one without panels its shape.
+
+    Raises:
+        UserError: the scene has no outline.
+    """
+    start = evaluated(start_of(scene) or Start(), scene.parameters)
+    upright = bool(np.allclose(start.turn, UPRIGHT, atol=1e-12)) and not any((*start.move, *start.about))
+    whole = Start() if upright else start
+    panels = scene.sections.get("panels") or {}
+    assert isinstance(panels, dict)
+    given = {name: one for name, one in panels.items() if isinstance(one, ShapeSpec)} or {SHEET: scene.shape}
+    pieces = tuple(_piece(name, one, whole, scene) for name, one in given.items())
+    seams = scene.sections.get("seams") or {}
+    assert isinstance(seams, dict)
+    before = "" if panels else f"{SHEET}."
+    sides = [seam.sides for seam in seams.values() if isinstance(seam, _Sewn)]
+    stitches = tuple(Stitch(_named(first, before), _named(second, before)) for first, second in sides)
+    return Pattern(pieces, stitches, "y" if upright else "z")
+
+
+@runtime_checkable
+class _Sewn(Protocol):
+    """What a seam says of the edges on its two sides."""
+
+    @property
+    def sides(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Names of edges."""
+
+
+def _named(edges: tuple[str, ...], before: str) -> tuple[str, ...]:
+    return tuple(f"{before}{edge}" for edge in edges)
+
+
+def _piece(name: str, panel: ShapeSpec, whole: Start, scene: Scene) -> PatternPiece:
+    """The piece that a panel is, in axes that all of them share."""
+    keys = {key: getattr(panel, key) for key in ("turn", "about", "move") if hasattr(panel, key)}
+    own = evaluated(Start.model_construct(**keys), scene.parameters)
+    turn, all_turned = rotation(own.turn), rotation(whole.turn)
+    about, all_about = (np.array(one.about, dtype=float) for one in (own, whole))
+    move = all_turned @ (about - turn @ about + np.array(own.move) - all_about) + all_about + np.array(whole.move)
+    x, y, z = (float(value) for value in move)
+    grain = getattr(panel, "grain", None)
+    shape = shape_tables(unchecked_outline(panel, scene.folder))
+    turned: Triple = angles_of(all_turned @ turn) if any((*own.turn, *whole.turn)) else (0.0, 0.0, 0.0)
+    return PatternPiece(name, shape, (x, y, z), turned, float(grain) if isinstance(grain, float) else None)

@@ -1,0 +1,211 @@
+"""Sewing patterns from drawings: DXF with the layers of AAMA and ASTM, and SVG.
+
+ASTM D6673-10, Standard Practice for Sewn Products Pattern Data Interchange, and the AAMA's before it: a block is a
+piece, and the number of a layer is what its lines are.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+
+from restshape.arrays import Reals
+from restshape.errors import UserError, quoted
+from restshape.shape.dxf import NO_UNIT, curves_of, metres_in, readable
+from restshape.shape.dxf_blocks import placed
+from restshape.shape.loose_curve import Curve, gathered
+from restshape.shape.pattern import Pattern, PatternPiece
+from restshape.shape.pattern_pieces import loops_of, pieces_of
+from restshape.shape.svg import read_svg
+
+CUT, NOTCH, GRAIN, INTERNAL, CUTOUT, SEW = "1", "4", "7", "8", "11", "14"
+"""Layers: border of a piece, notches, line of the grain, lines inside, openings, line of the seam."""
+LAYERS = {
+    "2": "turn points",
+    "3": "curve points",
+    "5": "grade references",
+    "6": "mirror lines",
+    "9": "stripes",
+    "10": "plaids",
+    "13": "drill holes",
+    "15": "annotation",
+}
+"""What other layers hold, by the standard: it is counted."""
+TEXTS = ("TEXT", "MTEXT", "ATTRIB", "ATTDEF")
+NAME, UNITS = "piece name:", "units:"
+LISTED = 8
+"""Kinds of things that a note lists."""
+
+
+def read_pattern_dxf(path: Path) -> Pattern:
+    """The pattern of a DXF drawing by the layers of AAMA and ASTM.
+
+    A block that is inserted is a piece; of lines outside of blocks each outermost loop is. Its border is that of layer
+    14 where it has one, else that of layer 1. Loops of layer 11 are holes, those of layer 8 regions, points of layer 4
+    name vertices or are points of the shape; a line of layer 7 gives the grain.
+
+    Raises:
+        UserError: unreadable, no piece, or a border of entities that no edge can be.
+    """
+    with readable(path):
+        drawing = ezdxf.readfile(path)
+        scale, sized = metres_in(drawing)
+        space = list(drawing.modelspace())
+        if not sized:
+            scale, sized = _scale_of_texts(space, scale)
+        inserts = [entity for entity in space if entity.dxftype() == "INSERT"]
+        loose = [entity for entity in space if entity.dxftype() != "INSERT"]
+        groups = [_PieceSheet(path, scale).add(placed([one], drawing.blocks, path.name), one) for one in inserts]
+        groups.append(_PieceSheet(path, scale).add(placed(loose, drawing.blocks, path.name)))
+        pieces: list[PatternPiece] = []
+        unread: Counter[str] = Counter()
+        taken: set[str] = set()
+        for sheet in groups:
+            for piece in sheet.pieces():
+                name = _other_name(piece.name, taken)
+                pieces.append(replace(piece, name=name))
+            unread += sheet.unread
+    if not pieces:
+        what = f"no piece was found: no closed loop on layer {CUT} or {SEW}"
+        raise UserError(what, path.name, "draw borders of pieces on layer 1, or lines of seams on layer 14")
+    return Pattern(tuple(pieces), notes=_notes(unread), doubt="" if sized else NO_UNIT)
+
+
+def read_pattern_svg(path: Path) -> Pattern:
+    """The pattern of an SVG drawing: each outermost loop is a piece, with the name of its group.
+
+    Loops inside it are holes, or regions by their class or name; edges have the ids of their paths.
+
+    Raises:
+        UserError: unreadable, or no piece.
+    """
+    read = read_svg(path, {})
+    loops = loops_of(read.curves)
+    if not loops.groups:
+        raise UserError("no piece was found: no curves close a loop", path.name, "let the curves meet end to end")
+    pieces, _ = pieces_of(loops, (), path.name, {}, ())
+    unread = Counter(f"{curve.source} that closes no loop" for curve in loops.open)
+    return Pattern(tuple(pieces), notes=_notes(unread), doubt=read.doubt)
+
+
+class _PieceSheet:
+    """The entities of a block, or those outside of blocks.
+
+    Args:
+        path: the file; scale: metres in a unit.
+    """
+
+    def __init__(self, path: Path, scale: float) -> None:
+        self.path, self.scale = path, scale
+        self.name = ""
+        self.layers: dict[str, list[Any]] = {}
+        self.unread: Counter[str] = Counter()
+        self.shift: Reals = np.zeros(2)
+
+    def add(self, entities: Iterable[tuple[Any, str]], insert: Any = None) -> _PieceSheet:
+        """The same one with its entities sorted; without the place where a block is inserted."""
+        if insert is not None:
+            self.name = str(insert.dxf.name)
+            self.shift = self.scale * np.array(tuple(insert.dxf.insert)[:2], dtype=float)
+        for entity, layer in entities:
+            kind = entity.dxftype()
+            text = _text(entity) if kind in TEXTS else ""
+            if text.lower().startswith(NAME) and insert is not None:
+                self.name = text[len(NAME) :].strip() or self.name
+            elif text.lower().startswith(UNITS):
+                continue
+            elif kind in TEXTS or not self._known(kind, layer):
+                meant = f" ({LAYERS[layer]})" if layer in LAYERS else ""
+                self.unread[f"{kind} on layer {layer}{meant}"] += 1
+            else:
+                self.layers.setdefault(layer, []).append(entity)
+        if SEW in self.layers and CUT in self.layers:
+            del self.layers[CUT]
+        return self
+
+    @staticmethod
+    def _known(kind: str, layer: str) -> bool:
+        if layer == NOTCH:
+            return kind == "POINT"
+        return layer in (CUT, SEW, GRAIN, INTERNAL, CUTOUT) and kind != "POINT"
+
+    def pieces(self) -> list[PatternPiece]:
+        """The pieces of these entities."""
+        border = self._curves(SEW) or self._curves(CUT)
+        loops = loops_of([*border, *self._curves(CUTOUT), *self._regions()])
+        for curve in loops.open:
+            self.unread[f"{curve.source} that closes no loop"] += 1
+        points = {
+            f"notch{i}": self.scale * np.array(tuple(one.dxf.location)[:2], dtype=float) - self.shift
+            for i, one in enumerate(self.layers.get(NOTCH, []), 1)
+        }
+        names = [self.name] * len(loops.groups)
+        found, missed = pieces_of(loops, names, self.path.name, points, self._grains())
+        if missed:
+            self.unread[f"POINT on layer {NOTCH} (notches) at no vertex and in no piece"] += missed
+        return found
+
+    def _curves(self, layer: str) -> list[Curve]:
+        parts = (curves_of(one, layer, "", self.scale, self.path) for one in self.layers.get(layer, []))
+        return [replace(curve, points=curve.points - self.shift) for curve in gathered(parts, self.path.name)]
+
+    def _regions(self) -> list[Curve]:
+        """The curves of loops inside, as regions; those that close none are counted."""
+        loops = loops_of(self._curves(INTERNAL))
+        for curve in loops.open:
+            self.unread[f"{curve.source} (lines inside) that closes no loop"] += 1
+        return [
+            replace(curve, region=f"internal{number}")
+            for number, group in enumerate(loops.groups, 1)
+            for curve in group
+        ]
+
+    def _grains(self) -> list[tuple[Reals, float]]:
+        """A place and the angle of each line of a grain."""
+        return [
+            (curve.points.mean(axis=0), float(np.arctan2(*(curve.points[-1] - curve.points[0])[::-1])))
+            for curve in self._curves(GRAIN)
+        ]
+
+
+def _text(entity: Any) -> str:
+    found = entity.dxf.get("text", "") or getattr(entity, "text", "")
+    return str(found).strip()
+
+
+def _scale_of_texts(space: list[Any], scale: float) -> tuple[float, bool]:
+    """The metres in a unit by the text that the standard has for it, and whether there is one."""
+    for entity in space:
+        text = _text(entity).lower() if entity.dxftype() in TEXTS else ""
+        if text.startswith(UNITS):
+            return (25.4e-3 if "english" in text else 1e-3), True
+    return scale, False
+
+
+def _other_name(name: str, taken: set[str]) -> str:
+    number, free = 1, name
+    while free in taken:
+        number += 1
+        free = f"{name}_{number}"
+    taken.add(free)
+    return free
+
+
+def _notes(unread: Counter[str]) -> tuple[str, ...]:
+    """A note of what was not read, counted and named."""
+    if not unread:
+        return ()
+    some = [f"{count} {what}" for what, count in unread.most_common(LISTED)]
+    more = sum(unread.values()) - sum(count for _, count in unread.most_common(LISTED))
+    return (f"not read: {quoted_list(some)}{f', and {more} more' if more else ''}",)
+
+
+def quoted_list(texts: list[str]) -> str:
+    """Texts of a file, one after the other, each no longer than a message has room for."""
+    return ", ".join(quoted(text)[1:-1] for text in texts)
