@@ -8,7 +8,19 @@ from restshape_verification.couture.stability_fabrics import CASES as FABRICS
 from restshape_verification.couture.stability_folds import CASES as FOLDS
 from restshape_verification.couture.stability_layers import CASES as LAYERS
 from restshape_verification.couture.stability_predicted import CASES as PREDICTED
+from restshape_verification.couture.stability_seams import CASES as SEAMS
 from restshape_verification.couture.stability_starts import CASES as STARTS
 from restshape_verification.couture.stability_trust import CASES as TRUST
 
-CASES: dict[str, Case] = {**STARTS, **FABRICS, **BODIES, **CONTACT, **LAYERS, **FOLDS, **EDITS, **PREDICTED, **TRUST}
+CASES: dict[str, Case] = {
+    **STARTS,
+    **FABRICS,
+    **BODIES,
+    **CONTACT,
+    **LAYERS,
+    **FOLDS,
+    **SEAMS,
+    **EDITS,
+    **PREDICTED,
+    **TRUST,
+}
