@@ -15,6 +15,7 @@ from restshape_verification.couture.validation_hanging import catenary, hanging
 from restshape_verification.couture.validation_layers import folded_strip, two_sheets
 from restshape_verification.couture.validation_meshes import meshes
 from restshape_verification.couture.validation_plates import plates
+from restshape_verification.couture.validation_seams import sewn_cylinder, sewn_loop
 
 CASES: dict[str, Case] = {
     "catenary": catenary,
@@ -32,4 +33,6 @@ CASES: dict[str, Case] = {
     "folded_strip": folded_strip,
     "two_sheets": two_sheets,
     "folded_twice": folded_twice,
+    "sewn_loop": sewn_loop,
+    "sewn_cylinder": sewn_cylinder,
 }

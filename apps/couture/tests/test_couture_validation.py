@@ -147,3 +147,10 @@ def test_nested_folds_whose_tips_meet_are_as_high_as_one_alone():
     inner, outer = nested_heights(1e-4, 0.02)
     assert inner < loop_height(0.0) < outer
     assert [inner, outer] == pytest.approx([loop_height(0.0)] * 2, rel=5e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ["sewn_loop", "sewn_cylinder"])
+def test_sewn_cloth_is_that_of_closed_forms(case):
+    checks = CASES[case](PETSc.COMM_WORLD)
+    assert all(check.passed for check in checks), [(check.quantity, check.error) for check in checks]

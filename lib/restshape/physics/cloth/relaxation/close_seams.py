@@ -15,7 +15,7 @@ WIDE = 0.5
 """Distance across a seam, over the mean length of its edges, from which on it is pulled together."""
 TENSION = 0.02
 """What the widest seam pulls with by length, over the membrane's stiffness."""
-STEPS, ROUNDS = 25, 40
+STEPS, ROUNDS = 4, 200
 """Steps of a fall before seams have another stiffness, and such rounds at most."""
 STILL, PATIENCE = 0.95, 3
 """A round in which the widest seam closes by less does not get on; after so many of them in a row seams pull harder."""
