@@ -12,7 +12,7 @@ from restshape.replay.recording import Recording
 
 
 def draw(recording: Recording, frames: Sequence[int], path: Path) -> None:
-    """Draw frames by their numbers; negative ones count from the end.
+    """Draw frames by their numbers; negative ones count from the end, and one named twice is drawn once.
 
     Raises:
         UserError: the recording is not of cloth, or has no such frame.
@@ -22,5 +22,5 @@ def draw(recording: Recording, frames: Sequence[int], path: Path) -> None:
     missing = [i for i in frames if not -recording.n <= i < recording.n]
     if missing:
         raise UserError(f"there is no frame {missing[0]}", "--frames", f"choose from 0 to {recording.n - 1}")
-    chosen = np.array(frames) % recording.n
+    chosen = np.array(list(dict.fromkeys(i % recording.n for i in frames)))
     draw_drape_frames(recording, chosen, drape_scenery(recording, chosen), path)

@@ -28,3 +28,15 @@ def test_the_picture_of_single_frames(cloth, tmp_path, capsys):
     printed = capsys.readouterr().err
     for message in ("there is no frame 2", "not of cloth", "cannot be written"):
         assert message in printed
+
+
+@pytest.mark.slow
+def test_the_first_and_last_of_one_frame_are_drawn_once(tmp_path):
+    record_cloth(tmp_path / "one.vtkhdf", (0.0,))
+    sizes = []
+    for words in ([], ["--frames", "0"]):
+        path = tmp_path / "a.png"
+        assert main(["drapes", str(tmp_path / "one.vtkhdf"), *words, "--out", str(path)]) == 0
+        with Image.open(path) as image:
+            sizes.append(image.size)
+    assert sizes[0] == sizes[1]
