@@ -26,6 +26,7 @@ void bind_panels(py::module_&);
 void bind_rows(py::module_&);
 void bind_rates(py::module_&);
 void bind_space(py::module_&);
+void bind_surface(py::module_&);
 void bind_fields(py::module_&);
 void bind_force_space(py::module_&);
 void bind_thickness(py::module_&);
@@ -39,6 +40,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_boundary(m);
     bind_build(m);
     bind_calls(m);
+    bind_surface(m);
     bind_contact(m);
     bind_curves(m);
     bind_elements(m);

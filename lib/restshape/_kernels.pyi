@@ -8,12 +8,14 @@ __all__: list[str] = [
     "Body",
     "BodyRates",
     "Element",
+    "GridDistance",
     "HarmonicExtension",
     "MesherFailure",
     "NearPairs",
     "Operator",
     "OutlineCheck",
     "PatchRecovery",
+    "SurfaceSearch",
     "Triangulation",
     "add_friction",
     "begin_frame",
@@ -93,6 +95,53 @@ __all__: list[str] = [
     "with_points",
 ]
 
+class GridDistance:
+    def __init__(
+        self,
+        origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"],
+        spacing: typing.SupportsFloat | typing.SupportsIndex,
+        bricks: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"],
+        low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"],
+        high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"],
+        band: typing.SupportsFloat | typing.SupportsIndex,
+        table: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        fine: typing.Annotated[numpy.typing.ArrayLike, numpy.float32],
+        coarse: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        bent: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        slope: typing.SupportsFloat | typing.SupportsIndex,
+        thin: typing.SupportsFloat | typing.SupportsIndex,
+        sharpest: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def at(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple: ...
+    def shapes(
+        self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]
+    ) -> numpy.typing.NDArray[numpy.float64]: ...
+    def values(
+        self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]
+    ) -> numpy.typing.NDArray[numpy.float64]: ...
+
+class SurfaceSearch:
+    def __init__(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    ) -> None: ...
+    def first_hits(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        ways: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    ) -> numpy.typing.NDArray[numpy.float64]: ...
+    def nearest(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        far: typing.SupportsFloat | typing.SupportsIndex = 2.5,
+    ) -> tuple: ...
+    def winding(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        far: typing.SupportsFloat | typing.SupportsIndex = 2.5,
+    ) -> numpy.typing.NDArray[numpy.float64]: ...
+
 class Body:
     @staticmethod
     def box(
@@ -113,6 +162,13 @@ class Body:
         end: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         radius: typing.SupportsFloat | typing.SupportsIndex,
         rounded: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> Body: ...
+    @staticmethod
+    def mesh(
+        grid: GridDistance,
+        place: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        rotation: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        scale: typing.SupportsFloat | typing.SupportsIndex = 1.0,
     ) -> Body: ...
     @staticmethod
     def plane(
@@ -173,6 +229,8 @@ class Body:
         limit: numpy.typing.NDArray[numpy.float64],
     ) -> float: ...
     @property
+    def hull(self) -> Body: ...
+    @property
     def inner_radius(self) -> float: ...
     @property
     def sharpest(self) -> float: ...
@@ -208,6 +266,16 @@ class BodyRates:
         dend: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         dradius: typing.SupportsFloat | typing.SupportsIndex,
         drounded: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> BodyRates: ...
+    @staticmethod
+    def mesh(
+        grid: GridDistance,
+        place: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        rotation: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        scale: typing.SupportsFloat | typing.SupportsIndex,
+        dplace: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        drotation: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        dscale: typing.SupportsFloat | typing.SupportsIndex,
     ) -> BodyRates: ...
     @staticmethod
     def plane(

@@ -13,6 +13,12 @@ DRAWING_BYTES = 64 << 20
 """A .dxf, .svg or .step file; a .geo file has bounds of its own, in `restshape.shape.geo_tokens`."""
 MESH_BYTES = 1 << 30
 """A mesh file."""
+BODY_TRIANGLES = 500_000
+"""Triangles of a body that cloth touches."""
+BODY_BRICKS = 60_000
+"""Bricks of 8^3 cells in which the distance from such a body is kept."""
+BODY_LATTICE = 40_000_000
+"""Places of the even grid that they are cut from."""
 RECORD_BYTES = 32 << 20
 """Text of a record of the ground's acceleration."""
 RECORD_POINTS = 1_000_000

@@ -1,4 +1,4 @@
-// Bindings of contact: bodies in closed form, and what they do to points.
+// Bindings of contact: bodies, and what they do to points.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cloth/contact.hpp"
@@ -54,6 +56,11 @@ Body box(const Doubles& centre, const Doubles& half, const std::optional<Doubles
     require(!rotation || rotation->size() == 9, "rotation must have the shape (3, 3)");
     return Body::box(vector(centre, "centre").data(), vector(half, "half").data(),
                      rotation ? rotation->data() : identity, radius);
+}
+
+Body mesh(std::shared_ptr<restshape::GridDistance> grid, const Doubles& place, const Doubles& rotation, double scale) {
+    require(rotation.size() == 9, "rotation must have the shape (3, 3)");
+    return Body::mesh(std::move(grid), vector(place, "place").data(), rotation.data(), scale);
 }
 
 using Cells = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
@@ -230,11 +237,12 @@ double update_friction(const Body& body, const Doubles& x, const Doubles& area, 
             std::copy(place, place + 3, own_anchor);
             continue;
         }
-        const restshape::Distance d = body.distance(place, false);
+        restshape::Distance d = body.distance(place, false);
+        const double length = restshape::to_normal(body, d);
         std::copy(d.gradient, d.gradient + 3, own_normal);
         // What has touched nothing sticks where it is now.
         if (own_limit == 0.0) std::copy(place, place + 3, own_anchor);
-        own_limit = -coefficient * restshape::penalty(d.value, stiffness * area.data()[i], thickness).slope;
+        own_limit = -coefficient * length * restshape::penalty(d.value, stiffness * area.data()[i], thickness).slope;
         moved = std::max(moved, restshape::update_friction_anchor(place, own_normal, own_limit, slip, own_anchor));
     }
     return moved;
@@ -295,7 +303,7 @@ void add_force_rates(const BodyRates& body, const Doubles& x, const Doubles& dx,
 }  // namespace
 
 void bind_contact(py::module_& m) {
-    py::class_<Body>(m, "Body", "A body in closed form that points do not enter.")
+    py::class_<Body>(m, "Body", "A body that points do not enter.")
         .def_static(
             "sphere",
             [](const Doubles& centre, double radius) { return Body::sphere(vector(centre, "centre").data(), radius); },
@@ -321,6 +329,10 @@ void bind_contact(py::module_& m) {
             },
             "start"_a, "end"_a, "radius"_a, "rounded"_a = 0.0,
             "All within the radius of a line and between its ends, the edges there rounded within both.")
+        .def_static("mesh", &mesh, "grid"_a, "place"_a, "rotation"_a, "scale"_a = 1.0,
+                    "What a grid of distances stands for, made larger, its axes the rows of rotation, its origin at a "
+                    "place [m].")
+        .def_property_readonly("hull", &Body::hull, "A convex body that holds it: itself, or a box.")
         .def("distance", &distance, "x"_a,
              "Signed distances (n,) [m] of points x (n, 3), negative inside, with gradients (n, 3) and Hessians (n, 3, "
              "3).")
@@ -395,6 +407,15 @@ void bind_contact(py::module_& m) {
                                            rate(radius, dradius), rate(rounded, drounded));
             },
             "start"_a, "end"_a, "radius"_a, "rounded"_a, "dstart"_a, "dend"_a, "dradius"_a, "drounded"_a, "A cylinder.")
+        .def_static(
+            "mesh",
+            [](std::shared_ptr<restshape::GridDistance> grid, const Doubles& place, const Doubles& rotation,
+               double scale, const Doubles& dplace, const Doubles& drotation, double dscale) {
+                return BodyRates::mesh(std::move(grid), rates<3>(place, dplace, "place").data(),
+                                       rates<9>(rotation, drotation, "rotation").data(), rate(scale, dscale));
+            },
+            "grid"_a, "place"_a, "rotation"_a, "scale"_a, "dplace"_a, "drotation"_a, "dscale"_a,
+            "What a grid of distances stands for.")
         .def("add_force_rates", &add_force_rates, "x"_a, "dx"_a, "area"_a, "darea"_a, "stiffness"_a, "thickness"_a,
              "coefficient"_a, "slip"_a, "anchor"_a, "danchor"_a, "limit"_a, "out"_a.noconvert(),
              "Adds to out (n, 3) [N] the rates of the gradient of `add_contact` on points x (n, 3), and of friction "

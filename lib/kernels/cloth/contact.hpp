@@ -1,4 +1,4 @@
-// Contact of points with bodies in closed form: signed distances, a penalty with a smooth onset, friction by anchors.
+// Contact of points with bodies: signed distances, a penalty with a smooth onset, friction by anchors.
 //
 // Source: docs/theory/cloth.md.
 #pragma once
@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 
+#include "cloth/grid_distance.hpp"
 #include "fem/dual.hpp"
 
 namespace restshape {
@@ -55,14 +59,14 @@ Dual<N> hypot(const Dual<N>& a, const Dual<N>& b) {
 template <class T>
 struct DistanceOf {
     T value;        // negative inside
-    T gradient[3];  // of length 1
+    T gradient[3];  // of length 1; nearly so where a grid gives it
     T hessian[6];
 };
 using Distance = DistanceOf<double>;
 
-enum class Kind { sphere, plane, box, capsule, cylinder };
+enum class Kind { sphere, plane, box, capsule, cylinder, mesh };
 
-// A body of one of five kinds. Rotations are rows: local = R (x - centre).
+// A body of one of six kinds. Rotations are rows: local = R (x - centre).
 using std::abs;
 using std::hypot;
 
@@ -72,7 +76,7 @@ class BodyOf {
     // All numbers of one that are constant.
     template <class S>
     explicit BodyOf(const BodyOf<S>& other) : kind_(other.kind_) {
-        radius_ = other.radius_, length_ = other.length_, rounded_ = other.rounded_;
+        radius_ = other.radius_, length_ = other.length_, rounded_ = other.rounded_, grid_ = other.grid_;
         for (int a = 0; a < 3; ++a) {
             centre_[a] = other.centre_[a], axis_[a] = other.axis_[a], half_[a] = other.half_[a];
             for (int b = 0; b < 3; ++b) rotation_[a][b] = other.rotation_[a][b];
@@ -100,14 +104,7 @@ class BodyOf {
         for (int a = 0; a < 3; ++a) b.half_[a] = positive(half[a], "half size") - radius;
         if (*std::min_element(b.half_, b.half_ + 3) < 0)
             throw std::invalid_argument("the radius of a box's edges is larger than a half size");
-        std::copy(rotation, rotation + 9, b.rotation_[0]);
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) {
-                T product = 0.0;
-                for (int k = 0; k < 3; ++k) product += b.rotation_[i][k] * b.rotation_[j][k];
-                if (!(abs(product - (i == j)) < 1e-9))
-                    throw std::invalid_argument("the rotation of a box is not orthogonal");
-            }
+        b.turn(rotation, "the rotation of a box is not orthogonal");
         return b;
     }
     static BodyOf capsule(const T* from, const T* to, T radius) {
@@ -138,9 +135,45 @@ class BodyOf {
         return b;
     }
 
+    // The distance on a grid, in coordinates of the body's own: x = place + scale R^T y.
+    static BodyOf mesh(std::shared_ptr<const GridDistance> grid, const T* place, const T* rotation, T scale) {
+        BodyOf b(Kind::mesh, place);
+        if (!grid) throw std::invalid_argument("a body of triangles needs its grid");
+        b.grid_ = std::move(grid);
+        b.radius_ = positive(scale, "scale");
+        b.turn(rotation, "the rotation of a body is not orthogonal");
+        return b;
+    }
+
+    // Whether it is convex, with the distance in closed form.
+    bool convex() const { return kind_ != Kind::mesh; }
+    // A convex body that holds it: itself, or a box.
+    BodyOf hull() const {
+        if (convex()) return *this;
+        T middle[3], half[3];
+        const auto& layout = grid_->layout();
+        for (int a = 0; a < 3; ++a) {
+            middle[a] = centre_[a];
+            half[a] = 0.5 * (layout.high[a] - layout.low[a]) * radius_;
+            for (int b = 0; b < 3; ++b) middle[a] += 0.5 * (layout.low[b] + layout.high[b]) * radius_ * rotation_[b][a];
+        }
+        return box(middle, half, rotation_[0], 0.0);
+    }
+    // How much the distance curves downwards within a radius of a place, at most: not at all of convex bodies.
+    double bent(const double* x, double radius) const {
+        if (convex()) return 0.0;
+        double local[3];
+        to_grid(x, local);
+        return grid_->bent(local, radius / radius_) / radius_;
+    }
+    // No gradient of the distance is longer.
+    double slope() const { return convex() ? 1.0 : grid_->layout().slope; }
+
     // The smallest radius of curvature of its surface; infinite where it is flat.
     T sharpest() const {
         switch (kind_) {
+            case Kind::mesh:
+                return grid_->layout().sharpest * radius_;
             case Kind::plane:
                 return std::numeric_limits<double>::infinity();
             case Kind::cylinder:
@@ -152,6 +185,8 @@ class BodyOf {
     // The distance of its surface from the place farthest within it.
     T inner_radius() const {
         switch (kind_) {
+            case Kind::mesh:
+                return grid_->layout().thin * radius_;
             case Kind::plane:
                 return std::numeric_limits<double>::infinity();
             case Kind::cylinder:
@@ -179,6 +214,11 @@ class BodyOf {
                 return false;
             case Kind::cylinder:
                 return abs(dot(y, axis_)) > length_ + far;
+            case Kind::mesh: {
+                double local[3];
+                to_grid(x, local);
+                return grid_->beyond(local, value_of(far) / value_of(radius_));
+            }
             default:
                 const T along = dot(y, axis_), over = along - std::clamp<T>(along, 0.0, length_);
                 return most > 0 && dot(y, y) - along * along + over * over > most * most;
@@ -198,6 +238,8 @@ class BodyOf {
                 return box(y, curved);
             case Kind::cylinder:
                 return cylinder(y, curved);
+            case Kind::mesh:
+                return mesh(y, curved);
             default:
                 return capsule(y, curved);
         }
@@ -214,6 +256,62 @@ class BodyOf {
     static T positive(T value, const char* what) {
         if (!(value > 0)) throw std::invalid_argument(std::string("the ") + what + " of a body must be positive");
         return value;
+    }
+
+    // Takes the rows of a turn.
+    void turn(const T* rotation, const char* otherwise) {
+        std::copy(rotation, rotation + 9, rotation_[0]);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                T product = 0.0;
+                for (int k = 0; k < 3; ++k) product += rotation_[i][k] * rotation_[j][k];
+                if (!(abs(product - (i == j)) < 1e-9)) throw std::invalid_argument(otherwise);
+            }
+    }
+    void to_grid(const T* x, double* local) const {
+        double y[3];
+        for (int a = 0; a < 3; ++a) y[a] = value_of(x[a]) - value_of(centre_[a]);
+        for (int a = 0; a < 3; ++a) {
+            const T* row = rotation_[a];
+            local[a] =
+                (value_of(row[0]) * y[0] + value_of(row[1]) * y[1] + value_of(row[2]) * y[2]) / value_of(radius_);
+        }
+    }
+
+    // Rates of value and gradient follow from the next derivative; those of the second derivatives are left out.
+    DistanceOf<T> mesh(const T* y, bool curved) const {
+        constexpr bool with_rates = !std::is_same_v<T, double>;
+        T local[3];
+        double place[3];
+        for (int a = 0; a < 3; ++a) {
+            local[a] = dot(rotation_[a], y) / radius_;
+            place[a] = value_of(local[a]);
+        }
+        const GridValue own = grid_->at(place, curved || with_rates);
+        T value = own.value, slope[3] = {own.gradient[0], own.gradient[1], own.gradient[2]};
+        if constexpr (with_rates)
+            for (int a = 0; a < 3; ++a) {
+                const T way = local[a] - place[a];
+                value += way * own.gradient[a];
+                for (int b = 0; b < 3; ++b) slope[b] += way * own.hessian[voigt[a][b]];
+            }
+        DistanceOf<T> d = flat(value * radius_, slope);
+        for (int a = 0; a < 3; ++a)
+            d.gradient[a] = rotation_[0][a] * slope[0] + rotation_[1][a] * slope[1] + rotation_[2][a] * slope[2];
+        if (!curved) return d;
+        T half[3][3];
+        for (int i = 0; i < 3; ++i)
+            for (int b = 0; b < 3; ++b) {
+                half[i][b] = 0.0;
+                for (int j = 0; j < 3; ++j) half[i][b] += rotation_[j][b] * own.hessian[voigt[i][j]];
+            }
+        for (int a = 0; a < 3; ++a)
+            for (int b = a; b < 3; ++b) {
+                T sum = 0.0;
+                for (int i = 0; i < 3; ++i) sum += rotation_[i][a] * half[i][b];
+                d.hessian[voigt[a][b]] = sum / radius_;
+            }
+        return d;
     }
 
     static DistanceOf<T> flat(T value, const T* normal) {
@@ -313,10 +411,26 @@ class BodyOf {
 
     Kind kind_;
     T centre_[3];
-    T radius_ = 0, length_ = 0, rounded_ = 0;  // of a cylinder length_ is half of it
+    T radius_ = 0, length_ = 0, rounded_ = 0;  // of a cylinder length_ is half of it; of a mesh radius_ is the scale
     T axis_[3] = {0, 0, 0}, half_[3] = {0, 0, 0};
     T rotation_[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    std::shared_ptr<const GridDistance> grid_;
 };
+
+// Makes the gradient a normal of length 1; returns how long it was, which grids alone do not have as 1.
+template <class T>
+T to_normal(const BodyOf<T>& body, DistanceOf<T>& d) {
+    if (body.convex()) return 1.0;
+    const T square = d.gradient[0] * d.gradient[0] + d.gradient[1] * d.gradient[1] + d.gradient[2] * d.gradient[2];
+    // In the middle of a body any direction leads out.
+    if (!(square > T(1e-24))) {
+        d.gradient[0] = d.gradient[1] = 0.0, d.gradient[2] = 1.0;
+        return 0.0;
+    }
+    const T length = square_root(square);
+    for (T& g : d.gradient) g = g / length;
+    return length;
+}
 
 using Body = BodyOf<double>;
 
@@ -418,9 +532,10 @@ inline double update_friction_anchor(const double* x, const double* normal, doub
 template <class T>
 void add_force(const BodyOf<T>& body, const T* x, const T& area, const T& stiffness, const T& thickness,
                const T& coefficient, const T& slip, const T* anchor, bool sticks, T* force) {
-    const DistanceOf<T> d = body.distance(x, false);
-    const T slope = penalty(d.value, stiffness * area, thickness).slope;
+    DistanceOf<T> d = body.distance(x, false);
+    T slope = penalty(d.value, stiffness * area, thickness).slope;
     if (slope == T(0.0)) return;
+    slope = slope * to_normal(body, d);
     for (int a = 0; a < 3; ++a) force[a] += slope * d.gradient[a];
     if (!sticks) return;
     T across = 0.0, square = 0.0, u[3];

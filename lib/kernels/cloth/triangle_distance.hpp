@@ -1,7 +1,8 @@
-// Signed distances of convex bodies over triangles, and how far triangles may go before one falls below a bound.
+// Signed distances of bodies over triangles, and how far triangles may go before one falls below a bound.
 //
 // The signed distance f of a convex set is convex and changes by no more than one goes: f(y) is at least
-// f(c) + g.(y - c) with its gradient g at any c, and at least f(c) - |y - c|. Both bounds are used everywhere.
+// f(c) + g.(y - c) with its gradient g at any c, and at least f(c) - |y - c|. Both bounds are used everywhere. Where f
+// curves downwards by b at most, as it may beside a grid, the first is lower by b |y - c|^2/2.
 // Source: docs/theory/cloth.md.
 #pragma once
 
@@ -54,6 +55,15 @@ struct Lowest {
     double b[3];
 };
 
+// How much lower the distance may be within a reach of a place than there: the least slope times the way is given.
+inline double below(const Body& body, const double* place, double slope, double square) {
+    const double reach = std::sqrt(square);
+    if (body.convex()) return std::max(slope, -reach);
+    const double bent = body.bent(place, reach);
+    const double steepest = -body.slope() * reach;
+    return std::isfinite(bent) ? std::max(slope - 0.5 * bent * square, steepest) : steepest;
+}
+
 // A lower bound of the distance over a part, from its centroid; `best` takes what is there.
 inline double bound_of(const Body& body, const Part& part, Lowest& best) {
     const Vec3 b = (1.0 / 3.0) * (part.b[0] + part.b[1] + part.b[2]);
@@ -69,7 +79,7 @@ inline double bound_of(const Body& body, const Part& part, Lowest& best) {
         slope = std::min(slope, inner(d.gradient, way));
         farthest = std::max(farthest, inner(way.c, way));
     }
-    return d.value + std::max(slope, -std::sqrt(farthest));
+    return d.value + below(body, centre.c, slope, farthest);
 }
 
 // Parts are halved until none can hold a distance below what is found, less the tolerance. Of no interest is what is
@@ -118,6 +128,32 @@ inline Lowest lowest_on(const Body& body, const Vec3* corners, double tolerance,
     return best;
 }
 
+// The share of a part of the way d that a triangle at `now` may go: its places stay on the far side of the plane at the
+// lowest one, less what the distance curves downwards.
+inline double allowed_along(const Body& body, const Vec3& at, const Distance& there, const Vec3* now, const Vec3* d,
+                            double part, double least) {
+    double allowed = part, drop = 0.0;
+    if (!body.convex()) {
+        double farthest = 0.0;
+        for (int i = 0; i < 3; ++i)
+            for (const double end : {0.0, part}) {
+                const Vec3 way = now[i] + end * d[i] - at;
+                farthest = std::max(farthest, inner(way.c, way));
+            }
+        drop = 0.5 * body.bent(at.c, std::sqrt(farthest)) * farthest;
+        if (!std::isfinite(drop)) return 0.0;
+    }
+    for (int i = 0; i < 3; ++i) {
+        const double height = there.value + inner(there.gradient, now[i] - at) - least - drop;
+        const double rate = inner(there.gradient, d[i]);
+        if (height <= 0.0)
+            allowed = 0.0;
+        else if (rate < 0.0)
+            allowed = std::min(allowed, -height / rate);
+    }
+    return allowed;
+}
+
 // The largest share of the way d that a triangle's corners p may go without its distance falling below `floor`, or,
 // where it is nearly there, below what it has by more than `deeper`. Conservative: each advance is one that the slope
 // of the distance at the lowest place, or its Lipschitz constant, allows.
@@ -137,7 +173,7 @@ inline double triangle_share(const Body& body, const Vec3* p, const Vec3* d, dou
     if (body.beyond(centre.c, floor + std::sqrt(farthest))) return 1.0;
     const Distance middle = body.distance(centre.c, false);
     for (const Vec3& way : ways) slope = std::min(slope, inner(middle.gradient, way));
-    if (middle.value + std::max(slope, -std::sqrt(farthest)) >= floor) return 1.0;
+    if (middle.value + below(body, centre.c, slope, farthest) >= floor) return 1.0;
     double t = 0.0, least = floor;
     for (int k = 0; k < 200; ++k) {
         const Vec3 now[3] = {p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]};
@@ -149,19 +185,14 @@ inline double triangle_share(const Body& body, const Vec3* p, const Vec3* d, dou
                              low.value > bottom ? std::max(low.value - deeper, 0.5 * (low.value + bottom)) : low.value);
         const double spare = low.bound - least;
         if (k && low.value - least <= 2.0 * tolerance) return t;
-        double advance = spare > 0.0 ? spare / longest : 0.0;
+        double advance = spare > 0.0 ? spare / (body.slope() * longest) : 0.0;
         // Beyond the tangent plane at the lowest place the triangle is not either.
         const Vec3 at = low.b[0] * now[0] + low.b[1] * now[1] + low.b[2] * now[2];
         const Distance there = body.distance(at.c, false);
-        double allowed = 1.0;
-        for (int i = 0; i < 3; ++i) {
-            const double height = there.value + inner(there.gradient, now[i] - at) - least;
-            const double rate = inner(there.gradient, d[i]);
-            if (height <= 0.0)
-                allowed = 0.0;
-            else if (rate < 0.0)
-                allowed = std::min(allowed, -height / rate);
-        }
+        double allowed = 0.0;
+        // Where the distance curves downwards a shorter way may be allowed when the whole one is not.
+        for (double way = 1.0; allowed == 0.0 && way > (body.convex() ? 0.5 : 1e-3); way *= 0.25)
+            allowed = allowed_along(body, at, there, now, d, way, least);
         advance = std::max(advance, allowed);
         t += advance;
         if (t >= 1.0) return 1.0;

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ from restshape.mesh.generate import assemble
 from restshape.mesh.mesh import Mesh, edges_of_cells
 from restshape.mesh.nastran import constraint_sets, has_grid, read_deck
 from restshape.mesh.tracing import Triangles, trace
+from restshape.mesh.wavefront import read_wavefront
 from restshape.shape.outline import Outline
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def read_mesh(path: Path | str, unit: float = 1.0, ranks: int = 1) -> tuple[Mesh
         UserError: the file cannot be read, or does not hold a plane mesh in one piece.
     """
     path = Path(path)
-    read = _read(path)
+    read = read_file(path)
     with _readable(path, FORMATS[path.suffix.lower()]):
         triangles = _checked(_triangles(read, path, unit), path)
     try:
@@ -81,16 +82,24 @@ def of_second_order(path: Path) -> bool:
     Raises:
         UserError: the file cannot be read.
     """
-    return any(block.type in SECOND_ORDER for block in _read(path).cells)
+    return any(block.type in SECOND_ORDER for block in read_file(path).cells)
 
 
-def _read(path: Path) -> meshio.Mesh:
-    """What meshio reads from a file."""
+def read_file(path: Path, formats: Mapping[str, str] = FORMATS) -> meshio.Mesh:
+    """What meshio reads from a file.
+
+    Args:
+        path: the file.
+        formats: endings of its name, and meshio's name of their format.
+
+    Raises:
+        UserError: there is none, it is too long, or it cannot be read.
+    """
     if not path.is_file():
         raise UserError("there is no such mesh file", str(path), "paths in a scene are relative to the scene's folder")
-    kind = FORMATS.get(path.suffix.lower())
+    kind = formats.get(path.suffix.lower())
     if kind is None:
-        raise UserError(f"a {path.suffix or 'nameless'} file is no mesh", str(path), f"use {', '.join(FORMATS)}")
+        raise UserError(f"a {path.suffix or 'nameless'} file is no mesh", str(path), f"use {', '.join(formats)}")
     if not path.stat().st_size:
         raise UserError("the mesh file is empty", str(path), "write it again")
     if path.stat().st_size > MESH_BYTES:
@@ -108,6 +117,8 @@ def _read(path: Path) -> meshio.Mesh:
     with _readable(path, kind):
         if kind == "nastran":
             return read_deck(path)
+        if kind == "obj":
+            return read_wavefront(path)
         return meshio.read(path, file_format=kind)
 
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import dist
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema, model_validator
 
 from restshape.scene.descriptions import listing
 from restshape.scene.space_values import ORIGIN, Angles, Direction, Place, Ratio, Size, evaluated, number
 from restshape.scene.units import UnitError
-from restshape.scene.values import Length, Strict, Whole, only_one
+from restshape.scene.values import UNIT_SCHEMA, Length, Strict, Whole, only_one, read_unit
 
 if TYPE_CHECKING:
     from restshape.scene.model import Scene, Support
@@ -22,6 +23,7 @@ POINTS = {
     "box": ("center",),
     "capsule": ("start", "end"),
     "cylinder": ("start", "end"),
+    "mesh": ("move",),
 }
 """Keys that are places, by kind of body."""
 
@@ -94,23 +96,79 @@ class Cylinder(Strict):
     rounded: Size = 0.0
 
 
+class BodyFile(str):
+    """The name of a file as a scene writes it, and where it is.
+
+    Attributes:
+        path: the file; relative to the scene's folder.
+    """
+
+    path: Path
+
+    @classmethod
+    def read(cls, raw: object, info: ValidationInfo) -> BodyFile:
+        """The file that a scene names."""
+        if not isinstance(raw, str) or not raw.strip():
+            raise UnitError(f"{raw!r} is no name of a file", 'write file = "body.obj"')
+        found = cls(raw)
+        found.path = Path((info.context or {}).get("folder", ".")) / raw
+        return found
+
+
+class MeshBody(Strict):
+    """A body of triangles from a file: made larger, turned about x, then y, then z about its file's origin, moved.
+
+    The distance from it is interpolated on an even grid in a band on both sides of its surface.
+
+    Args:
+        file: a closed surface: .obj, .stl or .ply.
+        unit: of the numbers in the file; left out, guessed from the longest side.
+        move: where the file's origin is.
+        turn: angles about x, then y, then z.
+        scale: by which it is made larger.
+        spacing: of the grid, before it is made larger; left out, as the error of the distance asks for.
+        band: in which the grid is fine, before it is made larger; left out, 4 spacings and at least 8 mm.
+    """
+
+    settings: ClassVar[tuple[str, ...]] = ("file", "unit", "spacing", "band")
+    """Keys that no edit moves."""
+
+    file: Annotated[BodyFile, PlainValidator(BodyFile.read), WithJsonSchema({"type": "string"})]
+    unit: Annotated[float, PlainValidator(read_unit), WithJsonSchema(UNIT_SCHEMA)] | None = None
+    move: Place = ORIGIN
+    turn: Angles = ORIGIN
+    scale: Ratio = 1.0
+    spacing: Annotated[Length, Field(gt=0)] | None = None
+    band: Annotated[Length, Field(gt=0)] | None = None
+
+
+Forms = Sphere | Plane | Box | Capsule | Cylinder | MeshBody
+
+
+def numbers_of(form: Forms) -> tuple[str, ...]:
+    """The keys of a form that are numbers, or tuples of them, by which a body is moved and made larger."""
+    fixed = form.settings if isinstance(form, MeshBody) else ()
+    return tuple(key for key in type(form).model_fields if key not in fixed)
+
+
 class Body(Strict):
     """``[bodies.NAME]``: what nothing that deforms enters; ``friction`` is Coulomb's.
 
     All numbers may be formulas of the parameters.
 
     Args:
-        sphere, plane, box, capsule, cylinder: its form; one of them.
+        sphere, plane, box, capsule, cylinder, mesh: its form; one of them.
         friction: Coulomb's coefficient.
     """
 
-    kinds: ClassVar[tuple[str, ...]] = ("sphere", "plane", "box", "capsule", "cylinder")
+    kinds: ClassVar[tuple[str, ...]] = ("sphere", "plane", "box", "capsule", "cylinder", "mesh")
 
     sphere: Sphere | None = None
     plane: Plane | None = None
     box: Box | None = None
     capsule: Capsule | None = None
     cylinder: Cylinder | None = None
+    mesh: MeshBody | None = None
     friction: Ratio = 0.0
 
     @property
@@ -119,7 +177,7 @@ class Body(Strict):
         return only_one(self, self.kinds)
 
     @property
-    def form(self) -> Sphere | Plane | Box | Capsule | Cylinder:
+    def form(self) -> Forms:
         """The keys of its kind."""
         return getattr(self, self.kind)
 
@@ -180,11 +238,15 @@ def pins_of(scene: Scene) -> Mapping[str, Support]:
     return scene.supports if start_of(scene) is not None else {}
 
 
-def _refuse_flat(kind: str, form: Sphere | Plane | Box | Capsule | Cylinder) -> None:
+def _refuse_flat(kind: str, form: Forms) -> None:
     """Refuses a body of numbers without a size or a direction."""
     if isinstance(form, Plane):
         if not any(form.normal):
             raise UnitError("the normal of a plane has no direction", "write one that is not 0 0 0")
+        return
+    if isinstance(form, MeshBody):
+        if number(form.scale, {}) <= 0.0:
+            raise UnitError(f"the body is made {number(form.scale, {}):g} times as large", "write a scale above 0")
         return
     sizes = [number(size, {}) for size in (form.half if isinstance(form, Box) else (form.radius,))]
     if min(sizes) <= 0.0:
@@ -208,7 +270,8 @@ def _refuse_sharp(kind: str, radius: float, most: float, of: str) -> None:
 def body_words(body: Body) -> str:
     """Kind, keys and friction of a body, for people."""
     form = body.form
-    keys = [f"{key} {listing(getattr(form, key))}" for key in type(form).model_fields]
+    given = [key for key in type(form).model_fields if getattr(form, key) is not None]
+    keys = [f"{key} {listing(getattr(form, key))}" for key in given]
     return f"{body.kind}, {', '.join(keys)}, friction {listing(body.friction)}"
 
 

@@ -194,7 +194,7 @@ def _scene(raw: Table, source: Source) -> Scene:
         check_keys(raw, app, source)
     kind = scene_type(tuple(app.physics)) if app else Scene
     parameters = read_parameters(raw, source)
-    known = {"parameters": parameters}
+    known = {"parameters": parameters, "folder": source.path.parent}
     try:
         scene = kind.model_validate(raw, context=known)
     except ValidationError as error:

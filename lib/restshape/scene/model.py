@@ -22,8 +22,9 @@ from restshape.scene.plain_values import Table
 from restshape.scene.quantity import Quantity
 from restshape.scene.shape_edges import EdgeSpec, tag_by_key
 from restshape.scene.source import Source, split_key
-from restshape.scene.units import UnitError, quantity
+from restshape.scene.units import UnitError
 from restshape.scene.values import (
+    UNIT_SCHEMA,
     AnyNumber,
     Entities,
     Length,
@@ -35,6 +36,7 @@ from restshape.scene.values import (
     Time,
     Whole,
     only_one,
+    read_unit,
 )
 
 FORMAT = "restshape-scene"
@@ -235,12 +237,6 @@ class Load(Strict):
         return self
 
 
-UNIT_SCHEMA = {
-    "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}],
-    "description": "metres, or a unit such as mm",
-}
-
-
 class MeshSpec(Strict):
     """``[mesh]``: how fine, of which order (left out, the effects decide), and how it follows the shape.
 
@@ -273,14 +269,7 @@ class MeshSpec(Strict):
     min_quality: Annotated[Number, Field(gt=0, lt=1)] = 0.3
     mesher: Literal["auto", "cgal", "gmsh"] = "auto"
     file: str | None = None
-    unit: Annotated[float, BeforeValidator(lambda raw: _read_scale(raw)), Field(gt=0), WithJsonSchema(UNIT_SCHEMA)] = (
-        1.0
-    )
-
-
-def _read_scale(raw: float | str) -> float:
-    """Metres in one unit of an imported mesh, given as a number or as the name of a unit."""
-    return quantity(f"1 {raw}" if isinstance(raw, str) and raw.strip().isalpha() else raw, "length")
+    unit: Annotated[float, BeforeValidator(read_unit), Field(gt=0), WithJsonSchema(UNIT_SCHEMA)] = 1.0
 
 
 EstimatedFrames = Literal["auto", "every", "idle", "none"]

@@ -54,6 +54,25 @@ class Strict(Described):
         return by_todays_names(raw, cls.renamed)
 
 
+UNIT_SCHEMA = {
+    "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}],
+    "description": "metres, or a unit such as mm",
+}
+"""Of metres in one unit of a file's numbers, as `read_unit` takes them."""
+
+
+def read_unit(raw: float | str) -> float:
+    """Metres in one unit of a file's numbers, given as a number or as the name of a unit.
+
+    Raises:
+        UnitError: it is no such length, or not positive.
+    """
+    found = quantity(f"1 {raw}" if isinstance(raw, str) and raw.strip().isalpha() else raw, "length")
+    if found <= 0.0:
+        raise UnitError(f"a unit of {found:g} m is none", 'write unit = "mm", or what it is')
+    return found
+
+
 def only_one(model: Strict, keys: Collection[str]) -> str:
     """The one of these keys that the model holds.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.errors import UserError
-from restshape.scene.bodies import POINTS, bodies_of
+from restshape.scene.bodies import POINTS, bodies_of, numbers_of
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import table_in, tables_in
@@ -26,8 +26,11 @@ SIZES = {
     "box": ("half", "radius"),
     "capsule": ("radius",),
     "cylinder": ("radius", "rounded"),
+    "mesh": ("scale",),
 }
 """Keys that are sizes, by kind of body."""
+TURNS = {"box": "rotate", "mesh": "turn"}
+"""Keys that are angles about x, y and z, by kind of body."""
 
 Form = dict[str, Reals]
 Change = Callable[[str, Form, float, "tuple[float, float] | None"], Form]
@@ -38,7 +41,7 @@ def form_of(scene: Scene, name: str) -> tuple[str, Form]:
     """The kind of a body and the numbers of its keys, of formulas what they give."""
     body = bodies_of(scene)[name]
     numbers = evaluated(body.form, scene.parameters)
-    return body.kind, {key: np.array(getattr(numbers, key)) for key in type(numbers).model_fields}
+    return body.kind, {key: np.array(getattr(numbers, key)) for key in numbers_of(numbers)}
 
 
 def with_form(scene: Scene, name: str, kind: str, form: Form) -> Scene:
@@ -49,6 +52,7 @@ def with_form(scene: Scene, name: str, kind: str, form: Form) -> Scene:
     """
     written, (_, before) = table_in(tables_in(scene.raw, "bodies")[name], kind), form_of(scene, name)
     found = {key: _kept(written.get(key), before[key], value) for key, value in form.items()}
+    found = {key: value for key, value in written.items() if key not in found} | found
     return revise(scene, f"bodies.{name}.{kind}", found)
 
 
@@ -74,8 +78,9 @@ def turned(kind: str, form: Form, angle: float, about: tuple[float, float] | Non
     form = form | {key: axis + R @ (form[key] - axis) for key in POINTS[kind]}
     if kind == "plane":
         return form | {"normal": R @ form["normal"]}
-    # The last of a box's turns is that about z.
-    return form | {"rotate": form["rotate"] + (0.0, 0.0, angle)} if kind == "box" else form
+    # The last of its turns is that about z.
+    key = TURNS.get(kind)
+    return form | {key: form[key] + (0.0, 0.0, angle)} if key else form
 
 
 def scaled(kind: str, form: Form, factor: float, about: tuple[float, float] | None) -> Form:

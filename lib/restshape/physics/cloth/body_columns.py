@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from restshape.scene.bodies import Body
+from restshape.scene.bodies import Body, numbers_of
 
 PREFIX = "bodies"
 
@@ -51,7 +51,7 @@ def recorded_bodies(table: Mapping[str, np.ndarray], i: int) -> dict[str, Body]:
 
 def _numbers(bodies: Mapping[str, Body]) -> Iterator[tuple[str, float]]:
     for name, body in bodies.items():
-        for key in type(body.form).model_fields:
+        for key in numbers_of(body.form):
             value = getattr(body.form, key)
             where = f"{PREFIX}.{name}.{body.kind}.{key}"
             if isinstance(value, tuple):

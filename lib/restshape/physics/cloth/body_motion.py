@@ -21,6 +21,8 @@ def body_axes(body: Body) -> Frame:
             return np.array(form.center), form.radius * np.eye(3)
         case "box":
             return np.array(form.center), rotation(form.rotate) @ np.diag(form.half)
+        case "mesh":
+            return np.array(form.move), form.scale * rotation(form.turn)
         case "capsule" | "cylinder":
             start, end = np.array(form.start), np.array(form.end)
             length = float(np.linalg.norm(end - start)) or form.radius
@@ -50,6 +52,8 @@ def turn_of(before: Body, after: Body) -> np.ndarray:
             return np.eye(3)
         case "box":
             return rotation(after.form.rotate) @ rotation(before.form.rotate).T
+        case "mesh":
+            return rotation(after.form.turn) @ rotation(before.form.turn).T
         case _:
             first, second = body_axes(before)[1][:, 0], body_axes(after)[1][:, 0]
             return _turn(first, second)
@@ -94,6 +98,10 @@ def taken_rates(body: Body, rates: Mapping[str, Any], points: np.ndarray) -> np.
             own = (points - form.center) @ rotation(form.rotate)
             turned = own @ rotation_rates(form.rotate, rates["rotate"]).T
             return rates["center"] + turned + own * (rates["half"] / np.array(form.half)) @ rotation(form.rotate).T
+        case "mesh":
+            places = points - form.move
+            turned = places @ rotation(form.turn) @ rotation_rates(form.turn, rates["turn"]).T
+            return rates["move"] + turned + rates["scale"] / form.scale * places
         case "capsule" | "cylinder":
             start, end = np.array(form.start), np.array(form.end)
             middle, along = 0.5 * (rates["start"] + rates["end"]), rates["end"] - rates["start"]

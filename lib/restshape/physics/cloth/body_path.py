@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.mesh_bodies import reach_of
 from restshape.physics.cloth.scene import kernel_body
 from restshape.physics.cloth.tunnelling import size_of
-from restshape.scene.bodies import Body
+from restshape.scene.bodies import Body, numbers_of
 
 TUCKED = 0.25
 """How deep a body may get into the cloth before this follows, over the body's smallest size."""
@@ -21,13 +22,19 @@ LOOKS = 300
 """Distances that are looked at for one advance of a body, at most; it stops where the last one lets it."""
 
 
+def same_kind(before: Body, after: Body) -> bool:
+    """Whether a body is still the one that it was, moved or made larger: one of another file is another body."""
+    if before.kind != after.kind:
+        return False
+    fixed = set(type(after.form).model_fields) - set(numbers_of(after.form))
+    return all(getattr(before.form, key) == getattr(after.form, key) for key in fixed)
+
+
 def between(before: Body, after: Body, share: float) -> Body:
     """A body of numbers at a share of its way: all numbers of its form go straight; one of another kind is there."""
-    if before.kind != after.kind or share >= 1.0:
+    if not same_kind(before, after) or share >= 1.0:
         return after
-    form = {
-        key: _mixed(getattr(before.form, key), getattr(after.form, key), share) for key in type(after.form).model_fields
-    }
+    form = {key: _mixed(getattr(before.form, key), getattr(after.form, key), share) for key in numbers_of(after.form)}
     return after.model_copy(update={after.kind: after.form.model_copy(update=form)})
 
 
@@ -65,6 +72,10 @@ def speed_of(before: Body, after: Body, x: np.ndarray) -> Speed:
             return Speed(
                 _way(old.center, new.center), float(np.linalg.norm(_way(old.half, new.half))) + turned * half + rounded
             )
+        case "mesh":
+            turned = float(np.abs(_way(old.turn, new.turn)).sum())
+            larger = abs(new.scale - old.scale)
+            return Speed(_way(old.move, new.move), reach_of(new) * (turned * max(old.scale, new.scale) + larger))
         case "capsule" | "cylinder":
             ends = _way(old.start, new.start), _way(old.end, new.end)
             shift, apart = 0.5 * (ends[0] + ends[1]), 0.5 * float(np.linalg.norm(ends[1] - ends[0]))
@@ -146,7 +157,7 @@ class BodyPath:
         """The share of the way on which no body can get deeper by more than it may be in the cloth; see `farthest`."""
         rate, shares = way / (1.0 - begin), [1.0]
         for old, new, depth in zip(self.before, self.after, self.depths):
-            fastest = _fastest(speed_of(old, new, x), rate) if old.kind == new.kind else 0.0
+            fastest = _fastest(speed_of(old, new, x), rate) if same_kind(old, new) else 0.0
             if np.isfinite(depth) and fastest > 0.0:
                 shares.append(depth / fastest)
         return min(shares)
@@ -154,7 +165,7 @@ class BodyPath:
     def _advance(self, k: int, depth: float, begin: float, end: float, x: np.ndarray, rate: np.ndarray) -> float:
         """How far body k may go from a share towards another one; the cloth goes from x (n, 3) at a rate (n, 3)."""
         old, new = self.before[k], self.after[k]
-        if not np.isfinite(depth) or old.kind != new.kind:
+        if not np.isfinite(depth) or not same_kind(old, new):
             return end
         cells, tolerance = self.contact.cells, 0.5 * ARRIVED * depth
         relative = _fastest(speed_of(old, new, x), rate)

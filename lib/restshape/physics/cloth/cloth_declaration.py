@@ -66,6 +66,7 @@ CLOTH = Physics(
     mesh_keys=("levels",),
     mesh_jumps=False,
     check=check_cloth,
+    inspect_shape="restshape.physics.cloth.mesh_bodies:inspect_bodies",
     doubt_shape="restshape.physics.cloth.coarse_cloth:coarse_words",
     check_start="restshape.physics.cloth.relaxation.start_check:check_start",
     columns=cloth_columns,

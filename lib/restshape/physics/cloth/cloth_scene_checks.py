@@ -7,7 +7,8 @@ from typing import Any
 
 from restshape.errors import UserError
 from restshape.physics.cloth.seam_keys import check_seams
-from restshape.scene.checks import refuse_places
+from restshape.scene.bodies import numbers_of
+from restshape.scene.checks import check_file, refuse_places
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
 from restshape.scene.panels import panels_of
@@ -24,7 +25,7 @@ def formulas_of_bodies(scene: Scene) -> list[tuple[Key, Any]]:
     found: list[tuple[Key, Any]] = []
     for name, body in scene.bodies.items():
         form = body.form
-        given = [((body.kind, key), getattr(form, key)) for key in type(form).model_fields]
+        given = [((body.kind, key), getattr(form, key)) for key in numbers_of(form)]
         for key, value in [*given, (("friction",), body.friction)]:
             found += [(("bodies", name, *key), one) for one in (value if isinstance(value, tuple) else (value,))]
     for name, panel in panels_of(scene).items():
@@ -75,7 +76,9 @@ def _check_panels(scene: Scene, source: Source) -> None:
 def _check_bodies(scene: Scene, source: Source) -> None:
     """Refuses bodies without a size, names that stand for two things, and a start that is no place."""
     entities = scene.shape.kinds()
-    for name in scene.bodies:
+    for name, body in scene.bodies.items():
+        if body.mesh is not None:
+            check_file(("bodies", name, "mesh", "file"), body.mesh.file, source)
         if name in entities:
             what = f"the name {name!r} stands for a body and for a part of the shape, which is {entities[name]!r}"
             raise source.error(("bodies", name), what, "rename one of the two")

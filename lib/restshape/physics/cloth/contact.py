@@ -1,4 +1,4 @@
-"""Contact of cloth with bodies in closed form: penalty along the gradient of the distance, friction by anchors."""
+"""Contact of cloth with bodies: penalty along the gradient of the distance, friction by anchors."""
 
 from __future__ import annotations
 
@@ -213,9 +213,12 @@ class Contact:
         return slipped
 
     def passed(self, x: np.ndarray, way: np.ndarray) -> bool:
-        """Whether points (n, 3) that go on along a way (3,) touch no body any more: all bodies are convex."""
+        """Whether points (n, 3) that go on along a way (3,) touch no body any more.
+
+        A convex body is not touched again once all go away from it; of another one that holds for the box around it.
+        """
         for body in self.bodies:
-            distance, gradient, _ = body.distance(x)
+            distance, gradient, _ = body.hull.distance(x)
             if distance.min() <= self.thickness or (gradient @ way).min() < 0.0:
                 return False
         return True

@@ -19,6 +19,7 @@ from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layers import layer_values
+from restshape.physics.cloth.mesh_bodies import kernel_mesh, located_distance, refuse_narrow
 from restshape.physics.cloth.parameters import triangle_areas
 from restshape.physics.cloth.seam_lines import SeamPair, seam_pairs
 from restshape.physics.cloth.seams import Seams
@@ -63,6 +64,8 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
     """
     gravity = plan.settings("gravity")
     contact = plan.settings("contact")
+    if contact is not None:
+        refuse_narrow(scene, contact.thickness)
     placement = InitialPlacement(scene)
     fabric = fabric_of(scene, plan, mesh)
     supports, placed = supports_of(scene, mesh, placement), placement.scattered(mesh)
@@ -126,6 +129,9 @@ def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:
 
 def touched(scene: Scene) -> list[tuple[_kernels.Body, float]]:
     """The scene's bodies where they are now, each with its coefficient of friction."""
+    for name, body in scene.bodies.items():
+        if body.kind == "mesh":
+            located_distance(scene, name)
     bodies = [body.evaluated(scene.parameters) for body in scene.bodies.values()]
     return [(kernel_body(body), body.friction) for body in bodies]
 
@@ -142,6 +148,8 @@ def kernel_body(body: Body) -> _kernels.Body:
             return _kernels.Body.capsule(form.start, form.end, form.radius)
         case "cylinder":
             return _kernels.Body.cylinder(form.start, form.end, form.radius, form.rounded)
+        case "mesh":
+            return kernel_mesh(form)
         case _:
             # Its axes are the rows.
             return _kernels.Body.box(form.center, form.half, rotation(form.rotate).T, form.radius)

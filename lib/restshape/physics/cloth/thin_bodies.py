@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
+from restshape.physics.cloth.mesh_bodies import distance_of
 from restshape.scene.bodies import Body
 from restshape.scene.duals import Dual
 from restshape.scene.model import Scene
@@ -61,6 +62,10 @@ def _diameters(body: Body) -> tuple[float, float]:
         case "box":
             first, second, _ = sorted(form.half)
             return 2.0 * first, 2.0 * second
+        case "mesh":
+            surface = distance_of(form).X
+            first, second, _ = sorted((surface.max(axis=0) - surface.min(axis=0)).tolist())
+            return first * form.scale, second * form.scale
         case _:
             return math.inf, math.inf
 
@@ -78,6 +83,8 @@ def _edge_radius(body: Body) -> float:
             return body.form.radius
         case "cylinder":
             return body.form.rounded
+        case "mesh":
+            return distance_of(body.form).facts.edge * body.form.scale
         case _:
             return math.inf
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.mesh_bodies import distance_of
 from restshape.scene.bodies import Body
 
 TUNNELLING_DEPTH = 0.5
@@ -24,6 +25,8 @@ def size_of(body: Body) -> float:
             return min(form.radius, 0.5 * math.dist(form.start, form.end))
         case "box":
             return min(form.half)
+        case "mesh":
+            return form.scale * distance_of(form).facts.thin
         case _:
             return np.inf
 

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from restshape.physics.cloth.body_motion import body_axes
-from restshape.scene.bodies import Body, Box, Capsule, Cylinder, Plane, Sphere
+from restshape.physics.cloth.mesh_bodies import mesh_surface
+from restshape.scene.bodies import Body, Box, Capsule, Cylinder, MeshBody, Plane, Sphere
 from restshape.shape.placement import rotation
 
 PIECES = 48
@@ -33,6 +34,8 @@ def body_surface(body: Body, low: np.ndarray, high: np.ndarray) -> Surface:
             return _rounded(np.array([form.start, form.end]), form.radius)
         case Cylinder():
             return _rounded(_rims(form), form.rounded)
+        case MeshBody():
+            return mesh_surface(form)
         case Box():
             turn, half = rotation(form.rotate), np.array(form.half) - form.radius
             places, triangles = _rounded(np.array(list(product((-1.0, 1.0), repeat=3))) * half, form.radius)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from restshape.physics.cloth.body_path import BodyPath, speed_of
+from restshape.physics.cloth.body_path import BodyPath, same_kind, speed_of
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.relaxation.follow_bodies import take_along
@@ -201,7 +201,7 @@ def _continued(values: Sequence[float], step: float) -> float:
 
 def _way(old: Body, new: Body, x: np.ndarray) -> float:
     """How far [m] the surface of a body goes, at most, where cloth is at x (n, 3) [m]; 0 of one of another kind."""
-    if old.kind != new.kind:
+    if not same_kind(old, new):
         return 0.0
     speed = speed_of(old, new, x)
     return float(np.linalg.norm(speed.shift)) + speed.rest

@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.algebra.descent import MEMORY
 from restshape.physics.cloth.body_motion import body_axes, moved_with, turn_of
-from restshape.physics.cloth.body_path import BodyPath
+from restshape.physics.cloth.body_path import BodyPath, same_kind
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH
@@ -95,7 +95,7 @@ def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], a
     if len(pressed) != 1 or len(problem.boundary.constrained):
         return way
     old, new = before[pressed[0]], after[pressed[0]]
-    if old.kind != new.kind or old.form == new.form:
+    if not same_kind(old, new) or old.form == new.form:
         return way
     corners = problem.corners(x)
     # Slopes turn with the cloth.

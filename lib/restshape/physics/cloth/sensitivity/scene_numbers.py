@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from restshape.errors import UserError
-from restshape.scene.bodies import Body, Start
+from restshape.scene.bodies import Body, Start, numbers_of
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.given_numbers import value_below
@@ -21,8 +21,8 @@ TABLES = ("material", "bodies", "supports", "seams", "start", "effects", "parame
 """Whose numbers drapes have derivatives by."""
 EFFECTS = ("gravity", "contact")
 """Those whose numbers drapes have derivatives by."""
-SILENT = ("slope", "scatter", "seed", "ease")
-"""Numbers that give a support its kind, a start its chance, or a seam its note."""
+SILENT = ("slope", "scatter", "seed", "ease", "unit", "spacing", "band")
+"""Numbers that give a support its kind, a start its chance, a seam its note, or a body its grid."""
 STEP = 1e-30
 """Of complex steps, which are exact: nothing is subtracted."""
 
@@ -95,7 +95,7 @@ class ChangingNumber:
     def form(self, name: str, body: Body) -> dict[str, Any]:
         """Rates of the keys of a body's form, numbers and arrays."""
         where, form = f"bodies.{name}.{body.kind}", body.form
-        return {key: self._either(getattr(form, key), f"{where}.{key}") for key in type(form).model_fields}
+        return {key: self._either(getattr(form, key), f"{where}.{key}") for key in numbers_of(form)}
 
     def start(self) -> dict[str, np.ndarray]:
         """Rates (3,) of the keys of where the flat cloth lies."""

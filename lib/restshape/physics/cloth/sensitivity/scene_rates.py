@@ -16,6 +16,7 @@ from restshape.physics.cloth.body_motion import taken_rates
 from restshape.physics.cloth.cloth_supports import AXES
 from restshape.physics.cloth.fabric import FabricRates
 from restshape.physics.cloth.layers import stiffness_share
+from restshape.physics.cloth.mesh_bodies import distance_of
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.agreed_contact import BodyChange, ContactChange
 from restshape.physics.cloth.sensitivity.agreed_layers import AgreedLayers
@@ -165,6 +166,10 @@ def _kernel_rates(body: Body, rates: dict) -> _kernels.BodyRates:
         case "cylinder":
             ends = form.start, form.end, form.radius, form.rounded
             return make.cylinder(*ends, rates["start"], rates["end"], rates["radius"], rates["rounded"])
+        case "mesh":
+            turn, turned = rotation(form.turn).T, rotation_rates(form.turn, rates["turn"]).T
+            numbers = form.move, turn, form.scale, rates["move"], turned, rates["scale"]
+            return make.mesh(distance_of(form).grid, *numbers)
         case _:
             turn, turned = rotation(form.rotate).T, rotation_rates(form.rotate, rates["rotate"]).T
             numbers = form.center, form.half, turn, form.radius

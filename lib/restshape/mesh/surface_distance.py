@@ -1,0 +1,379 @@
+"""Signed distance from a closed surface on even grids, made once and kept in the user's cache."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+
+from restshape import _kernels
+from restshape.bounds import BODY_BRICKS, BODY_LATTICE
+from restshape.errors import UserError
+from restshape.mesh.closed_surface import ClosedSurface, SurfaceHole, read_closed_surface
+
+CELLS = 8
+"""Cells of a brick along each axis."""
+NODES = CELLS + 3
+"""Coefficients of a brick along each axis."""
+CELL = 1.4e-5
+"""Area of a cell at first, over that of the surface: about 2,500 bricks."""
+FINEST = 0.25e-3
+"""Spacing below which nothing is chosen [m]."""
+GOAL = 0.4e-3
+"""Error of the distance above which the spacing is made smaller [m], where the scene names none."""
+REFINED, TRIES = 1.5, 3
+"""By how much, and how often the spacing is chosen, at most."""
+BAND, LEAST_BAND = 4.0, 8e-3
+"""Band on both sides of the surface, over the spacing, and at least [m]."""
+SAMPLES = 4000
+"""Places at which the error is measured."""
+TURNED = 0.9
+"""Cosine of the angle between the directions to the surface two cells apart, below which the medial axis is near."""
+SPARE = 1.2
+"""Factor on second derivatives between places where they are looked at."""
+RAYS, THIN = 2000, 0.05
+"""Rays through the body, and the share of them that pass through what is thinner than `SurfaceDistance.thin`."""
+SHARP = 0.01
+"""Share of the surface that counts as its edges."""
+VERSION = 1
+"""Of what the cache holds."""
+
+Made = dict[str, np.ndarray]
+"""What a grid is made from, by name, as the cache keeps it."""
+
+OUTSIDE, INSIDE = -1, -2
+"""What the table has in place of bricks that are not stored."""
+
+
+@dataclass(frozen=True)
+class DistanceFacts:
+    """What there is to know of a grid.
+
+    Args:
+        unit: metres in one unit of the file; guessed: from the size.
+        turned: the file's triangles look inwards.
+        triangles: of the file and of what closes its holes.
+        holes: that the file has, the widest first.
+        spacing: of the grid [m]; band: in which it is stored, on both sides of the surface [m].
+        error: the largest difference from the exact distance within the band, away from the medial axis [m].
+        usual_error: that of 99 % of the places.
+        stored: bytes of the bricks.
+        edge: radius of curvature of its edges: all but the sharpest 1 % of its surface is rounder [m].
+        thin: half of how thick the body is, but for the thinnest 5 % of its surface [m].
+    """
+
+    unit: float
+    guessed: bool
+    turned: bool
+    triangles: int
+    holes: tuple[SurfaceHole, ...]
+    spacing: float
+    band: float
+    error: float
+    usual_error: float
+    stored: int
+    edge: float
+    thin: float
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceDistance:
+    """The distance from a body's surface, in the coordinates of its file, in metres.
+
+    Args:
+        grid: the distance.
+        facts: of it.
+        X: (n, 3) corners of the surface [m]; cells: (m, 3) its triangles.
+    """
+
+    grid: _kernels.GridDistance
+    facts: DistanceFacts
+    X: np.ndarray
+    cells: np.ndarray
+
+
+def distance_of_file(
+    path: Path | str, unit: float | None = None, spacing: float | None = None, band: float | None = None
+) -> SurfaceDistance:
+    """The distance from the surface of a file: of this process, of the cache, or made now.
+
+    Args:
+        path, unit: as of `read_closed_surface`.
+        spacing: of the grid [m]; None: as its error asks for.
+        band: on both sides of the surface [m], where cloth touches it; None: of the spacing.
+
+    Raises:
+        UserError: the file cannot be read, holds no closed surface, or the grid is too large.
+    """
+    path = Path(path)
+    try:
+        found = path.stat()
+    except OSError as error:
+        do = "paths in a scene are relative to the scene's folder"
+        raise UserError("there is no such file of a body", str(path), do) from error
+    return _loaded(path, found.st_mtime_ns, found.st_size, unit, spacing, band)
+
+
+@lru_cache(maxsize=8)
+def _loaded(
+    path: Path, changed: int, size: int, unit: float | None, spacing: float | None, band: float | None
+) -> SurfaceDistance:
+    """The same; `changed` and `size` are those of the file."""
+    place = cache_folder() / f"{_digest(path, unit, spacing, band)}.npz"
+    with suppress(OSError, ValueError, KeyError, TypeError, BadZipFile), np.load(place, allow_pickle=False) as kept:
+        return _restored({key: kept[key] for key in kept.files})
+    made = make_distance(read_closed_surface(path, unit), spacing, band, str(path))
+    _keep(place, made)
+    return _restored(made)
+
+
+def cache_folder() -> Path:
+    """Where grids are kept: below XDG_CACHE_HOME, else in the user's ``.cache``."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "restshape" / "bodies"
+
+
+def _digest(path: Path, *settings: float | None) -> str:
+    """What names the grid of a file, by all that it is made from."""
+    found = hashlib.sha256(path.read_bytes())
+    # Spacing and band are in metres: the digits of all numbers are a part of the name.
+    found.update(json.dumps([VERSION, path.suffix.lower(), *settings]).encode())
+    return found.hexdigest()[:40]
+
+
+def _keep(place: Path, made: Made) -> None:
+    """Puts a grid into the cache, whole or not at all; where nothing can be written it is made again next time."""
+    part = place.with_name(f"{place.stem}.{os.getpid()}.part")
+    with suppress(OSError):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with part.open("wb") as file:
+                np.savez(file, **made)
+            part.replace(place)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+def _restored(made: Made) -> SurfaceDistance:
+    """The distance from the arrays that it is kept as."""
+    given = json.loads(str(made["facts"]))
+    given["holes"] = tuple(SurfaceHole(hole["edges"], hole["width"], tuple(hole["center"])) for hole in given["holes"])
+    facts = DistanceFacts(**given)
+    return SurfaceDistance(_grid(made), facts, made["X"], made["cells"])
+
+
+def _grid(made: Made) -> _kernels.GridDistance:
+    """The grid of its arrays."""
+    slope, thin, sharpest = (float(value) for value in made["numbers"])
+    return _kernels.GridDistance(
+        origin=made["origin"].tolist(),
+        spacing=float(made["spacing"]),
+        bricks=made["bricks"].tolist(),
+        low=made["low"].tolist(),
+        high=made["high"].tolist(),
+        band=float(made["band"]),
+        table=made["table"],
+        fine=made["fine"],
+        coarse=made["coarse"],
+        bent=made["bent"],
+        slope=slope,
+        thin=thin,
+        sharpest=sharpest,
+    )
+
+
+def make_distance(
+    surface: ClosedSurface, spacing: float | None = None, band: float | None = None, where: str = ""
+) -> Made:
+    """The arrays of a grid, as the cache keeps them.
+
+    Args:
+        surface: the body's.
+        spacing, band: as of `distance_of_file`.
+        where: the file, for messages.
+
+    Raises:
+        UserError: the grid is too large.
+
+    Source: docs/theory/cloth.md.
+    """
+    if not hasattr(_kernels, "SurfaceSearch"):
+        do = "install libcgal-dev, and build restshape again"
+        raise UserError("bodies of triangles need CGAL, without which restshape was built", where, do)
+    search = _kernels.SurfaceSearch(surface.X, surface.cells)
+    step = spacing or _first_spacing(surface, band)
+    for attempt in range(TRIES):
+        made = _sampled(search, surface, step, band or max(BAND * step, LEAST_BAND), where)
+        error, usual = _errors(search, surface, made)
+        if spacing or error <= GOAL or attempt == TRIES - 1 or not _fits(surface, step / REFINED, band):
+            break
+        step /= REFINED
+    facts = DistanceFacts(
+        surface.unit, surface.guessed, surface.turned, len(surface.cells), surface.holes, step,
+        float(made["band"]), error, usual, made["fine"].nbytes,
+        _edge(surface, made), float(made["numbers"][1]),
+    )  # fmt: skip
+    return made | {"facts": np.array(json.dumps(asdict(facts))), "X": surface.X, "cells": surface.cells}
+
+
+def _layout(surface: ClosedSurface, spacing: float, band: float) -> tuple[np.ndarray, np.ndarray]:
+    """The origin (3,) [m] of the first brick, and the number (3,) of bricks along each axis."""
+    low, high = surface.box
+    wide = CELLS * spacing
+    bricks = np.ceil((high - low + 2.0 * band) / wide).astype(np.int64)
+    return 0.5 * (low + high) - 0.5 * wide * bricks, bricks
+
+
+def _first_spacing(surface: ClosedSurface, band: float | None) -> float:
+    """The spacing [m] that is tried first."""
+    a, b, c = (surface.X[surface.cells[:, k]] for k in range(3))
+    area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+    step = max(FINEST, float(np.sqrt(CELL * area)))
+    while not _fits(surface, step, band):
+        step *= REFINED
+    return step
+
+
+def _fits(surface: ClosedSurface, spacing: float, band: float | None) -> bool:
+    """Whether a finer grid is not too large to be made."""
+    if spacing < FINEST:
+        return False
+    _, bricks = _layout(surface, spacing, band or max(BAND * spacing, LEAST_BAND))
+    return bool(np.prod(CELLS * bricks + 3) <= BODY_LATTICE)
+
+
+def _lattice(origin: np.ndarray, step: float, counts: np.ndarray) -> np.ndarray:
+    """The places (n, 3) [m] of an even grid, z running fastest."""
+    axes = [origin[a] + step * np.arange(counts[a]) for a in range(3)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def _sampled(search: _kernels.SurfaceSearch, surface: ClosedSurface, spacing: float, band: float, where: str) -> Made:
+    """The arrays of a grid of a spacing [m] in a band [m]."""
+    from scipy.ndimage import spline_filter
+
+    origin, bricks = _layout(surface, spacing, band)
+    counts, wide = CELLS * bricks + 3, CELLS * spacing
+    if np.prod(counts.astype(float)) > BODY_LATTICE:
+        what = f"a grid of {1e3 * spacing:.3g} mm around the body has {np.prod(counts.astype(float)):.3g} places"
+        raise UserError(f"{what}, more than {BODY_LATTICE:.3g}", where, "write a larger spacing beside the file")
+    middles = search.nearest(_lattice(origin + 0.5 * wide, wide, bricks))[0]
+    inner = np.abs(middles) <= band + 0.5 * np.sqrt(3.0) * wide
+    if inner.sum() > BODY_BRICKS:
+        what = f"the band of {1e3 * band:.3g} mm takes {inner.sum()} bricks of {1e3 * wide:.3g} mm"
+        raise UserError(f"{what}, more than {BODY_BRICKS}", where, "write a narrower band, or a larger spacing")
+    table = np.where(middles > 0.0, OUTSIDE, INSIDE).astype(np.int32)
+    table[inner] = np.arange(inner.sum())
+    corners = search.nearest(_lattice(origin - wide, wide, bricks + 3))[0].reshape(bricks + 3)
+    low, high = surface.box
+    made: Made = {
+        "origin": origin, "spacing": np.array(spacing), "bricks": bricks, "low": low, "high": high,
+        "band": np.array(band),
+        "table": np.full_like(table, INSIDE), "coarse": spline_filter(corners, order=3, mode="mirror"),
+        "fine": np.empty((0, NODES, NODES, NODES), np.float32), "bent": np.empty(0), "numbers": np.ones(3),
+    }  # fmt: skip
+    places = np.argwhere(inner.reshape(bricks)) * CELLS
+    values = _values(search, _grid(made), made, places, counts)
+    spline_filter(values, order=3, output=values, mode="mirror")
+    # In bricks x runs fastest.
+    made["fine"] = np.stack([values[_brick(at)].transpose(2, 1, 0) for at in places]).astype(np.float32)
+    made["table"], made["bent"] = table, np.zeros(len(places))
+    depth = -min(float(middles.min()), float(corners.min()))
+    made["bent"], made["numbers"] = _measured(_grid(made), made, places, _thin(search, surface, depth))
+    return made
+
+
+def _brick(at: np.ndarray) -> tuple[slice, ...]:
+    return tuple(slice(k, k + NODES) for k in at)
+
+
+def _values(
+    search: _kernels.SurfaceSearch, coarse: _kernels.GridDistance, made: Made, places: np.ndarray, counts: np.ndarray
+) -> np.ndarray:
+    """The distance on the whole even grid: exact in the bricks, of the coarse grid elsewhere."""
+    origin, spacing = made["origin"] - made["spacing"], float(made["spacing"])
+    inside = made["origin"], made["origin"] + (1.0 - 1e-9) * CELLS * spacing * made["bricks"]
+    near = np.zeros(counts, dtype=bool)
+    for at in places:
+        near[_brick(at)] = True
+    values = np.empty(counts)
+    for k in range(counts[0]):
+        plane = _lattice(origin + np.array([k * spacing, 0.0, 0.0]), spacing, np.array([1, *counts[1:]]))
+        own = near[k].ravel()
+        found = np.empty(len(plane))
+        found[own] = search.nearest(plane[own])[0] if own.any() else 0.0
+        # The outermost places lie beyond the box.
+        found[~own] = coarse.values(np.clip(plane[~own], *inside))
+        values[k] = found.reshape(counts[1:])
+    return values
+
+
+def _measured(
+    grid: _kernels.GridDistance, made: Made, places: np.ndarray, thin: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """How much the distance curves downwards in each brick [1/m], and the longest gradient, `thin`, and `sharpest`."""
+    spacing, bent = float(made["spacing"]), np.zeros(len(places))
+    longest, round_ = 1.0, 0.0
+    for k, at in enumerate(places):
+        found = grid.shapes(_lattice(made["origin"] + spacing * (at + 1e-6), (1.0 - 1e-6) * spacing, np.full(3, 9)))
+        bent[k] = max(0.0, -SPARE * found[:, 2].min())
+        longest = max(longest, found[:, 1].max())
+        near = np.abs(found[:, 0]) < 2.0 * spacing
+        round_ = max(round_, found[near, 3].max(initial=0.0))
+    return bent, np.array([1.0 + SPARE * (longest - 1.0), thin, 1.0 / max(SPARE * round_, 1e-9)])
+
+
+def _on_surface(surface: ClosedSurface, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places (count, 3) [m] on the surface, as many on each area, and the normals there."""
+    rng = np.random.default_rng(0)
+    a, b, c = (surface.X[surface.cells[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    area = np.linalg.norm(normals, axis=1)
+    faces = np.sort(rng.choice(len(area), size=count, p=area / area.sum()))
+    u, v = rng.random((2, count, 1))
+    over = u + v > 1.0
+    u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
+    places = a[faces] + u * (b - a)[faces] + v * (c - a)[faces]
+    return places, (normals / np.maximum(area, 1e-300)[:, None])[faces]
+
+
+def _thin(search: _kernels.SurfaceSearch, surface: ClosedSurface, depth: float) -> float:
+    """Half of how thick the body is [m], but for the thinnest 5 % of its surface; at most its depth [m]."""
+    places, normals = _on_surface(surface, RAYS)
+    start = 1e-6 * float(np.ptp(surface.X, axis=0).max())
+    found = search.first_hits(places - start * normals, -normals)
+    found = found[np.isfinite(found)]
+    return min(depth, 0.5 * float(np.quantile(found, THIN)) if len(found) else depth)
+
+
+def _edge(surface: ClosedSurface, made: Made) -> float:
+    """The radius of curvature [m] than which all but the sharpest 1 % of the surface is rounder."""
+    bent = _grid(made).shapes(_on_surface(surface, RAYS)[0])[:, 3]
+    return 1.0 / max(float(np.quantile(bent, 1.0 - SHARP)), 1e-9)
+
+
+def _errors(search: _kernels.SurfaceSearch, surface: ClosedSurface, made: Made) -> tuple[float, float]:
+    """The largest error of the grid in its band, away from the medial axis [m], and that of 99 % of the places.
+
+    The medial axis is near where the directions to the surface two cells apart differ.
+    """
+    places, normals = _on_surface(surface, SAMPLES)
+    offsets = np.random.default_rng(1).uniform(-made["band"], made["band"], (len(places), 1))
+    x = places + offsets * normals
+    distance, nearest = search.nearest(x)
+    direction = (x - nearest) / np.where(np.abs(distance) > 1e-12, distance, 1.0)[:, None]
+    smooth = np.abs(distance) > 0.02 * made["spacing"]
+    for way in 2.0 * made["spacing"] * np.vstack([np.eye(3), -np.eye(3)]):
+        beside, at = search.nearest(x + way)
+        other = (x + way - at) / np.where(np.abs(beside) > 1e-12, beside, 1.0)[:, None]
+        smooth &= (np.einsum("ij,ij->i", direction, other) > TURNED) | (np.abs(beside) < 1e-12)
+    error = np.abs(_grid(made).values(x) - distance)[smooth]
+    if not len(error):
+        return float("nan"), float("nan")
+    return float(error.max()), float(np.quantile(error, 0.99))
