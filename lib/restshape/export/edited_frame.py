@@ -147,8 +147,8 @@ def thickness_of(scene: Scene) -> float | None:
 
 
 def plain_scene(frame: EditedFrame, shape: Table) -> Table:
-    """The plain tables of a frame's scene with another shape, which is in no file."""
-    raw = {key: value for key, value in frame.scene.raw.items() if key != "shape"}
+    """The plain tables of a frame's scene with others in place of its shape or panels, which are in no file."""
+    raw = {key: value for key, value in frame.scene.raw.items() if key not in ("shape", *shape)}
     mesh = {key: value for key, value in table_in(raw, "mesh").items() if key not in ("file", "unit")}
     first = {key: raw.pop(key) for key in ("format", "version", "app", "title", "parameters") if key in raw}
-    return first | {"shape": shape} | raw | ({"mesh": mesh} if "mesh" in raw else {})
+    return first | shape | raw | ({"mesh": mesh} if "mesh" in raw else {})

@@ -67,7 +67,9 @@ def _stitches(pattern: Pattern, sides: Mapping[str, list[Table]]) -> tuple[list[
     found: list[list[object]] = []
     left = []
     for stitch in pattern.stitches:
-        first, second = ([side for edge in edges for side in sides[edge]] for edges in (stitch.first, stitch.second))
+        first, second = (
+            [side for edge in edges for side in sides.get(edge, [])] for edges in (stitch.first, stitch.second)
+        )
         if len(first) != 1 or len(second) != 1:
             left.append(f"{', '.join(stitch.first)} to {', '.join(stitch.second)}")
             continue

@@ -55,9 +55,12 @@ def write_pattern_dxf(pattern: Pattern, path: Path) -> list[str]:
 
 
 def _draw_piece(block: Any, piece: PatternPiece, outline: Outline) -> None:
+    drawn: set[int] = set()
     for loop in outline.loops:
+        own = [e for e, _ in loop.edges if e not in drawn]
+        drawn.update(own)
         for layer in (CUT, SEW) if loop.kind == "outline" else (LAYER_OF[loop.kind],):
-            for e, _ in loop.edges:
+            for e in own:
                 draw_edge(block, outline, e, {"layer": layer})
     for vertex in outline.embedded:
         block.add_point(MM * outline.points[vertex], dxfattribs={"layer": NOTCH})
@@ -93,17 +96,18 @@ def write_pattern_svg(pattern: Pattern, path: Path) -> list[str]:
 
 
 def _group(name: str, outline: Outline, place: Reals) -> list[str]:
-    """The lines of one piece."""
+    """The lines of one piece, without regions that share edges with its border."""
     shift = f"translate({float(MM * place[0])!r} {float(0.0 - MM * place[1])!r})"
     lines, drawn = [f"<g transform={quoteattr(shift)}>"], set[int]()
     for loop in outline.loops:
+        if drawn & {e for e, _ in loop.edges}:
+            continue
         own = name if loop.kind == "outline" else f"{name}.{loop.name}"
         lines.append(f"<g id={quoteattr(own)} class={quoteattr(loop.kind)}>")
         for e, forward in loop.edges:
-            if e not in drawn:
-                edge = quoteattr(f"{name}.{outline.edges[e].name}")
-                lines.append(f"<path id={edge} d={quoteattr(path_of(outline, e, forward))}/>")
-                drawn.add(e)
+            edge = quoteattr(f"{name}.{outline.edges[e].name}")
+            lines.append(f"<path id={edge} d={quoteattr(path_of(outline, e, forward))}/>")
+            drawn.add(e)
         lines.append("</g>")
     return [*lines, "</g>"]
 

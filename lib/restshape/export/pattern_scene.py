@@ -13,6 +13,7 @@ from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.scene.bodies import Start, start_of
 from restshape.scene.model import FORMAT, VERSION, Scene, ShapeSpec
+from restshape.scene.panels import panels_of, whole
 from restshape.scene.plain_values import Table
 from restshape.scene.space_values import evaluated
 from restshape.shape.build import unchecked_outline
@@ -91,17 +92,17 @@ def pattern_of_scene(scene: Scene) -> Pattern:
     """
     start = evaluated(start_of(scene) or Start(), scene.parameters)
     upright = bool(np.allclose(start.turn, UPRIGHT, atol=1e-12)) and not any((*start.move, *start.about))
-    whole = Start() if upright else start
-    panels = scene.sections.get("panels") or {}
-    assert isinstance(panels, dict)
-    given = {name: one for name, one in panels.items() if isinstance(one, ShapeSpec)} or {SHEET: scene.shape}
-    pieces = tuple(_piece(name, one, whole, scene) for name, one in given.items())
+    panels = panels_of(scene)
+    given: dict[str, ShapeSpec] = {name: whole(name, panel) for name, panel in panels.items()} or {SHEET: scene.shape}
+    pieces = tuple(_piece(name, one, Start() if upright else start, scene) for name, one in given.items())
+    wrapped = [f"{name} on {panel.around}" for name, panel in panels.items() if panel.around is not None]
+    notes = (f"left out, for pieces are flat: what is wrapped on a body, {', '.join(wrapped)}",) if wrapped else ()
     seams = scene.sections.get("seams") or {}
     assert isinstance(seams, dict)
     before = "" if panels else f"{SHEET}."
     sides = [seam.sides for seam in seams.values() if isinstance(seam, _Sewn)]
     stitches = tuple(Stitch(_named(first, before), _named(second, before)) for first, second in sides)
-    return Pattern(pieces, stitches, "y" if upright else "z")
+    return Pattern(pieces, stitches, "y" if upright else "z", notes=notes)
 
 
 @runtime_checkable
@@ -117,15 +118,15 @@ def _named(edges: tuple[str, ...], before: str) -> tuple[str, ...]:
     return tuple(f"{before}{edge}" for edge in edges)
 
 
-def _piece(name: str, panel: ShapeSpec, whole: Start, scene: Scene) -> PatternPiece:
+def _piece(name: str, panel: ShapeSpec, start: Start, scene: Scene) -> PatternPiece:
     """The piece that a panel is, in axes that all of them share."""
     keys = {key: getattr(panel, key) for key in ("turn", "about", "move") if hasattr(panel, key)}
     own = evaluated(Start.model_construct(**keys), scene.parameters)
-    turn, all_turned = rotation(own.turn), rotation(whole.turn)
-    about, all_about = (np.array(one.about, dtype=float) for one in (own, whole))
-    move = all_turned @ (about - turn @ about + np.array(own.move) - all_about) + all_about + np.array(whole.move)
+    turn, all_turned = rotation(own.turn), rotation(start.turn)
+    about, all_about = (np.array(one.about, dtype=float) for one in (own, start))
+    move = all_turned @ (about - turn @ about + np.array(own.move) - all_about) + all_about + np.array(start.move)
     x, y, z = (float(value) for value in move)
     grain = getattr(panel, "grain", None)
     shape = shape_tables(unchecked_outline(panel, scene.folder))
-    turned: Triple = angles_of(all_turned @ turn) if any((*own.turn, *whole.turn)) else (0.0, 0.0, 0.0)
+    turned: Triple = angles_of(all_turned @ turn) if any((*own.turn, *start.turn)) else (0.0, 0.0, 0.0)
     return PatternPiece(name, shape, (x, y, z), turned, float(grain) if isinstance(grain, float) else None)

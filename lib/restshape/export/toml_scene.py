@@ -9,10 +9,12 @@ from tomlkit.items import InlineTable, Item
 
 from restshape.export.edited_frame import EditedFrame, plain_scene
 from restshape.export.kept_formulas import with_formulas
+from restshape.export.panel_tables import panel_tables
 from restshape.export.shape_tables import shape_tables
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.scene.load import remade
+from restshape.scene.panels import frames_of
 from restshape.scene.plain_values import Table
 
 DEPTHS = {"shape": 1, "panels": 2}
@@ -22,13 +24,17 @@ DEPTHS = {"shape": 1, "panels": 2}
 def write_toml(frame: EditedFrame, path: Path) -> None:
     """Writes the scene of a frame, its shape as it was edited, from which edits go on.
 
-    Numbers of the shape that formulas of parameters still give stay these formulas.
+    Numbers of the shape that formulas of parameters still give stay these formulas; those of panels are numbers.
 
     Raises:
         UserError: a name of the shape, such as one that a mesh file gave, cannot stand in a scene.
         OSError: it cannot be written.
     """
-    tables = plain_scene(frame, with_formulas(shape_tables(frame.outline), frame.scene, frame.outline))
+    if frames_of(frame.scene):
+        shape: Table = {"panels": panel_tables(frame.outline, frame.scene)}
+    else:
+        shape = {"shape": with_formulas(shape_tables(frame.outline), frame.scene, frame.outline)}
+    tables = plain_scene(frame, shape)
     remade(frame.scene, tables)
     write_whole(path, f"# {EXPORT_MARK}\n{toml_text(tables)}")
 
