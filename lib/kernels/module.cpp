@@ -19,6 +19,7 @@ void bind_least_squares(py::module_&);
 void bind_mesh(py::module_&);
 void bind_mesher(py::module_&);
 void bind_near_pairs(py::module_&);
+void bind_nested_cloth(py::module_&);
 void bind_order(py::module_&);
 void bind_outline(py::module_&);
 void bind_correction(py::module_&);
@@ -52,6 +53,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_mesh(m);
     bind_mesher(m);
     bind_near_pairs(m);
+    bind_nested_cloth(m);
     bind_order(m);
     bind_outline(m);
     bind_correction(m);

@@ -56,6 +56,7 @@ __all__: list[str] = [
     "move_and_check",
     "multiply_in_registers",
     "narrow_widths",
+    "nested_vectors",
     "node_blocks",
     "node_lu",
     "node_lu_single",
@@ -741,6 +742,19 @@ def narrow_widths(
     reach: typing.SupportsFloat | typing.SupportsIndex,
     fold: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float64]: ...
+def nested_vectors(
+    coarse: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    next: numpy.typing.NDArray[numpy.int32],
+    sign: numpy.typing.NDArray[numpy.float64],
+    starts: numpy.typing.NDArray[numpy.int32],
+    columns: numpy.typing.NDArray[numpy.int32],
+    weights: numpy.typing.NDArray[numpy.float64],
+    placed: numpy.typing.NDArray[numpy.uint8],
+    vectors: numpy.typing.NDArray[numpy.float64],
+    back: bool,
+    out: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def node_order(
     X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     owner: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],

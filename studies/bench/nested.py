@@ -22,17 +22,45 @@ from restshape.scene.load import load_scene
 
 if TYPE_CHECKING:
     from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
+    from restshape.shape.script_frame import ScriptFrame
 
-BARE = ("solve.estimate=none",)
+BARE, ALL = ("solve.estimate=none",), ("solve.estimate=every",)
+ALONE = ("predict.frame_time=0",)
 WAYS = {
     "coarse, shown on the fine": (),
     "the same, nothing estimated": BARE,
-    "coarse, without steps": ("predict.frame_time=0",),
-    "the same without steps, nothing estimated": ("predict.frame_time=0", *BARE),
+    "coarse, without steps": ALONE,
+    "the same without steps, nothing estimated": (*ALONE, *BARE),
+    "the same without steps, each frame estimated": (*ALONE, *ALL),
     "the fine alone": ("predict.levels=1",),
 }
-"""What a drag is predicted on, with solver steps in the time of a frame and without, with residuals and estimates and
-without."""
+"""What a drag is predicted on, with solver steps in the time of a frame and without.
+
+With the estimates that there are by default, without, and with all, residuals and strains included.
+"""
+
+
+class IdleSeconds:
+    """Seconds of the processor that a replay spends between two frames.
+
+    Attributes:
+        most: in a single gap.
+    """
+
+    def __init__(self, replay: Replay) -> None:
+        self.most, self._taken, self._idle = 0.0, 0.0, replay.solver.idle
+        replay.solver.idle = self._timed  # type: ignore[method-assign]
+
+    def taken(self) -> float:
+        """Those since this was asked last."""
+        found, self._taken = self._taken, 0.0
+        return found
+
+    def _timed(self, edit: ScriptFrame) -> None:
+        begun = time.process_time()
+        self._idle(edit)
+        self._taken = time.process_time() - begun
+        self.most = max(self.most, self._taken)
 
 
 def nested_drags(
@@ -71,7 +99,7 @@ def nested_drags(
 
 
 def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
-    """Times of the predicted frames of a drag, estimates and residuals included; positions are read in each."""
+    """Times of the predicted frames of a drag, estimates included, idle work not; positions are read in each."""
     scene = load_scene(path, words)
     script = load_script(edits, scene)
     request = Request(
@@ -79,12 +107,13 @@ def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
     )
     replay = Replay(request, PETSc.COMM_SELF)
     analysis = cast("RelaxationAnalysis", replay.analysis)
+    between = IdleSeconds(replay)
     rows, times, begun = [], [], time.process_time()
     for row in replay.frames():
         _ = analysis.x
         now = time.process_time()
         rows.append(row)
-        times.append(now - begun)
+        times.append(now - begun - between.taken())
         begun = time.process_time()
     shown = [k for k, row in enumerate(rows) if row["event"] == "drag" and row["predicted"]]
     press = next(k for k, row in enumerate(rows) if row["event"] == "press")
@@ -97,6 +126,8 @@ def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
         "press": times[press],
         "frames": len(shown),
         "median": median(times[k] for k in shown) if shown else None,
+        "mean": sum(times[k] for k in shown) / len(shown) if shown else None,
+        "idle": between.most,
         "worst": max((times[k] for k in shown), default=None),
         "steps": median(int(rows[k]["solver_steps"]) for k in shown) if shown else None,
         "estimate": max((one for k in shown if not isnan(one := float(rows[k]["estimate"]))), default=None),

@@ -64,10 +64,11 @@ def show(_: argparse.Namespace, name: str, found: Mapping[str, Any]) -> None:
         "press [s]",
         "frames",
         "p50 [ms]",
+        "mean",
         "worst",
         "a second",
     )
-    heads += ("steps", "largest estimate")
+    heads += ("steps", "largest estimate", "most idle [ms]")
     rows = []
     for way, one in found.items():
         counts = (
@@ -77,16 +78,17 @@ def show(_: argparse.Namespace, name: str, found: Mapping[str, Any]) -> None:
             f"{one['first']:.2f}",
             f"{one['press']:.2f}",
         )
-        pace = ["-"] * 5
+        pace = ["-"] * 6
         if one["frames"]:
             pace = [
                 f"{1e3 * one['median']:.1f}",
+                f"{1e3 * one['mean']:.1f}",
                 f"{1e3 * one['worst']:.1f}",
-                f"{1.0 / one['median']:.0f}",
+                f"{1.0 / one['mean']:.0f}",
                 f"{one['steps']:g}",
             ]
             pace.append("-" if one["estimate"] is None else f"{one['estimate']:.1e}")
-        rows.append((way, *counts, str(one["frames"]), *pace))
+        rows.append((way, *counts, str(one["frames"]), *pace, f"{1e3 * one['idle']:.0f}"))
     print_table(name, heads, rows, heads[1:])
 
 
@@ -101,6 +103,6 @@ KINDS = (
         scenes="still",
         about="drags on nested meshes are about one",
         own=own,
-        times="whole frames, of the processor, with residual and estimates where there are any; p50 of predicted ones",
+        times="predicted frames, of the processor, with their estimates; a second by the mean; idle: of one gap",
     ),
 )

@@ -28,6 +28,10 @@ class RefiningPredictor(Predictor, Protocol):
     def settled(self) -> bool:
         """Whether the coarse mesh has a solution as it lies."""
 
+    @property
+    def sparse(self) -> bool:
+        """Whether positions alone have been made of what is shown."""
+
     def begin(self) -> None:
         """Solve the coarse mesh from where the fine one has a solution.
 

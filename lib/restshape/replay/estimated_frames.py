@@ -24,9 +24,9 @@ class WantedErrors(NamedTuple):
 NOTHING, EVERYTHING, ANSWER = WantedErrors(False, False), WantedErrors(True, True), WantedErrors(True, False)
 
 
-def wants_nothing(when: str | int, edit: ScriptFrame) -> bool:
-    """Whether nothing is estimated of a frame, whatever it computes; arguments as of `estimated`."""
-    return when != "auto" and not estimated(when, edit, {}).answer
+def needs_everything(when: str | int, edit: ScriptFrame) -> bool:
+    """Whether a predicted frame is estimated of itself, whatever it computes; arguments as of `estimated`."""
+    return when not in ("auto", "none", "idle") and estimated(when, edit, {}).answer
 
 
 def estimated(when: str | int, edit: ScriptFrame, row: RowValues) -> WantedErrors:

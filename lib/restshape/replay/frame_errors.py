@@ -84,9 +84,12 @@ class FrameErrors:
             answered: it shows an answer of its own.
         """
         wanted = estimated(edit.scene.solve.estimate, edit, row) if self.estimating and answered else NOTHING
-        looked_at = answered and (wanted.answer or not row["predicted"] or self._measures_predicted)
+        known = self.prediction.known_estimate() if self.prediction and row["predicted"] else None
+        looked_at = answered and known is None and (wanted.answer or not row["predicted"] or self._measures_predicted)
         row["residual"] = self._residual() if looked_at else nan
         row.update(self._estimates(row, looked_at, wanted))
+        if known is not None and wanted.answer:
+            row["estimate"] = known
         if not (self.estimating and answered):
             return
         row.update(self._distances(edit, row, wanted))

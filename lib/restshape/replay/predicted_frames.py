@@ -130,6 +130,10 @@ class PredictedFrames:
         """Take note of the estimated relative distance of the prediction that the analysis holds from the solution."""
         self._estimate = estimate, self.distance
 
+    def known_estimate(self) -> float | None:
+        """What is known of the estimate of the frame without the analysis; None: the analysis estimates it."""
+        return None
+
     def _is_trusted(self) -> bool:
         """Whether the prediction that the analysis holds may be shown."""
         if self._estimate is None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import logging
+from math import log as ln
 from math import nan
 from typing import TYPE_CHECKING, NamedTuple
 
 from restshape.errors import ReplayProblem
-from restshape.replay.estimated_frames import wants_nothing
+from restshape.replay.estimated_frames import needs_everything
 from restshape.replay.predicted_frames import TRUSTED
 from restshape.replay.sampled_frames import SampledFrames
 from restshape.sensitivity.samples import DragSamples, SamplePlace
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("restshape.replay")
 
+AGAIN = 2.0
+"""Times that the way of the hand from the nearest sample grows or shrinks before a frame is estimated again."""
+SQUARE = 2.0
+"""What the estimate grows with at most: the square of that way."""
 COARSE, SLOPES, STEP, FINE, CORRECTION = "coarse solve", "coarse derivative", "fine step", "fine solve", "derivative"
 """What idle time is spent on, in this order."""
 
@@ -76,6 +81,8 @@ class RefinedFrames(SampledFrames):
         self._corrections: DragSamples | None = None
         self._fine_frame, self._refined = 0, False
         self._stale = False
+        self._power, self._asked = SQUARE, False
+        self._shown: float | None = None
 
     measured = False
     rebases = False
@@ -98,7 +105,9 @@ class RefinedFrames(SampledFrames):
         if made is not None and known is not None and edit.gesture is made.gesture and edit.change == "move":
             self.pair.correction = known(edit.c)
         pair, before = self.pair, self.predictor.values() if made is not None else None
-        pair.waits, pair.lean = True, wants_nothing(edit.scene.solve.estimate, edit)
+        when = edit.scene.solve.estimate
+        pair.waits, pair.lean = True, not needs_everything(when, edit)
+        self._asked = when == "auto"
         try:
             shown = super().show(edit, mesh_update)
             pair.waits, self._stale = False, True
@@ -108,16 +117,51 @@ class RefinedFrames(SampledFrames):
                 self.estimated(nan)
         finally:
             pair.waits = pair.lean = False
+        self._shown = self._grown() if shown and self._asked and pair.sparse else None
         return shown
 
+    def known_estimate(self) -> float | None:
+        """Of a frame of which positions alone are made: by the last estimate of the coarse mesh."""
+        return self._shown
+
+    def _grown(self) -> float:
+        """The estimate here, by the last one and the way of the hand since."""
+        if self._estimate is None:
+            self.estimated(nan)
+        error, way = self._estimate or (nan, 0.0)
+        return self._expected_error(error, way) + self.pair.way(self.pair.correction)
+
     def estimated(self, estimate: float) -> None:
-        """Take note of how far the coarse mesh is from its solution: the fine one decides on no frame."""
-        self._stale = False
+        """Take note of how far the coarse mesh is from its solution: the fine one decides on no frame.
+
+        Two in a row say with which power of the way of the hand the distance grows.
+        """
+        self._stale, before = False, self._estimate
         super().estimated(self.pair.coarse_distance())
+        error, way = self._estimate or (nan, 0.0)
+        ratio = self._ways(way, before[1]) if before else 1.0
+        self._power = SQUARE
+        if before and error > 0.0 and before[0] > 0.0 and ratio != 1.0:
+            self._power = min(max(ln(error / before[0]) / ln(ratio), 0.0), SQUARE)
+
+    def _expected_error(self, error: float, way: float) -> float:
+        return error * self._ways(self.distance, way) ** self._power
+
+    def _ways(self, way: float, before: float) -> float:
+        """One way of the hand over another one, neither shorter than what samples are told apart by."""
+        least = (self._samples.smoothing if self._samples is not None else self.spec.epsilon) * self.size
+        return max(way, least) / max(before, least)
+
+    def _is_due(self) -> bool:
+        """Whether the last estimate is from too far away to go by, where estimates are asked for."""
+        if self._estimate is None:
+            return True
+        ways = self._ways(self.distance, self._estimate[1])
+        return self._asked and not 1.0 / AGAIN < ways < AGAIN
 
     def _is_trusted(self) -> bool:
         """Whether what the coarse mesh shows may be; where it is not trusted, the coarse mesh is solved."""
-        if self._estimate is None:
+        if self._is_due():
             self.estimated(nan)
         if super()._is_trusted():
             return True
@@ -182,6 +226,8 @@ class RefinedFrames(SampledFrames):
             ReplayProblem: it leads to nothing.
         """
         self._refined = self._refined and work == FINE
+        if work in (COARSE, SLOPES):
+            self._estimate = None
         if work == COARSE:
             self.pair.settle(last.scene)
             made.set_last(last.c, self.predictor.values())

@@ -11,6 +11,8 @@ from restshape.scene.model import Scene
 from restshape.scene.pattern_packing import PanelFrame
 from restshape.shape.panel_placement import PatternPlacement
 
+ALL = slice(None)
+
 
 class InitialPlacement:
     """Where the flat cloth lies before it falls.
@@ -24,13 +26,13 @@ class InitialPlacement:
         self._pattern = PatternPlacement(scene, frames)
         self.start = self._pattern.start
 
-    def coordinates(self, mesh: Mesh) -> np.ndarray:
-        """Coordinates (n, 2) [m] of a mesh's nodes in their own panels; X of one sheet."""
-        return self._pattern.coordinates(mesh.X, mesh.node_piece)
+    def coordinates(self, mesh: Mesh, nodes: np.ndarray | slice = ALL) -> np.ndarray:
+        """Coordinates (k, 2) [m] of nodes of a mesh in their own panels; X of one sheet."""
+        return self._pattern.coordinates(mesh.X[nodes], mesh.node_piece[nodes])
 
-    def places(self, mesh: Mesh) -> np.ndarray:
-        """Places (n, 3) [m] of a mesh's nodes."""
-        return self._pattern.places(mesh.X, mesh.node_piece)
+    def places(self, mesh: Mesh, nodes: np.ndarray | slice = ALL) -> np.ndarray:
+        """Places (k, 3) [m] of nodes of a mesh."""
+        return self._pattern.places(mesh.X[nodes], mesh.node_piece[nodes])
 
     def directions(self, mesh: Mesh, nodes: np.ndarray | slice, d: np.ndarray) -> np.ndarray:
         """Derivatives (k, 3) of the places along directions d (k, 2) of the pattern plane at nodes (k,)."""

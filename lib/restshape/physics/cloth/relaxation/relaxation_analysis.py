@@ -146,6 +146,11 @@ class RelaxationAnalysis(Timeless):
     def state(self, state: RelaxationState) -> None:
         self._state, self._postponed = state, None
 
+    @property
+    def postponed(self) -> bool:
+        """Whether the state of the prediction that is shown is not made yet."""
+        return self._postponed is not None
+
     def postpone(self, shown: Postponed) -> None:
         """Show a prediction whose state is made where it is asked for."""
         self._postponed = shown

@@ -48,7 +48,9 @@ def stabilised_step(
     return conjugate_steps(product, precondition, -rest.ravel(), delay=delay, enough=enough).reshape(x.shape)
 
 
-def missing_way(solver: EquilibriumSolver, x: np.ndarray, tensions: np.ndarray, accuracy: Accuracy) -> np.ndarray:
+def missing_way(
+    solver: EquilibriumSolver, x: np.ndarray, tensions: np.ndarray, accuracy: tuple[Accuracy, Accuracy]
+) -> np.ndarray:
     """About what predicted unknowns x (n, 3) lack to be the drape (n, 3).
 
     Cloth that a linear map has turned is stretched, and the tension of that would make the tangent much too stiff:
@@ -56,15 +58,16 @@ def missing_way(solver: EquilibriumSolver, x: np.ndarray, tensions: np.ndarray, 
     all.
 
     Args:
-        tensions: (ne, 3) of the last drape [N/m]; others as of `stabilised_step`.
+        tensions: (ne, 3) of the last drape [N/m].
+        accuracy: of the first and of the second step; others as of `stabilised_step`.
 
     Source: docs/theory/design-derivative.md.
     """
-    first = stabilised_step(solver, x, tensions, accuracy)
+    first = stabilised_step(solver, x, tensions, accuracy[0])
     size = float(np.linalg.norm(first))
     if not (np.isfinite(size) and size):
         return first
-    both = first + stabilised_step(solver, x + first, tensions, accuracy)
+    both = first + stabilised_step(solver, x + first, tensions, accuracy[1])
     whole = float(np.linalg.norm(both))
     if not np.isfinite(whole):
         return first

@@ -13,6 +13,7 @@ from restshape.algebra.solve_counts import SolveCounts
 from restshape.algebra.weak_calls import weak_call
 from restshape.algebra.work_counts import pass_seconds
 from restshape.analysis.frame import Frame
+from restshape.physics.cloth.prescribed_places import PrescribedPlaces
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative
@@ -54,6 +55,10 @@ class PredictedDrape(Protocol):
     def predicted(self) -> bool:
         """Whether a prediction is shown."""
 
+    @property
+    def postponed(self) -> bool:
+        """Whether the state of the prediction that is shown is not made yet."""
+
     def postpone(self, shown: Postponed) -> None:
         """Show a prediction whose state is made where it is asked for."""
 
@@ -80,19 +85,20 @@ class DrapePrediction:
 
     Args:
         analysis: whose state it reads and replaces.
-        accuracy: of Newton steps.
+        accuracy: of Newton steps; second: of the second one of an estimate.
 
     Source: docs/theory/design-derivative.md.
     """
 
     transferable = False
 
-    def __init__(self, analysis: PredictedDrape, accuracy: Accuracy = USUAL) -> None:
-        self.analysis, self._accuracy = analysis, accuracy
+    def __init__(self, analysis: PredictedDrape, accuracy: Accuracy = USUAL, second: Accuracy = USUAL) -> None:
+        self.analysis, self._accuracy, self._second = analysis, accuracy, second
         self._applied = EXPECTED
         self._missing: tuple[object, np.ndarray] = (None, np.empty(0))
         self._rest: RelaxationState | None = None
         self._tensions = np.empty((0, 3))
+        self._prescribed: tuple[RelaxationState | None, Callable[[np.ndarray], np.ndarray]] = (None, np.copy)
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
         """Derivatives (2, n, 3) of the unknowns along the hand's two directions; see `analysis.Predictor`."""
@@ -122,9 +128,11 @@ class DrapePrediction:
         """
         rest = self.analysis.rest
         if rest.problem.mesh.topology == rest.topology:
+            if self._prescribed[0] is not rest:
+                self._prescribed = rest, PrescribedPlaces(rest.scene, rest.problem)
             # Weakly, for the analysis that keeps it is kept by this object.
             make = partial(weak_call(self._predicted), rest, values, distance)
-            self.analysis.postpone(Postponed(rest, values, make))
+            self.analysis.postpone(Postponed(rest, self._prescribed[1](values), make))
 
     def _predicted(
         self, rest: RelaxationState, values: np.ndarray, distance: Callable[[], float] | None = None
@@ -184,7 +192,8 @@ class DrapePrediction:
         """About what a prediction (n, 3) lacks to be the drape, found once a prediction; see `missing_way`."""
         state = self.analysis.state
         if self._missing[0] is not state:
-            self._missing = state, missing_way(state.solver, state.x, self._tensions, self._accuracy)
+            accuracy = self._accuracy, self._second
+            self._missing = state, missing_way(state.solver, state.x, self._tensions, accuracy)
         return self._missing[1]
 
     # --- mixed from several drapes ------------------------------------------------------------------------------------
@@ -271,6 +280,6 @@ class DrapePrediction:
 
     def share(self, way: np.ndarray) -> float:
         """The norm of ways (n, 3) of all corners over that of their distances from their middle."""
-        problem, x = self.analysis.state.problem, self.analysis.state.x
-        corners = problem.corners(x)
+        # A state that is not made yet needs not be.
+        problem, corners = self.analysis.rest.problem, self.analysis.rest.problem.corners(self.analysis.x)
         return float(np.linalg.norm(problem.corners(way)) / np.linalg.norm(corners - corners.mean(axis=0)))

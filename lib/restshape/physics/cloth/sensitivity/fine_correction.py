@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from restshape import _kernels
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.mesh.nested import NestedMesh
 
 NONE = 1e-300
-"""Length of a direction that is none."""
+"""Length of a way that is none."""
 
 
 class FineCorrection:
@@ -35,13 +36,12 @@ class FineCorrection:
             corners, one = step.corner_number[corners], _means(step.parents, len(step.corner_number))
             matrix = one if matrix is None else one @ matrix
         self.fine_corners, self._prolongation = corners, matrix
-        self._corners, self._sides = np.arange(len(fine.X)), np.empty(0, dtype=np.int32)
-        self._directions = self._prolongation
+        rows = _at_nodes(morley, fine) @ self._prolongation if morley else self._prolongation
+        self._placed = np.ones(rows.shape[0], dtype=np.uint8)
         if morley:
-            self._corners, self._sides = morley.corner_number, morley.side_number
-            self._directions = _at_nodes(morley, fine) @ self._prolongation
+            self._placed[morley.side_number] = 0
+        self._rows = rows.indptr.astype(np.int32), rows.indices.astype(np.int32), rows.data
         self._next, self._sign = _neighbours(self.coarse)
-        self._around = _means_of_cells(self.coarse)
 
     def restricted(self, values: np.ndarray) -> np.ndarray:
         """Values (..., n_coarse, k) at the coarse nodes, of those (..., corners, k) at the fine ones."""
@@ -54,7 +54,7 @@ class FineCorrection:
 
     def of(self, coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
         """The correction (n, 3) [m] of fine unknowns (n, 3), where coarse nodes are at (n_coarse, 3)."""
-        return self._turned(coarse, self.offset(coarse, fine), back=True)
+        return self._vectors(coarse, fine, back=True)
 
     def rates(self, coarse: np.ndarray, fine: np.ndarray, slopes: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         """Derivatives (k, n, 3) of the correction, from those (k, n_coarse, 3) and (k, n, 3) of both cloths.
@@ -70,45 +70,14 @@ class FineCorrection:
 
     def joined(self, coarse: np.ndarray, correction: np.ndarray) -> np.ndarray:
         """Fine unknowns (n, 3) of coarse nodes at (n_coarse, 3) and a correction (n, 3)."""
-        fine = self._turned(coarse, correction)
-        fine[self._corners] += self.prolonged(coarse)
-        return fine
+        return self._vectors(coarse, correction, back=False)
 
-    def offset(self, coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
-        """What fine unknowns (n, 3) have besides the coarse cloth, in space."""
-        found = fine.copy()
-        found[self._corners] -= self.prolonged(coarse)
-        return found
-
-    def _turned(self, coarse: np.ndarray, vectors: np.ndarray, back: bool = False) -> np.ndarray:
-        """Vectors (n, 3) in the directions of the cloth put into those of space, or back."""
+    def _vectors(self, coarse: np.ndarray, vectors: np.ndarray, back: bool) -> np.ndarray:
+        """Vectors (n, 3) in the directions of the cloth put into space, beside its places, or back."""
         found = np.empty_like(vectors)
-        axes = self._axes(coarse)
-        for k, axis in enumerate(axes):
-            if back:
-                np.einsum("ij,ij->i", axis, vectors, out=found[:, k])
-            elif k:
-                found += axis * vectors[:, k, None]
-            else:
-                np.multiply(axis, vectors[:, k, None], out=found)
+        cells, places = self.coarse.cells, np.ascontiguousarray(coarse)
+        _kernels.nested_vectors(places, cells, self._next, self._sign, *self._rows, self._placed, vectors, back, found)
         return found
-
-    def _axes(self, coarse: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Orthonormal directions (n, 3) of coarse cloth at the fine unknowns: along it, across that, its normal."""
-        a, b, c = coarse[self.coarse.cells].swapaxes(0, 1)
-        normals = _unit(self._around @ np.cross(b - a, c - a))
-        along = self._sign * _unit(coarse[self._next] - coarse)
-        both = self._directions @ np.hstack([normals, along])
-        normal = _unit(both[:, :3])
-        tangent = both[:, 3:] - np.einsum("ij,ij->i", normal, both[:, 3:])[:, None] * normal
-        tangent = _unit(tangent)
-        return tangent, np.cross(normal, tangent), normal
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (n, 3) of length 1; 0 where they are."""
-    lengths = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    return vectors / np.maximum(lengths, NONE)[:, None]
 
 
 def _means(parents: np.ndarray, count: int) -> csr_matrix:
@@ -125,15 +94,8 @@ def _at_nodes(morley: MorleySpace, mesh: Mesh) -> csr_matrix:
     return csr_matrix(ones, shape=shape) + csr_matrix((np.full(len(rows), 0.5), (rows, mesh.edge_nodes.ravel())), shape)
 
 
-def _means_of_cells(mesh: Mesh) -> csr_matrix:
-    """The matrix (n, cells) that sums over the triangles of each node."""
-    cells = mesh.cells
-    columns = np.repeat(np.arange(len(cells)), cells.shape[1])
-    return csr_matrix((np.ones(len(columns)), (cells.ravel(), columns)), shape=(len(mesh.X), len(cells)))
-
-
 def _neighbours(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """A neighbour (n,) of each node, that which lies most along the first axis of the pattern, and its side (n, 1).
+    """A neighbour (n,) of each node, that which lies most along the first axis of the pattern, and its side (n,).
 
     Which one it is stays as it is, wherever the nodes go.
     """
@@ -141,4 +103,4 @@ def _neighbours(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     way = mesh.X[end] - mesh.X[start]
     order = np.lexsort((end, -np.abs(way[:, 0]) / np.linalg.norm(way, axis=1), start))
     first = order[np.searchsorted(start[order], np.arange(len(mesh.X)))]
-    return end[first], np.sign(way[first, :1])
+    return end[first].astype(np.int32), np.sign(way[first, 0])

@@ -8,9 +8,6 @@ from contextlib import contextmanager
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_boundary import ClothDirichlet
-from restshape.physics.cloth.cloth_supports import supports_of
-from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.relaxation.state import RelaxationState
 
 
@@ -19,20 +16,13 @@ class Postponed:
 
     Args:
         rest: the equilibrium that it is predicted from.
-        values: (n, 3) predicted unknowns.
+        x: (n, 3) predicted unknowns, prescribed ones as they are given.
         make: makes the state of it, with the pattern as it lies when this is made.
-
-    Attributes:
-        x: (n, 3) unknowns, prescribed ones as they are given.
     """
 
-    def __init__(self, rest: RelaxationState, values: np.ndarray, make: Callable[[], RelaxationState]) -> None:
-        self.rest, self._make = rest, make
-        mesh, problem = rest.problem.mesh, rest.problem
-        self._mesh, self._X = mesh, mesh.X.copy()
-        supports = supports_of(rest.scene, mesh, InitialPlacement(rest.scene))
-        boundary = ClothDirichlet(supports, mesh, problem.corner_number, problem.n_nodes, problem.morley)
-        self.x = np.where(boundary.mask, boundary.values, values)
+    def __init__(self, rest: RelaxationState, x: np.ndarray, make: Callable[[], RelaxationState]) -> None:
+        self.rest, self.x, self._make = rest, x, make
+        self._mesh, self._X = rest.problem.mesh, rest.problem.mesh.X.copy()
 
     def state(self) -> RelaxationState:
         """The prediction with all that belongs to it, wherever the mesh has gone since."""

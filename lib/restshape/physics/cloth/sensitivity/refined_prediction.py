@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from restshape.analysis.analysis import Alignment
     from restshape.scene.model import Scene
 
-ACCURACY = (1, 0.1)
-"""Steps of conjugate gradients of the coarse cloth end after one that gains less than a share of the squared energy."""
+ACCURACY, SECOND = (1, 0.1), (2, 0.03)
+"""Steps of conjugate gradients of the coarse cloth end after one that gains less than a share of the squared energy; in
+the second step of an estimate after two of them."""
 NO_HAND = (None, (0.0, 0.0))
 
 
@@ -102,7 +103,7 @@ class RefinedPrediction:
         nested = state.problem.mesh.hierarchy
         self._map = FineCorrection(nested, self.levels, state.problem.morley)
         self._coarse = self.analysis.on()
-        self._own = DrapePrediction(self._coarse, ACCURACY)
+        self._own = DrapePrediction(self._coarse, ACCURACY, SECOND)
         self.settle(state.scene)
         if len(self.correction) != len(state.x):
             self._kept = self.correction = self.map.of(self._corners(), state.x)
@@ -124,6 +125,11 @@ class RefinedPrediction:
     def settled(self) -> bool:
         """Whether the coarse cloth is at rest on its mesh as it lies."""
         return self._coarse is not None and not self._coarse.predicted
+
+    @property
+    def sparse(self) -> bool:
+        """Whether positions alone have been made of the fine cloth that is shown."""
+        return self.analysis.postponed
 
     def derivative(self, motion: np.ndarray, tolerance: float) -> np.ndarray:
         """Derivatives (2, n, 3) of the coarse unknowns; motion (2, corners, 2) is of the fine mesh's nodes."""
