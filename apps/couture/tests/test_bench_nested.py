@@ -12,11 +12,11 @@ def test_a_coarse_mesh_makes_frames_of_drags_quicker(tmp_path):
     scene = application("couture").folder / "scenes" / "longer.toml"
     found = nested_drags(scene, "hinge", 0.02, 4, tmp_path, lambda _: None)
     assert list(found) == list(WAYS)
-    coarse, bare, still, both, fine = found.values()
+    coarse, bare, still, both, every, fine = found.values()
     assert coarse["unknowns"] == fine["unknowns"] and still["steps"] == both["steps"] == 0 < coarse["steps"]
     assert coarse["nodes"] > 3 * coarse["coarse"]
     assert all(one["frames"] == 4 for one in found.values())
-    assert all(0.0 < one["estimate"] < 0.2 for one in (coarse, still, fine))
+    assert all(0.0 < one["estimate"] < 0.2 for one in (coarse, still, every, fine))
     assert bare["estimate"] is both["estimate"] is None
 
 
