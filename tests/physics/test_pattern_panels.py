@@ -5,6 +5,7 @@ import pytest
 from small_scenes import head, make_replay, meshed, write_scene, write_script
 
 from restshape.errors import UserError
+from restshape.physics.cloth.free_pieces import falling_pieces
 from restshape.scene.load import load_scene
 from restshape.scene.panels import frames_of
 from restshape.shape.build import outline_from_spec
@@ -247,3 +248,52 @@ def test_folds_that_cannot_be_are_refused(tmp_path, change, what):
     with pytest.raises(UserError) as refused:
         make_replay(write_scene(tmp_path, garment(FOLDED.replace(*change))))
     assert what in refused.value.what and "panels.front" in refused.value.where
+
+
+def test_a_panel_that_nothing_holds_falls_and_is_named(tmp_path):
+    """The other one hangs; one that lies above it may come to lie on it, and is not lost yet."""
+    replay = make_replay(write_scene(tmp_path, garment(FRONT + BACK + HUNG.format(name="front"))))
+    (row,) = replay.frames()
+    assert row["converged"] == 0 and "nothing catches back: it falls without end" in row["note"]
+    problem = replay.analysis.problem
+    flat = np.zeros((len(problem.mesh.X), 3))
+    flat[problem.mesh.nodes_of("back"), 2] = 1.0
+    problem.self_contact = problem.self_contact or object()
+    assert falling_pieces(problem, flat) == ()
+    assert falling_pieces(problem, -flat) == ("back",)
+
+
+def test_panels_of_two_triangles_drape(tmp_path):
+    """A mesh as large as its panels."""
+    made = drape(tmp_path, garment(BOTH, size=0.5))
+    assert len(made.analysis.problem.mesh.cells) == 4
+
+
+@pytest.mark.slow
+def test_frames_of_panels_equal_cold_ones_under_each_policy(tmp_path):
+    """After a drag, a vertex and a turn: the rest of a drag, and that of a new mesh of every panel."""
+    events = [
+        {"do": "press", "on": "front.b"},
+        {"do": "drag", "to": [0.21, -0.01], "frames": 2},
+        {"do": "release"},
+        {"do": "insert", "on": "front.bottom", "name": "front.m", "s": 0.4},
+        {"do": "rotate", "on": "front", "by": "-20 deg", "about": [0, 0], "frames": 2},
+    ]
+    path = write_scene(tmp_path, garment(BOTH.replace("move", "at = [0, 0]\nmove", 1)))
+    script = write_script(tmp_path, events)
+    ends = []
+    for policy in ("auto", "rebuild"):
+        replay = make_replay(path, script, policy)
+        rows = list(replay.frames())
+        assert all(row["converged"] and not row["refused"] for row in rows)
+        x = replay.analysis.problem.corners(replay.analysis.x)
+        ends.append([x[replay.analysis.problem.mesh.nodes_of(f"front.{name}")] for name in "abcd"])
+    np.testing.assert_allclose(ends[0], ends[1], atol=2e-4)
+
+
+def test_other_applications_refuse_panels(tmp_path):
+    """They name one that has them."""
+    path = write_scene(tmp_path, head("solid") + FRONT + meshed(0.05))
+    with pytest.raises(UserError) as refused:
+        load_scene(path)
+    assert "panels" in refused.value.what and 'app = "' in refused.value.do

@@ -8,6 +8,37 @@ from restshape_verification.couture.drapes import drapes
 from restshape.application import application
 
 SEWN = (application("couture").folder / "scenes" / "sewn_skirt.toml").read_text()
+PANELS = """
+format = "restshape-scene"
+version = 1
+app = "couture"
+[panels.front]
+outline = ["hem", "right", "top", "left"]
+vertices = { a = [0, 0], b = [0.2, 0], c = [0.2, 0.15], d = [0, 0.15] }
+edges = { hem = { line = ["a", "b"] }, right = { line = ["b", "c"] }, top = { line = ["c", "d"] }, left = { line = ["d", "a"] } }
+move = [0, 0, 0.5]
+turn = ["90 deg", 0, 0]
+[panels.back]
+outline = ["hem", "right", "top"]
+vertices = { a = [0, 0], b = [0.15, 0], c = [0.15, 0.15] }
+edges = { hem = { line = ["a", "b"] }, right = { line = ["b", "c"] }, top = { line = ["c", "a"] } }
+move = [0, 0.3, 0.5]
+[supports.pins]
+on = ["front.top", "back.top"]
+fix = ["x", "y", "z"]
+[material.cotton]
+E = "0.2 MPa"
+nu = 0.3
+rho = "500 kg/m^3"
+thickness = "0.3 mm"
+[effects.gravity]
+[effects.drape]
+tolerance = 1e-8
+[mesh]
+size = 0.05
+[quantities]
+potential = { energy = "potential" }
+"""  # noqa: E501 (a line of TOML)
 pytestmark = [pytest.mark.mpi, pytest.mark.slow]
 
 
@@ -22,3 +53,14 @@ def test_ranks_come_to_the_same_rest(tmp_path, on_ranks, name, size):
         summary = json.loads((tmp_path / f"{ranks}.json").read_text())
         energies += summary["quantities"]["potential"]
     assert energies[1] == pytest.approx(energies[0], rel=1e-4)
+
+
+def test_panels_come_to_the_same_rest_on_two_ranks(tmp_path, on_ranks):
+    """Pieces of the mesh go to either rank."""
+    energies = []
+    (tmp_path / "panels.toml").write_text(PANELS)
+    for ranks in (1, 2):
+        done = on_ranks(ranks, "replay", tmp_path / "panels.toml", "--json", f"{ranks}.json")
+        assert done.returncode == 0, done.stdout + done.stderr
+        energies += json.loads((tmp_path / f"{ranks}.json").read_text())["quantities"]["potential"]
+    assert energies[1] == pytest.approx(energies[0], rel=1e-6)

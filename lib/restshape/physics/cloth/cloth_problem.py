@@ -27,6 +27,7 @@ from restshape.physics.cloth.cloth_quantities import observer
 from restshape.physics.cloth.collision_surface import CollisionSurface
 from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.free_pieces import falling_pieces, why_it_falls
 from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.parameters import Lumped, lumped_rates, triangle_rates
@@ -65,6 +66,7 @@ class ClothProblem(SteadyProblem):
         boundary: prescribed unknowns; lumped: areas and masses of the nodes.
         softness: part of the membrane's stiffness that there is.
         seams: what sews edges together; None: nothing does.
+        falling: names of pieces that `falls` has found to fall.
         self_contact: of the cloth with itself; None: it passes through itself.
 
     Source: docs/theory/cloth.md.
@@ -81,6 +83,7 @@ class ClothProblem(SteadyProblem):
         self.mesh, self.contact = mesh, contact
         self.self_contact: SelfContact | None = None
         self.seams: Seams | None = None
+        self.falling: tuple[str, ...] = ()
         self.morley = MorleySpace(mesh) if fabric.kind == "morley" else None
         nodes = np.arange(len(mesh.X), dtype=np.int32)
         self.corner_number = self.morley.corner_number if self.morley else nodes
@@ -262,9 +265,14 @@ class ClothProblem(SteadyProblem):
             self.self_contact.cover(self.corners(x))
 
     def falls(self, x: np.ndarray) -> bool:
-        """Whether cloth at x (n, 3) falls without end: nothing supports it, and it goes away from all bodies."""
-        way = np.where(self.supports.mask.any(axis=0), 0.0, self.g)
-        return bool(way.any()) and (self.contact is None or self.contact.passed(self.corners(x), way))
+        """Whether cloth at x (n, 3), or a piece of it, falls without end: `falling` names it then."""
+        self.falling = falling_pieces(self, self.corners(x))
+        return bool(self.falling)
+
+    @property
+    def why_it_falls(self) -> str:
+        """Why cloth that `falls` does not converge."""
+        return why_it_falls(self.falling, len(self.mesh.outline.piece_names))
 
     def step_share(self, x: np.ndarray, d: np.ndarray) -> float:
         """The largest share, in (0, 1], of a step d (n, 3) [m] from x (n, 3) [m] that lets nothing pass."""

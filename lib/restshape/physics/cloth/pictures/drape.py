@@ -10,6 +10,7 @@ import numpy as np
 from restshape.outputs.si_numbers import length_unit, scaled_unit
 from restshape.physics.cloth.body_columns import recorded_bodies
 from restshape.physics.cloth.pictures.body_surfaces import body_surface
+from restshape.physics.cloth.pictures.panel_names import panel_names
 from restshape.physics.cloth.pictures.pins import pins
 from restshape.replay.recording import Recording
 from restshape.report.camera import Camera
@@ -41,6 +42,7 @@ class DrapeScenery:
         extend: at which ends of it there are others beyond, as matplotlib names them.
         bodies: whether there are any.
         pins: nodes (k,) that supports hold, by frame.
+        names: where the names of panels stand in the flat pattern [m], by frame.
     """
 
     low: np.ndarray
@@ -51,6 +53,7 @@ class DrapeScenery:
     extend: str
     bodies: bool
     pins: Mapping[int, np.ndarray]
+    names: Mapping[int, Mapping[str, np.ndarray]]
 
     @property
     def unit(self) -> tuple[float, str]:
@@ -116,6 +119,7 @@ def drape_scenery(recording: Recording, frames: np.ndarray) -> DrapeScenery:
         *_colour_range(np.concatenate(values)),
         bool(shown),
         pins(recording, frames),
+        panel_names(recording, frames),
     )
 
 

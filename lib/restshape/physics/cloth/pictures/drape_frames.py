@@ -17,6 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from restshape.outputs.picture_files import save_picture
 from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, drape_scenery, places
@@ -96,6 +97,7 @@ class DrapeDrawing:
         colour, _ = scenery.colour
         self.body.set_clim(scenery.bottom * colour, scenery.top * colour)
         self.rest = LineCollection([], colors=INK, linewidths=0.5)
+        self.pattern, self.names = axes, dict[str, Text]()
         for artist in (self.body, self.rest):
             axes.add_collection(artist, autolim=False)
 
@@ -107,10 +109,18 @@ class DrapeDrawing:
         self.body.set_verts(polygons(X, cells))
         self.body.set_array(np.ma.masked_invalid(self.scenery.colour[0] * recording.field(i, TENSION)))
         self.rest.set_segments(lines(X, border(cells)))
+        self._name_panels(i)
         self._mark_pins(recording, i)
         factor, unit = self.scenery.unit
         width, height = factor * np.ptp(X, axis=0)
         self.size.set_text(f"flat pattern\n{width:.4g} × {height:.4g} {unit}")
+
+    def _name_panels(self, i: int) -> None:
+        """Put the names of panels onto them in the flat pattern."""
+        for name, place in self.scenery.names.get(i, {}).items():
+            if name not in self.names:
+                self.names[name] = self.pattern.text(0, 0, name, fontsize=6.5, ha="center", va="center", color=INK)
+            self.names[name].set_position((float(place[0]), float(place[1])))
 
     def _mark_pins(self, recording: Recording, i: int) -> None:
         """Put marks on the nodes that supports hold in frame i, in each of the views."""

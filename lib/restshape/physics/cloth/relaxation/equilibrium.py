@@ -18,7 +18,7 @@ from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
-from restshape.physics.cloth.relaxation.relaxation_report import FALLS, ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 
 log = logging.getLogger("restshape.physics")
 
@@ -197,7 +197,7 @@ class EquilibriumSolver:
         report.steps, report.factors = report.steps + steps, report.factors + falling.matrices
         report.iterations += falling.iterations
         if self.problem.falls(x):
-            report.falls, report.why = True, FALLS
+            report.falls, report.why = True, self.problem.why_it_falls
         log.info(
             "TS fall to %g: %d steps, %d matrices, %d kinetic-energy peaks, %d rejected, dt %.1e, residual/load %.3e",
             goal,
@@ -236,7 +236,7 @@ class EquilibriumSolver:
             if report.residual <= goal:
                 return True
             if self.problem.falls(x):
-                report.falls, report.why = True, FALLS
+                report.falls, report.why = True, self.problem.why_it_falls
                 # Nothing is left of friction then.
                 self.problem.update_friction(x)
                 return False

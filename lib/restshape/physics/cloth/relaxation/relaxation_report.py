@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FALLS = "nothing catches the cloth: it falls without end"
-
 
 @dataclass
 class ConvergenceReport:

@@ -12,7 +12,7 @@ from restshape.algebra.descent import Descent
 from restshape.algebra.kinetic_damping import KineticDamping
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
-from restshape.physics.cloth.relaxation.relaxation_report import FALLS, ConvergenceReport
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 
 Strategy = Callable[[EquilibriumSolver, np.ndarray, int, ConvergenceReport], ConvergenceReport]
 FREELY = 1e-7
@@ -109,7 +109,7 @@ def _in_rounds(
             return report
         report.residual = norm / solver.scale(x)
         if solver.problem.falls(x):
-            report.falls, report.why = True, FALLS
+            report.falls, report.why = True, solver.problem.why_it_falls
             return report
         if steps() == 0 or report.steps >= most:
             break
