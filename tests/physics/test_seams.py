@@ -8,10 +8,13 @@ from small_scenes import block, head, meshed, write_scene
 from restshape._kernels import NearPairs
 from restshape.errors import UserError
 from restshape.fem.assembled import Assembled
+from restshape.fem.elements import HINGE, SEAM_FLAT
+from restshape.fem.integral import Integral
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.seam_lines import SeamLine, SeamPair
 from restshape.physics.cloth.seams import Seams, Springs
+from restshape.physics.cloth.sensitivity.hand_rates import node_motion
 from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 
@@ -40,7 +43,7 @@ def two_strips(rows, other):
     right = np.arange(len(rows), dtype=np.int32) * 2 + 1
     left = len(X) + np.arange(len(other), dtype=np.int32) * 2
     lines = [SeamLine(nodes, np.ones(len(nodes) - 1)) for nodes in (right, left)]
-    seams = Seams([SeamPair("middle", *lines, 3e5, 0.02)], np.arange(len(X) + len(Y), dtype=np.int32))
+    seams = Seams([SeamPair("middle", *lines, 3e5, 0.02, 0.05)], np.arange(len(X) + len(Y), dtype=np.int32))
     places = np.vstack([X, Y])
     seams.place(places)
     return places, np.vstack([cells, others + len(X)]), seams
@@ -112,6 +115,31 @@ def test_forces_follow_places_in_the_material_to_first_order(seed):
     assert np.abs(rate).max() > 1.0 and 1.8 < np.log2(errors[0] / errors[1]) < 2.2
 
 
+def test_a_seam_sewn_flat_bends_like_an_edge_between_triangles():
+    """The hinge of the same cloth in one piece: pieces of alike meshes are whole edges."""
+    rows = irregular(2, 4)
+    X, Y = strip(0.1, 0.2, rows)[0], strip(0.15, 0.2, rows, 0.1)[0]
+    x = np.random.default_rng(3).normal(size=(len(X), 3))
+    y = np.random.default_rng(4).normal(size=(len(Y), 3))
+    y[::2] = x[1::2]
+    # As one cloth: the second one's left nodes are the first one's right ones.
+    whole, both = np.vstack([X, Y]), np.vstack([x, y])
+    first = 2 * np.arange(len(rows) - 1)
+    left, right = np.column_stack([first + 1, first + 3]), len(X) + np.column_stack([first, first + 2])
+    # Of the first strip's triangles the lower ones are at its right, of the second's the upper ones at its left.
+    corners = first, len(X) + first + 3
+    hinge = Integral(HINGE["flap4"], whole, np.column_stack([left, *corners]).astype(np.int32), np.array([2e-3]))
+    flaps = np.column_stack([left, corners[0], right, corners[1]]).astype(np.int32)
+    lengths = np.zeros((len(whole), 1))
+    found = []
+    for flap in flaps:
+        lengths[:] = 0.0
+        lengths[flap[0]] = np.linalg.norm(whole[flap[1]] - whole[flap[0]])
+        piece = Integral(SEAM_FLAT["flap6"], whole, flap[None], np.array([2e-3]), coefficients=lengths)
+        found.append(piece.energies(both)[0])
+    np.testing.assert_allclose(found, hinge.energies(both), rtol=1e-12)
+
+
 def test_moving_and_turning_a_side_in_the_pattern_changes_no_force():
     X, _, seams = two_strips(irregular(4, 1), irregular(5, 2))
     x = np.random.default_rng(1).normal(size=(len(X), 3))
@@ -134,6 +162,26 @@ def test_parts_that_are_sewn_together_do_not_meet():
     # Of the edges, those with node 0 or 3, and those with 1 or 5, are neighbours.
     assert edge_edge.tolist() == [[1, 5], [2, 3]]
     assert cell_node.tolist() == [[0, 4], [1, 2]]
+
+
+@pytest.mark.parametrize("kind", ["morley", "hinge"])
+def test_moments_across_a_flat_seam_follow_places_in_the_material(unlike, kind):
+    design = unlike(kind, 'stitched = "flat"')
+    problem, mesh = design.problem, design.analysis.space
+    random = np.random.default_rng(0)
+    x, dX = random.normal(size=(problem.n_nodes, 3)), random.normal(size=mesh.X.shape) * 1e-3
+    rate, here = np.zeros_like(x), mesh.X.copy()
+    problem.seam_bending.integral(1).add_design_product(x, node_motion(problem, dX), rate)
+
+    def forces(step):
+        mesh.X[...] = here + step * dX
+        problem.update()
+        return Assembled([problem.seam_bending.integral(1)]).residual(x)
+
+    before, errors = forces(0.0), []
+    for step in (0.2, 0.1):
+        errors.append(np.abs(forces(step) - before - step * rate).max())
+    assert errors[0] < 0.1 * np.abs(0.2 * rate).max() and 1.7 < np.log2(errors[0] / errors[1]) < 2.3
 
 
 def tube(kind="hinge", size=0.04, extra=""):
@@ -181,26 +229,32 @@ self = false
 def unlike(tmp_path):
     """Returns a function that makes the drape of a strip that is sewn to a tube."""
 
-    def made(kind):
-        text = head("cloth") + UNLIKE + COTTON.format(kind=kind, bending=5e-6) + meshed(0.04)
+    def made(kind, more=""):
+        text = (
+            head("cloth")
+            + UNLIKE.replace("[supports", f"{more}\n[supports", 1)
+            + COTTON.format(kind=kind, bending=5e-6)
+            + meshed(0.04)
+        )
         return DrapeDesign(tmp_path, text)
 
     return made
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("more", ["", 'stitched = "flat"'])
 @pytest.mark.parametrize("kind", ["morley", "hinge"])
-def test_remainder_of_a_sewn_drape_is_of_second_order(unlike, kind):
-    design = unlike(kind)
+def test_remainder_of_a_sewn_drape_is_of_second_order(unlike, kind, more):
+    design = unlike(kind, more)
     first, second = design.remainders(design.direction(), 1e-4)
     assert second > 1e-10 and 1.8 < np.log2(first / second) < 2.2
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", ["material.cotton.E", "seams.side.stiffness"])
+@pytest.mark.parametrize("key", ["material.cotton.E", "material.cotton.bending", "seams.side.stiffness"])
 def test_remainder_by_what_gives_seams_their_stiffness_is_of_second_order(unlike, key):
-    design = unlike("hinge")
-    value = 0.2e6
+    design = unlike("hinge", 'stitched = "flat"')
+    value = 0.2e6 if key == "material.cotton.E" else 5e-6
     if key == "seams.side.stiffness":
         # Soft enough that it matters.
         value = 50.0

@@ -12,6 +12,8 @@ std::vector<Element> point_elements() {
         element_of<TrianglePotentialElement>("potential", "tri3"),
         element_of<PointCouplingElement>("coupling", "point2"),
         element_of<SeamEdgeElement>("seam", "edge3"),
+        element_of<SeamFlatElement>("seam_flat", "flap6"),
+        element_of<SeamSlopeElement>("seam_slope", "point2"),
     };
 }
 

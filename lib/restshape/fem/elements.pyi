@@ -43,6 +43,8 @@ PLATE: Family
 POTENTIAL: Family
 PRESSURE: Family
 SEAM: Family
+SEAM_FLAT: Family
+SEAM_SLOPE: Family
 SLOW_FLOW: Family
 STOKES: Family
 STVK: Family

@@ -32,6 +32,7 @@ from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.parameters import Lumped, lumped_rates, triangle_rates
 from restshape.physics.cloth.point_forces import PointForces, TriangleForces
+from restshape.physics.cloth.seam_bending import SeamBending
 from restshape.physics.cloth.seams import SeamForces, Seams
 from restshape.physics.cloth.self_contact import SelfContact
 from restshape.physics.cloth.self_forces import SelfCoupling, SelfForces, coupled_nodes
@@ -65,8 +66,8 @@ class ClothProblem(SteadyProblem):
         place: where the nodes were in the material at the last `update`.
         boundary: prescribed unknowns; lumped: areas and masses of the nodes.
         softness: part of the membrane's stiffness that there is.
-        seams: what sews edges together; None: nothing does.
         falling: names of pieces that `falls` has found to fall.
+        seams: what sews edges together; None: nothing does. seam_bending: across those that are sewn flat.
         self_contact: of the cloth with itself; None: it passes through itself.
 
     Source: docs/theory/cloth.md.
@@ -84,6 +85,7 @@ class ClothProblem(SteadyProblem):
         self.self_contact: SelfContact | None = None
         self.seams: Seams | None = None
         self.falling: tuple[str, ...] = ()
+        self.seam_bending: SeamBending | None = None
         self.morley = MorleySpace(mesh) if fabric.kind == "morley" else None
         nodes = np.arange(len(mesh.X), dtype=np.int32)
         self.corner_number = self.morley.corner_number if self.morley else nodes
@@ -121,7 +123,7 @@ class ClothProblem(SteadyProblem):
     @property
     def coverings(self) -> int:
         """Another one whenever contact of the cloth with itself, or seams, may couple other nodes."""
-        sewn = self.seams.changes if self.seams else 0
+        sewn = sum(part.changes for part in (self.seams, self.seam_bending) if part)
         return (self.self_contact.coverings if self.self_contact else 0) + sewn
 
     @property
@@ -196,13 +198,17 @@ class ClothProblem(SteadyProblem):
         self.membrane.update(self.fabric, self.lumped.density, self.g, part)
 
     def sew(self, seams: Seams) -> None:
-        """Have seams from now on."""
+        """Have seams from now on; those that are sewn flat bend where anything does."""
         self.seams = seams
+        if self.bending and seams.flat_lines:
+            self.seam_bending = SeamBending(seams, self.mesh, self.morley)
         self._place_seams(seams)
 
     def _place_seams(self, seams: Seams) -> None:
         """Let seams join what they join where the nodes are now: neighbours across them touch no more than others."""
         seams.place(self.mesh.X)
+        if self.seam_bending:
+            self.seam_bending.place(self.fabric)
         if self.surface.sew(*seams.sewing()) and self.self_contact:
             self.self_contact.set_values(self.self_contact.values)
 
@@ -288,7 +294,7 @@ class ClothProblem(SteadyProblem):
     def blocks(self) -> list[Block]:
         """Nodes of what has a tangent: membrane, points, bending, seams, and pairs that contact with itself couples."""
         bent = self.bending.blocks() if self.bending else []
-        sewn = [(self.seams.own_nodes, self.seams.dofs)] if self.seams else []
+        sewn = [(part.own_nodes, part.dofs) for part in self._seam_parts]
         pairs = [coupled_nodes(self.self_contact, self.corner_number)] if self.self_contact else []
         return [self.membrane.corners, np.ascontiguousarray(self.corner_number[:, None]), *bent, *sewn, *pairs]
 
@@ -306,8 +312,13 @@ class ClothProblem(SteadyProblem):
         return [self.membrane.integral(self.X), *self.bending_integrals(), *self.seam_integrals(), *own]
 
     def seam_integrals(self) -> list[SeamForces]:
-        """Those of seams."""
-        return [self.seams.integral(self._first_free_block)] if self.seams else []
+        """Those of seams: springs, and what bends across them."""
+        first = self._first_free_block
+        return [part.integral(first + k) for k, part in enumerate(self._seam_parts)]
+
+    @property
+    def _seam_parts(self) -> list[Seams | SeamBending]:
+        return [part for part in (self.seams, self.seam_bending) if part]
 
     @property
     def _first_free_block(self) -> int:
@@ -350,7 +361,7 @@ class ClothProblem(SteadyProblem):
         forces = SelfForces(self.X, np.ascontiguousarray(self.corner_number[:, None]), self.self_contact, curved)
         if not len(self.self_contact.pairs):
             return [forces]
-        return [forces, SelfCoupling(forces, self._first_free_block + (self.seams is not None))]
+        return [forces, SelfCoupling(forces, self._first_free_block + len(self._seam_parts))]
 
     def _points(self, inertia: float = 0.0, curved: bool = True) -> list[PointForces | TriangleForces]:
         numbers, contact = self.corner_number, self.contact
@@ -378,7 +389,7 @@ class ClothProblem(SteadyProblem):
         return total + self.seam_energy(x) + Assembled(self._contact()).energy(x)
 
     def seam_energy(self, x: np.ndarray) -> float:
-        """Energy [J] of seams at x (n, 3)."""
+        """Energy [J] of seams at x (n, 3), of bending across them too."""
         return Assembled(self.seam_integrals()).energy(x)
 
     def bending_energy(self, x: np.ndarray) -> float:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from restshape.scene.model import Entities
+from restshape.scene.panels import folds_of
 from restshape.scene.units import UnitError
 from restshape.scene.values import Strict, number_of
 
@@ -28,6 +29,7 @@ class Seam(Strict):
         reverse: false where the same face of the cloth is outside on both sides, true where it changes; left out, the
             ends that are nearer to each other at first are sewn together.
         ease: how much longer one side may be than the other one, over the length of that, without a note.
+        stitched: "flat", the cloth bends across the seam as if it went on; left out, it turns there freely.
         stiffness: of the springs by length [N/m^2]; left out, 100 times the membrane's over the mesh size.
     """
 
@@ -35,6 +37,7 @@ class Seam(Strict):
     to: Entities
     reverse: bool | None = None
     ease: Annotated[number_of("number"), Field(ge=0)] = 0.02
+    stitched: Literal["flat"] | None = None
     stiffness: Annotated[number_of("pressure"), Field(gt=0)] | None = None
 
     @property
@@ -67,11 +70,15 @@ def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
     Raises:
         UserError: a side is no edge or on a plane of symmetry, or two seams pair the same edges in unlike ways.
     """
+    folds = set(folds_of(scene).values())
     mirrored = {name for support in scene.supports.values() if support.symmetry for name in edges_of(support.on)}
     known: dict[frozenset[tuple[str, ...]], tuple[str, bool | None]] = {}
     for name, seam in scene.seams.items():
         for key, side in zip(("from", "to"), seam.sides):
             for edge in side:
+                if edge in folds:
+                    what = f"the seam is on {edge!r}, about which the panel is unfolded: there the cloth goes on"
+                    raise source.error(("seams", name, key), what, "take out the seam, or the panel's mirror")
                 if not kinds.get(edge, "").endswith("edge"):
                     is_it = f"is {kinds[edge]!r}" if edge in kinds else "is not there"
                     edges = ", ".join(one for one, kind in kinds.items() if kind.endswith("edge"))

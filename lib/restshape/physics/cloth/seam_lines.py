@@ -56,6 +56,8 @@ class SeamPair:
         first, second: its sides, in the order in which their places belong together.
         stiffness: of its springs by length [N/m^2].
         ease: of `Seam`.
+        size: of the mesh [m], where it is given; else of its edges there.
+        flat: the cloth bends across it.
     """
 
     name: str
@@ -63,6 +65,8 @@ class SeamPair:
     second: SeamLine
     stiffness: float
     ease: float
+    size: float
+    flat: bool = False
 
 
 def seam_pairs(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float) -> tuple[SeamPair, ...]:
@@ -85,7 +89,9 @@ def _pair(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float, name: s
     turned = _nearer_turned(placed, first, second) if seam.reverse is None else not seam.reverse
     second = second.reversed if turned else second
     size = scene.mesh.size or float(np.mean([np.diff(line.lengths(mesh.X)).mean() for line in (first, second)]))
-    return SeamPair(name, first, second, seam.stiffness or STIFFER * stiffest / size, seam.ease)
+    return SeamPair(
+        name, first, second, seam.stiffness or STIFFER * stiffest / size, seam.ease, size, seam.stitched == "flat"
+    )
 
 
 def _nearer_turned(placed: np.ndarray, first: SeamLine, second: SeamLine) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -69,6 +70,13 @@ class Springs:
         out[:, 0, 1] += self._table(shares, change)[:, 0, 1]
         return out
 
+    def pieces(self, shares: Sequence[np.ndarray]) -> tuple[list[np.ndarray], np.ndarray]:
+        """What lies between the springs: edges (k,) of both lines, and which of the springs (k,) each one begins at."""
+        place = self._table(shares, 0.0)[:, 0, 0]
+        begin = np.flatnonzero(np.diff(place) > SAME)
+        middle = 0.5 * (place[begin] + place[begin + 1])
+        return [_edges_at(part, middle) for part in shares], begin
+
     def _table(self, shares: Sequence[np.ndarray], length: float) -> np.ndarray:
         """Shares of the nodes, and a length times half of what lies between the springs beside each; linear in both."""
         out = np.zeros((len(self.node), 3, 2))
@@ -132,6 +140,38 @@ class Seams:
         self.stiffness = np.repeat([pair.stiffness for pair in self.pairs], [len(table) for table in tables])
 
     @property
+    def flat_lines(self) -> list[tuple[SeamLine, SeamLine]]:
+        """Both sides of the seams that are sewn flat."""
+        return [lines for pair, lines in zip(self.pairs, self._lines) if pair.flat]
+
+    def flat_pieces(self) -> list[tuple[list[np.ndarray], np.ndarray]]:
+        """Of each of them, the edges (k,) on both sides of its pieces between all nodes, and their lengths (k,) [m]."""
+        found = []
+        for springs, lengths in self._flat:
+            edges, begin = springs.pieces([part / part[-1] for part in lengths])
+            found.append((edges, self._between(springs.coefficients(lengths), begin, lengths)))
+        return found
+
+    def flat_length_rates(self, dX: np.ndarray) -> list[np.ndarray]:
+        """The rates of these lengths when the mesh's nodes move with dX (n, 2)."""
+        found = []
+        for lines, (springs, lengths) in zip(self.flat_lines, self._flat):
+            rates = [line.length_rates(self.X, dX) for line in lines]
+            _, begin = springs.pieces([part / part[-1] for part in lengths])
+            shares, changes = springs.coefficients(lengths), springs.coefficient_rates(lengths, rates)
+            found.append(self._between(changes, begin, lengths) + self._between(shares, begin, rates))
+        return found
+
+    @property
+    def _flat(self) -> list[tuple[Springs, list[np.ndarray]]]:
+        return [one for pair, *one in zip(self.pairs, self._springs, self.lengths) if pair.flat]
+
+    @staticmethod
+    def _between(table: np.ndarray, begin: np.ndarray, lengths: Sequence[np.ndarray]) -> np.ndarray:
+        """Differences of shares after springs (k,), times the mean of both whole lengths."""
+        return np.diff(table[:, 0, 0])[begin] * 0.5 * (lengths[0][-1] + lengths[1][-1])
+
+    @property
     def edge_length(self) -> float:
         """Of the edges along seams, on average [m]."""
         ends = self.X[self.nodes[:, 1:]]
@@ -160,7 +200,11 @@ class Seams:
         own = Integral(
             SEAM["edge3"], places, self.own_nodes, parameters, block=block, coefficients=table, dofs=self.dofs
         )
-        return SeamForces(self, own)
+        return SeamForces(self, self.corner_number, own)
+
+    def moved(self, dX: np.ndarray) -> np.ndarray:
+        """Rates of places (3 m, 2) of the springs' nodes as the mesh's nodes move with dX (n, 2)."""
+        return np.ascontiguousarray(dX[self.nodes].reshape(-1, 2))
 
     def coefficient_rates(self, dX: np.ndarray) -> np.ndarray:
         """Rates (3 m, 2) of shares and lengths when the mesh's nodes move with dX (n, 2)."""
@@ -244,15 +288,28 @@ def _clusters(pairs: np.ndarray, n: int) -> np.ndarray:
         number = found
 
 
+class MovedParts(Protocol):
+    """Springs, or what bends across seams."""
+
+    def moved(self, dX: np.ndarray) -> np.ndarray:
+        """Rates of the places of its own nodes as the mesh's nodes move with dX (n, 2)."""
+
+    def coefficient_rates(self, dX: np.ndarray) -> np.ndarray:
+        """Rates of its coefficients then."""
+
+
 @dataclass(frozen=True, eq=False)
 class SeamForces:
-    """Like `fem.integral.Integral`, over springs that each have nodes, shares and lengths of their own.
+    """Like `fem.integral.Integral`, over springs, or what bends, that each have nodes and lengths of their own.
 
     Args:
-        seams: whose springs they are; own: over these.
+        owner: whose they are, which knows the rates of places and coefficients.
+        corner_number: (corners,) node of each node of the mesh.
+        own: over these.
     """
 
-    seams: Seams
+    owner: MovedParts
+    corner_number: np.ndarray
     own: Integral
 
     @property
@@ -278,9 +335,6 @@ class SeamForces:
 
     def add_design_product(self, x: np.ndarray, dX: np.ndarray, out: np.ndarray, dx: np.ndarray | None = None) -> None:
         """Add (dr/dX) dX + (dr/dx) dx to `out` (n, 3), dX (n, 2) of all nodes; arguments as of `Integral`'s."""
-        seams = self.seams
-        at_corners = dX[seams.corner_number]
-        rates = seams.coefficient_rates(at_corners)
-        moved = np.ascontiguousarray(at_corners[seams.nodes].reshape(-1, 2))
-        own = self.own
+        own, at_corners = self.own, dX[self.corner_number]
+        moved, rates = self.owner.moved(at_corners), self.owner.coefficient_rates(at_corners)
         own.element.design(own.X, moved, x, own.entities, own.parameters, out, dx, own.coefficients, rates, own.dofs)

@@ -216,7 +216,8 @@ def same_elements(problem: ClothProblem, arguments: ClothArguments) -> bool:
     fabric, new, contact = problem.fabric, arguments.fabric, problem.contact
     if (contact is None) != (not arguments.bodies) or (problem.self_contact is None) != (arguments.layers is None):
         return False
-    if (problem.seams is None) != (not arguments.seams):
+    known = problem.seams.pairs if problem.seams else ()
+    if [(pair.name, pair.flat) for pair in known] != [(pair.name, pair.flat) for pair in arguments.seams]:
         return False
     if contact is not None and len(contact.bodies) != len(arguments.bodies):
         return False

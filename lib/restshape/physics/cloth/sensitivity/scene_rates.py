@@ -106,7 +106,11 @@ def _seam_forces(state: RelaxationState, number: ChangingNumber, fabric: FabricR
     for name, own in problem.seams.springs_by_name():
         given = state.scene.seams[name].stiffness is not None
         rates[own] = number.rate(1.0, f"seams.{name}.stiffness") if given else decided * problem.seams.stiffness[own]
-    return Assembled([problem.seams.integral(0, rates)]).residual(state.x)
+    parts = [problem.seams.integral(0, rates)]
+    if problem.seam_bending:
+        changes = problem.seam_bending.stiffness_of(fabric.bending, problem.fabric)
+        parts.append(problem.seam_bending.integral(0, changes))
+    return Assembled(parts).residual(state.x)
 
 
 # --- contact ---------------------------------------------------------------------------------------------------------
