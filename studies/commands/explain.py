@@ -49,6 +49,7 @@ def run(args: argparse.Namespace) -> int:
     """Prints the plan and its price."""
     if launched():
         raise UserError("effects are priced on one rank", do="start it without mpiexec")
+    from restshape_studies.explain.prediction import prediction
     from restshape_studies.explain.study import Asked, explain
 
     from restshape.scene.edit_script import load_script
@@ -56,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
     scene = read_scene(args)
     if args.frames < 0:
         raise UserError(f"{args.frames} frames measure nothing", "--frames", "at least 1, or 0 for all")
-    edits = args.edits or script_of(args.scene)
+    edits, script = args.edits or script_of(args.scene), None
     if edits is not None:
         script = load_script(edits, scene)
         if script.error:
@@ -73,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     measured = f"{counted(first['runs'], 'run')}, policy {scene.solve.policy}"
     print(f"shares of {total:.4g} ms of processor time, the mean of {of}; {measured}\n")
     core = next(row for row in rows if "solver" in row)
-    print_table("solvers", ("what", "choice", "why"), solvers(core["solver"]))
+    print_table("solvers", ("what", "choice", "why"), [*solvers(core["solver"]), prediction(scene, script)])
     if called := kernels(rows):
         print()
         print_table("kernels called, a frame", ("effect", "kernels: calls, elements in each"), called)
