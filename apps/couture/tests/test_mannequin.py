@@ -17,7 +17,7 @@ from scipy.spatial import ConvexHull
 from restshape.cli.main import main
 from restshape.errors import UserError
 
-SCENES = Path(__file__).parents[1] / "scenes"
+PATTERNS = Path(__file__).parents[1] / "patterns"
 CM = 0.01
 
 
@@ -94,10 +94,10 @@ def test_the_girth_of_a_section_is_that_of_its_polygon():
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_the_bodies_beside_the_scenes_are_what_the_command_makes(name, tmp_path):
+def test_the_bodies_beside_the_patterns_are_what_the_command_makes(name, tmp_path):
     out, report = tmp_path / "body.obj", tmp_path / "body.json"
     assert main(["mannequin", "--body", name, "--size", "27 mm", "--out", str(out), "--json", str(report)]) == 0
-    made, kept = meshio.read(out), meshio.read(SCENES / f"{name}.obj")
+    made, kept = meshio.read(out), meshio.read(PATTERNS / f"{name}.obj")
     assert np.array_equal(made.cells_dict["triangle"], kept.cells_dict["triangle"])
     assert np.abs(made.points - kept.points).max() < 5e-5 and out.stat().st_size < 500_000
     found = json.loads(report.read_text())
