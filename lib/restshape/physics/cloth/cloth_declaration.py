@@ -47,6 +47,13 @@ CLOTH = Physics(
             "sum",
             summary='of cloth "strain" is "membrane" and "bending", "potential" that with weight, seams and contact',
         ),
+        "drape_coefficient": QuantityKind(
+            Literal[True],
+            "number",
+            "sum",
+            summary="area of the shadow from above over that of the flat cloth, each less that of `at`, on a disc",
+        ),
+        "folds": QuantityKind(Literal[True], "number", "sum", whole=True, summary="folds around the shadow from above"),
     },
     sections={
         "bodies": Section(Body, "what cloth comes to lie on", named=True, words=body_words),

@@ -9,6 +9,7 @@ from restshape.errors import UserError
 from restshape.fem.entity_sets import observed_nodes
 from restshape.fem.observer import Observer, area_at, reduction
 from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.drape_shadow import DrapeShadow
 from restshape.scene.model import Quantity
 
 AXES = "xyz"
@@ -71,11 +72,18 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
         return area_at(mesh, name, quantity)
     if quantity.energy:
         return _energy(problem, name, quantity)
+    if quantity.drape_coefficient:
+        return _drape_coefficient(problem, name, quantity)
+    if quantity.folds:
+        if quantity.at is not None:
+            raise UserError("folds are those of all of the cloth", f"quantities.{name}.at", "leave it out")
+        shadow = _shadow(mesh)
+        return lambda x: float(shadow.folds(problem.corners(x)))
     if not (quantity.displacement or quantity.position or quantity.reaction):
         raise UserError(
             f"cloth has no quantity of the kind {quantity.kind!r}",
             f"quantities.{name}",
-            "use displacement, position, reaction, energy or area",
+            "use displacement, position, reaction, energy, area, drape_coefficient or folds",
         )
     nodes = observed_nodes(mesh, name, quantity)
     if quantity.reaction:
@@ -84,6 +92,24 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
     if quantity.position:
         return _position(problem, quantity, nodes)
     return _displacement(problem, quantity, nodes)
+
+
+def _shadow(mesh: Mesh) -> DrapeShadow:
+    return DrapeShadow(mesh.cells, mesh.facets)
+
+
+def _drape_coefficient(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+    """Area of the shadow over that of the flat cloth, both less that of the disc that a region lies on.
+
+    Raises:
+        UserError: there is no such region, or it is all of the cloth.
+    """
+    mesh = problem.mesh
+    shadow, flat = _shadow(mesh), mesh.outline.area()
+    disc = area_at(mesh, name, quantity)() if quantity.at is not None else 0.0
+    if disc >= flat:
+        raise UserError("all of the cloth lies on the disc", f"quantities.{name}.at", "name a region, a part of it")
+    return lambda x: (shadow.area(problem.corners(x)) - disc) / (flat - disc)
 
 
 def _position(problem: ObservedCloth, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
