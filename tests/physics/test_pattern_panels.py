@@ -6,6 +6,7 @@ from small_scenes import head, make_replay, meshed, write_scene, write_script
 
 from restshape.errors import UserError
 from restshape.physics.cloth.free_pieces import falling_pieces
+from restshape.physics.cloth.thin_bodies import borne
 from restshape.scene.load import load_scene
 from restshape.scene.panels import frames_of
 from restshape.shape.build import outline_from_spec
@@ -297,3 +298,17 @@ def test_other_applications_refuse_panels(tmp_path):
     with pytest.raises(UserError) as refused:
         load_scene(path)
     assert "panels" in refused.value.what and 'app = "' in refused.value.do
+
+
+def test_contact_is_as_stiff_wherever_panels_lie(tmp_path):
+    """A thin bar bears the largest panel, or what is sewn together, not the box around the pattern."""
+    bar = "[bodies.bar]\ncapsule = { start = [-1, 0, 0], end = [1, 0, 0], radius = 0.005 }\n"
+    given = {}
+    for place in ("[0.5, 0]", "[3, 5]"):
+        text = garment(FRONT, BACK.replace("move", f"at = {place}\nmove", 1), bar)
+        scene = load_scene(write_scene(tmp_path, text.replace("[mesh]", "[effects.contact]\n[mesh]")))
+        given[place] = borne(scene, 0.002)
+    assert len(set(given.values())) == 1
+    sewn = text + '[seams.side]\nfrom = "front.right"\nto = "back.left"\n'
+    scene = load_scene(write_scene(tmp_path, sewn.replace("[mesh]", "[effects.contact]\n[mesh]")))
+    assert borne(scene, 0.002)[0] == pytest.approx(1.5 * given["[3, 5]"][0])

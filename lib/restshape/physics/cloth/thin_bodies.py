@@ -1,12 +1,14 @@
 """Bodies that are small beside the cloth, and what they have to bear."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from restshape.physics.cloth.mesh_bodies import distance_of
 from restshape.scene.bodies import Body
 from restshape.scene.duals import Dual
+from restshape.scene.expressions import Value
 from restshape.scene.model import Scene
+from restshape.scene.panels import panels_of, whole
 from restshape.scene.space_values import number
 
 BORNE = 10.0
@@ -42,8 +44,26 @@ def _evaluated_bodies(scene: Scene) -> dict[str, Body]:
 
 
 def _sides(scene: Scene) -> tuple[float, float]:
-    """Width and height [m] of the pattern's vertices; 0 of one that comes from a file."""
-    points = [[number(value, scene.parameters) for value in point] for point in scene.shape.vertices.values()]
+    """Width and height [m] of the pattern's vertices; 0 of one that comes from a file.
+
+    Of panels they are those of the largest group that is sewn together, one above the other, wherever they lie.
+    """
+    panels = panels_of(scene)
+    if not panels:
+        return _box(scene, scene.shape.vertices.values())
+    group = {name: name for name in panels}
+    for seam in scene.seams.values():
+        names = [edge.partition(".")[0] for side in seam.sides for edge in side]
+        joined = {group[name] for name in names}
+        group |= {name: group[names[0]] for name, one in group.items() if one in joined}
+    boxes = {name: _box(scene, whole(name, panel).vertices.values()) for name, panel in panels.items()}
+    groups = [[boxes[name] for name in panels if group[name] == one] for one in set(group.values())]
+    width, height = max(((max(w for w, _ in own), sum(h for _, h in own)) for own in groups), key=math.prod)
+    return width, height
+
+
+def _box(scene: Scene, vertices: Iterable[Sequence[Value]]) -> tuple[float, float]:
+    points = [[number(value, scene.parameters) for value in point] for point in vertices]
     width, height = (max(column) - min(column) for column in zip(*points)) if points else (0.0, 0.0)
     return width, height
 
