@@ -96,7 +96,7 @@ class Cylinder(Strict):
     rounded: Size = 0.0
 
 
-class BodyFile(str):
+class SurfaceName(str):
     """The name of a file as a scene writes it, and where it is.
 
     Attributes:
@@ -106,7 +106,7 @@ class BodyFile(str):
     path: Path
 
     @classmethod
-    def read(cls, raw: object, info: ValidationInfo) -> BodyFile:
+    def read(cls, raw: object, info: ValidationInfo) -> SurfaceName:
         """The file that a scene names."""
         if not isinstance(raw, str) or not raw.strip():
             raise UnitError(f"{raw!r} is no name of a file", 'write file = "body.obj"')
@@ -133,7 +133,7 @@ class MeshBody(Strict):
     settings: ClassVar[tuple[str, ...]] = ("file", "unit", "spacing", "band")
     """Keys that no edit moves."""
 
-    file: Annotated[BodyFile, PlainValidator(BodyFile.read), WithJsonSchema({"type": "string"})]
+    file: Annotated[SurfaceName, PlainValidator(SurfaceName.read), WithJsonSchema({"type": "string"})]
     unit: Annotated[float, PlainValidator(read_unit), WithJsonSchema(UNIT_SCHEMA)] | None = None
     move: Place = ORIGIN
     turn: Angles = ORIGIN

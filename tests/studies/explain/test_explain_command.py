@@ -5,13 +5,10 @@ from pathlib import Path
 
 import pytest
 from jobs_here import jobs_run_here
-from restshape_studies.explain.prediction import prediction
 from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.application import application
 from restshape.cli.main import main
-from restshape.scene.edit_script import load_script
-from restshape.scene.load import load_scene, revise
 
 pytestmark = pytest.mark.usefixtures("jobs_here")
 PARTS = ["edit", "mesh", "observation", "record"]
@@ -132,21 +129,6 @@ def test_of_cloth_on_a_ball_all_that_is_known_is_reported(tmp_path):
     assert core["entries"] == 9 * (nodes + 2 * (3 * edges + 6 * cells))
     times, elements = core["kernels"]["morley_tri6"]["tangent"]
     assert elements == times * cells
-
-
-def test_what_prediction_does_is_said():
-    """Of nested meshes which one is predicted; where nothing is predicted, why."""
-    folder = application("couture").folder
-    scene = load_scene(folder / "scenes" / "longer.toml", ["predict.levels=2"])
-    script = load_script(folder / "edits" / "longer.jsonl", scene)
-    _, what, why = prediction(scene, script)
-    assert what.startswith("drags on mesh 1 of 2, shown on mesh 2, from 10 samples at most, 16.7 ms of solver steps")
-    assert why.endswith("solve.estimate = auto")
-    _, what, _ = prediction(revise(scene, "predict.levels", 1), script)
-    assert what.startswith("drags on the mesh, ")
-    assert prediction(scene, None)[1:] == ("nothing", "there is no script, and so no drag")
-    _, what, why = prediction(revise(scene, "mesh.relocation", "laplacian"), script)
-    assert what == "nothing" and "springs relax the nodes" in why
 
 
 def test_several_ranks_are_refused(tmp_path, monkeypatch, capsys):
