@@ -1,4 +1,4 @@
-"""Scenes of several panels: laid in one pattern plane, meshed one by one, placed each in space, draped together."""
+"""Scenes of several panels: there in one pattern plane, meshed one by one, placed each in space, draped together."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,9 @@ from small_scenes import head, make_replay, meshed, write_scene, write_script
 
 from restshape.errors import UserError
 from restshape.physics.cloth.free_pieces import falling_pieces
+from restshape.physics.cloth.relaxation.binding import mesh_in_frames
 from restshape.physics.cloth.thin_bodies import borne
-from restshape.scene.load import load_scene
+from restshape.scene.load import load_scene, revise
 from restshape.scene.panels import frames_of
 from restshape.shape.build import outline_from_spec
 from restshape.shape.panel_placement import PatternPlacement, plane_axes
@@ -312,3 +313,54 @@ def test_contact_is_as_stiff_wherever_panels_lie(tmp_path):
     sewn = text + '[seams.side]\nfrom = "front.right"\nto = "back.left"\n'
     scene = load_scene(write_scene(tmp_path, sewn.replace("[mesh]", "[effects.contact]\n[mesh]")))
     assert borne(scene, 0.002)[0] == pytest.approx(1.5 * given["[3, 5]"][0])
+
+
+def test_cloth_goes_to_a_new_mesh_wherever_its_panels_lie_then(tmp_path):
+    """A vertex and a move in the pattern at once: an undo of both gives the last rest, which nothing has torn."""
+    events = [
+        {"do": "insert", "on": "front.bottom", "name": "front.m", "s": 0.4},
+        {"do": "press", "on": "back", "at": [0.25, 0]},
+        {"do": "drag", "to": [0.25, 0.6], "frames": 1},
+        {"do": "release"},
+        {"do": "set", "key": "panels.back.angle", "value": "30 deg"},
+        {"do": "undo"},
+    ]
+    text = garment(
+        FRONT, BACK.replace("move", "at = [0.25, 0]\nmove", 1), HUNG.format(name="front"), HUNG.format(name="back")
+    )
+    replay = make_replay(write_scene(tmp_path, text), write_script(tmp_path, events))
+    rows = list(replay.frames())
+    assert all(row["converged"] and not row["refused"] for row in rows)
+    state = replay.analysis.state
+    moved = replay.session.scene
+    back = state.problem.mesh.nodes_of("back")
+    for place in ([0.9, 0.3], [-0.5, -0.5]):
+        scene = revise(moved, "panels.back.at", place)
+        there = mesh_in_frames(state, scene)
+        own = [
+            PatternPlacement(one).coordinates(mesh.X, mesh.node_piece)
+            for one, mesh in ((moved, state.problem.mesh), (scene, there))
+        ]
+        np.testing.assert_allclose(own[0], own[1], atol=1e-15)
+        assert np.abs(there.X - state.problem.mesh.X)[back].min() > 0.1
+
+
+def test_a_drag_of_panels_is_predicted(tmp_path):
+    """Within the remainder of the derivative, on wrapped and mirrored panels too; keys of panels have none."""
+    post = "[bodies.post]\ncapsule = { start = [0, 0, -1], end = [0, 0, 1], radius = 0.3 }\n"
+    wrapped = FOLDED.replace('turn = ["90 deg", 0, 0]', 'around = "post"\nabout = [0, 0, 0]')
+    tables = (
+        wrapped,
+        panel("back", "at = [0.5, 0]", 'around = "post"', 'turn = [0, 0, "180 deg"]'),
+        HUNG.format(name="back"),
+        post,
+    )
+    events = [{"do": "press", "on": "front.b", "at": [0.1, 0]}, {"do": "drag", "to": [0.102, -0.002], "frames": 1}]
+    path, script = write_scene(tmp_path, garment(*tables, size=0.03)), write_script(tmp_path, events)
+    ends = []
+    for predict in ("none", "linear"):
+        replay = make_replay(path, script, predict=predict)
+        row = list(replay.frames())[-1]
+        assert row["predicted"] == (predict == "linear"), row["note"]
+        ends.append(replay.analysis.problem.corners(replay.analysis.x))
+    assert np.abs(ends[1] - ends[0]).max() < 2e-5

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from restshape.errors import UserError
 from restshape.scene.descriptions import listing
 from restshape.scene.model import CircleLoop, EdgeLoop, PolygonLoop, ShapeSpec
-from restshape.scene.pattern_packing import PanelFrame, Where, bounds, packed
+from restshape.scene.pattern_packing import PanelFrame, Where, bounds, packed, with_bulge
 from restshape.scene.shape_edges import ArcSpec, EdgePart, LineSpec
 from restshape.scene.space_values import ORIGIN, Angles, Place
 from restshape.scene.unfolding import IMAGE, unfolded
@@ -167,7 +167,8 @@ def _lay(name: str, panel: Panel, frame: PanelFrame, parts: Parts) -> None:
     """Adds what a panel has, under its names in the scene, where it lies."""
     parts.vertices.update((f"{name}.{key}", frame.place(point)) for key, point in panel.vertices.items())
     parts.points.update((f"{name}.{key}", frame.place(point)) for key, point in panel.points.items())
-    parts.edges.update((f"{name}.{key}", _placed_edge(name, edge, frame)) for key, edge in panel.edges.items())
+    edges = {key: with_bulge(edge, panel.vertices) for key, edge in panel.edges.items()}
+    parts.edges.update((f"{name}.{key}", _placed_edge(name, edge, frame)) for key, edge in edges.items())
     for key, loops in (("holes", panel.holes), ("regions", panel.regions)):
         for loop_name, loop in loops.items():
             getattr(parts, key)[f"{name}.{loop_name}"] = _placed_loop(name, f"{name}.{loop_name}", loop, frame, parts)

@@ -113,6 +113,15 @@ def _around(edge: EdgeSpec, vertices: Mapping[str, Pair]) -> Iterator[Pair]:
         yield from ((x + dx, y + dy) for dx in (-pad, pad) for dy in (-pad, pad))
 
 
+def with_bulge(edge: EdgeSpec, vertices: Mapping[str, Pair]) -> EdgeSpec:
+    """An arc through a point by its bulge, which does not hang on where the panel lies; all else as it is."""
+    if not isinstance(edge, ArcSpec) or edge.through is None or not set(edge.arc) <= vertices.keys():
+        return edge
+    bulge = _bulge(vertices[edge.arc[0]], vertices[edge.arc[1]], edge.through)
+    # One that no arc passes through is left to be refused.
+    return edge.model_copy(update={"through": None, "bulge": bulge}) if bulge else edge
+
+
 def _bulge(a: Pair, b: Pair, through: Pair) -> float:
     """tan(angle / 4) of the arc from a to b through a point, from the angle at which that sees them."""
     u, v = (a[0] - through[0], a[1] - through[1]), (b[0] - through[0], b[1] - through[1])

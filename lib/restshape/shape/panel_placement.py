@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,12 +69,11 @@ class PatternPlacement:
 
     Args:
         scene: of cloth.
-        frames: where the coordinates of panels lie in the pattern plane; None: where the scene lays them.
     """
 
-    def __init__(self, scene: Scene, frames: Mapping[str, PanelFrame] | None = None) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.start = evaluated(start_of(scene) or Start(), scene.parameters)
-        panels, frames = panels_of(scene), frames or frames_of(scene)
+        panels, frames = panels_of(scene), frames_of(scene)
         self.sheets = [SheetPlacement(None, None, self.start)]
         if panels:
             self.sheets = [_sheet(scene, name, frames[name], self.start) for name in panels]

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
 from restshape.scene.model import Scene
-from restshape.scene.pattern_packing import PanelFrame
 from restshape.shape.panel_placement import PatternPlacement
 
 ALL = slice(None)
@@ -19,11 +16,10 @@ class InitialPlacement:
 
     Args:
         scene: of cloth; a sheet that it places nowhere lies in the plane z = 0, where it was cut.
-        frames: where the coordinates of panels lie in the pattern plane; None: where the scene lays them.
     """
 
-    def __init__(self, scene: Scene, frames: Mapping[str, PanelFrame] | None = None) -> None:
-        self._pattern = PatternPlacement(scene, frames)
+    def __init__(self, scene: Scene) -> None:
+        self._pattern = PatternPlacement(scene)
         self.start = self._pattern.start
 
     def coordinates(self, mesh: Mesh, nodes: np.ndarray | slice = ALL) -> np.ndarray:

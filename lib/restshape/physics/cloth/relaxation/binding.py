@@ -12,11 +12,13 @@ from scipy.spatial import cKDTree
 
 from restshape.analysis.frame import Frame
 from restshape.errors import UserError
+from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layer_friction import LayerFriction
+from restshape.physics.cloth.material_motion import in_frames
 from restshape.physics.cloth.relaxation.drag_frame import LastRest, drag_frame
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
 from restshape.physics.cloth.relaxation.jumps import Expected, farthest
@@ -236,10 +238,11 @@ def new_problem(
         corners: (corners, 3) [m] where the last cloth is on that mesh; None: it starts cold.
     """
     problem, old = cloth_problem(frame.mesh, arguments), before.problem
+    known = None if corners is None or frame.mesh is old.mesh else mesh_in_frames(before, frame.scene)
     x = initial_positions(problem, arguments) if corners is None else problem.flat(corners)
 
     def interpolate(values: np.ndarray) -> np.ndarray:
-        return values if frame.mesh is old.mesh else transfer(old.mesh, frame.mesh, values)
+        return values if known is None else transfer(known, frame.mesh, values)
 
     friction = before.friction if corners is not None and problem.contact else None
     if corners is not None and before.layers is not None and problem.self_contact:
@@ -247,11 +250,11 @@ def new_problem(
     if friction is not None and len(friction.anchors) == len(problem.contact.bodies):
         at_nodes = friction.at_corners(len(old.mesh.X)).mapped(old.corners(before.x), corners, interpolate)
         problem.contact.history = replace(at_nodes, points=problem.contact.points)
-        _carry_points(before, problem, corners)
+        _carry_points(before, problem, corners, frame.scene)
     return replace(before, problem=problem, x=x)
 
 
-def _carry_points(before: RelaxationState, problem: ClothProblem, corners: np.ndarray) -> None:
+def _carry_points(before: RelaxationState, problem: ClothProblem, corners: np.ndarray, scene: Scene) -> None:
     """Let points of triangles at corners (n, 3) [m] have the friction of those nearest in the material before."""
     contact, friction, old = problem.contact, before.friction, before.problem
     contact.cut(corners)
@@ -262,7 +265,9 @@ def _carry_points(before: RelaxationState, problem: ClothProblem, corners: np.nd
     n = len(corners)
     material = points.place(problem.mesh.X)[n:]
     # The material where the nodes of the last equilibrium were.
-    nearest = cKDTree(known.place(before.place.X[old.corner_number])).query(material)[1]
+    frames = tuple(frames_of(before.scene).values()), tuple(frames_of(scene).values())
+    X = in_frames(before.place.X[old.corner_number], old.mesh.node_piece, *frames)
+    nearest = cKDTree(known.place(X)).query(material)[1]
     offsets = known.place(old.corners(before.x)) - friction.anchors
     anchors, limits = found.anchors.copy(), found.limits.copy()
     anchors[:, n:] = place[n:] - offsets[:, nearest]
@@ -276,9 +281,18 @@ def moved_corners(before: RelaxationState, frame: Frame, scene: Scene) -> np.nda
     if frame.mesh is problem.mesh:
         return before.advected.corners_at(frame.mesh.X, problem.corner_number, tuple(frames_of(scene).values()))
     # Panels that only lie elsewhere in the pattern plane stay where they are.
-    old = InitialPlacement(scene, frames_of(before.scene))
-    moved = problem.corners(before.x) - old.places(problem.mesh)
-    return InitialPlacement(scene).places(frame.mesh) + transfer(problem.mesh, frame.mesh, moved)
+    old, placement = mesh_in_frames(before, scene), InitialPlacement(scene)
+    moved = problem.corners(before.x) - placement.places(old)
+    return placement.places(frame.mesh) + transfer(old, frame.mesh, moved)
+
+
+def mesh_in_frames(before: RelaxationState, scene: Scene) -> Mesh:
+    """The mesh of the last equilibrium with its panels where a scene lays them; itself where they lie there."""
+    mesh, now, wanted = before.problem.mesh, frames_of(before.scene), frames_of(scene)
+    if now == wanted or now.keys() != wanted.keys():
+        return mesh
+    X = in_frames(mesh.X, mesh.node_piece, tuple(now.values()), tuple(wanted.values()))
+    return replace(mesh, X=X)
 
 
 def moved_material(before: RelaxationState, arguments: ClothArguments) -> RelaxationState:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from restshape.errors import ReplayProblem
 from restshape.fem.assembled import Assembled
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
 from restshape.physics.cloth.sensitivity.support_rates import pattern_turn, support_rates
+from restshape.scene.panels import panels_of
 
 
 def hand_rates(state: RelaxationState, tangent: RestTangent, dX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -23,12 +25,17 @@ def hand_rates(state: RelaxationState, tangent: RestTangent, dX: np.ndarray) -> 
         tangent: there.
         dX: (corners, 2) rates of the places of the mesh's nodes in the material [m].
 
+    Raises:
+        ReplayProblem: panels are clamped, each in directions of its own.
+
     Source: docs/theory/design-derivative.md: f_i of the thesis's (5.11).
     """
     problem, x, contact = state.problem, state.x, tangent.contact
     moved = node_motion(problem, dX)
     prescribed = support_rates(problem, state.scene, dX)
     out = Assembled(problem.material_integrals()).design_product(x, moved)
+    if panels_of(state.scene) and len(problem.supports.clamped):
+        raise ReplayProblem("drapes of panels with clamps have no derivative by the pattern")
     out += problem.bending_rates(x, dX, pattern_turn(state.scene))
     # Where material is that nodes come to, along the cloth: anchors go with it.
     way = np.einsum("iak,ik->ia", tangent.gradients, dX)

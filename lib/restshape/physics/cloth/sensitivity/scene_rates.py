@@ -15,6 +15,7 @@ from restshape.fem.entity_sets import nodes_on
 from restshape.physics.cloth.body_motion import taken_rates
 from restshape.physics.cloth.cloth_supports import AXES
 from restshape.physics.cloth.fabric import FabricRates
+from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layers import stiffness_share
 from restshape.physics.cloth.mesh_bodies import distance_of
 from restshape.physics.cloth.relaxation.state import RelaxationState
@@ -27,6 +28,7 @@ from restshape.physics.cloth.thin_bodies import borne
 from restshape.scene.bodies import Body, Start
 from restshape.scene.duals import Dual, dual
 from restshape.scene.expressions import Expression
+from restshape.scene.panels import panels_of
 from restshape.scene.space_values import evaluated
 from restshape.shape.placement import rotation, rotation_rates
 
@@ -69,12 +71,22 @@ def _require_known(state: RelaxationState, number: ChangingNumber) -> None:
     parts = number.key.split(".")
     if number.key == "effects.contact.self_thickness" or parts[:2] in (["effects", "cloth"], ["effects", "drape"]):
         raise UserError(f"drapes have no derivative by {number.key}", "--by", "name another number")
+    if parts[0] == "panels" or (number.parameter and number.parameter in _parameters_of_panels(state)):
+        what = f"drapes have no derivative by {number.key}, which places or shapes a panel"
+        raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
     if number.parameter and number.parameter in _parameters_of_the_shape(state):
         raise UserError(
             f"{number.key} gives the pattern its shape, which a hand differentiates by",
             "--by",
             "take hold of the pattern instead, or name another number",
         )
+
+
+def _parameters_of_panels(state: RelaxationState) -> set[str]:
+    """Names of the parameters that the places of panels in space take."""
+    panels = panels_of(state.scene).values()
+    values = [value for panel in panels for value in (*panel.move, *panel.turn, *panel.about)]
+    return {name for value in values if isinstance(value, Expression) for name in value.names}
 
 
 def _parameters_of_the_shape(state: RelaxationState) -> set[str]:
@@ -220,7 +232,9 @@ def _support_rates(state: RelaxationState, number: ChangingNumber) -> tuple[np.n
     mesh, mask = problem.mesh, problem.supports.mask
     start, rates = evaluated(scene.start or Start(), scene.parameters), number.start()
     turned = rotation_rates(start.turn, rates["turn"])
-    flat = np.column_stack([mesh.X, np.zeros(len(mesh.X))]) - start.about
+    # Panels where they lie by themselves.
+    own = InitialPlacement(scene.model_copy(update={"start": None}))
+    flat, coordinates = own.places(mesh) - start.about, own.coordinates(mesh)
     turn = rotation(start.turn)
     placed = flat @ turned.T + rates["about"] - rates["about"] @ turn.T + rates["move"]
     places = placed.copy()
@@ -229,11 +243,12 @@ def _support_rates(state: RelaxationState, number: ChangingNumber) -> tuple[np.n
         for direction, value in support.fix.items():
             if direction != "slope":
                 axis, where = AXES.index(direction), f"supports.{name}.fix.{direction}"
-                places[nodes, axis] = placed[nodes, axis] + number.rates(value, where, mesh.X[nodes])
+                places[nodes, axis] = placed[nodes, axis] + number.rates(value, where, coordinates[nodes])
     out = np.zeros((problem.n_nodes, 3))
     out[problem.corner_number] = np.where(mask, places, 0.0)
     if problem.morley:
         clamped = problem.supports.clamped
-        out[problem.morley.side_number[clamped]] = problem.morley.normals()[clamped] @ turned[:, :2].T
+        slopes = own.directions(mesh, mesh.edge_nodes[clamped, 0], problem.morley.normals()[clamped])
+        out[problem.morley.side_number[clamped]] = slopes @ turned.T
     spin = turned @ turn.T
     return out, np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
