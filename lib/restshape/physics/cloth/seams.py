@@ -215,14 +215,14 @@ class Seams:
         return np.ascontiguousarray(np.vstack(found).reshape(-1, 2))
 
     @property
-    def _parts(self) -> np.ndarray:
-        """Parts (m,) of the edges' ends: how far the places are from their first ends."""
+    def shares_of_edges(self) -> np.ndarray:
+        """Shares (m,) of the edges that lie between their first ends and the places."""
         s = self.coefficients[:, :, 0]
         return (s[:, 0] - s[:, 1]) / (s[:, 2] - s[:, 1])
 
     def gaps(self, corners: np.ndarray) -> np.ndarray:
         """Distances (m,) [m] across the seams at positions (n, 3) of the mesh's nodes."""
-        t, x = self._parts[:, None], corners[self.nodes]
+        t, x = self.shares_of_edges[:, None], corners[self.nodes]
         return np.linalg.norm(x[:, 0] - (1.0 - t) * x[:, 1] - t * x[:, 2], axis=1)
 
     def gap(self, corners: np.ndarray) -> float:
@@ -257,7 +257,7 @@ class Seams:
 
         A pair is a node, and an end of the edge between whose ends it is sewn.
         """
-        t = self._parts
+        t = self.shares_of_edges
         at_ends = [(self.nodes[:, 0], self.nodes[:, 1], t < 1.0 - ENDS), (self.nodes[:, 0], self.nodes[:, 2], t > ENDS)]
         inner = (t > ENDS) & (t < 1.0 - ENDS)
         joined = np.vstack([np.column_stack([i, j])[on & ~inner] for i, j, on in at_ends])
