@@ -93,7 +93,7 @@ def squares_dxf(folder: Path) -> Path:
     for place in ((10, 10), (8, 8), (5, 0)):
         front.add_point(place, dxfattribs={"layer": "4"})
     for place in ((0, 0), (10, 0)):
-        front.add_point(place, dxfattribs={"layer": "2"})
+        front.add_point(place, dxfattribs={"layer": "3"})
     front.add_text("SIZE 38", dxfattribs={"layer": "15"})
     back = drawing.blocks.new("BACK")
     back.add_polyline2d([(0, 0), (4, 0), (4, 5), (0, 5)], close=True, dxfattribs={"layer": "1"})

@@ -129,9 +129,55 @@ def test_layers_of_a_dxf_have_their_meanings(tmp_path):
 
 def test_what_a_dxf_has_besides_is_counted_and_named(tmp_path):
     (note,) = read_pattern_dxf(squares_dxf(tmp_path)).notes
-    assert "2 POINT on layer 2 (turn points)" in note and "1 TEXT on layer 15 (annotation)" in note
+    assert "2 POINT on layer 3 (curve points)" in note and "1 TEXT on layer 15 (annotation)" in note
     assert "1 LINE on layer 8 (lines inside) that closes no loop" in note
     assert "1 POINT on layer 4 (notches) at no vertex and in no piece" in note
+
+
+def test_pieces_without_blocks_have_a_seam_or_are_cut(tmp_path):
+    """Of a cut line around the line of a seam the seam counts; one around none is a piece by itself."""
+    drawing = ezdxf.new("R2010", units=ezdxf.units.CM)
+    space = drawing.modelspace()
+    for x, side, layer in ((0, 12, "1"), (1, 10, "14"), (20, 5, "1")):
+        corners = [(x, x), (x + side, x), (x + side, x + side), (x, x + side)]
+        space.add_lwpolyline(corners, close=True, dxfattribs={"layer": layer})
+    space.add_lwpolyline([(40, 0), (50, 0), (50, 5)], dxfattribs={"layer": "1"})
+    drawing.saveas(tmp_path / "loose.dxf")
+    found = read_pattern_dxf(tmp_path / "loose.dxf")
+    assert sorted(areas(found).values()) == pytest.approx([25e-4, 100e-4])
+    assert found.notes == ("not read: 2 LWPOLYLINE on layer 1 that closes no loop",)
+
+
+@pytest.mark.parametrize("corners", [(), ((0, 0), (30, 0), (30, 20), (0, 20), (15, 20))])
+def test_a_curve_of_short_lines_is_one_edge(tmp_path, corners):
+    """By points of layer 2, which cut the upper edge in two, or by the angles: a sagging upper edge of 32 lines."""
+    x = np.linspace(30.0, 0.0, 33)
+    border = [(0, 0), (30, 0), *zip(x, 20.0 - 2.0 * np.sin(np.pi * x / 30.0) * (len(corners) == 0))]
+    drawing = ezdxf.new("R2010", units=ezdxf.units.CM)
+    drawing.modelspace().add_lwpolyline(border, close=True, dxfattribs={"layer": "1"})
+    for corner in corners:
+        drawing.modelspace().add_point(corner, dxfattribs={"layer": "2"})
+    drawing.saveas(tmp_path / "curve.dxf")
+    (piece,) = read_pattern_dxf(tmp_path / "curve.dxf").pieces
+    kinds = sorted(kind for edge in piece.shape["edges"].values() for kind in edge if kind in ("line", "polyline"))
+    assert kinds == ["line"] * 3 + ["polyline"] * (2 if corners else 1)
+    (xs, ys) = np.array(border).T / 100
+    area = 0.5 * float(np.sum(xs * np.roll(ys, -1) - np.roll(xs, -1) * ys))
+    assert piece.outline().area() == pytest.approx(area, rel=1e-12)
+
+
+@pytest.mark.parametrize(("angle", "scale"), [(90, 1), (0, -1), (30, 2)])
+def test_blocks_are_turned_mirrored_and_scaled(tmp_path, angle, scale):
+    drawing = ezdxf.new("R2010", units=ezdxf.units.CM)
+    block = drawing.blocks.new("P")
+    block.add_lwpolyline([(0, 0), (30, 0), (30, 20)], close=True, dxfattribs={"layer": "1"})
+    look = {"rotation": angle, "xscale": scale, "yscale": abs(scale)}
+    drawing.modelspace().add_blockref("P", (500, 0), dxfattribs=look)
+    drawing.saveas(tmp_path / "turned.dxf")
+    (piece,) = read_pattern_dxf(tmp_path / "turned.dxf").pieces
+    assert piece.outline().area() == pytest.approx(0.3 * 0.2 / 2 * scale**2)
+    corners = np.array(list(piece.shape["vertices"].values()))
+    assert np.abs(corners).max() < 1.0, "in coordinates of the block, not of where it is put"
 
 
 def test_a_dxf_written_has_a_block_a_piece_and_numbered_layers(tmp_path):

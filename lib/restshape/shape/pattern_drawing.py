@@ -19,15 +19,16 @@ from restshape.arrays import Reals
 from restshape.errors import UserError, quoted
 from restshape.shape.dxf import NO_UNIT, curves_of, metres_in, readable
 from restshape.shape.dxf_blocks import placed
+from restshape.shape.gaps import JOIN
 from restshape.shape.loose_curve import Curve, gathered
+from restshape.shape.named_points import chain_of_curve
 from restshape.shape.pattern import Pattern, PatternPiece
 from restshape.shape.pattern_pieces import loops_of, pieces_of
 from restshape.shape.svg import read_svg
 
-CUT, NOTCH, GRAIN, INTERNAL, CUTOUT, SEW = "1", "4", "7", "8", "11", "14"
-"""Layers: border of a piece, notches, line of the grain, lines inside, openings, line of the seam."""
+CUT, TURNS, NOTCH, GRAIN, INTERNAL, CUTOUT, SEW = "1", "2", "4", "7", "8", "11", "14"
+"""Layers: border of a piece, its corners, notches, line of the grain, lines inside, openings, line of the seam."""
 LAYERS = {
-    "2": "turn points",
     "3": "curve points",
     "5": "grade references",
     "6": "mirror lines",
@@ -39,6 +40,10 @@ LAYERS = {
 """What other layers hold, by the standard: it is counted."""
 TEXTS = ("TEXT", "MTEXT", "ATTRIB", "ATTDEF")
 NAME, UNITS = "piece name:", "units:"
+TURN = np.radians(20.0)
+"""Angle [rad] by which a polyline turns at a corner."""
+WITHIN = 1e-6
+"""Share of its size by which the line of a seam may leave the box around the cut line."""
 LISTED = 8
 """Kinds of things that a note lists."""
 
@@ -46,9 +51,11 @@ LISTED = 8
 def read_pattern_dxf(path: Path) -> Pattern:
     """The pattern of a DXF drawing by the layers of AAMA and ASTM.
 
-    A block that is inserted is a piece; of lines outside of blocks each outermost loop is. Its border is that of layer
-    14 where it has one, else that of layer 1. Loops of layer 11 are holes, those of layer 8 regions, points of layer 4
-    name vertices or are points of the shape; a line of layer 7 gives the grain.
+    A block that is inserted is a piece; of lines outside of blocks each outermost loop is. Its border is the line of
+    the seam, on layer 14, where it has one, else the cut line, on layer 1. Straight pieces of a polyline are one edge
+    from corner to corner: at points of layer 2, or without any where it turns by `TURN`. Loops of layer 11 are holes,
+    those of layer 8 regions. Points of layer 4 name vertices or are points of the shape; a line of layer 7 gives the
+    grain.
 
     Raises:
         UserError: unreadable, no piece, or a border of entities that no edge can be.
@@ -125,35 +132,47 @@ class _PieceSheet:
                 self.unread[f"{kind} on layer {layer}{meant}"] += 1
             else:
                 self.layers.setdefault(layer, []).append(entity)
-        if SEW in self.layers and CUT in self.layers:
-            del self.layers[CUT]
         return self
 
     @staticmethod
     def _known(kind: str, layer: str) -> bool:
-        if layer == NOTCH:
+        if layer in (NOTCH, TURNS):
             return kind == "POINT"
         return layer in (CUT, SEW, GRAIN, INTERNAL, CUTOUT) and kind != "POINT"
 
     def pieces(self) -> list[PatternPiece]:
         """The pieces of these entities."""
-        border = self._curves(SEW) or self._curves(CUT)
-        loops = loops_of([*border, *self._curves(CUTOUT), *self._regions()])
+        loops = loops_of([*self._borders(), *self._curves(CUTOUT), *self._regions()])
         for curve in loops.open:
             self.unread[f"{curve.source} that closes no loop"] += 1
-        points = {
-            f"notch{i}": self.scale * np.array(tuple(one.dxf.location)[:2], dtype=float) - self.shift
-            for i, one in enumerate(self.layers.get(NOTCH, []), 1)
-        }
+        points = {f"notch{i}": place for i, place in enumerate(self._places(NOTCH), 1)}
         names = [self.name] * len(loops.groups)
         found, missed = pieces_of(loops, names, self.path.name, points, self._grains())
         if missed:
             self.unread[f"POINT on layer {NOTCH} (notches) at no vertex and in no piece"] += missed
         return found
 
+    def _borders(self) -> list[Curve]:
+        """The curves around pieces: lines of seams, and cut lines around none of them."""
+        sewn, cut = loops_of(self._curves(SEW)), loops_of(self._curves(CUT))
+        found = [*(curve for group in sewn.groups for curve in group), *sewn.open, *cut.open]
+        inner = [_box(group) for group in sewn.groups]
+        for group in cut.groups:
+            low, high = _box(group)
+            near = WITHIN * float(np.hypot(*(high - low)))
+            if not any((a >= low - near).all() and (b <= high + near).all() for a, b in inner):
+                found += group
+        return found
+
     def _curves(self, layer: str) -> list[Curve]:
         parts = (curves_of(one, layer, "", self.scale, self.path) for one in self.layers.get(layer, []))
-        return [replace(curve, points=curve.points - self.shift) for curve in gathered(parts, self.path.name)]
+        found = gathered((joined(part, self._places(TURNS) + self.shift) for part in parts), self.path.name)
+        return [replace(curve, points=curve.points - self.shift) for curve in found]
+
+    def _places(self, layer: str) -> Reals:
+        """The points (n, 2) [m] of a layer, in coordinates of the piece."""
+        places = [tuple(one.dxf.location)[:2] for one in self.layers.get(layer, [])]
+        return self.scale * np.array(places, dtype=float).reshape(-1, 2) - self.shift
 
     def _regions(self) -> list[Curve]:
         """The curves of loops inside, as regions; those that close none are counted."""
@@ -172,6 +191,47 @@ class _PieceSheet:
             (curve.points.mean(axis=0), float(np.arctan2(*(curve.points[-1] - curve.points[0])[::-1])))
             for curve in self._curves(GRAIN)
         ]
+
+
+def joined(curves: list[Curve], corners: Reals) -> list[Curve]:
+    """The curves of one entity with lines that follow each other joined to polylines, from corner to corner.
+
+    Args:
+        curves: in their order; corners: (n, 2) [m], none: where lines turn by `TURN`.
+    """
+    if len(curves) < 3 or any(curve.kind != "line" for curve in curves):
+        return curves
+    ends = np.array([curve.points[-1] for curve in curves])
+    ways = ends - np.array([curve.points[0] for curve in curves])
+    after = np.roll(ways, -1, axis=0)
+    bend = np.abs(np.arctan2(ways[:, 0] * after[:, 1] - ways[:, 1] * after[:, 0], (ways * after).sum(axis=1)))
+    sharp = bend > TURN
+    if len(corners):
+        near = JOIN * float(np.hypot(*np.ptp(ends, axis=0)))
+        sharp = np.hypot(*(ends[:, None] - corners).T).min(axis=0) <= near
+    closes = bool(np.hypot(*(curves[0].points[0] - ends[-1])) <= JOIN * float(np.hypot(*np.ptp(ends, axis=0))))
+    stops = np.flatnonzero(sharp)
+    if closes and len(stops) < 2:
+        return curves
+    if closes:
+        order = np.roll(np.arange(len(curves)), -int(stops[0]) - 1)
+        cuts = (stops - stops[0])[1:]
+    else:
+        order, cuts = np.arange(len(curves)), stops[stops < len(curves) - 1] + 1
+    return [_polyline([curves[k] for k in run]) for run in np.split(order, cuts)]
+
+
+def _polyline(lines: list[Curve]) -> Curve:
+    if len(lines) == 1:
+        return lines[0]
+    points = np.array([lines[0].points[0], *(line.points[-1] for line in lines)])
+    return replace(lines[0], points=points, kind="polyline")
+
+
+def _box(curves: list[Curve]) -> tuple[Reals, Reals]:
+    """Lower and upper corner (2,) [m] of the box around curves."""
+    chains = np.concatenate([chain_of_curve(curve) for curve in curves])
+    return chains.min(axis=0), chains.max(axis=0)
 
 
 def _text(entity: Any) -> str:
