@@ -9,6 +9,8 @@ from restshape.physics.cloth.free_pieces import falling_pieces
 from restshape.physics.cloth.relaxation.binding import mesh_in_frames
 from restshape.physics.cloth.thin_bodies import borne
 from restshape.scene.load import load_scene, revise
+from restshape.replay.first_frame import first_frame
+from restshape.scene.load import load_scene
 from restshape.scene.panels import frames_of
 from restshape.shape.build import outline_from_spec
 from restshape.shape.panel_placement import PatternPlacement, plane_axes
@@ -364,3 +366,16 @@ def test_a_drag_of_panels_is_predicted(tmp_path):
         assert row["predicted"] == (predict == "linear"), row["note"]
         ends.append(replay.analysis.problem.corners(replay.analysis.x))
     assert np.abs(ends[1] - ends[0]).max() < 2e-5
+
+
+@pytest.mark.slow
+def test_panels_that_are_sewn_far_from_a_bar_do_not_fall_past_it_meanwhile(tmp_path):
+    """Their tops are 0.7 m apart, and 0.1 m above the bar: seams that closed under weight would meet far below it."""
+    sides = [
+        panel(name, f"move = [0, {y}, 0]", 'turn = ["90 deg", 0, 0]') for name, y in (("front", -0.35), ("back", 0.35))
+    ]
+    seam = '[seams.top]\nfrom = "front.top"\nto = "back.top"\n'
+    bar = "[bodies.bar]\ncapsule = { start = [0, 0, 0], end = [0.2, 0, 0], radius = 0.05 }\nfriction = 0.3\n"
+    scene = garment(*sides, seam, bar, "[effects.contact]\n").replace("1e-8", "1e-4").replace("0.2 MPa", "5 kPa")
+    row = first_frame(write_scene(tmp_path, scene)).row
+    assert row["converged"] == 1 and row["seam_gap"] < 1e-3

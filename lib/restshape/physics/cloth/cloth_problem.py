@@ -92,7 +92,7 @@ class ClothProblem(SteadyProblem):
         # A copy, as the place is: flips change the mesh's own.
         self.membrane = Membrane(fabric.law, self.morley.corners if self.morley else mesh.cells.copy())
         self.bending = bending_of(fabric, mesh, self.morley, supports, block=2)
-        self.softness, self._changes = 1.0, 0
+        self.softness, self._weight, self._changes = 1.0, 1.0, 0
         self.set_values(fabric, supports, g)
 
     @property
@@ -195,7 +195,7 @@ class ClothProblem(SteadyProblem):
     def soften(self, part: float) -> None:
         """Give the membrane a part of its stiffness, or 1 for all of it; weight and bending stay."""
         self.softness, self._changes = part, self._changes + 1
-        self.membrane.update(self.fabric, self.lumped.density, self.g, part)
+        self.membrane.update(self.fabric, self.lumped.density, self._weight * self.g, part)
 
     def sew(self, seams: Seams) -> None:
         """Have seams from now on; those that are sewn flat bend where anything does."""
@@ -215,6 +215,17 @@ class ClothProblem(SteadyProblem):
     def pull_seams(self, part: float) -> None:
         """Give seams a part of their stiffness, or 1 for all of it."""
         self.seams.pull, self._changes = part, self._changes + 1
+
+    @contextmanager
+    def lightened(self, part: float) -> Iterator[None]:
+        """Within it the cloth has a part of its weight; what residuals are measured against stays."""
+        self._weight = part
+        try:
+            self.soften(self.softness)
+            yield
+        finally:
+            self._weight = 1.0
+            self.soften(self.softness)
 
     @contextmanager
     def stiffened(self, share: float) -> Iterator[None]:

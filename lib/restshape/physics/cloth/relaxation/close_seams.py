@@ -8,6 +8,7 @@ import numpy as np
 
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.seams import Seams
 
 log = logging.getLogger("restshape.physics")
 
@@ -19,18 +20,24 @@ STEPS, ROUNDS = 4, 200
 """Steps of a fall before seams have another stiffness, and such rounds at most."""
 STILL, PATIENCE = 0.95, 3
 """A round in which the widest seam closes by less does not get on; after so many of them in a row seams pull harder."""
+LIGHT = 0.05
+"""Part of the weight while seams close."""
 
 
 def close_seams(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
     """Let seams that are wide open at x (n, 3), which is changed, pull the cloth together on its fall.
 
     Their springs are so soft that the widest one pulls with a small strain of the membrane, and stiffen as it closes.
-    Nothing passes bodies or the cloth itself on the way, as on any other.
+    Nothing passes bodies or the cloth itself on the way, as on any other. Cloth is light meanwhile: panels would
+    fall past what they are to be closed around. Without any weight flat cloth would stay in its plane.
     """
+    if solver.problem.seams:
+        with solver.problem.lightened(LIGHT):
+            _close(solver, solver.problem.seams, x, most, report)
+
+
+def _close(solver: EquilibriumSolver, seams: Seams, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
     problem = solver.problem
-    seams = problem.seams
-    if not seams:
-        return
     wide, gap, still, tension = WIDE * seams.edge_length, seams.gap(problem.corners(x)), 0, TENSION
     stiffest = float(seams.stiffness.max())
     for _ in range(ROUNDS):
