@@ -4,12 +4,14 @@ import pytest
 
 from restshape.cli.main import main
 from restshape.export.edited_frame import frame_of_script
+from restshape.export.garmentcode_file import write_garmentcode
 from restshape.export.pattern_drawings import write_pattern_dxf, write_pattern_svg
 from restshape.export.pattern_scene import pattern_of_scene
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.panels import panels_of
 from restshape.shape.build import outline_from_spec
+from restshape.shape.garmentcode import read_garmentcode
 from restshape.shape.pattern_drawing import read_pattern_dxf, read_pattern_svg
 
 SCENE = """
@@ -119,6 +121,25 @@ def test_a_piece_cut_on_the_fold_is_drawn_whole(path, tmp_path):
         assert found.piece("back").outline().area() == pytest.approx(0.2 * 0.3)
         front = outline_from_spec(panels_of(load_scene(path))["front"]).area()
         assert found.piece("front").outline().area() == pytest.approx(front, rel=1e-9)
+
+
+@pytest.mark.parametrize("to", ['["front.left", "front.hem"]', '["front.hem", "front.left"]'])
+def test_a_seam_of_several_edges_is_stitched_one_by_one(tmp_path, to):
+    """Edges of one length go together, whichever way round the sides are named."""
+    text = SCENE.replace("d = [0, 0.4]", "d = [0, 0.268]").replace('to = "back.upper"', f"to = {to}")
+    text = text.replace('from = "front.side"', 'from = ["back.upper", "back.lower"]')
+    text = text.replace("a = [0, 0]\nb = [0, 0.3]\nc = [0.2, 0.1]", "a = [0, 0]\nb = [0, 0.3]\nc = [0.24, 0.18]")
+    (tmp_path / "several.toml").write_text(text)
+    pattern = pattern_of_scene(load_scene(tmp_path / "several.toml"))
+    write_garmentcode(pattern, tmp_path / "several.json")
+    found = read_garmentcode(tmp_path / "several.json")
+    lengths = {}
+    for piece in found.pieces:
+        outline = piece.outline()
+        lengths |= {f"{piece.name}.{edge.name}": outline.length(e) for e, edge in enumerate(outline.edges)}
+    pairs = [(lengths[one.first[0]], lengths[one.second[0]]) for one in found.stitches]
+    assert sorted(first for first, _ in pairs) == pytest.approx([0.0720**0.5, 0.3], rel=1e-9)
+    assert all(first == pytest.approx(second, rel=2e-3) for first, second in pairs)
 
 
 def test_a_frame_of_no_script_is_the_first(path):

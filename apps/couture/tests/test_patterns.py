@@ -19,7 +19,7 @@ from restshape.scene.panels import panels_of
 from restshape.scene.space_values import evaluated
 from restshape.shape.build import outline_from_spec
 from restshape.shape.garmentcode import read_garmentcode
-from restshape.shape.pattern_axes import turned_up
+from restshape.shape.pattern_axes import angles_of, turned_up
 from restshape.shape.pattern_drawing import read_pattern_dxf, read_pattern_svg
 from restshape.shape.placement import rotation
 
@@ -63,6 +63,12 @@ def test_axes_turn_and_turn_back(tmp_path):
     again = turned_up(upright, "y").piece("back")
     assert rotation(again.turn) == pytest.approx(rotation(pattern.piece("back").turn))
     assert again.move == pytest.approx(pattern.piece("back").move)
+
+
+@pytest.mark.parametrize("turn", [(0.3, -0.7, 2.0), (0.4, np.pi / 2, 0.9), (-1.0, -np.pi / 2, 0.2), (0.0, 0.0, 0.0)])
+def test_angles_are_those_of_their_rotation(turn):
+    """Also where a right angle about y leaves only the sum or the difference of the others."""
+    assert rotation(angles_of(rotation(turn))) == pytest.approx(rotation(turn), abs=1e-9)
 
 
 def test_a_file_that_is_read_and_written_is_the_same(tmp_path):
@@ -270,6 +276,7 @@ def scene(tmp_path):
     """The scene of the tunic, and its path."""
     path = tmp_path / "tunic.toml"
     write_pattern_scene(read_garmentcode(written(tmp_path)), path, "tunic")
+    assert load_scene(path).title == "tunic"
     pinned(path)
     return load_scene(path)
 

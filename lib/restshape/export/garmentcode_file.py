@@ -17,11 +17,13 @@ from restshape.scene.plain_values import Table, table_in
 from restshape.shape.bsplines import beziers_of, cubic_of
 from restshape.shape.curves import arc_centre
 from restshape.shape.outline import Outline
-from restshape.shape.pattern import Pattern, PatternPiece
+from restshape.shape.pattern import Pattern, PatternPiece, Stitch
 from restshape.shape.pattern_axes import turned_up
 
 PROPERTIES: Table = {"normalize_panel_translation": False, "normalized_edge_loops": True, "units_in_meter": 100}
 PROBES = np.linspace(0.0, 1.0, 12)[1:-1]
+EASE = 0.05
+"""Share by which edges may differ that are sewn one by one in a seam of several."""
 SAME = 1e-11
 """Share of its size by which a spline may be off a cubic that it is."""
 
@@ -42,16 +44,18 @@ def write_garmentcode(pattern: Pattern, path: Path) -> list[str]:
     notes: list[str] = []
     panels: Table = {}
     sides: dict[str, list[Table]] = {}
+    lengths: dict[str, float] = {}
     for piece in pattern.pieces:
         outline = piece.outline()
         name = str(piece.kept.get("name", piece.name))
         panel = _PanelTable(piece, outline, float(unit))
         panels[name] = panel.table()
+        lengths |= {f"{piece.name}.{edge.name}": outline.length(e) for e, edge in enumerate(outline.edges)}
         for edge, numbers in panel.numbers.items():
             sides[f"{piece.name}.{edge}"] = [{"panel": name, "edge": number} for number in numbers]
         if holes := outline.names("hole"):
             notes.append(f"left out, for panels have no holes: {', '.join(f'{piece.name}.{hole}' for hole in holes)}")
-    stitches, left = _stitches(pattern, sides)
+    stitches, left = _stitches(pattern, sides, lengths)
     if left:
         notes.append(f"left out, for these seams do not join edges one by one: {'; '.join(left)}")
     own = {**table_in(pattern.kept, "pattern")}
@@ -62,21 +66,39 @@ def write_garmentcode(pattern: Pattern, path: Path) -> list[str]:
     return notes
 
 
-def _stitches(pattern: Pattern, sides: Mapping[str, list[Table]]) -> tuple[list[list[object]], list[str]]:
-    """Stitches of single edges, and those that are left out."""
+def _stitches(
+    pattern: Pattern, sides: Mapping[str, list[Table]], lengths: Mapping[str, float]
+) -> tuple[list[list[object]], list[str]]:
+    """Stitches of single edges, and those that are left out.
+
+    Args:
+        pattern: with its seams; sides: of the edges that each edge became; lengths: of all edges [m], by name.
+    """
     found: list[list[object]] = []
     left = []
     for stitch in pattern.stitches:
-        first, second = (
-            [side for edge in edges for side in sides.get(edge, [])] for edges in (stitch.first, stitch.second)
-        )
-        if len(first) != 1 or len(second) != 1:
+        pairs = _one_by_one(stitch, lengths)
+        if not all(len(sides.get(edge, [])) == 1 for edge in (*stitch.first, *stitch.second)) or not pairs:
             left.append(f"{', '.join(stitch.first)} to {', '.join(stitch.second)}")
             continue
-        one, other = ({**side, **kept} for side, kept in zip((first[0], second[0]), stitch.kept))
-        more = one.pop("more", [])
-        found.append([one, other, *(more if isinstance(more, list) else [])])
+        for first, second in pairs:
+            one, other = ({**sides[edge][0], **kept} for edge, kept in zip((first, second), stitch.kept))
+            more = one.pop("more", [])
+            found.append([one, other, *(more if isinstance(more, list) else [])])
     return found, left
+
+
+def _one_by_one(stitch: Stitch, lengths: Mapping[str, float]) -> list[tuple[str, str]]:
+    """The edges of a seam in pairs, in the order of its sides or against it; none where they are not of one length."""
+    first, second = stitch.first, stitch.second
+    if len(first) == 1 and len(second) == 1:
+        return [(first[0], second[0])]
+    for other in (second, second[::-1]):
+        pairs = list(zip(first, other))
+        near = all(abs(lengths[a] - lengths[b]) <= EASE * max(lengths[a], lengths[b]) for a, b in pairs)
+        if near and len(first) == len(second):
+            return pairs
+    return []
 
 
 @dataclass

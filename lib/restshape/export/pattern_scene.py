@@ -27,7 +27,7 @@ SHEET = "sheet"
 """The piece that the shape of a scene without panels is."""
 FABRIC = "dress cloth"
 TO_DO = """# Still to be given: what the pieces lie on, [bodies.NAME] with friction and [effects.contact], or what
-# holds them, [supports.NAME]; and their fabric.
+# holds them, [supports.NAME]; then [effects.gravity]; and their fabric.
 """
 DIGITS = 12
 """Significant digits of angles in degrees."""
@@ -60,7 +60,6 @@ def scene_tables(pattern: Pattern, title: str) -> Table:
             for number, stitch in enumerate(pattern.stitches, 1)
         }
     tables["material"] = {"cloth": {"name": FABRIC}}
-    tables["effects"] = {"gravity": {}}
     tables["mesh"] = {"size": f"{1e3 * size:.2g} mm"}
     return tables
 

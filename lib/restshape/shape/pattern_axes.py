@@ -11,6 +11,8 @@ from restshape.shape.pattern import Pattern, Triple
 from restshape.shape.placement import rotation
 
 QUARTER = 0.5 * np.pi
+LOCKED = 1e-9
+"""Cosine of the angle about y below which that is a right one."""
 UPRIGHT: Triple = (QUARTER, 0.0, 0.0)
 """Turns what goes up along y so that it goes up along z."""
 
@@ -29,9 +31,12 @@ def turned_up(pattern: Pattern, up: str) -> Pattern:
 
 def angles_of(turn: Reals) -> Triple:
     """The angles [rad] about x, then y, then z of a rotation (3, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    return _triple(Rotation.from_matrix(turn).as_euler("xyz"))
+    across = float(np.hypot(turn[0, 0], turn[1, 0]))
+    y = float(np.arctan2(-turn[2, 0], across))
+    if across < LOCKED:
+        # Turned by a right angle about y, the axes of the other two are one.
+        return float(np.arctan2(-turn[1, 2], turn[1, 1])), y, 0.0
+    return float(np.arctan2(turn[2, 1], turn[2, 2])), y, float(np.arctan2(turn[1, 0], turn[0, 0]))
 
 
 def _triple(values: Reals) -> Triple:
