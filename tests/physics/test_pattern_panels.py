@@ -1,4 +1,4 @@
-"""Scenes of several panels: there in one pattern plane, meshed one by one, placed each in space, draped together."""
+"""Scenes of several panels: side by side in one pattern, meshed one by one, placed each in space, draped together."""
 
 import numpy as np
 import pytest
@@ -8,11 +8,11 @@ from restshape.errors import UserError
 from restshape.physics.cloth.free_pieces import falling_pieces
 from restshape.physics.cloth.relaxation.binding import mesh_in_frames
 from restshape.physics.cloth.thin_bodies import borne
-from restshape.scene.load import load_scene, revise
 from restshape.replay.first_frame import first_frame
-from restshape.scene.load import load_scene
+from restshape.scene.load import load_scene, revise
 from restshape.scene.panels import frames_of
 from restshape.shape.build import outline_from_spec
+from restshape.shape.panel_drag import with_frames
 from restshape.shape.panel_placement import PatternPlacement, plane_axes
 
 COTTON = """
@@ -233,6 +233,9 @@ def test_a_panel_that_is_cut_on_the_fold_keeps_both_halves_alike(tmp_path):
     for name in ("b", "c"):
         image = outline.points[outline.entity(f"front.mirror.{name}").vertices[0]]
         np.testing.assert_allclose(image, at[name] * [-1, 1], atol=1e-15)
+    given = outline_from_spec(load_scene(path).shape)
+    on_it = given.point(given.entity("front.neck").edges[0], np.linspace(0.0, 1.0, 1001))
+    assert np.hypot(*(on_it - [0.03, 0.13]).T).min() < 1e-4
     fold = mesh.nodes_of("front.fold")
     assert len(fold) > 4 and np.abs(mesh.X[fold, 0]).max() < 1e-12
     assert len(mesh.cells_of("front.mirror")) > 10
@@ -379,3 +382,14 @@ def test_panels_that_are_sewn_far_from_a_bar_do_not_fall_past_it_meanwhile(tmp_p
     scene = garment(*sides, seam, bar, "[effects.contact]\n").replace("1e-8", "1e-4").replace("0.2 MPa", "5 kPa")
     row = first_frame(write_scene(tmp_path, scene)).row
     assert row["converged"] == 1 and row["seam_gap"] < 1e-3
+
+
+def test_panels_that_overlap_are_packed_where_the_scene_says_so(tmp_path):
+    """Whatever `at` says; no hand moves them then."""
+    text = garment(OVERLAPPING).replace("version = 1", 'version = 1\nlayout = "auto"')
+    replay = make_replay(write_scene(tmp_path, text))
+    outline = replay.session.outline
+    low, high = outline.bounds()
+    assert outline.area() < np.prod(high - low) < 2.0 * outline.area()
+    with pytest.raises(UserError, match="packs all panels"):
+        with_frames(replay.session.scene, frames_of(replay.session.scene))

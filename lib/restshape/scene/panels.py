@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, RootModel, model_validator
 
 from restshape.errors import UserError
 from restshape.scene.descriptions import listing
@@ -62,6 +62,10 @@ class Panel(ShapeSpec):
         if self.file is not None:
             raise UnitError("a panel is read from no file", "write its vertices, edges and outline")
         return self
+
+
+class PatternLayout(RootModel[Literal["auto"]]):
+    """``layout = "auto"``: all panels are packed in rows, wherever they say that they lie."""
 
 
 class PanelShape(ShapeSpec):
@@ -131,7 +135,10 @@ def with_panels(scene: Scene) -> Scene:
     for name, panel in panels.items():
         if panel.outline is None:
             raise UserError("the panel has no outline", f"panels.{name}.outline", 'add outline = ["edge", ...]')
-    return scene.model_copy(update={"shape": pattern_shape({name: whole(name, one) for name, one in panels.items()})})
+    unfolded_panels = {name: whole(name, one) for name, one in panels.items()}
+    layout = scene.tables.get(PatternLayout)
+    packs = layout is not None and getattr(scene, layout) is not None
+    return scene.model_copy(update={"shape": pattern_shape(unfolded_panels, packs)})
 
 
 def whole(name: str, panel: Panel) -> Panel:
@@ -153,9 +160,10 @@ def folds_of(scene: Scene) -> dict[str, str]:
     return {name: f"{name}.{panel.mirror}" for name, panel in panels_of(scene).items() if panel.mirror is not None}
 
 
-def pattern_shape(panels: Mapping[str, Panel]) -> PanelShape:
-    """The shape of panels, each where it lies in the pattern plane, in the order of the scene."""
-    given = {name: Where(bounds(panel, panel.angle), panel.at, panel.angle) for name, panel in panels.items()}
+def pattern_shape(panels: Mapping[str, Panel], packs: bool = False) -> PanelShape:
+    """The shape of panels, each where it lies in the pattern plane, in the order of the scene; all packed if wanted."""
+    places = {name: None if packs else panel.at for name, panel in panels.items()}
+    given = {name: Where(bounds(panel, panel.angle), places[name], panel.angle) for name, panel in panels.items()}
     frames, parts, outlines = packed(given), Parts({}, {}, {}, {}, {}, {}), {}
     for name, panel in panels.items():
         _lay(name, panel, frames[name], parts)

@@ -126,7 +126,7 @@ def _bulge(a: Pair, b: Pair, through: Pair) -> float:
     """tan(angle / 4) of the arc from a to b through a point, from the angle at which that sees them."""
     u, v = (a[0] - through[0], a[1] - through[1]), (b[0] - through[0], b[1] - through[1])
     seen = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
-    return math.copysign(math.tan(0.5 * (math.pi - abs(seen))), seen) if seen else 0.0
+    return math.copysign(math.tan(0.5 * (math.pi - abs(seen))), -seen) if seen else 0.0
 
 
 def _around_arc(a: Pair, b: Pair, bulge: float) -> Iterator[Pair]:

@@ -29,6 +29,8 @@ def with_frames(scene: Scene, frames: Mapping[str, PanelFrame]) -> Scene:
     Raises:
         UserError: they make no scene.
     """
+    if "layout" in scene.raw:
+        raise UserError('layout = "auto" packs all panels', "layout", "leave it out, so that panels lie where they say")
     for name, frame in frames.items():
         known = panels_of(scene)[name]
         if known.at != (frame.x, frame.y):

@@ -12,7 +12,7 @@ from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.physics.cloth.weight import mass_and_weight
 from restshape.scene.bodies import Body, Start, body_words, start_words
 from restshape.scene.load_kind import ENTITIES
-from restshape.scene.panels import Panel, panel_words
+from restshape.scene.panels import Panel, PatternLayout, panel_words
 from restshape.scene.physics import OwnPictures, Physics, Section
 from restshape.scene.quantity import QuantityKind
 
@@ -59,6 +59,9 @@ CLOTH = Physics(
         "bodies": Section(Body, "what cloth comes to lie on", named=True, words=body_words),
         "seams": Section(Seam, "edges that are sewn together", named=True),
         "panels": Section(Panel, "pieces of the pattern, in place of one shape", named=True, words=panel_words),
+        "layout": Section(
+            PatternLayout, '"auto": all panels are packed in rows', optional=True, words=lambda layout: layout.root
+        ),
         "start": Section(Start, "where the flat cloth lies at first", optional=True, words=start_words),
     },
     effects=EFFECTS,
