@@ -288,3 +288,14 @@ def test_a_seam_on_a_plane_of_symmetry_is_refused(tmp_path):
     text = tube().replace('on = ["a", "d"]\nfix = ["x", "y", "z"]', 'on = "left"\nsymmetry = "x"')
     with pytest.raises(UserError, match="plane of symmetry: there the cloth goes on"):
         load_scene(write_scene(tmp_path, text))
+
+
+@pytest.mark.slow
+def test_an_edit_that_closes_a_wide_seam_comes_to_rest(tmp_path):
+    """From springs that give by decimetres to stiff ones, with contact of the cloth with itself."""
+    text = tube(size=0.03).replace('to = "right"', 'to = "right"\nstiffness = 1e-3')
+    design = DrapeDesign(tmp_path, text)
+    assert design.analysis.row()["seam_gap"] > 0.1 and "open by" in design.analysis.row()["note"]
+    design.take(design.scene_with("seams.side.stiffness", 1e6))
+    row = design.analysis.row()
+    assert row["converged"] == 1 and row["seam_gap"] < 1e-4 and row["crossings"] == 0

@@ -25,15 +25,16 @@ LIGHT = 0.05
 
 
 def close_seams(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
-    """Let seams that are wide open at x (n, 3), which is changed, pull the cloth together on its fall.
+    """Let seams that are wide open at x (n, 3), which is changed, pull the cloth together, in falls.
 
     Their springs are so soft that the widest one pulls with a small strain of the membrane, and stiffen as it closes.
     Nothing passes bodies or the cloth itself on the way, as on any other. Cloth is light meanwhile: panels would
     fall past what they are to be closed around. Without any weight flat cloth would stay in its plane.
     """
-    if solver.problem.seams:
+    seams = solver.problem.seams
+    if seams and seams.gap(solver.problem.corners(x)) > WIDE * seams.edge_length:
         with solver.problem.lightened(LIGHT):
-            _close(solver, solver.problem.seams, x, most, report)
+            _close(solver, seams, x, most, report)
 
 
 def _close(solver: EquilibriumSolver, seams: Seams, x: np.ndarray, most: int, report: ConvergenceReport) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.binding import friction_of, layers_of
+from restshape.physics.cloth.relaxation.close_seams import close_seams
 from restshape.physics.cloth.relaxation.cold_start import ColdStart
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.jumps import jump_note
@@ -70,6 +71,9 @@ def _equilibrium(
     """
     solver, most, strategy = state.solver, options.settings.steps, options.strategy
     report, x = ConvergenceReport(), state.x.copy()
+    if not cold and strategy == "auto":
+        # An edit may have sewn what lay apart.
+        close_seams(solver, x, most, report)
     if not (cold and strategy == "auto"):
         return x, STRATEGIES[strategy](solver, x, most, report), None
     friction, layers = friction_of(state.problem), layers_of(state.problem)
