@@ -112,6 +112,7 @@ class GridDistance:
         slope: typing.SupportsFloat | typing.SupportsIndex,
         thin: typing.SupportsFloat | typing.SupportsIndex,
         sharpest: typing.SupportsFloat | typing.SupportsIndex,
+        slack: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None: ...
     def at(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple: ...
     def shapes(

@@ -39,13 +39,14 @@ std::vector<T> copied(const A& values) {
 std::shared_ptr<GridDistance> grid(const Vector& origin, double spacing, const std::array<int, 3>& bricks,
                                    const Vector& low, const Vector& high, double band, const Numbers& table,
                                    const Floats& fine, const Doubles& coarse, const Doubles& bent, double slope,
-                                   double thin, double sharpest) {
+                                   double thin, double sharpest, double slack) {
     GridDistance::Layout layout{};
     for (int a = 0; a < 3; ++a) {
         layout.origin[a] = origin[a], layout.bricks[a] = bricks[a];
         layout.low[a] = low[a], layout.high[a] = high[a];
     }
     layout.spacing = spacing, layout.band = band, layout.slope = slope, layout.thin = thin, layout.sharpest = sharpest;
+    layout.slack = slack;
     return std::make_shared<GridDistance>(layout, copied<int32_t>(table), copied<float>(fine), copied<double>(coarse),
                                           copied<double>(bent));
 }
@@ -163,12 +164,14 @@ void bind_surface(py::module_& m) {
     py::class_<GridDistance, std::shared_ptr<GridDistance>>(
         m, "GridDistance", "Signed distance of a closed surface on grids, by cubic B-splines.")
         .def(py::init(&grid), "origin"_a, "spacing"_a, "bricks"_a, "low"_a, "high"_a, "band"_a, "table"_a, "fine"_a,
-             "coarse"_a, "bent"_a, "slope"_a, "thin"_a, "sharpest"_a,
+             "coarse"_a, "bent"_a, "slope"_a, "thin"_a, "sharpest"_a, "slack"_a,
              "Bricks of 8^3 cells of a spacing [m], their number along each axis, from an origin on. table: numbers of "
              "those that are stored, -1 outside, -2 inside. fine: their coefficients (k, 11, 11, 11), x last. coarse: "
              "coefficients of the grid of the bricks' corners, with a layer around. bent (k,): how much the distance "
              "curves downwards in bricks, at most. low, high: box of the surface; band [m]: within which there are "
-             "bricks; slope: no gradient is longer; thin, sharpest [m]: see Body.inner_radius and sharpest.")
+             "bricks; slope: no gradient is longer; thin, sharpest [m]: see Body.inner_radius and sharpest; slack [m]: "
+             "by which the coarse grid is too large "
+             "outside.")
         .def("at", &at, "x"_a,
              "Signed distances (n,) [m] of places x (n, 3), gradients (n, 3), and second derivatives (n, 6), xx yy zz "
              "yz xz xy.")

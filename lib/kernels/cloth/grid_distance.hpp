@@ -33,6 +33,7 @@ class GridDistance {
         double slope;            // no gradient is longer
         double thin;             // half of how thick the body is where it is thin
         double sharpest;         // smallest radius of curvature
+        double slack;            // by which the coarse grid is too large outside, at most
     };
 
     // table: numbers of bricks, z running fastest, `outside`, or less inside. fine: coefficients of bricks, x fastest.
@@ -77,7 +78,7 @@ class GridDistance {
         const int32_t own = number(brick);
         if (own >= 0) return fine(y, brick, own, curved);
         GridValue found = coarse(y, brick, curved);
-        if (own == outside) found.value = std::max(found.value, layout_.band);
+        if (own == outside) found.value = std::max(found.value - layout_.slack, layout_.band);
         return found;
     }
 

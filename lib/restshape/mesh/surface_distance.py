@@ -42,7 +42,9 @@ RAYS, THIN = 2000, 0.05
 """Rays through the body, and the share of them that pass through what is thinner than `SurfaceDistance.thin`."""
 SHARP = 0.01
 """Share of the surface that counts as its edges."""
-VERSION = 1
+AROUND = 6
+"""Exact places around bricks: what the filter takes from farther ones has fallen to 4e-4 of itself."""
+VERSION = 2
 """Of what the cache holds."""
 
 Made = dict[str, np.ndarray]
@@ -170,7 +172,7 @@ def _restored(made: Made) -> SurfaceDistance:
 
 def _grid(made: Made) -> _kernels.GridDistance:
     """The grid of its arrays."""
-    slope, thin, sharpest = (float(value) for value in made["numbers"])
+    slope, thin, sharpest, slack = (float(value) for value in made["numbers"])
     return _kernels.GridDistance(
         origin=made["origin"].tolist(),
         spacing=float(made["spacing"]),
@@ -185,6 +187,7 @@ def _grid(made: Made) -> _kernels.GridDistance:
         slope=slope,
         thin=thin,
         sharpest=sharpest,
+        slack=slack,
     )
 
 
@@ -223,10 +226,13 @@ def make_distance(
 
 
 def _layout(surface: ClosedSurface, spacing: float, band: float) -> tuple[np.ndarray, np.ndarray]:
-    """The origin (3,) [m] of the first brick, and the number (3,) of bricks along each axis."""
+    """The origin (3,) [m] of the first brick, and the number (3,) of bricks along each axis.
+
+    Coefficients ring at the border of the box, which stays away from the band for that.
+    """
     low, high = surface.box
     wide = CELLS * spacing
-    bricks = np.ceil((high - low + 2.0 * band) / wide).astype(np.int64)
+    bricks = np.ceil((high - low + 2.0 * (band + AROUND * spacing)) / wide).astype(np.int64)
     return 0.5 * (low + high) - 0.5 * wide * bricks, bricks
 
 
@@ -276,16 +282,21 @@ def _sampled(search: _kernels.SurfaceSearch, surface: ClosedSurface, spacing: fl
         "origin": origin, "spacing": np.array(spacing), "bricks": bricks, "low": low, "high": high,
         "band": np.array(band),
         "table": np.full_like(table, INSIDE), "coarse": spline_filter(corners, order=3, mode="mirror"),
-        "fine": np.empty((0, NODES, NODES, NODES), np.float32), "bent": np.empty(0), "numbers": np.ones(3),
+        "fine": np.empty((0, NODES, NODES, NODES), np.float32),
+        "bent": np.empty(0), "numbers": np.array([1.0, 1.0, 1.0, 0.0]),
     }  # fmt: skip
     places = np.argwhere(inner.reshape(bricks)) * CELLS
+    above = _grid(made).values(_lattice(origin + 0.5 * wide, wide, bricks)) - middles
     values = _values(search, _grid(made), made, places, counts)
     spline_filter(values, order=3, output=values, mode="mirror")
     # In bricks x runs fastest.
     made["fine"] = np.stack([values[_brick(at)].transpose(2, 1, 0) for at in places]).astype(np.float32)
     made["table"], made["bent"] = table, np.zeros(len(places))
     depth = -min(float(middles.min()), float(corners.min()))
-    made["bent"], made["numbers"] = _measured(_grid(made), made, places, _thin(search, surface, depth))
+    made["bent"], measured = _measured(_grid(made), made, places, _thin(search, surface, depth))
+    # How much too far the coarse grid is outside, where distances are bounds alone.
+    slack = SPARE * max(0.0, float(above[middles > 0.0].max()))
+    made["numbers"] = np.append(measured, slack)
     return made
 
 
@@ -301,7 +312,7 @@ def _values(
     inside = made["origin"], made["origin"] + (1.0 - 1e-9) * CELLS * spacing * made["bricks"]
     near = np.zeros(counts, dtype=bool)
     for at in places:
-        near[_brick(at)] = True
+        near[tuple(slice(max(k - AROUND, 0), k + NODES + AROUND) for k in at)] = True
     values = np.empty(counts)
     for k in range(counts[0]):
         plane = _lattice(origin + np.array([k * spacing, 0.0, 0.0]), spacing, np.array([1, *counts[1:]]))
