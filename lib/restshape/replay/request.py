@@ -67,6 +67,12 @@ class Request:
             "prediction": self._prediction() if self.predict == "gmls" else {},
             "calibration": self.calibration.as_dict(),
             "petsc_options": list(self.petsc),
+        } | self._of_physics()
+
+    def _of_physics(self) -> dict[str, object]:
+        """What the physics of the application add."""
+        return {
+            key: value for one in self.application.physics for key, value in one.recorded_header(self.scene).items()
         }
 
     def _prediction(self) -> dict[str, object]:

@@ -201,6 +201,8 @@ class Physics:
         check_start: path ``module:attribute`` of the function that checks what only the mesh of the first frame shows,
             of a scene, its plan and its outline, and gives a list of warnings; `restshape check` alone calls it.
         columns: names and types of columns of a replay that only it has, for a scene.
+        recorded: path ``module:attribute`` of the function that gives what recordings of a scene hold in their header
+            besides.
         summed: of a scene, its plan and the area [m^2] of its shape, what `restshape check` says besides: for programs,
             and as rows for people.
         instead: what to write in place of tables by name that it does not have, such as "loads".
@@ -239,6 +241,7 @@ class Physics:
     check_start: str = ""
     singular_shape: str = ""
     columns: Callable[[Scene], dict[str, npt.DTypeLike]] | None = None
+    recorded: str = ""
     summed: Callable[..., tuple[dict[str, object], Rows]] | None = None
     instead: Mapping[str, str] = field(default_factory=dict)
 
@@ -275,6 +278,10 @@ class Physics:
             return {}, ()
         found = imported(self.singular_shape)(scene, outline)
         return cast("tuple[dict[str, float], tuple[int, ...]]", found)
+
+    def recorded_header(self, scene: Scene) -> dict[str, object]:
+        """What recordings of a scene hold in their header besides."""
+        return cast("dict[str, object]", imported(self.recorded)(scene)) if self.recorded else {}
 
     def followed(self, written: Scene, scene: Scene) -> Table | None:
         """The plain tables of a scene with overrides where they differ from its own: see `overridden`."""

@@ -11,6 +11,8 @@ from pydantic import ValidationError
 from restshape.scene.bodies import Body, numbers_of
 
 PREFIX = "bodies"
+RECORDED = "of the recording"
+"""In place of the file of a body that comes from a recording."""
 
 
 def body_columns(bodies: Mapping[str, Body]) -> dict[str, Any]:
@@ -42,6 +44,9 @@ def recorded_bodies(table: Mapping[str, np.ndarray], i: int) -> dict[str, Body]:
             _put(found.setdefault(name, {}), keys, float(values[i]))
     bodies = {}
     for name, given in found.items():
+        if "mesh" in given:
+            # Its triangles are in the header.
+            given["mesh"]["file"] = RECORDED
         try:
             bodies[name] = Body.model_validate(given)
         except ValidationError:

@@ -77,6 +77,7 @@ CLOTH = Physics(
     mesh_jumps=False,
     check=check_cloth,
     inspect_shape="restshape.physics.cloth.mesh_bodies:inspect_bodies",
+    recorded="restshape.physics.cloth.mesh_bodies:recorded_surfaces",
     doubt_shape="restshape.physics.cloth.coarse_cloth:coarse_words",
     check_start="restshape.physics.cloth.relaxation.start_check:check_start",
     columns=cloth_columns,

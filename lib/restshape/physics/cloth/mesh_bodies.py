@@ -45,10 +45,19 @@ def kernel_mesh(form: MeshBody) -> _kernels.Body:
     return _kernels.Body.mesh(distance_of(form).grid, form.move, rotation(form.turn).T, form.scale)
 
 
-def mesh_surface(form: MeshBody) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) [m] of a body of numbers where it is, and its triangles (m, 3)."""
-    own = distance_of(form)
-    return form.scale * own.X @ rotation(form.turn).T + form.move, own.cells
+def placed_surface(form: MeshBody, X: np.ndarray) -> np.ndarray:
+    """Corners (n, 3) [m] of a body of numbers where it is; X (n, 3) are those of its own coordinates [m]."""
+    return form.scale * X @ rotation(form.turn).T + form.move
+
+
+def recorded_surfaces(scene: Scene) -> dict[str, object]:
+    """The surfaces of bodies, by name, that the header of a recording holds: a report reads no other file."""
+    found = {}
+    for name, body in scene.bodies.items():
+        if body.kind == "mesh":
+            own = located_distance(scene, name)
+            found[name] = {"X": own.X.round(6).tolist(), "cells": own.cells.tolist()}
+    return {"surfaces": found} if found else {}
 
 
 def reach_of(form: MeshBody) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from restshape.physics.cloth.body_motion import body_axes
-from restshape.physics.cloth.mesh_bodies import mesh_surface
+from restshape.physics.cloth.mesh_bodies import placed_surface
 from restshape.scene.bodies import Body, Box, Capsule, Cylinder, MeshBody, Plane, Sphere
 from restshape.shape.placement import rotation
 
@@ -19,23 +19,24 @@ Surface = tuple[np.ndarray, np.ndarray]
 """Places (n, 3) [m] and triangles (m, 3)."""
 
 
-def body_surface(body: Body, low: np.ndarray, high: np.ndarray) -> Surface:
+def body_surface(body: Body, low: np.ndarray, high: np.ndarray, own: Surface | None = None) -> Surface:
     """The surface of a body as triangles, which look outwards; of a plane at least what lies within a box.
 
     Args:
         body: of numbers.
         low, high: (3,) corners of the box [m].
+        own: of a body of triangles, in its own coordinates [m].
     """
     form = body.form
     match form:
+        case MeshBody():
+            return (np.empty((0, 3)), np.empty((0, 3), int)) if own is None else (placed_surface(form, own[0]), own[1])
         case Sphere():
             return _rounded(np.array([form.center]), form.radius)
         case Capsule():
             return _rounded(np.array([form.start, form.end]), form.radius)
         case Cylinder():
             return _rounded(_rims(form), form.rounded)
-        case MeshBody():
-            return mesh_surface(form)
         case Box():
             turn, half = rotation(form.rotate), np.array(form.half) - form.radius
             places, triangles = _rounded(np.array(list(product((-1.0, 1.0), repeat=3))) * half, form.radius)

@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.outputs.si_numbers import length_unit, scaled_unit
 from restshape.physics.cloth.body_columns import recorded_bodies
-from restshape.physics.cloth.pictures.body_surfaces import body_surface
+from restshape.physics.cloth.pictures.body_surfaces import Surface, body_surface
 from restshape.physics.cloth.pictures.panel_names import panel_names
 from restshape.physics.cloth.pictures.pins import pins
 from restshape.replay.recording import Recording
@@ -103,9 +103,11 @@ def drape_scenery(recording: Recording, frames: np.ndarray) -> DrapeScenery:
     first = dict(reversed(shown))
     moving = {name for name, body in shown if body != first[name]}
     for name, body in shown:
+        if body.kind == "mesh" and recorded_surface(recording, name) is None:
+            continue
         room = (MOVING_ROOM if name in moving else ROOM) * size
         most = inner[0] - room, inner[1] + room
-        surface, _ = body_surface(body, *most)
+        surface, _ = body_surface(body, *most, recorded_surface(recording, name))
         ends = np.clip((surface.min(axis=0), surface.max(axis=0)), *most) if body.kind != "plane" else (low, high)
         low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
     thin = np.maximum(0.0, THINNEST * max(high - low) - (high - low))
@@ -133,6 +135,12 @@ def _colour_range(values: np.ndarray) -> tuple[float, float, str]:
     top = top if top > bottom else bottom + 1.0
     beyond = {(True, True): "both", (True, False): "min", (False, True): "max", (False, False): "neither"}
     return bottom, top, beyond[bool(values.min() < bottom), bool(values.max() > top)]
+
+
+def recorded_surface(recording: Recording, name: str) -> Surface | None:
+    """The triangles of a body in its own coordinates, as the recording holds them; None of one without any."""
+    found = recording.header.get("surfaces", {}).get(name)
+    return None if found is None else (np.array(found["X"], float), np.array(found["cells"], int))
 
 
 def bodies(recording: Recording, i: int) -> Mapping[str, Body]:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
 from restshape.physics.cloth.pictures.body_surfaces import body_surface
-from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, bodies, places
+from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, bodies, places, recorded_surface
 from restshape.replay.recording import Recording
 from restshape.report.camera import Camera
 from restshape.report.outlines import border, lines
@@ -50,7 +50,7 @@ class DrapeImage(SpaceImage):
         self.scene.surface(x, cells[:, :3], colours, smooth=180.0)
         self.scene.lines(lines(x, border(cells)), INK, EDGE)
         away = BEHIND * float(np.linalg.norm(scenery.high - scenery.low))
-        for body in bodies(recording, i).values():
-            surface, triangles = body_surface(body, scenery.low, scenery.high)
+        for name, body in bodies(recording, i).items():
+            surface, triangles = body_surface(body, scenery.low, scenery.high, recorded_surface(recording, name))
             box = scenery.low - away, scenery.high + away
             self.veil.surface(surface - away * self.camera.axes[2], triangles, BODY, smooth=SHARP, within=box)
