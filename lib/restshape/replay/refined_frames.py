@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("restshape.replay")
 
-AGAIN = 2.0
+AGAIN = 4.0
 """Times that the way of the hand from the nearest sample grows or shrinks before a frame is estimated again."""
 SQUARE = 2.0
 """What the estimate grows with at most: the square of that way."""
