@@ -126,6 +126,7 @@ def test_bad_panels_are_refused_by_name(tmp_path, text, what, where):
     with pytest.raises(UserError) as refused:
         make_replay(write_scene(tmp_path, garment(text)))
     assert what in refused.value.what and where in refused.value.where
+    assert "overlap" not in what or "packed in rows" in refused.value.do
 
 
 def test_a_wrapped_panel_keeps_its_lengths_and_lies_on_its_cylinder(tmp_path):

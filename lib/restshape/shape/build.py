@@ -69,7 +69,9 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     outline = unchecked_outline(spec, scene_dir)
     wrong = problem(outline)
     if wrong:
-        raise UserError(wrong, _place(outline, wrong), "mend it: loops must neither cross, touch nor leave the outline")
+        do = "mend it: loops must neither cross, touch nor leave the outline"
+        apart = "give one of them another `at`, or leave it out: panels without are packed in rows"
+        raise UserError(wrong, _place(outline, wrong), apart if wrong.startswith("panel") else do)
     return outline
 
 
