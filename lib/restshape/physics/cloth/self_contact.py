@@ -16,6 +16,8 @@ from restshape.physics.cloth.touching_pairs import node_lists, touching
 
 ROOM = 2.0
 """Distance within which nodes are coupled in the pattern of matrices, over that at which contact begins."""
+FIRST, SECOND = (list(which) for which in zip(*((i, j) for i in range(4) for j in range(i))))
+"""Of lists of four nodes, both columns of each pair."""
 LEAST_SHARE = 1e-12
 """The share of a step that is gone where parts touch already."""
 FULL, DIAGONAL = 9, 6
@@ -236,9 +238,9 @@ class SelfContact:
     def cover(self, x: np.ndarray) -> bool:
         """Let `pairs` hold all nodes that are coupled at x (n, 3), with room; returns whether they are others now."""
         near = self.at(x)
-        needed = self._keys_of(node_lists(near.collisions, self.surface) if near.near else np.zeros((0, 4), np.int64))
-        needed = np.union1d(needed, self._keys_of(self.history.touching.nodes))
-        if np.isin(needed, self._keys, assume_unique=True).all():
+        lists = node_lists(near.collisions, self.surface) if near.near else np.zeros((0, 4), np.int64)
+        needed = self._keys_of(np.concatenate([lists, self.history.touching.nodes]))
+        if self._places(needed)[1].all():
             return False
         wide = node_lists(self.collisions(x, ROOM * self.values.thickness), self.surface)
         self._keys = np.union1d(needed, self._keys_of(wide))
@@ -249,10 +251,15 @@ class SelfContact:
 
     def _keys_of(self, nodes: np.ndarray) -> np.ndarray:
         """The pairs of different nodes in lists (m, 4), the smaller one times their number plus the other."""
-        first, second = (nodes[:, list(which)] for which in zip(*((i, j) for i in range(4) for j in range(i))))
-        low, high = np.minimum(first, second).ravel(), np.maximum(first, second).ravel()
+        first, second = nodes[:, FIRST].ravel(), nodes[:, SECOND].ravel()
+        low, high = np.minimum(first, second), np.maximum(first, second)
         different = (low != high) & (low >= 0)
-        return np.unique(low[different] * np.int64(len(self.surface.flat)) + high[different])
+        return low[different] * np.int64(len(self.surface.flat)) + high[different]
+
+    def _places(self, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where keys (m,) are among those of `pairs`, and whether they are there (m,)."""
+        at = np.searchsorted(self._keys, keys)
+        return at, np.append(self._keys, -1)[at] == keys
 
     def second_derivatives(self, x: np.ndarray, curved: bool) -> tuple[np.ndarray, np.ndarray]:
         """Second derivatives at x (n, 3): of nodes (n, 6) xx yy zz yz xz xy, and of `pairs` (m, 9) row by row [N/m].
@@ -299,9 +306,13 @@ class SelfContact:
     ) -> None:
         """Add entries of rows and columns of nodes, with their components a and b."""
         own = (row == col) & (a <= b)
-        np.add.at(single, (row[own], VOIGT[a[own], b[own]]), values[own])
+        _add_at(single, row[own], VOIGT[a[own], b[own]], values[own])
         above = (row < col) & (values != 0.0)
         keys = row[above] * np.int64(len(self.surface.flat)) + col[above]
-        at = np.searchsorted(self._keys, keys)
-        known = np.append(self._keys, -1)[at] == keys
-        np.add.at(coupled, (at[known], (3 * a[above] + b[above])[known]), values[above][known])
+        at, known = self._places(keys)
+        _add_at(coupled, at[known], (3 * a[above] + b[above])[known], values[above][known])
+
+
+def _add_at(table: np.ndarray, row: np.ndarray, column: np.ndarray, values: np.ndarray) -> None:
+    """Add values (m,) to entries of a table (n, k), one after the other where they meet."""
+    table += np.bincount(row * table.shape[1] + column, values, table.size).reshape(table.shape)
