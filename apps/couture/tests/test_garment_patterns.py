@@ -61,7 +61,7 @@ def test_measures_that_are_written_are_those_of_the_standard_body(garment):
     written = load_scene(PATTERNS / f"{garment}.toml").parameters
     for change in measures("standard", garment):
         name, value = change.removeprefix("parameters.").split("=")
-        # The fork is cut a centimetre below where the legs of the body meet.
+        # The fork is cut two centimetres below where the legs of the body meet.
         assert written[name] == pytest.approx(float(value), abs=2e-3), name
 
 
