@@ -164,7 +164,8 @@ def test_stiffness_and_weight_that_grow_together_change_nothing(tmp_path):
 def test_numbers_of_cloth_that_lies_on_itself_with_friction(tmp_path, kind):
     design = DrapeDesign(tmp_path, folded(kind))
     # Pulled on over itself, most of its layers come to the end of their slip.
-    design.take(design.scene_with("supports.right.fix.x", -0.103))
+    for pulled in (-0.103, -0.1035):
+        design.take(design.scene_with("supports.right.fix.x", pulled))
     history = design.problem.self_contact.history
     slid = np.linalg.norm(history.offsets[history.touching.forces > 0.0], axis=1) / 1e-4
     assert (slid > 0.99).sum() > 5 and (slid < 0.9).sum() > 1, "some layers slide, and some stick"

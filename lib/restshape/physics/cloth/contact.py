@@ -31,18 +31,28 @@ class FrictionHistory:
         normals: (bodies, n, 3) of the surfaces at the last update.
         limits: (bodies, n) largest forces of friction [N].
         points: of the triangles that touch with more than their corners; None: corners alone touch.
+        fixed: anchors stay where they are through a frame, see `begun`; else updates drag them.
     """
 
     anchors: np.ndarray
     normals: np.ndarray
     limits: np.ndarray
     points: ContactPoints | None = None
+    fixed: bool = False
 
     @classmethod
     def none(cls, bodies: int, nodes: int, points: ContactPoints | None = None) -> FrictionHistory:
         """The history of nodes that have touched nothing."""
         shape = (bodies, nodes)
         return cls(np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape), points)
+
+    def begun(self, place: np.ndarray) -> FrictionHistory:
+        """The history at the beginning of a frame, with corners and points at their places (n, 3) [m].
+
+        Through the frame friction acts against the way of each node from here, whatever iterates are on it: what
+        nothing presses yet has its anchor where it is.
+        """
+        return replace(self, anchors=np.where(self.limits[..., None] > 0.0, self.anchors, place), fixed=True)
 
     def at_corners(self, n: int) -> FrictionHistory:
         """The history of the n corners alone."""
@@ -52,11 +62,12 @@ class FrictionHistory:
     def on(self, points: ContactPoints, x: np.ndarray) -> FrictionHistory:
         """The history on other points of the same triangles, with corners at x (n, 3) [m].
 
-        A new point is as far from its anchor as the pressed ones of its triangle's corners are from theirs.
+        A new point is as far from its anchor as the pressed ones of its triangle's corners are from theirs; where
+        anchors are fixed it has one between theirs.
         """
         n, place = len(x), points.place(x)
         source = points.sources_in(self.points, n)
-        found = FrictionHistory.none(len(self.anchors), len(place), points)
+        found = replace(FrictionHistory.none(len(self.anchors), len(place), points), fixed=self.fixed)
         kept, new = source >= 0, np.flatnonzero(source[n:] < 0)
         nodes, weights = points.nodes[new], points.weights[new]
         for k in range(len(self.anchors)):
@@ -68,7 +79,8 @@ class FrictionHistory:
             total = pressed.sum(axis=1)
             ways = np.einsum("pk,pka->pa", pressed, (x - self.anchors[k, :n])[nodes])
             ways /= np.where(total > 0.0, total, 1.0)[:, None]
-            found.anchors[k, n + new] = place[n + new] - ways
+            between = np.einsum("pk,pka->pa", weights, self.anchors[k, nodes])
+            found.anchors[k, n + new] = between if self.fixed else place[n + new] - ways
             # Any limit says that it is pressed; the next update gives it its own.
             found.limits[k, n + new] = np.einsum("pk,pk->p", pressed, self.limits[k, nodes])
         return found
@@ -201,7 +213,10 @@ class Contact:
         return max(share, LEAST_SHARE)
 
     def update_friction(self, x: np.ndarray) -> float:
-        """Take normals and normal forces from x (n, 3), and drag the anchors; returns the largest slip distance [m]."""
+        """Take normals and normal forces from x (n, 3), and drag the anchors; returns the largest slip distance [m].
+
+        Fixed anchors stay, and 0 is returned.
+        """
         before, slipped = self.history, 0.0
         anchors, normals, limits = before.anchors.copy(), before.normals.copy(), before.limits.copy()
         areas = self.areas
@@ -209,8 +224,21 @@ class Contact:
             penalty = areas, self.stiffness, self.thickness
             memory = anchors[k], normals[k], limits[k]
             slipped = max(slipped, body.update_friction(x, *penalty, self.friction[k], self.slip, *memory))
+        if before.fixed:
+            self.history = replace(before, normals=normals, limits=limits)
+            return 0.0
         self.history = replace(before, anchors=anchors, normals=normals, limits=limits)
         return slipped
+
+    def begin_frame(self, x: np.ndarray) -> None:
+        """Let friction act against the way from corners at x (n, 3) [m] until `end_frame`."""
+        self.history = self.history.begun(self.place(x))
+
+    def end_frame(self, x: np.ndarray) -> None:
+        """Drag the anchors to corners at x (n, 3) [m], where the frame has led: forces stay as they are."""
+        if self.history.fixed:
+            self.history = replace(self.history, fixed=False)
+            self.update_friction(self.place(x))
 
     def passed(self, x: np.ndarray, way: np.ndarray) -> bool:
         """Whether points (n, 3) that go on along a way (3,) touch no body any more.

@@ -64,12 +64,15 @@ def bind(
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
+    known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
+    if problem.contact and not (cold or origin or before.guessed) and options.strategy == "auto":
+        start = in_material(before, problem) if before.problem is problem else known
+        problem.contact.begin_frame(problem.corners(start))
     if not (cold or origin) and before.problem is problem and options.strategy == "auto":
         moved = before.place.farthest(problem.place)
         state, found = drag_frame(state, LastRest(in_material(before, problem), before.bodies, moved, before.energy))
         if found:
             return replace(state, observer=problem.observer(scene.quantities)), False
-    known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
     if not cold:
         state = _followed(state, before, known)
     if origin:
@@ -155,8 +158,10 @@ def _dropped_again(
     hand = farthest(problem, problem.constrain(known) - known)
     expected = state.expected or Expected(known, hand, 0.0, energy, energy)
     expected = replace(expected, energy=expected.work, derive=None, dropped=True)
-    doubts = (*state.doubts, AGAIN)
-    return replace(state, x=initial_positions(problem, arguments), doubts=doubts, expected=expected)
+    doubts, x = (*state.doubts, AGAIN), initial_positions(problem, arguments)
+    if problem.contact:
+        problem.contact.end_frame(problem.corners(x))
+    return replace(state, x=x, doubts=doubts, expected=expected)
 
 
 def begins_across(problem: ClothProblem, x: np.ndarray, scene: Scene) -> str:

@@ -13,7 +13,7 @@ from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.relaxation.follow_bodies import take_along
 from restshape.physics.cloth.relaxation.jumps import Expected, farthest
-from restshape.physics.cloth.relaxation.mixed_newton import MixedNewton
+from restshape.physics.cloth.relaxation.mixed_newton import FEW, MOST, MixedNewton
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import kernel_body
@@ -59,8 +59,7 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
         last: the last rest.
     """
     problem, solver = state.problem, state.solver
-    if solver.tries.left_out():
-        return replace(state, expected=_first_order(state, last)), False
+    left_out = solver.tries.left_out()
     own = problem.self_contact
     known = _memory(state)
     if own and own.active and not problem.begin(last.x):
@@ -73,7 +72,7 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
     rests = False
     if x is not None:
         most = BEYOND * farthest(problem, x - last.x)
-        x, rests = newton.converge(x)
+        x, rests = newton.converge(x, FEW if left_out else MOST)
         if x is not None and farthest(problem, x - last.x) > most:
             x = None
     log.info(
@@ -82,7 +81,8 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
         report.newton,
         report.factors,
     )
-    solver.tries.count(rests)
+    if rests or not left_out:
+        solver.tries.count(rests)
     if x is None:
         _restore(state, known)
         return replace(state, expected=replace(state.expected, work=_first_order(state, last).work)), False

@@ -47,6 +47,8 @@ TRIES = 4
 class Tries:
     """When frames of a drag are tried by Newton's method: after tries in vain 1, 3, 7 and 15 frames are left out.
 
+    Those take its first few steps alone before a descent.
+
     Args:
         vain: tries in a row; ahead: frames that are still left out.
     """

@@ -68,6 +68,8 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         if share == 1.0:
             break
         parts += 1
+        # The way of the whole frame is no guess of that in a part of it.
+        contact.end_frame(problem.corners(x))
         state.solver.descend(x, ROUGH, ROUNDS * MEMORY, report)
     spent = ConvergenceReport()
     spent.count(report)

@@ -17,8 +17,9 @@ log = logging.getLogger("restshape.physics")
 
 EXACT = 1e-3
 """Part of the forces that a linear solve may leave."""
-MOST, PATIENCE, BETTER = 25, 7, 0.7
-"""Steps; steps in a row that leave more than a part of the least forces so far, after which it is given up."""
+MOST, FEW, PATIENCE, BETTER = 40, 6, 7, 0.7
+"""Steps; those in a frame that is left out, see `Tries`; steps in a row that leave more than a part of the least forces
+so far, after which it is given up."""
 NEAR_SADDLE, ESCAPES = 1e-2, 2
 """Residual over load at which a tangent that is not definite shows a saddle nearby; saddles that are left."""
 
@@ -85,12 +86,15 @@ class MixedNewton:
         self.report.newton, self.report.steps = self.report.newton + 1, self.report.steps + 1
         return reached
 
-    def converge(self, x: np.ndarray) -> tuple[np.ndarray | None, bool]:
+    def converge(self, x: np.ndarray, most: int = MOST) -> tuple[np.ndarray | None, bool]:
         """The equilibrium near x (n, 3) with friction that has followed, and whether it is found in few steps.
 
         Else the positions with the least forces; None where supports did not get where they are.
+
+        Args:
+            most: steps at most.
         """
-        steps = self.steps(x)
+        steps = self.steps(x, most)
         while True:
             try:
                 next(steps)
@@ -98,12 +102,12 @@ class MixedNewton:
                 found: tuple[np.ndarray | None, bool] = end.value
                 return found
 
-    def steps(self, x: np.ndarray) -> Generator[np.ndarray, None, tuple[np.ndarray | None, bool]]:
+    def steps(self, x: np.ndarray, most: int = MOST) -> Generator[np.ndarray, None, tuple[np.ndarray | None, bool]]:
         """The same by single steps, each of which gives where it leads; the value is what `converge` gives."""
         solver, problem, report = self.solver, self.problem, self.report
         least, since, escapes, forces = np.inf, 0, 0, np.empty_like(x)
         best: tuple[float, np.ndarray | None] = (np.inf, None)
-        for _ in range(MOST):
+        for _ in range(most):
             given = problem.constrain(x) - x
             problem.residual(x, forces)
             norm = float(np.linalg.norm(forces)) / solver.scale(x)
@@ -117,6 +121,9 @@ class MixedNewton:
                 if solver.rests(x, report):
                     return x, True
                 problem.residual(x, forces)
+                # Friction has followed: these are other equations.
+                least, since = np.inf, 0
+                best = report.residual, x.copy()
             if self.lost and norm <= NEAR_SADDLE and escapes < ESCAPES and SaddleEscape(solver).escape(x):
                 log.info("Newton's method from the last rest: a saddle is left along the lowest mode")
                 report.saddles += 1

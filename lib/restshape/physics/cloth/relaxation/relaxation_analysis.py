@@ -108,7 +108,7 @@ class RelaxationAnalysis(Timeless):
             raise
         self._origin = None
         self.age = self.age if found.problem is before.problem else 0
-        found = replace(found, scene=frame.scene, interrupted=False)
+        found = replace(found, scene=frame.scene, interrupted=False, guessed=False)
         self.state = replace(found, topology=mesh.topology, geometry=mesh.geometry)
         report = found.report
         self.counts.matrices += report.steps + report.newton
@@ -173,7 +173,7 @@ class RelaxationAnalysis(Timeless):
             return state
         # Places of nodes, whatever material has come there: there the cloth passed through nothing.
         x, way = state.rest.x, state.x - state.rest.x
-        return replace(state, x=x + state.problem.step_share(x, way) * way, rest=None, distance=None)
+        return replace(state, x=x + state.problem.step_share(x, way) * way, rest=None, distance=None, guessed=True)
 
     def moved(self, state: RelaxationState) -> RelaxationState:
         """An equilibrium whose problem has taken in where the nodes of its mesh are now in the material."""

@@ -43,6 +43,8 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     x, report, abandoned = _equilibrium(state, cold, options)
     if not np.isfinite(x).all():
         raise ReplayProblem("the cloth's positions are no numbers")
+    if problem.contact:
+        problem.contact.end_frame(problem.corners(x))
     if report.converged:
         _come_apart(state, x, options, report)
         _stabilise(state, x, options, report)

@@ -44,6 +44,7 @@ class RelaxationState:
         doubts: what the way there has to say of why the state cannot be trusted.
         softness: the least part of its stiffness that the membrane had on the way there, which contact remembers.
         interrupted: the last frame has failed: what was set up for it must be set up again.
+        guessed: positions are those of a prediction, friction is that of its equilibrium.
         expected: of a frame that begins at the last rest; None of others, and once it is solved.
         rest: of a prediction, the last equilibrium; None of an equilibrium.
         distance: of a prediction, what estimates how far it is from the drape, over its size; None: a Newton step does.
@@ -67,6 +68,7 @@ class RelaxationState:
     doubts: tuple[str, ...] = ()
     softness: float = 1.0
     interrupted: bool = False
+    guessed: bool = False
     expected: Expected | None = None
     rest: RelaxationState | None = None
     distance: Callable[[], float] | None = None
