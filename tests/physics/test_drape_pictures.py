@@ -72,6 +72,12 @@ def test_a_ball_is_seen_as_large_as_its_cone_of_sight(distance):
     assert covered(camera, places, triangles, (-2.0, 2.0, -2.0, 2.0), 400) == pytest.approx(np.pi * seen**2, rel=0.01)
 
 
+def test_a_ball_high_above_is_seen_from_above():
+    sphere = {"sphere": {"center": [0, 0, 5], "radius": 1}}
+    places, triangles = body_surface(Body.model_validate(sphere), LOW, HIGH + 5.0)
+    assert covered(ABOVE, places, triangles, (-2.0, 2.0, -2.0, 2.0), 400) == pytest.approx(np.pi, rel=0.01)
+
+
 def test_places_are_seen_where_the_camera_projects_them():
     camera = Camera.towards(np.array([0.3, -0.2, 0.1]), -1.1, 0.4, 2.5)
     window = (-0.7, 1.3, -0.6, 0.9)

@@ -150,8 +150,9 @@ class SpaceDrawing:
         for actor, layer, width in self._parts:
             actor.GetProperty().SetLineWidth(FINER * point * width)
             layers[layer].AddActor(actor)
+        reach = max(_reach(actor, camera) for actor, *_ in self._parts) if self._parts else 0.0
         for renderer in layers:
-            renderer.SetActiveCamera(_vtk_camera(camera, window))
+            renderer.SetActiveCamera(_vtk_camera(camera, window, reach))
             renderer.ResetCameraClippingRange()
             screen.AddRenderer(renderer)
         taken = vtkWindowToImageFilter()
@@ -243,10 +244,17 @@ def _screen() -> vtkEGLRenderWindow:
     return screen
 
 
-def _vtk_camera(camera: Camera, window: Window) -> vtkCamera:
+def _reach(actor: vtkActor, camera: Camera) -> float:
+    """How far an actor reaches from the centre of a camera towards it, at most [m]."""
+    low, high = np.reshape(actor.GetBounds(), (3, 2)).T - camera.center
+    return float(np.maximum(camera.axes[2] * low, camera.axes[2] * high).sum())
+
+
+def _vtk_camera(camera: Camera, window: Window, reach: float) -> vtkCamera:
+    """VTK's camera; where rays are parallel it stands before all that reaches so far [m], for it sees nothing behind."""
     left, right, bottom, top = window
     found = vtkCamera()
-    distance = camera.distance if np.isfinite(camera.distance) else 1.0
+    distance = camera.distance if np.isfinite(camera.distance) else 1.0 + max(0.0, reach)
     found.SetFocalPoint(*camera.center)
     found.SetPosition(*(camera.center + distance * camera.axes[2]))
     found.SetViewUp(*camera.axes[1])
