@@ -185,6 +185,9 @@ LIST = (
             ("poncho", "scenes/poncho.toml", (), "0"),
             ("skirt", "scenes/skirt.toml", (), "0"),
             ("napkin", "template/scene.toml", ("template/edits.jsonl",), "0 8 -1"),
+            ("stool", "scenes/stool.toml", ("edits/stool.jsonl",), "0 -1"),
+            ("sewn-skirt", "scenes/sewn_skirt.toml", ("edits/sewn_skirt.jsonl",), "0 -1"),
+            ("dress", "patterns/dress.toml", (), "0"),
         )
     ),
     brought(

@@ -251,7 +251,7 @@ def _reach(actor: vtkActor, camera: Camera) -> float:
 
 
 def _vtk_camera(camera: Camera, window: Window, reach: float) -> vtkCamera:
-    """VTK's camera; where rays are parallel it stands before all that reaches so far [m], for it sees nothing behind."""
+    """VTK's camera; with parallel rays it stands before all that reaches so far [m]; it sees nothing behind it."""
     left, right, bottom, top = window
     found = vtkCamera()
     distance = camera.distance if np.isfinite(camera.distance) else 1.0 + max(0.0, reach)
