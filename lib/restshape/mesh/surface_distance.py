@@ -17,6 +17,7 @@ from restshape import _kernels
 from restshape.bounds import BODY_BRICKS, BODY_LATTICE
 from restshape.errors import UserError
 from restshape.mesh.closed_surface import ClosedSurface, SurfaceHole, read_closed_surface
+from restshape.outputs.atomic_files import replacing
 
 CELLS = 8
 """Cells of a brick along each axis."""
@@ -151,15 +152,10 @@ def _digest(path: Path, *settings: float | None) -> str:
 
 def _keep(place: Path, made: Made) -> None:
     """Puts a grid into the cache, whole or not at all; where nothing can be written it is made again next time."""
-    part = place.with_name(f"{place.stem}.{os.getpid()}.part")
     with suppress(OSError):
         place.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with part.open("wb") as file:
-                np.savez(file, **made)
-            part.replace(place)
-        finally:
-            part.unlink(missing_ok=True)
+        with replacing(place) as part:
+            np.savez(part, **made)
 
 
 def _restored(made: Made) -> SurfaceDistance:

@@ -1,15 +1,20 @@
 """Bodies that are small beside the cloth, and what they have to bear."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from restshape.physics.cloth.mesh_bodies import distance_of
-from restshape.scene.bodies import Body
+from restshape.scene.bodies import Body, MeshBody
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Value
 from restshape.scene.model import Scene
 from restshape.scene.panels import panels_of, whole
 from restshape.scene.space_values import number
+
+if TYPE_CHECKING:
+    from restshape.mesh.surface_distance import SurfaceDistance
 
 BORNE = 10.0
 """Multiple of the cloth's own weight that contact bears at half of its thickness, at least."""
@@ -83,11 +88,18 @@ def _diameters(body: Body) -> tuple[float, float]:
             first, second, _ = sorted(form.half)
             return 2.0 * first, 2.0 * second
         case "mesh":
-            surface = distance_of(form).X
+            surface = _surface(form).X
             first, second, _ = sorted((surface.max(axis=0) - surface.min(axis=0)).tolist())
             return first * form.scale, second * form.scale
         case _:
             return math.inf, math.inf
+
+
+def _surface(form: MeshBody) -> SurfaceDistance:
+    # Imported here: scenes are checked, and reports written, without kernels.
+    from restshape.physics.cloth.mesh_bodies import distance_of
+
+    return distance_of(form)
 
 
 def _distance(start: Sequence[float], end: Sequence[float]) -> float:
@@ -104,7 +116,7 @@ def _edge_radius(body: Body) -> float:
         case "cylinder":
             return body.form.rounded
         case "mesh":
-            return distance_of(body.form).facts.edge * body.form.scale
+            return _surface(body.form).facts.edge * body.form.scale
         case _:
             return math.inf
 
