@@ -154,6 +154,18 @@ def test_pieces_without_blocks_have_a_seam_or_are_cut(tmp_path):
     assert found.notes == ("not read: 2 LWPOLYLINE on layer 1 that closes no loop",)
 
 
+def test_a_seam_in_the_notch_of_another_piece_is_not_its_seam(tmp_path):
+    """A cut line of an L, without the line of a seam, has the sewn square of another piece in its notch."""
+    drawing = ezdxf.new("R2010", units=ezdxf.units.CM)
+    space = drawing.modelspace()
+    ell = [(0, 0), (30, 0), (30, 10), (10, 10), (10, 30), (0, 30)]
+    space.add_lwpolyline(ell, close=True, dxfattribs={"layer": "1"})
+    space.add_lwpolyline([(15, 15), (25, 15), (25, 25), (15, 25)], close=True, dxfattribs={"layer": "14"})
+    drawing.saveas(tmp_path / "notch.dxf")
+    found = read_pattern_dxf(tmp_path / "notch.dxf")
+    assert sorted(areas(found).values()) == pytest.approx([100e-4, 500e-4]) and found.notes == ()
+
+
 @pytest.mark.parametrize("corners", [(), ((0, 0), (30, 0), (30, 20), (0, 20), (15, 20))])
 def test_a_curve_of_short_lines_is_one_edge(tmp_path, corners):
     """By points of layer 2, which cut the upper edge in two, or by the angles: a sagging upper edge of 32 lines."""

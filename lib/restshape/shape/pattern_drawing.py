@@ -23,7 +23,7 @@ from restshape.shape.gaps import JOIN
 from restshape.shape.loose_curve import Curve, gathered
 from restshape.shape.named_points import chain_of_curve
 from restshape.shape.pattern import Pattern, PatternPiece
-from restshape.shape.pattern_pieces import loops_of, pieces_of
+from restshape.shape.pattern_pieces import is_in, loops_of, pieces_of, place_in
 from restshape.shape.svg import read_svg
 
 CUT, TURNS, NOTCH, GRAIN, INTERNAL, CUTOUT, SEW = "1", "2", "4", "7", "8", "11", "14"
@@ -156,11 +156,10 @@ class _PieceSheet:
         """The curves around pieces: lines of seams, and cut lines around none of them."""
         sewn, cut = loops_of(self._curves(SEW)), loops_of(self._curves(CUT))
         found = [*(curve for group in sewn.groups for curve in group), *sewn.open, *cut.open]
-        inner = [_box(group) for group in sewn.groups]
-        for group in cut.groups:
-            low, high = _box(group)
-            near = WITHIN * float(np.hypot(*(high - low)))
-            if not any((a >= low - near).all() and (b <= high + near).all() for a, b in inner):
+        inner = [_chains(group[:around]) for group, around in zip(sewn.groups, sewn.around)]
+        for group, around in zip(cut.groups, cut.around):
+            border = _chains(group[:around])
+            if not any(_lies_within(line, border) for line in inner):
                 found += group
         return found
 
@@ -228,10 +227,17 @@ def _polyline(lines: list[Curve]) -> Curve:
     return replace(lines[0], points=points, kind="polyline")
 
 
-def _box(curves: list[Curve]) -> tuple[Reals, Reals]:
-    """Lower and upper corner (2,) [m] of the box around curves."""
-    chains = np.concatenate([chain_of_curve(curve) for curve in curves])
-    return chains.min(axis=0), chains.max(axis=0)
+def _chains(curves: list[Curve]) -> list[Reals]:
+    return [chain_of_curve(curve) for curve in curves]
+
+
+def _lies_within(line: list[Reals], border: list[Reals]) -> bool:
+    """Whether a closed line of chains (m, 2) is inside of a closed border, which it may touch."""
+    inner, outer = np.concatenate(line), np.concatenate(border)
+    low, high = outer.min(axis=0), outer.max(axis=0)
+    near = WITHIN * float(np.hypot(*(high - low)))
+    boxed = (inner >= low - near).all() and (inner <= high + near).all()
+    return bool(boxed) and is_in(place_in(line), border)
 
 
 def _text(entity: Any) -> str:

@@ -46,7 +46,7 @@ def loops_of(curves: Sequence[Curve]) -> Loops:
         [
             k
             for k in range(len(closed))
-            if k != i and _box_within(borders[i], borders[k]) and _in(borders[i][0], edges[k])
+            if k != i and _box_within(borders[i], borders[k]) and is_in(borders[i][0], edges[k])
         ]
         for i in range(len(closed))
     ]
@@ -81,7 +81,7 @@ def pieces_of(
         tables, _ = shape_data(own, where, 0.0, points)
         placed += len(points.keys() & {*table_in(tables, "vertices"), *table_in(tables, "points")})
         border = [chain_of_curve(curve) for curve in group[:around]]
-        grain = next((angle for place, angle in grains if _in(place, border)), None)
+        grain = next((angle for place, angle in grains if is_in(place, border)), None)
         found.append(PatternPiece(name, {key: table for key, table in tables.items() if table}, grain=grain))
     return found, len(points) - placed
 
@@ -119,12 +119,26 @@ def _box_within(inner: Reals, outer: Reals) -> bool:
     return bool((inner.min(axis=0) >= outer.min(axis=0)).all() and (inner.max(axis=0) <= outer.max(axis=0)).all())
 
 
-def _in(place: Reals, border: Sequence[Reals]) -> bool:
+def is_in(place: Reals, border: Sequence[Reals]) -> bool:
     """Whether a place (2,) is inside of a closed border of chains (m, 2), by the parity of crossings."""
     a, b = (np.concatenate([chain[part] for chain in border]) for part in (slice(-1), slice(1, None)))
     crosses = (a[:, 1] > place[1]) != (b[:, 1] > place[1])
     (ax, ay), (bx, by) = a[crosses].T, b[crosses].T
     return bool(np.count_nonzero(place[0] < ax + (place[1] - ay) / (by - ay) * (bx - ax)) % 2)
+
+
+def place_in(border: Sequence[Reals]) -> Reals:
+    """A place (2,) inside of a closed border of chains (m, 2), away from it."""
+    a, b = (np.concatenate([chain[part] for chain in border]) for part in (slice(-1), slice(1, None)))
+    heights = np.unique(a[:, 1])
+    gap = int(np.diff(heights).argmax())
+    y = 0.5 * (heights[gap] + heights[gap + 1])
+    crosses = (a[:, 1] > y) != (b[:, 1] > y)
+    (ax, ay), (bx, by) = a[crosses].T, b[crosses].T
+    x = np.sort(ax + (y - ay) / (by - ay) * (bx - ax))
+    # Between the first two crossings, the next two, and so on, the line is inside.
+    widest = 2 * int((x[1::2] - x[::2]).argmax())
+    return np.array([0.5 * (x[widest] + x[widest + 1]), y])
 
 
 def _name(around: list[Curve]) -> str:
