@@ -94,6 +94,23 @@ def rounded(value):
     return pytest.approx(value, rel=1e-9, abs=1e-9) if isinstance(value, float | int) else value
 
 
+def test_panels_with_names_of_their_own_stay(tmp_path):
+    """A key `name` of two panels is theirs to keep; a panel's name that no piece can have comes back."""
+    pattern = changed("pattern", "panels", "front", "name", value="bodice")
+    panels = pattern["pattern"]["panels"]
+    panels["back"]["name"] = "bodice"
+    panels["left sleeve"] = {**panels["back"], "label": "sleeve"}
+    write_garmentcode(read_garmentcode(written(tmp_path, pattern)), tmp_path / "again.json")
+    again = json.loads((tmp_path / "again.json").read_text())["pattern"]["panels"]
+    assert {name: panel["name"] for name, panel in again.items()} == dict.fromkeys(panels, "bodice")
+
+
+def test_a_whole_number_of_thousands_of_digits_is_refused(tmp_path):
+    path = written(tmp_path, '{"pattern": {"panels": ' + "1" * 5000 + "}}", "digits.json")
+    with pytest.raises(UserError, match="digits.json: a whole number has thousands of digits"):
+        read_garmentcode(path)
+
+
 @pytest.mark.parametrize("seams", [[["front", 0], ["back", 0]], [["front", 2], ["back", 2]]])
 def test_stitches_go_by_panel_and_edge(tmp_path, seams):
     sides = [{"panel": panel, "edge": edge} for panel, edge in seams]

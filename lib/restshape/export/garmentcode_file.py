@@ -47,7 +47,7 @@ def write_garmentcode(pattern: Pattern, path: Path) -> list[str]:
     lengths: dict[str, float] = {}
     for piece in pattern.pieces:
         outline = piece.outline()
-        name = str(piece.kept.get("name", piece.name))
+        name = piece.file_name or piece.name
         panel = _PanelTable(piece, outline, float(unit))
         panels[name] = panel.table()
         lengths |= {f"{piece.name}.{edge.name}": outline.length(e) for e, edge in enumerate(outline.edges)}
@@ -133,10 +133,9 @@ class _PanelTable:
             kept = self.piece.kept_edges.get(edge.name, {})
             for pair, curve in zip(pairwise(chain), curves):
                 edges.append({"endpoints": list(pair), **_curvature(curve * self.unit, bulge), **kept})
-        kept = {key: value for key, value in self.piece.kept.items() if key != "name"}
         move = [x * self.unit for x in self.piece.move]
         turn = [float(x) for x in np.degrees(self.piece.turn)]
-        return {"translation": move, "rotation": turn, "vertices": self.corners, "edges": edges, **kept}
+        return {"translation": move, "rotation": turn, "vertices": self.corners, "edges": edges, **self.piece.kept}
 
     def _ring(self) -> list[tuple[int, bool]]:
         """The edges around it in the order of its file, from the start of the first one, with their directions."""

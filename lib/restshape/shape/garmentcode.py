@@ -48,6 +48,8 @@ def read_garmentcode(path: Path) -> Pattern:
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         why = printable(str(error))[:200]
         raise UserError(f"this cannot be read as JSON: {why}", path.name, "save it as GarmentCode does") from None
+    except ValueError:
+        raise UserError("a whole number has thousands of digits", path.name, "write fewer of them") from None
     return _GarmentCode(path.name, text).pattern(whole)
 
 
@@ -119,15 +121,15 @@ class _GarmentCode:
             "edges": tables,
         }
         kept = {key: value for key, value in table.items() if key not in OWN_KEYS}
-        if name != panel:
-            kept["name"] = panel
         others = {f"e{k}": {key: v for key, v in self._table(edge, place).items()} for k, edge in enumerate(edges)}
         for own in others.values():
             own.pop("endpoints", None)
             own.pop("curvature", None)
         x, y, z = (v / unit for v in self._triple(table.get("translation", [0, 0, 0]), f"{place}, translation"))
         a, b, c = (math.radians(v) for v in self._triple(table.get("rotation", [0, 0, 0]), f"{place}, rotation"))
-        return PatternPiece(name, shape, (x, y, z), (a, b, c), None, kept, {k: v for k, v in others.items() if v})
+        kept_edges = {edge: own for edge, own in others.items() if own}
+        file_name = panel if name != panel else ""
+        return PatternPiece(name, shape, (x, y, z), (a, b, c), None, kept, kept_edges, file_name)
 
     def _ring(self, ends: list[tuple[int, int]], place: str) -> list[int]:
         """Numbers of the edges around a panel, in their order."""

@@ -30,6 +30,7 @@ class PatternPiece:
         turn: angles [rad] about x, then y, then z of space, through its own origin.
         grain: angle [rad] of the grain from its own x axis; None: not given.
         kept: what its file has besides, by the file's own keys; kept_edges: the same of its edges, by their names.
+        file_name: that it has in its file, where that cannot be its own; "": its name.
     """
 
     name: str
@@ -39,6 +40,7 @@ class PatternPiece:
     grain: float | None = None
     kept: Table = field(default_factory=dict)
     kept_edges: dict[str, Table] = field(default_factory=dict)
+    file_name: str = ""
 
     def outline(self) -> Outline:
         """Its outline, in one piece and valid.
