@@ -6,7 +6,7 @@ from restshape.cli.main import main
 from restshape.export.edited_frame import frame_of_script
 from restshape.export.garmentcode_file import write_garmentcode
 from restshape.export.pattern_drawings import write_pattern_dxf, write_pattern_svg
-from restshape.export.pattern_scene import pattern_of_scene
+from restshape.export.pattern_scene import pattern_of_scene, write_pattern_scene
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.panels import panels_of
@@ -61,6 +61,11 @@ name = "denim"
 [effects.gravity]
 [mesh]
 size = "40 mm"
+"""
+PINS = """
+[supports.pin]
+on = ["front.top", "back.b"]
+fix = ["x", "y", "z"]
 """
 EDITS = """{"format": "restshape-edits", "version": 1}
 {"t": 0.0, "do": "press", "on": "front.b", "at": [0, 0]}
@@ -140,6 +145,18 @@ def test_a_seam_of_several_edges_is_stitched_one_by_one(tmp_path, to):
     pairs = [(lengths[one.first[0]], lengths[one.second[0]]) for one in found.stitches]
     assert sorted(first for first, _ in pairs) == pytest.approx([0.0720**0.5, 0.3], rel=1e-9)
     assert all(first == pytest.approx(second, rel=2e-3) for first, second in pairs)
+
+
+def test_what_a_scene_says_of_seams_stays(path, tmp_path):
+    said = 'to = "back.upper"\nreverse = true\nstitched = "flat"\nease = 0.5\nstiffness = "3 MPa"\n'
+    path.write_text(SCENE.replace('to = "back.upper"\n', said))
+    pattern = pattern_of_scene(load_scene(path))
+    write_pattern_scene(pattern, tmp_path / "again.toml", "again")
+    (tmp_path / "again.toml").write_text((tmp_path / "again.toml").read_text() + PINS)
+    (seam,) = load_scene(tmp_path / "again.toml").seams.values()
+    assert (seam.reverse, seam.stitched, seam.ease, seam.stiffness) == (True, "flat", 0.5, 3e6)
+    notes = write_garmentcode(pattern, tmp_path / "again.json")
+    assert any("ease, reverse, stiffness, stitched of seams" in note for note in notes)
 
 
 def test_a_frame_of_no_script_is_the_first(path):

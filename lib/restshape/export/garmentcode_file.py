@@ -58,6 +58,8 @@ def write_garmentcode(pattern: Pattern, path: Path) -> list[str]:
     stitches, left = _stitches(pattern, sides, lengths)
     if left:
         notes.append(f"left out, for these seams do not join edges one by one: {'; '.join(left)}")
+    if keys := sorted({key for stitch in pattern.stitches for key in stitch.keys}):
+        notes.append(f"left out, for stitches have none: {', '.join(keys)} of seams")
     own = {**table_in(pattern.kept, "pattern")}
     kept = {key: value for key, value in pattern.kept.items() if key not in ("pattern", "properties", "note")}
     mine: Table = {"note": EXPORT_MARK, "pattern": {"panels": panels, "stitches": stitches, **own}}

@@ -56,7 +56,7 @@ def scene_tables(pattern: Pattern, title: str) -> Table:
     tables["panels"] = {piece.name: _panel(piece) for piece in pattern.pieces}
     if pattern.stitches:
         tables["seams"] = {
-            f"seam{number}": {"from": _one_or_all(stitch.first), "to": _one_or_all(stitch.second)}
+            f"seam{number}": {"from": _one_or_all(stitch.first), "to": _one_or_all(stitch.second), **stitch.keys}
             for number, stitch in enumerate(pattern.stitches, 1)
         }
     tables["material"] = {"cloth": {"name": FABRIC}}
@@ -99,18 +99,26 @@ def pattern_of_scene(scene: Scene) -> Pattern:
     seams = scene.sections.get("seams") or {}
     assert isinstance(seams, dict)
     before = "" if panels else f"{SHEET}."
-    sides = [seam.sides for seam in seams.values() if isinstance(seam, _Sewn)]
-    stitches = tuple(Stitch(_named(first, before), _named(second, before)) for first, second in sides)
+    stitches = tuple(_stitch(seam, before) for seam in seams.values() if isinstance(seam, _Sewn))
     return Pattern(pieces, stitches, "y" if upright else "z", notes=notes)
 
 
 @runtime_checkable
 class _Sewn(Protocol):
-    """What a seam says of the edges on its two sides."""
+    """What a seam says of itself."""
 
     @property
     def sides(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Names of edges."""
+
+    @property
+    def keys(self) -> Table:
+        """What the scene says of it besides."""
+
+
+def _stitch(seam: _Sewn, before: str) -> Stitch:
+    first, second = seam.sides
+    return Stitch(_named(first, before), _named(second, before), keys=dict(seam.keys))
 
 
 def _named(edges: tuple[str, ...], before: str) -> tuple[str, ...]:

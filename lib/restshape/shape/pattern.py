@@ -64,11 +64,13 @@ class Stitch:
     Args:
         first, second: names of edges, ``PIECE.EDGE``.
         kept: what its file says besides of its two sides.
+        keys: those of a seam of a scene besides its sides, with values in SI units.
     """
 
     first: tuple[str, ...]
     second: tuple[str, ...]
     kept: tuple[Table, Table] = ({}, {})
+    keys: Table = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from restshape.scene.model import Entities
 from restshape.scene.panels import folds_of
+from restshape.scene.plain_values import Table
 from restshape.scene.units import UnitError
 from restshape.scene.values import Strict, number_of
 
@@ -44,6 +45,11 @@ class Seam(Strict):
     def sides(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Names of the edges of both sides."""
         return edges_of(self.start), edges_of(self.to)
+
+    @property
+    def keys(self) -> Table:
+        """What is written of it besides its sides, in SI units."""
+        return self.model_dump(exclude={"start", "to"}, exclude_unset=True)
 
     @model_validator(mode="after")
     def _has_two_sides(self) -> Self:
