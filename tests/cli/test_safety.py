@@ -9,9 +9,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import small_scenes
+from drape_designs import HELD, sheet
 from PIL import Image
 
 from restshape.cli.main import main
+from restshape.errors import UserError
+from restshape.scene.load import load_scene
 
 SQUARE = """
 Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {1, 1, 0}; Point(4) = {0, 1, 0};
@@ -141,6 +145,17 @@ def test_matplotlibrc_changes_no_picture(command, restshape, tmp_path):
         assert ended.returncode == 0 and not ended.stderr
         pictures.append(np.asarray(Image.open(tmp_path / "out-report" / "frames.png")))
     assert all(np.array_equal(pictures[0], picture) for picture in pictures[1:])
+
+
+@pytest.mark.parametrize("where", ["shape", "body"])
+def test_a_null_character_is_in_no_name_of_a_file(tmp_path, where):
+    scene = write_scene(tmp_path, "a\\u0000b.geo")
+    if where == "body":
+        body = '[bodies.it]\nmesh = { file = "a\\u0000b.obj" }\n[effects.contact]\n'
+        scene = small_scenes.write_scene(tmp_path, sheet("hinge", HELD, body))
+    with pytest.raises(UserError, match="null character") as refused:
+        load_scene(scene)
+    assert "file (line" in refused.value.where
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 from restshape.application import applications
+from restshape.errors import quoted
 
 FOLDERS = "RESTSHAPE_ALLOW_PATH"
 """Folders, separated as those of PATH are, whose files scenes may name."""
@@ -43,6 +44,8 @@ def may_name(file: Path, folder: Path) -> bool:
 
 def outside(file: str, folder: Path) -> tuple[str, str] | None:
     """What is wrong with a file that a scene in a folder may not name, and what to do; None where it may."""
+    if "\0" in file:
+        return f"{quoted(file)} is no name of a file: it holds a null character", "write the name of a file"
     path = folder / file
     if may_name(path, folder):
         return None
