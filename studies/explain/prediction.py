@@ -11,11 +11,22 @@ from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.refined_frames import RefinedFrames
 from restshape.replay.request import Request
-from restshape.scene.edit_script import Script
+from restshape.scene.edit_script import Press, Script
+from restshape.scene.event_line import EventLine
 from restshape.scene.model import Scene
+from restshape.shape.pin_drag import is_in_space
+from restshape.shape.protocol import Session
+from restshape.shape.session import EditSession
 
 Line = tuple[str, str, str]
 NAME = "--predict gmls"
+
+
+def _holds_the_shape(event: EventLine, session: Session) -> bool:
+    """Whether an event is a hand that takes hold of a part of the shape: of no body, no support and no whole panel."""
+    if not isinstance(event, Press) or not isinstance(session, EditSession):
+        return event.do in ("press", "pull")
+    return not is_in_space(session.outline, session.scene, event.on)
 
 
 def prediction(scene: Scene, script: Script | None) -> Line:
@@ -25,10 +36,12 @@ def prediction(scene: Scene, script: Script | None) -> Line:
     ways = policy(scene.solve.policy)
     request = Request(scene, script, application_of(scene), ways, Calibration.load(), predict="gmls")
     try:
-        found = Replay(request, PETSc.COMM_SELF).prediction
+        replay = Replay(request, PETSc.COMM_SELF)
     except UserError as error:
         return NAME, "nothing", f"refused: {error.what}"
-    spec = scene.predict
+    if not any(_holds_the_shape(event, replay.session) for event in script.events):
+        return NAME, "nothing", "no hand holds the shape"
+    found, spec = replay.prediction, scene.predict
     mesh = "the mesh"
     if isinstance(found, RefinedFrames):
         mesh = f"mesh {found.levels.coarse} of {found.levels.finest}, shown on mesh {found.levels.finest}"

@@ -94,6 +94,11 @@ def begin_pin_drag(outline: Outline, scene: Scene, name: str, at: tuple[float, .
     return PinDrag(name, origin, origin, (outline, scene))
 
 
+def is_in_space(outline: Outline, scene: Scene, on: str) -> bool:
+    """Whether a press takes hold of a body, a whole panel or a support in space, and of no part of the shape."""
+    return on in bodies_of(scene) or on in panels_of(scene) or pin_named(scene, outline, on) is not None
+
+
 def begin_space_grab(outline: Outline, scene: Scene, on: str, at: tuple[float, ...] | None) -> SpaceGrab | None:
     """A hand that takes hold of a body or a support in space at a point [m]; None where it means a part of the shape.
 
