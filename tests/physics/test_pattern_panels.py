@@ -4,16 +4,19 @@ import numpy as np
 import pytest
 from small_scenes import head, make_replay, meshed, write_scene, write_script
 
+from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.physics.cloth.free_pieces import falling_pieces
 from restshape.physics.cloth.relaxation.binding import mesh_in_frames
 from restshape.physics.cloth.thin_bodies import borne
 from restshape.replay.first_frame import first_frame
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.panels import frames_of
 from restshape.shape.build import outline_from_spec
 from restshape.shape.panel_drag import with_frames
 from restshape.shape.panel_placement import PatternPlacement, plane_axes
+from restshape.shape.session import EditSession
 
 COTTON = """
 [material.cotton]
@@ -394,3 +397,35 @@ def test_panels_that_overlap_are_packed_where_the_scene_says_so(tmp_path):
     assert outline.area() < np.prod(high - low) < 2.0 * outline.area()
     with pytest.raises(UserError, match="packs all panels"):
         with_frames(replay.session.scene, frames_of(replay.session.scene))
+
+
+@pytest.mark.parametrize(
+    ("event", "do"),
+    [
+        ({"do": "hole", "name": "window", "center": [0.1, 0.07], "radius": 0.02}, "name it front.window"),
+        ({"do": "hole", "name": "back.eye", "center": [0.1, 0.07], "radius": 0.02}, "name it front.eye"),
+        ({"do": "hole", "name": "front.1", "center": [0.1, 0.07], "radius": 0.02}, "name it front.new"),
+        ({"do": "insert", "on": "front.bottom", "name": "v9", "s": 0.5}, "name it front.v9"),
+    ],
+)
+def test_new_parts_have_names_of_their_panel(tmp_path, event, do):
+    """Any other name is refused; one of the panel comes back from the scene that is written."""
+    tables = FRONT.replace("move =", "at = [0, 0]\nmove ="), BOTH[len(FRONT) :].replace("move =", "at = [1, 0]\nmove =")
+    path = write_scene(tmp_path, garment(*tables))
+    scene = load_scene(path)
+    right = event | {"name": do.removeprefix("name it ")}
+    *_, refused, made = EditSession(scene, load_script(write_script(tmp_path, [event, right]), scene)).frames()
+    assert do in refused.refused and not made.refused
+    out = tmp_path / "again.toml"
+    words = ["export", str(path), str(write_script(tmp_path, [right])), "--as", "toml", "--out", str(out)]
+    assert main(words) == 0
+    again = outline_from_spec(load_scene(out).shape)
+    assert again.area() == pytest.approx(made.outline.area(), rel=1e-12)
+    assert {right["name"]} <= again.layout.entities.keys()
+
+
+def test_no_hole_is_cut_in_one_half_of_a_panel_on_the_fold(tmp_path):
+    scene = load_scene(write_scene(tmp_path, garment(FOLDED, size=0.03)))
+    hole = {"do": "hole", "name": "front.slit", "center": [0.05, 0.03], "radius": 0.005}
+    *_, frame = EditSession(scene, load_script(write_script(tmp_path, [hole]), scene)).frames()
+    assert "cut on the fold" in frame.refused and frame.outline.names("hole") == ["front.eye", "front.mirror.eye"]

@@ -14,6 +14,7 @@ from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.panels import folds_of, frames_of, panels_of
 from restshape.scene.pattern_packing import PanelFrame, turned
+from restshape.scene.values import PART
 from restshape.shape.given_shape import ShapeFollower
 from restshape.shape.outline import Entity, Outline
 from restshape.shape.script_session import Step
@@ -117,3 +118,23 @@ def refuse_half(outline: Outline, scene: Scene, does: str, on: str) -> None:
     if entity is not None and fold_beside(outline, scene, entity) is not None:
         what = f"{on} is of a panel that is cut on the fold, of which {does!r} would change one half"
         raise UserError(what, do="drag it, which moves both halves, or change the scene")
+
+
+def refuse_foreign_part(outline: Outline, scene: Scene, name: str) -> None:
+    """Refuses a new part of a panel, of an outline that has it, where another load of the panels would not have it.
+
+    Raises:
+        UserError: its name is not one that the panel gives; or it is a hole of one half of a panel on the fold.
+    """
+    if not frames_of(scene):
+        return
+    entity = outline.entity(name)
+    panel = outline.piece_names[int(outline.layout.control_piece[outline.control_points(entity)[0]])]
+    if panel in folds_of(scene):
+        what = f"{name} would be in one half of the panel {panel!r}, which is cut on the fold"
+        raise UserError(what, do="change the scene, whose parts both halves have")
+    first, _, own = name.partition(".")
+    if first != panel or not PART.fullmatch(own):
+        what = f"the name {name!r} is none of a part of the panel {panel!r}, in which it would be"
+        last = name.rpartition(".")[2]
+        raise UserError(what, do=f"name it {panel}.{last if PART.fullmatch(last) else 'new'}")

@@ -48,7 +48,7 @@ from restshape.shape.gradual import sweep
 from restshape.shape.hand_map import map_of, refuse_map
 from restshape.shape.handpath import resampled
 from restshape.shape.outline import Entity, Outline
-from restshape.shape.panel_drag import fold_beside, refuse_half, turned_panel
+from restshape.shape.panel_drag import fold_beside, refuse_foreign_part, refuse_half, turned_panel
 from restshape.shape.pin_drag import begin_space_grab
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
@@ -381,7 +381,7 @@ class EditSession(ScriptSession[Outline]):
 
     def _do_insert(self, event: Insert) -> Iterator[Step]:
         at = None if event.at is None else np.array(event.at)
-        yield self._cut(lambda: topology_edits.insert(self.outline, event.on, event.name, at, event.s))
+        yield self._cut(lambda: topology_edits.insert(self.outline, event.on, event.name, at, event.s), event.name)
 
     def _do_delete(self, event: Delete) -> Iterator[Step]:
         yield self._cut(lambda: topology_edits.delete(self.outline, event.on))
@@ -391,11 +391,12 @@ class EditSession(ScriptSession[Outline]):
             yield self._refusal(UserError(f"a body has the name {event.name!r} already", do="choose another name"))
             return
         yield self._cut(
-            lambda: topology_edits.add_hole(self.outline, event.name, event.center, event.radius, event.polygon)
+            lambda: topology_edits.add_hole(self.outline, event.name, event.center, event.radius, event.polygon),
+            event.name,
         )
 
-    def _cut(self, operation: Callable[[], Outline]) -> Step:
-        """One frame of an edit that gives another layout."""
+    def _cut(self, operation: Callable[[], Outline], new: str | None = None) -> Step:
+        """One frame of an edit that gives another layout, with a part of a new name or none."""
         before = self._state()
         try:
             wanted = operation()
@@ -405,6 +406,11 @@ class EditSession(ScriptSession[Outline]):
         wrong = problem(wanted)
         if wrong is not None:
             return Step("none", wrong)
+        try:
+            if new is not None:
+                refuse_foreign_part(wanted, self.scene, new)
+        except UserError as error:
+            return self._refusal(error)
         self.scene = without_lost_sizes(self.scene, wanted, self.outline)
         self.outline = wanted
         self._remember(before)
