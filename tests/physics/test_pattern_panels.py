@@ -429,3 +429,20 @@ def test_no_hole_is_cut_in_one_half_of_a_panel_on_the_fold(tmp_path):
     hole = {"do": "hole", "name": "front.slit", "center": [0.05, 0.03], "radius": 0.005}
     *_, frame = EditSession(scene, load_script(write_script(tmp_path, [hole]), scene)).frames()
     assert "cut on the fold" in frame.refused and frame.outline.names("hole") == ["front.eye", "front.mirror.eye"]
+
+
+@pytest.mark.parametrize(
+    ("body", "radius"),
+    [
+        ("capsule = { start = [0, 0, 0.3], end = [0, 0, 0.3], radius = 0.04 }", 0.05),
+        ("box = { center = [0, 0, 0.3], half = [0.03, 0.04, 0.5] }", 0.06),
+        ('box = { center = [0, 0, 0.3], half = [0.03, 0.5, 0.04], rotate = ["90 deg", 0, "30 deg"] }', 0.06),
+    ],
+)
+def test_a_panel_is_wrapped_around_all_of_a_body(tmp_path, body, radius):
+    """A capsule of no length is a ball; the corners of a box that is turned are inside of the cylinder."""
+    tables = panel("front", 'around = "post"', width=0.1), f"[bodies.post]\n{body}\n[effects.contact]\n"
+    scene = load_scene(write_scene(tmp_path, garment(*tables)))
+    X = outline_from_spec(scene.shape).points[:4]
+    places = PatternPlacement(scene).places(X, np.zeros(4, dtype=np.int32))
+    np.testing.assert_allclose(np.hypot(*places[:, :2].T), radius, atol=1e-15)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +14,7 @@ from restshape.scene.bodies import POINTS, bodies_of
 from restshape.scene.model import Scene
 from restshape.scene.panels import Panel
 from restshape.scene.space_values import number
+from restshape.shape.placement import rotation
 
 CLEARANCE = 0.01
 """Distance [m] between a body and a panel that is wrapped on it."""
@@ -66,20 +69,29 @@ def wrapping_of(scene: Scene, name: str, panel: Panel) -> Wrapping | None:
     if "about" in panel.model_fields_set:
         centre = np.array([number(value, scene.parameters) for value in panel.about])
     along = np.array([0.0, 0.0, 1.0])
-    if "start" in form:
-        way = form["end"] - form["start"]
-        along = way / np.linalg.norm(way) * (-1.0 if way[2] < 0.0 else 1.0)
+    way = form["end"] - form["start"] if "start" in form else np.zeros(3)
+    # A capsule whose ends are one place is a ball.
+    if length := np.linalg.norm(way):
+        along = way / length * (-1.0 if way[2] < 0.0 else 1.0)
     radius = panel.radius
     if radius is None:
         if not {"radius", "half"} & form.keys():
             raise UserError(f"the body {panel.around!r} has no radius", f"panels.{name}", 'add radius = "0.2 m"')
-        radius = CLEARANCE + float(np.hypot(*form["half"][:2]) if "half" in form else form["radius"])
+        radius = CLEARANCE + (_reach(form, centre, along) if "half" in form else float(form["radius"]))
     return Wrapping(centre, _axes(along), radius)
 
 
 def _numbers(kind: str) -> tuple[str, ...]:
-    sizes = {"sphere": ("radius",), "capsule": ("radius",), "cylinder": ("radius",), "box": ("half",)}
+    sizes = {"sphere": ("radius",), "capsule": ("radius",), "cylinder": ("radius",), "box": ("half", "rotate")}
     return *POINTS[kind], *sizes.get(kind, ())
+
+
+def _reach(box: Mapping[str, Reals], centre: Reals, along: Reals) -> float:
+    """The largest distance [m] of the corners of a box from an axis through a centre (3,) along a unit vector (3,)."""
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    about_x, about_y, about_z = box["rotate"].tolist()
+    away = box["center"] + (signs * box["half"]) @ rotation((about_x, about_y, about_z)).T - centre
+    return float(np.linalg.norm(np.cross(away, along), axis=1).max())
 
 
 def _axes(along: Reals) -> Reals:
