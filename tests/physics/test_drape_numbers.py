@@ -4,7 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from drape_designs import BALL, CONTACT, HELD, DrapeDesign, folded, sheet
+from drape_designs import BALL, CONTACT, COTTON, HELD, DrapeDesign, folded, sheet
+from small_scenes import head, meshed
 
 from restshape.errors import UserError
 
@@ -34,6 +35,24 @@ BODIES = {
     "cylinder": "cylinder = { start = [0.1, 0.1, -0.1], end = [0.105, 0.1, -0.002], radius = 0.06, rounded = 0.02 }",
     "plane": "plane = { point = [0.1, 0.1, -0.01], normal = [0.1, 0.05, 1] }",
 }
+PANEL = """
+[parameters]
+k = "1 m"
+m = "1 m"
+twice = "2*k"
+[panels.one]
+outline = ["bottom", "right", "top", "left"]
+vertices = { a = [0, 0], b = [0.2, 0], c = [0.2, 0.2], d = [0, 0.2] }
+#
+[panels.one.edges]
+bottom = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+top = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[supports.pins]
+on = "one.top"
+fix = ["x", "y", "z"]
+"""
 OTHERS = ("x", "y", "z")
 
 
@@ -188,6 +207,44 @@ def test_what_is_no_number_is_refused(tmp_path):
     for key in ("material.cotton", "material.silk.E", "mesh.size", "effects.gravity.g.7", "effects.drape.tolerance"):
         with pytest.raises(UserError, match=r"drapes have no derivative|is no number"):
             design.analysis.number_derivatives([key], 1e-8)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (("{}", 'at = ["k", 0]'), "panels.one.at.0"),
+        (("{}", 'angle = "k/m"'), "panels.one.angle"),
+        (("{}", 'radius = "twice"'), "panels.one.radius"),
+        (("{}", 'move = ["k", 0, 0]'), "panels.one.move.0"),
+        (("b = [0.2, 0]", 'b = ["0.2 + 0*k", 0]'), "panels.one.vertices.b.0"),
+        (('"0.3 mm"', '"0.3 mm + 0*k"'), "material.cotton.thickness"),
+        (("self = true", 'self = true\nslip = "k"'), "effects.contact.slip"),
+    ],
+)
+def test_a_parameter_of_what_is_settled_is_refused(tmp_path, given, said):
+    """Of what shapes a panel, or where reading the scene leaves no formula; also through another parameter."""
+    text = (
+        head("cloth")
+        + PANEL
+        + COTTON.format(kind="hinge", bending=5e-6)
+        + "[effects.contact]\nself = true\n"
+        + meshed(0.1)
+    )
+    old, new = given
+    text = text.replace("#", new) if old == "{}" else text.replace(old, new)
+    design = DrapeDesign(tmp_path, text)
+    with pytest.raises(UserError, match=re.escape(said)):
+        design.analysis.number_derivatives(["parameters.k"], 1e-8)
+
+
+def test_a_parameter_acts_through_others(tmp_path):
+    """A clamp that is lifted by twice a parameter lifts a sheet without weight by as much."""
+    table = '[parameters]\nk = 0\ntwice = "2*k"\nlift = "twice + k"\n[supports.clamp]\non = "left"\n'
+    table += 'fix = { x = 0, y = 0, z = "lift", slope = 0 }\n'
+    text = sheet("hinge", table, size=0.05).replace("[effects.gravity]", "")
+    found = DrapeDesign(tmp_path, text, ["effects.drape.tolerance=1e-3"]).analysis
+    s = found.number_derivatives(["parameters.k"], 1e-8).s[0]
+    np.testing.assert_allclose(s, np.broadcast_to([0.0, 0.0, 3.0], s.shape), atol=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["morley", "hinge"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from graphlib import TopologicalSorter
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from restshape.errors import UserError
 from restshape.scene.bodies import Body, Start, numbers_of
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
-from restshape.scene.given_numbers import value_below
+from restshape.scene.given_numbers import given_numbers, value_below
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -53,6 +54,7 @@ class ChangingNumber:
             )
         self.value = float(here)
         self.parameter = parts[1] if parts[0] == "parameters" else ""
+        self.parameters = _parameter_rates(scene, self.parameter) if self.parameter else {}
 
     def scene_with(self, value: float) -> Scene:
         """The scene with another value of the number; of a list with the others as they are written.
@@ -83,9 +85,7 @@ class ChangingNumber:
     def rates(self, value: Value, where: str, X: np.ndarray) -> np.ndarray:
         """Rates (n,) of a value at a place of the scene, at material coordinates X (n, 2) [m]."""
         if isinstance(value, Expression):
-            if not self.parameter:
-                return np.zeros(len(X))
-            return value.parameter_rate(X[:, 0], X[:, 1], self.scene.parameters, self.parameter)
+            return _rates(value, X, self.scene.parameters, self.parameters)
         return np.full(len(X), float(where == self.key))
 
     def vector(self, values: Sequence[Value], where: str) -> np.ndarray:
@@ -146,6 +146,25 @@ def _numbers(here: object, key: tuple[str, ...]) -> Iterator[str]:
             yield from _numbers(one, (*key, name))
     elif isinstance(here, int | float) and not isinstance(here, bool):
         yield ".".join(key)
+
+
+def _parameter_rates(scene: Scene, name: str) -> dict[str, float]:
+    """Rates of a parameter, its own being 1, and of those that formulas make of it, by name."""
+    formulas = {one.key[1]: one.formula for one in given_numbers(scene) if one.key[0] == "parameters"}
+    formulas.pop(name, None)
+    found = {name: 1.0}
+    # No parameter is made of itself.
+    for key in TopologicalSorter({key: one.parameters for key, one in formulas.items()}).static_order():
+        if key in formulas and not formulas[key].names.isdisjoint(found):
+            found[key] = float(_rates(formulas[key], np.zeros((1, 2)), scene.parameters, found)[0])
+    return found
+
+
+def _rates(formula: Expression, X: np.ndarray, values: Mapping[str, float], rates: Mapping[str, float]) -> np.ndarray:
+    """Rates (n,) of a formula at material coordinates X (n, 2) [m], by values and rates of parameters by name."""
+    named = [(name, rate) for name, rate in rates.items() if name in formula.names]
+    parts = (rate * formula.parameter_rate(X[:, 0], X[:, 1], values, name) for name, rate in named)
+    return np.sum([np.zeros(len(X)), *parts], axis=0)
 
 
 def _dual(value: Any, rate: Any) -> Any:

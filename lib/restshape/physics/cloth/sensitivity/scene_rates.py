@@ -23,14 +23,18 @@ from restshape.physics.cloth.sensitivity.agreed_contact import BodyChange, Conta
 from restshape.physics.cloth.sensitivity.agreed_layers import AgreedLayers
 from restshape.physics.cloth.sensitivity.fabric_rates import fabric_rates
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
-from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
+from restshape.physics.cloth.sensitivity.scene_numbers import SILENT, TABLES, ChangingNumber
 from restshape.physics.cloth.thin_bodies import borne
 from restshape.scene.bodies import Body, Start
 from restshape.scene.duals import Dual, dual
 from restshape.scene.expressions import Expression
-from restshape.scene.panels import panels_of
+from restshape.scene.given_numbers import given_numbers, value_below
+from restshape.scene.plain_values import table_in
 from restshape.scene.space_values import evaluated
 from restshape.shape.placement import rotation, rotation_rates
+
+CHANGING = (*(table for table in TABLES if table != "parameters"), "mesh")
+"""Tables whose numbers change a drape: one that a formula gives must be a formula still for its rate to count."""
 
 
 def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple[np.ndarray, np.ndarray]:
@@ -71,28 +75,28 @@ def _require_known(state: RelaxationState, number: ChangingNumber) -> None:
     parts = number.key.split(".")
     if number.key == "effects.contact.self_thickness" or parts[:2] in (["effects", "cloth"], ["effects", "drape"]):
         raise UserError(f"drapes have no derivative by {number.key}", "--by", "name another number")
-    if parts[0] == "panels" or (number.parameter and number.parameter in _parameters_of_panels(state)):
+    if parts[0] == "panels":
         what = f"drapes have no derivative by {number.key}, which places or shapes a panel"
         raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
-    if number.parameter and number.parameter in _parameters_of_the_shape(state):
-        raise UserError(
-            f"{number.key} gives the pattern its shape, which a hand differentiates by",
-            "--by",
-            "take hold of the pattern instead, or name another number",
-        )
+    if number.parameter:
+        _require_formulas(state, number)
 
 
-def _parameters_of_panels(state: RelaxationState) -> set[str]:
-    """Names of the parameters that the places of panels in space take."""
-    panels = panels_of(state.scene).values()
-    values = [value for panel in panels for value in (*panel.move, *panel.turn, *panel.about)]
-    return {name for value in values if isinstance(value, Expression) for name in value.names}
-
-
-def _parameters_of_the_shape(state: RelaxationState) -> set[str]:
-    """Names of the parameters that the pattern's vertices take."""
-    values = [value for point in state.scene.shape.vertices.values() for value in point]
-    return {name for value in values if isinstance(value, Expression) for name in value.names}
+def _require_formulas(state: RelaxationState, number: ChangingNumber) -> None:
+    """Refuse a parameter of a formula that is none after the scene is read: its rate would be lost."""
+    scene = state.scene
+    effects = {name: state.plan.settings(name) for name in table_in(scene.raw, "effects")}
+    for given in given_numbers(scene.model_copy(update={"effects": effects})):
+        table, where = given.key[0], ".".join(given.key)
+        if number.parameters.keys().isdisjoint(given.formula.names):
+            continue
+        if table in ("shape", "panels"):
+            what = f"{number.key} gives {where}: the pattern, which a hand differentiates by"
+            raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
+        now = value_below(effects if table == "effects" else scene, given.key[table == "effects" :])
+        if table in CHANGING and given.key[-1] not in SILENT and not isinstance(now, Expression):
+            what = f"drapes have no derivative by {number.key}, of which the formula of {where} is made"
+            raise UserError(what, "--by", f"write {where} as a number, or name another number")
 
 
 def _gravity_rate(state: RelaxationState, number: ChangingNumber) -> np.ndarray:
