@@ -1,6 +1,7 @@
 """Drags on a coarse mesh, shown on a fine one: what is shown, when the fine mesh is solved, and what is said."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from restshape.physics.cloth.sensitivity import drape_prediction
 from restshape.physics.cloth.sensitivity.drape_distance import missing_way
 from restshape.physics.cloth.sensitivity.refined_prediction import RefinedPrediction
 from restshape.replay.columns import REFINED, columns_of
+from restshape.replay.refined_frames import SQUARE, RefinedFrames
 
 QUANTITIES = '[quantities]\nlowest = { displacement = "z", reduce = "min" }\n'
 HANGING = sheet("morley", HELD, QUANTITIES, size=0.04)
@@ -222,3 +224,24 @@ def test_without_estimates_frames_are_the_same_and_less_is_said_of_them(tmp_path
         assert [row[name] for name in same] == [full[name] for name in same]
         assert np.isnan(row["residual"]) if coarse else row["residual"] == full["residual"]
     assert sum(np.isnan(row["residual"]) for row in lean) > 4
+
+
+class EstimatedAt(RefinedFrames):
+    """Frames at a way of the hand that have an estimate."""
+
+    distance = size = 1.0
+
+    def __init__(self):
+        self.spec, self._samples, self._estimate = SimpleNamespace(epsilon=1e-6), None, None
+        self._power, self.pair = SQUARE, SimpleNamespace(coarse_distance=lambda: 1e-3 * self.distance**1.5)
+
+
+def test_a_second_estimate_at_one_way_of_the_hand_keeps_the_power():
+    """Two ways give the power by which the distance grows; a frame that is estimated twice takes nothing from it."""
+    frames = EstimatedAt()
+    for way in (1.0, 2.0, 2.0):
+        frames.distance = way
+        frames.estimated(np.nan)
+        assert frames._power == pytest.approx(SQUARE if way == 1.0 else 1.5)
+    frames.distance = 4.0
+    assert frames._expected_error(*frames._estimate) == pytest.approx(1e-3 * 4.0**1.5)

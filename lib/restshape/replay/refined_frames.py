@@ -134,14 +134,16 @@ class RefinedFrames(SampledFrames):
     def estimated(self, estimate: float) -> None:
         """Take note of how far the coarse mesh is from its solution: the fine one decides on no frame.
 
-        Two in a row say with which power of the way of the hand the distance grows.
+        Two in a row, at unlike ways of the hand, say with which power of the way the distance grows.
         """
         self._stale, before = False, self._estimate
         super().estimated(self.pair.coarse_distance())
         error, way = self._estimate or (nan, 0.0)
         ratio = self._ways(way, before[1]) if before else 1.0
+        if before and ratio == 1.0:
+            return
         self._power = SQUARE
-        if before and error > 0.0 and before[0] > 0.0 and ratio != 1.0:
+        if before and error > 0.0 and before[0] > 0.0:
             self._power = min(max(ln(error / before[0]) / ln(ratio), 0.0), SQUARE)
 
     def _expected_error(self, error: float, way: float) -> float:
