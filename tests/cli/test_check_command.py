@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from cloths import BALL, write_cloth
+from cloths import BALL, PIN, write_cloth
 
 from restshape.application import applications
 from restshape.cli.main import main
@@ -175,6 +175,14 @@ def test_check_shows_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
     assert found["bodies"] == {"ball": {"sphere": {"center": [0.5, "half", -0.3], "radius": 0.25}, "friction": 0.3}}
     assert [found[key] for key in ("mass_by_area", "mass", "weight")] == pytest.approx([0.2, 0.2, 1.962], rel=1e-12)
     assert found["start"]["move"] == [0.0, 0.0, "half"] and "falls through bodies.ball" in found["warnings"][0]
+
+
+def test_check_shows_seams_by_the_keys_of_the_scene(tmp_path, capsys):
+    path = write_cloth(tmp_path, BALL, PIN, '[seams.side]\nfrom = "left"\nto = "right"\n')
+    assert check(path, "--json", tmp_path / "check.json") == 0
+    assert "from (left), to (right), ease 0.02" in capsys.readouterr().out
+    found = json.loads((tmp_path / "check.json").read_text())
+    assert found["seams"] == {"side": {"from": ["left"], "to": ["right"], "ease": 0.02}}
 
 
 def test_the_schema_takes_gravity_in_the_plane_and_in_space():

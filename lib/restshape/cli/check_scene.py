@@ -238,7 +238,7 @@ def scene_contents(scene: Scene, effects: Plan, outline: Outline) -> dict[str, A
 def plain(value: Any) -> Any:
     """A table as a scene would hold it."""
     if isinstance(value, BaseModel):
-        return value.model_dump(exclude_none=True)
+        return value.model_dump(exclude_none=True, by_alias=True)
     return {name: plain(one) for name, one in value.items()} if isinstance(value, dict) else value
 
 

@@ -84,7 +84,9 @@ def _keys(model: BaseModel, prefix: str, parameters: Mapping[str, float] | None)
     for key, info in type(model).model_fields.items():
         value = getattr(model, key)
         if isinstance(value, BaseModel):
-            found += _keys(value, f"{prefix}{key}.", parameters)
+            found += _keys(value, f"{prefix}{info.alias or key}.", parameters)
         elif value is not None and not isinstance(value, Mapping):
-            found.append((f"{prefix}{key}", with_symbol(value, dimension_of(annotation_of(info)), parameters)))
+            found.append(
+                (f"{prefix}{info.alias or key}", with_symbol(value, dimension_of(annotation_of(info)), parameters))
+            )
     return found
