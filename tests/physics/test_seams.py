@@ -10,8 +10,12 @@ from restshape.errors import UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.elements import HINGE, SEAM_FLAT
 from restshape.fem.integral import Integral
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.membrane import Membrane
+from restshape.physics.cloth.relaxation.close_seams import close_seams, has_opened
+from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
+from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.seam_lines import SeamLine, SeamPair
 from restshape.physics.cloth.seams import Seams, Springs
 from restshape.physics.cloth.sensitivity.hand_rates import node_motion
@@ -225,20 +229,17 @@ self = false
 """A strip whose sides have other nodes: springs go from both to places between."""
 
 
+def unlike_text(kind, more):
+    """The text of its scene with other keys of the seam."""
+    sewn = UNLIKE.replace("[supports", f"{more}\n[supports", 1)
+    return head("cloth") + sewn + COTTON.format(kind=kind, bending=5e-6) + meshed(0.04)
+
+
 @pytest.fixture
 def unlike(tmp_path):
     """Returns a function that makes the drape of a strip that is sewn to a tube."""
 
-    def made(kind, more=""):
-        text = (
-            head("cloth")
-            + UNLIKE.replace("[supports", f"{more}\n[supports", 1)
-            + COTTON.format(kind=kind, bending=5e-6)
-            + meshed(0.04)
-        )
-        return DrapeDesign(tmp_path, text)
-
-    return made
+    return lambda kind, more="": DrapeDesign(tmp_path, unlike_text(kind, more))
 
 
 @pytest.mark.slow
@@ -299,3 +300,78 @@ def test_an_edit_that_closes_a_wide_seam_comes_to_rest(tmp_path):
     design.take(design.scene_with("seams.side.stiffness", 1e6))
     row = design.analysis.row()
     assert row["converged"] == 1 and row["seam_gap"] < 1e-4 and row["crossings"] == 0
+
+
+OWN = "[effects.contact]\nself = false\n"
+
+
+@pytest.fixture
+def falls(monkeypatch):
+    """A list of the parts of their stiffness that seams have in each fall."""
+    pulls, fall = [], EquilibriumSolver.fall
+
+    def counted(solver, *given):
+        pulls.append(solver.problem.seams.pull)
+        fall(solver, *given)
+
+    monkeypatch.setattr(EquilibriumSolver, "fall", counted)
+    return pulls
+
+
+def test_frames_with_a_seam_that_is_held_open_take_as_few_steps_as_any(tmp_path, falls):
+    """All four corners are pinned: the seam stays as wide as the strip."""
+    design = DrapeDesign(tmp_path, tube(extra=OWN).replace('["a", "d"]', '["a", "b", "c", "d"]'))
+    row = design.analysis.row()
+    assert row["seam_gap"] == pytest.approx(0.3)
+    # A cold start gives up once the seam pulls with all that it has, and not after 200 rounds.
+    assert 1.0 in falls and len(falls) < 100
+    falls.clear()
+    before = design.x
+    design.take(design.scene_with("material.cotton.rho", 500.0 * (1 + 1e-6)))
+    assert design.analysis.row()["relaxation_steps"] <= 2 and not falls
+    assert np.abs(design.x - before).max() < 1e-7
+
+
+def test_seams_are_closed_again_where_they_are_new_others_or_wider(tmp_path):
+    design = DrapeDesign(tmp_path, tube(extra=OWN).replace('["a", "d"]', '["a", "b", "c", "d"]'))
+    state, other = design.analysis.state, design.scene_with("seams.side.stiffness", 1e6)
+    seam, gap = state.gaps["side"]
+    assert gap == pytest.approx(0.3)
+    for scene, known, opened in (
+        (design.scene, state.gaps, False),
+        (design.scene, {}, True),
+        (other, state.gaps, True),
+        (design.scene, {"side": (seam, 0.9 * gap)}, True),
+    ):
+        assert has_opened(state.solver, design.x, scene, known) == opened
+
+
+def test_cloth_that_nothing_catches_falls_once_while_its_seam_is_open(tmp_path, falls):
+    ball = "[bodies.ball]\nsphere = { center = [0.15, 0.05, 0.5], radius = 0.1 }\n[effects.contact]\n"
+    row = first_frame(write_scene(tmp_path, tube().split("[supports")[0] + ball + meshed(0.04))).row
+    assert row["converged"] == 0 and "falls without end" in row["note"]
+    # The one in which the seam pulls softly, and that of the cold start.
+    assert len(falls) == 2 and falls[0] < 0.1 and falls[1] == 1.0
+
+
+def test_a_closing_that_is_interrupted_leaves_seams_with_all_of_their_stiffness(tmp_path, monkeypatch):
+    design = DrapeDesign(tmp_path, tube(extra=OWN).replace('["a", "d"]', '["a", "b", "c", "d"]'))
+    pulls, state = [], design.analysis.state
+
+    def stopped(solver, *_):
+        pulls.append(solver.problem.seams.pull)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(EquilibriumSolver, "fall", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        close_seams(state.solver, design.x.copy(), 100, ConvergenceReport())
+    assert pulls[0] < 1.0 and design.problem.seams.pull == 1.0
+    assert state.solver.residual_norm(design.x) < 1e-8
+
+
+def test_a_strip_whose_own_ends_are_sewn_together_keeps_its_weight_meanwhile(tmp_path, monkeypatch):
+    """Panels have a twentieth of it."""
+    parts, lightened = [], ClothProblem.lightened
+    monkeypatch.setattr(ClothProblem, "lightened", lambda *given: parts.append(given[1]) or lightened(*given))
+    first_frame(write_scene(tmp_path, tube(extra=OWN)))
+    assert parts == [1.0]

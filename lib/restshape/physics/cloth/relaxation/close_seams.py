@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping
 
 import numpy as np
 
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.seam_keys import Seam
 from restshape.physics.cloth.seams import Seams
+from restshape.scene.model import Scene
 
 log = logging.getLogger("restshape.physics")
 
@@ -24,12 +27,39 @@ LIGHT = 0.05
 """Part of the weight while seams close."""
 
 
+Gaps = Mapping[str, tuple[Seam, float]]
+"""Seams as a scene has them, by name, each with the largest distance across it [m]."""
+
+
+def gaps_at(seams: Seams | None, corners: np.ndarray, scene: Scene) -> Gaps:
+    """The seams of a scene, each with its gap at positions (n, 3) [m] of the mesh's nodes."""
+    if not seams:
+        return {}
+    gaps = seams.gaps(corners)
+    return {name: (scene.seams[name], float(gaps[own].max())) for name, own in seams.springs_by_name()}
+
+
+def has_opened(solver: EquilibriumSolver, x: np.ndarray, scene: Scene, known: Gaps) -> bool:
+    """Whether a seam is wide open at x (n, 3) that was not, or not so wide, or another one, at the last rest."""
+    seams = solver.problem.seams
+    if not seams:
+        return False
+    wide = WIDE * seams.edge_length
+    for name, (seam, gap) in gaps_at(seams, solver.problem.corners(x), scene).items():
+        before, width = known.get(name, (None, 0.0))
+        if gap > wide and (seam != before or STILL * gap > width):
+            return True
+    return False
+
+
 def close_seams(solver: EquilibriumSolver, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
     """Let seams that are wide open at x (n, 3), which is changed, pull the cloth together, in falls.
 
     Their springs are so soft that the widest one pulls with a small strain of the membrane, and stiffen as it closes.
     Nothing passes bodies or the cloth itself on the way, as on any other. Cloth is light meanwhile: panels would
     fall past what they are to be closed around. Without any weight flat cloth would stay in its plane.
+    Seams that something holds open are given up once they pull with all of their stiffness, and cloth that nothing
+    catches at once.
     """
     seams = solver.problem.seams
     if seams and seams.gap(solver.problem.corners(x)) > WIDE * seams.edge_length:
@@ -43,14 +73,16 @@ def _close(solver: EquilibriumSolver, seams: Seams, x: np.ndarray, most: int, re
     problem = solver.problem
     wide, gap, still, tension = WIDE * seams.edge_length, seams.gap(problem.corners(x)), 0, TENSION
     stiffest = float(seams.stiffness.max())
-    for _ in range(ROUNDS):
-        if gap <= wide:
-            break
-        problem.pull_seams(min(1.0, tension * problem.stiffest / (stiffest * gap)))
-        log.info("Seams open by %.3e m: pulled with %.1e of their stiffness", gap, seams.pull)
-        solver.fall(x, ROUGH, min(most, STEPS), report)
-        before, gap = gap, seams.gap(problem.corners(x))
-        still = still + 1 if gap > STILL * before else 0
-        if still >= PATIENCE:
-            tension, still = 2.0 * tension, 0
-    problem.pull_seams(1.0)
+    try:
+        for _ in range(ROUNDS):
+            if gap <= wide or report.falls or (still >= PATIENCE and seams.pull == 1.0):
+                break
+            if still >= PATIENCE:
+                tension, still = 2.0 * tension, 0
+            problem.pull_seams(min(1.0, tension * problem.stiffest / (stiffest * gap)))
+            log.info("Seams open by %.3e m: pulled with %.1e of their stiffness", gap, seams.pull)
+            solver.fall(x, ROUGH, min(most, STEPS), report)
+            before, gap = gap, seams.gap(problem.corners(x))
+            still = still + 1 if gap > STILL * before else 0
+    finally:
+        problem.pull_seams(1.0)

@@ -223,6 +223,8 @@ class RelaxationAnalysis(Timeless):
         if state.layers is not None:
             state.problem.self_contact.history = state.layers
         state.problem.soften(1.0)
+        if state.problem.seams:
+            state.problem.pull_seams(1.0)
 
     def _options(self, scene: Scene, new_values: bool) -> RelaxationOptions:
         """How the cloth of a scene is relaxed."""

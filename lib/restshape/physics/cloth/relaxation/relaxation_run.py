@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.binding import friction_of, layers_of
-from restshape.physics.cloth.relaxation.close_seams import close_seams
+from restshape.physics.cloth.relaxation.close_seams import close_seams, gaps_at, has_opened
 from restshape.physics.cloth.relaxation.cold_start import ColdStart
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.jumps import jump_note
@@ -59,7 +59,8 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     kept = state.softness if (problem.contact or problem.self_contact) and not cold else 1.0
     softness = min(kept, report.softness)
     found = replace(state, x=x, report=report, place=problem.place, softness=softness, notes=(*state.notes, *notes))
-    found = replace(found, energy=problem.energy(x))
+    gaps = gaps_at(problem.seams, problem.corners(x), options.scene) if report.converged else {}
+    found = replace(found, energy=problem.energy(x), gaps=gaps)
     return replace(found, expected=None, friction=friction_of(problem), layers=layers_of(problem))
 
 
@@ -73,8 +74,9 @@ def _equilibrium(
     """
     solver, most, strategy = state.solver, options.settings.steps, options.strategy
     report, x = ConvergenceReport(), state.x.copy()
-    if not cold and strategy == "auto":
-        # An edit may have sewn what lay apart.
+    opened = not cold and strategy == "auto" and has_opened(solver, x, options.scene, state.gaps)
+    if opened and not solver.rests(x, report):
+        # An edit has sewn what lay apart, or has torn it apart.
         close_seams(solver, x, most, report)
     if not (cold and strategy == "auto"):
         return x, STRATEGIES[strategy](solver, x, most, report), None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -17,6 +17,7 @@ from restshape.physics.cloth.material_motion import AdvectedCloth, MaterialPlace
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.jumps import Expected
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.seam_keys import Seam
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -38,6 +39,7 @@ class RelaxationState:
         place: of the nodes in the material at these positions.
         friction: what it remembers; None where nothing touches.
         layers: what friction between layers remembers; None where cloth does not touch itself.
+        gaps: of its seams, by name, each seam with the largest distance across it [m].
         report: how the last relaxation ended.
         topology, geometry: versions of the mesh that it was found at; -1: on none.
         notes: what a cold start had to say of where it began.
@@ -61,6 +63,7 @@ class RelaxationState:
     place: MaterialPlace | None = None
     friction: FrictionHistory | None = None
     layers: LayerFriction | None = None
+    gaps: Mapping[str, tuple[Seam, float]] = field(default_factory=dict)
     report: ConvergenceReport = field(default_factory=ConvergenceReport)
     topology: int = -1
     geometry: int = -1
