@@ -1,9 +1,11 @@
 """Seams: pairs by share of length, forces that both sides have alike, derivatives, and cloth that is sewn."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from drape_designs import COTTON, DrapeDesign
-from small_scenes import block, head, meshed, write_scene
+from small_scenes import block, head, make_replay, meshed, write_scene, write_script
 
 from restshape._kernels import NearPairs
 from restshape.errors import UserError
@@ -375,3 +377,59 @@ def test_a_strip_whose_own_ends_are_sewn_together_keeps_its_weight_meanwhile(tmp
     monkeypatch.setattr(ClothProblem, "lightened", lambda *given: parts.append(given[1]) or lightened(*given))
     first_frame(write_scene(tmp_path, tube(extra=OWN)))
     assert parts == [1.0]
+
+
+FLAT = 'stitched = "flat"'
+EDITS = {
+    "edges": ("from", "top", ('from = "left"', 'from = "top"')),
+    "reverse": ("reverse", True, ('to = ["lower"', 'reverse = true\nto = ["lower"')),
+}
+
+
+@pytest.mark.parametrize("kind", ["morley", "hinge"])
+@pytest.mark.parametrize("case", EDITS)
+def test_a_flat_seam_that_an_edit_gives_other_edges_rests_where_a_cold_scene_rests(unlike, kind, case, tmp_path):
+    """Folds may be others, so that the rest of the edit is put into the cloth of the edited scene."""
+    key, value, words = EDITS[case]
+    design = unlike(kind, FLAT)
+    design.take(design.scene_with(f"seams.side.{key}", value))
+    cold = DrapeDesign(tmp_path, unlike_text(kind, FLAT).replace(*words))
+    solver = cold.analysis.state.solver
+    assert solver.residual_norm(design.x) < 1e-8
+    assert design.problem.energy(design.x) == pytest.approx(cold.problem.energy(design.x), rel=1e-10)
+    assert solver.residual_norm(cold.x) < 1e-8
+
+
+def test_ties_of_a_flat_seam_have_the_mesh_size_at_their_own_seam(unlike):
+    problem = unlike("morley", FLAT).problem
+    seams, before = problem.seams, problem.seam_bending.stiffness.copy()
+    (pair,) = seams.pairs
+    # Another seam before it, which is not flat, and has a mesh of another size.
+    seams.pairs = (replace(pair, name="other", size=10.0 * pair.size, flat=False), pair)
+    problem.update()
+    np.testing.assert_allclose(problem.seam_bending.stiffness, before, rtol=1e-14)
+
+
+def test_edits_add_seams_and_take_them_out(tmp_path):
+    """By the whole table; undo and redo lead to the same rests."""
+    strip = tube(extra=OWN)
+    side, top = {"from": "left", "to": "right"}, {"from": "top", "to": "bottom", "stiffness": 1e3}
+    events = [
+        {"do": "set", "key": "seams", "value": {"side": side, "top": top}},
+        {"do": "set", "key": "seams", "value": {}},
+        {"do": "undo"},
+        {"do": "undo"},
+        {"do": "redo"},
+    ]
+    replay = make_replay(write_scene(tmp_path, strip), write_script(tmp_path, events))
+    names, rows, places = [], [], []
+    for row in replay.frames():
+        seams = replay.analysis.problem.seams
+        names.append([pair.name for pair in seams.pairs] if seams else [])
+        rows.append(row)
+        places.append(replay.analysis.x.copy())
+    assert all(row["converged"] and not row["refused"] for row in rows)
+    assert names == [["side"], ["side", "top"], [], ["side", "top"], ["side"], ["side", "top"]]
+    assert [np.isnan(row["seam_gap"]) for row in rows] == [not own for own in names]
+    for first, again in ((1, 3), (0, 4), (1, 5)):
+        np.testing.assert_allclose(places[again], places[first], atol=1e-9)

@@ -62,11 +62,17 @@ class SeamBending:
             curvature = np.column_stack([n[:, 0] ** 2, n[:, 1] ** 2, 2.0 * n[:, 0] * n[:, 1]])
             across += 0.5 * np.einsum("ia,iab,ib->i", curvature, D[cells[:, side]], curvature)
         # A tie that is stiff beside the triangles, which have the bending themselves.
-        return STIFFER * across / self.seams.pairs[0].size if self.morley else fabric.hinge_factor * across
+        return STIFFER * across / self._sizes if self.morley else fabric.hinge_factor * across
 
     @property
     def _corners(self) -> list[list[np.ndarray]]:
         return [[side[1] for side in sides] for sides in self._sides]
+
+    @property
+    def _sizes(self) -> np.ndarray:
+        """Of the mesh (m,) [m], at the seam of each piece."""
+        sizes = [pair.size for pair in self.seams.pairs if pair.flat]
+        return np.repeat(sizes, [len(at[0]) for at in self._at])
 
     def _by_piece(self, part: int) -> np.ndarray:
         """Edges (0) or cells (2) of both sides of each piece (m, 2)."""

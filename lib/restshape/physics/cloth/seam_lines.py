@@ -68,6 +68,12 @@ class SeamPair:
     size: float
     flat: bool = False
 
+    def joins_the_same(self, other: SeamPair) -> bool:
+        """Whether the other one joins the same nodes of the mesh in the same order, and bends alike."""
+        lines = ((self.first, other.first), (self.second, other.second))
+        alike = all(np.array_equal(a.nodes, b.nodes) and np.array_equal(a.along, b.along) for a, b in lines)
+        return alike and (self.name, self.flat) == (other.name, other.flat)
+
 
 def seam_pairs(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float) -> tuple[SeamPair, ...]:
     """The seams of a scene on a mesh.

@@ -27,6 +27,7 @@ from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOpti
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact, set_values
+from restshape.physics.cloth.seam_lines import SeamPair
 from restshape.physics.cloth.squeezed import refuse_squeezed
 from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
@@ -224,7 +225,7 @@ def same_elements(problem: ClothProblem, arguments: ClothArguments) -> bool:
     if (contact is None) != (not arguments.bodies) or (problem.self_contact is None) != (arguments.layers is None):
         return False
     known = problem.seams.pairs if problem.seams else ()
-    if [(pair.name, pair.flat) for pair in known] != [(pair.name, pair.flat) for pair in arguments.seams]:
+    if len(known) != len(arguments.seams) or not all(map(SeamPair.joins_the_same, known, arguments.seams)):
         return False
     if contact is not None and len(contact.bodies) != len(arguments.bodies):
         return False
