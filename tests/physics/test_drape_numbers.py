@@ -237,6 +237,18 @@ def test_a_parameter_of_what_is_settled_is_refused(tmp_path, given, said):
         design.analysis.number_derivatives(["parameters.k"], 1e-8)
 
 
+@pytest.mark.parametrize("key", ["parameters.k", "parameters.m", "bodies.post.capsule.end.2"])
+def test_a_body_that_places_what_is_held_is_refused(tmp_path, key):
+    """A panel that begins on a body is held where it begins; the friction of the body has a derivative."""
+    body = 'capsule = { start = [0, 0, "m - 1"], end = [0, 0, 1], radius = "0.05*k" }\nfriction = 0.2\n'
+    tables = f"[bodies.post]\n{body}[effects.contact]\n"
+    text = head("cloth") + PANEL.replace("#", 'around = "post"') + COTTON.format(kind="hinge", bending=5e-6)
+    analysis = DrapeDesign(tmp_path, text + tables + meshed(0.1)).analysis
+    with pytest.raises(UserError, match="wrapped around post"):
+        analysis.number_derivatives([key], 1e-8)
+    assert np.isfinite(analysis.number_derivatives(["bodies.post.friction"], 1e-8).s).all()
+
+
 def test_a_parameter_acts_through_others(tmp_path):
     """A clamp that is lifted by twice a parameter lifts a sheet without weight by as much."""
     table = '[parameters]\nk = 0\ntwice = "2*k"\nlift = "twice + k"\n[supports.clamp]\non = "left"\n'

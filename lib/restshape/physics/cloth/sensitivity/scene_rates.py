@@ -29,6 +29,7 @@ from restshape.scene.bodies import Body, Start
 from restshape.scene.duals import Dual, dual
 from restshape.scene.expressions import Expression
 from restshape.scene.given_numbers import given_numbers, value_below
+from restshape.scene.panels import panels_of
 from restshape.scene.plain_values import table_in
 from restshape.scene.space_values import evaluated
 from restshape.shape.placement import rotation, rotation_rates
@@ -78,8 +79,24 @@ def _require_known(state: RelaxationState, number: ChangingNumber) -> None:
     if parts[0] == "panels":
         what = f"drapes have no derivative by {number.key}, which places or shapes a panel"
         raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
+    if _places_supported(state, tuple(parts)):
+        raise UserError(*_wraps(number.key, parts[1]))
     if number.parameter:
         _require_formulas(state, number)
+
+
+def _places_supported(state: RelaxationState, key: tuple[str, ...]) -> bool:
+    """Whether the number at a key is of the form of a body around which a panel is wrapped that supports hold."""
+    scene, panels = state.scene, panels_of(state.scene)
+    supported = {on.partition(".")[0] for support in scene.supports.values() for on in support.on}
+    # Other names, such as "all", are of several panels.
+    wrapped = {panel.around for name, panel in panels.items() if name in supported or supported - panels.keys()}
+    return key[0] == "bodies" and key[1] in wrapped and key[-1] != "friction"
+
+
+def _wraps(key: str, body: str) -> tuple[str, str, str]:
+    what = f"drapes have no derivative by {key}, for supports hold a panel that is wrapped around {body}"
+    return what, "--by", "name another number"
 
 
 def _require_formulas(state: RelaxationState, number: ChangingNumber) -> None:
@@ -90,6 +107,8 @@ def _require_formulas(state: RelaxationState, number: ChangingNumber) -> None:
         table, where = given.key[0], ".".join(given.key)
         if number.parameters.keys().isdisjoint(given.formula.names):
             continue
+        if _places_supported(state, given.key):
+            raise UserError(*_wraps(number.key, given.key[1]))
         if table in ("shape", "panels"):
             what = f"{number.key} gives {where}: the pattern, which a hand differentiates by"
             raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
