@@ -23,6 +23,56 @@ LEAST_SHARE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
+class FrameBegin:
+    """Where a frame has begun, as each body sees it.
+
+    Args:
+        anchors: (bodies, n, 3) [m] of friction; corners: (bodies, corners, 3) [m] where they were.
+    """
+
+    anchors: np.ndarray
+    corners: np.ndarray
+
+    def anchors_at(
+        self, body: int, x: np.ndarray, cells: np.ndarray | None, points: ContactPoints | None, least: float
+    ) -> np.ndarray:
+        """Anchors (n, 3) [m] of friction of a body with corners and points at x (n, 3) [m].
+
+        Ways from them of more than a least length turn as the triangles (ne, 3) beside have turned since: the straight
+        way around a bend would point backwards past 90 degrees of it.
+        """
+        ways = x - self.anchors[body]
+        length = np.linalg.norm(ways, axis=1)
+        if cells is None or not (length > least).any():
+            return self.anchors[body]
+        of, triangles = cells.ravel(), np.repeat(cells, 3, axis=0)
+        if points is not None and len(points.nodes):
+            of = np.concatenate([of, len(self.corners[body]) + np.arange(len(points.nodes))])
+            triangles = np.concatenate([triangles, points.nodes])
+        far = length[of] > least
+        of, triangles = of[far], triangles[far]
+        parts = _turned(self.corners[body][triangles], x[triangles], ways[of])
+        turned = np.column_stack([np.bincount(of, parts[:, a], len(x)) for a in range(3)])
+        total = np.linalg.norm(turned, axis=1)
+        known = (length > least) & (total > 0.0)
+        anchors = self.anchors[body].copy()
+        anchors[known] = x[known] - turned[known] * (length[known] / total[known])[:, None]
+        return anchors
+
+
+def _turned(before: np.ndarray, after: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """Ways (m, 3) turned with triangles (m, 3, 3), times the area of each before [m^2]."""
+    (first, second), (to_first, to_second) = (np.moveaxis(p[:, 1:] - p[:, :1], 1, 0) for p in (before, after))
+    cross, to_cross = np.cross(first, second), np.cross(to_first, to_second)
+    area = np.linalg.norm(cross, axis=1)
+    normal = cross / area[:, None]
+    to_normal = to_cross / np.linalg.norm(to_cross, axis=1)[:, None]
+    along = np.einsum("ma,ma->m", ways, np.cross(second, normal))[:, None] * to_first
+    along += np.einsum("ma,ma->m", ways, np.cross(normal, first))[:, None] * to_second
+    return 0.5 * (along + (area * np.einsum("ma,ma->m", ways, normal))[:, None] * to_normal)
+
+
+@dataclass(frozen=True, eq=False)
 class FrictionHistory:
     """What friction remembers; each update makes another one.
 
@@ -31,14 +81,15 @@ class FrictionHistory:
         normals: (bodies, n, 3) of the surfaces at the last update.
         limits: (bodies, n) largest forces of friction [N].
         points: of the triangles that touch with more than their corners; None: corners alone touch.
-        fixed: anchors stay where they are through a frame, see `begun`; else updates drag them.
+        begin: of a frame, through which friction acts against the way from there, see `begun`; None: updates drag
+            anchors.
     """
 
     anchors: np.ndarray
     normals: np.ndarray
     limits: np.ndarray
     points: ContactPoints | None = None
-    fixed: bool = False
+    begin: FrameBegin | None = None
 
     @classmethod
     def none(cls, bodies: int, nodes: int, points: ContactPoints | None = None) -> FrictionHistory:
@@ -46,13 +97,14 @@ class FrictionHistory:
         shape = (bodies, nodes)
         return cls(np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape), points)
 
-    def begun(self, place: np.ndarray) -> FrictionHistory:
-        """The history at the beginning of a frame, with corners and points at their places (n, 3) [m].
+    def begun(self, place: np.ndarray, corners: int) -> FrictionHistory:
+        """The history at the beginning of a frame, with so many corners, and points, at their places (n, 3) [m].
 
         Through the frame friction acts against the way of each node from here, whatever iterates are on it: what
         nothing presses yet has its anchor where it is.
         """
-        return replace(self, anchors=np.where(self.limits[..., None] > 0.0, self.anchors, place), fixed=True)
+        anchors = np.where(self.limits[..., None] > 0.0, self.anchors, place)
+        return replace(self, anchors=anchors, begin=FrameBegin(anchors, np.array([place[:corners]] * len(anchors))))
 
     def at_corners(self, n: int) -> FrictionHistory:
         """The history of the n corners alone."""
@@ -62,12 +114,12 @@ class FrictionHistory:
     def on(self, points: ContactPoints, x: np.ndarray) -> FrictionHistory:
         """The history on other points of the same triangles, with corners at x (n, 3) [m].
 
-        A new point is as far from its anchor as the pressed ones of its triangle's corners are from theirs; where
-        anchors are fixed it has one between theirs.
+        A new point is as far from its anchor as the pressed ones of its triangle's corners are from theirs; through a
+        frame it has one between theirs.
         """
         n, place = len(x), points.place(x)
         source = points.sources_in(self.points, n)
-        found = replace(FrictionHistory.none(len(self.anchors), len(place), points), fixed=self.fixed)
+        found = FrictionHistory.none(len(self.anchors), len(place), points)
         kept, new = source >= 0, np.flatnonzero(source[n:] < 0)
         nodes, weights = points.nodes[new], points.weights[new]
         for k in range(len(self.anchors)):
@@ -79,11 +131,15 @@ class FrictionHistory:
             total = pressed.sum(axis=1)
             ways = np.einsum("pk,pka->pa", pressed, (x - self.anchors[k, :n])[nodes])
             ways /= np.where(total > 0.0, total, 1.0)[:, None]
-            between = np.einsum("pk,pka->pa", weights, self.anchors[k, nodes])
-            found.anchors[k, n + new] = between if self.fixed else place[n + new] - ways
+            found.anchors[k, n + new] = place[n + new] - ways
             # Any limit says that it is pressed; the next update gives it its own.
             found.limits[k, n + new] = np.einsum("pk,pk->p", pressed, self.limits[k, nodes])
-        return found
+        if self.begin is None:
+            return found
+        anchors = np.zeros_like(found.anchors)
+        anchors[:, kept] = self.begin.anchors[:, source[kept]]
+        anchors[:, n + new] = np.einsum("pk,bpka->bpa", weights, self.begin.anchors[:, nodes])
+        return replace(found, begin=replace(self.begin, anchors=anchors))
 
     def mapped(
         self, before: np.ndarray, after: np.ndarray, interpolate: Callable[[np.ndarray], np.ndarray]
@@ -215,7 +271,7 @@ class Contact:
     def update_friction(self, x: np.ndarray) -> float:
         """Take normals and normal forces from x (n, 3), and drag the anchors; returns the largest slip distance [m].
 
-        Fixed anchors stay, and 0 is returned.
+        Through a frame anchors are as far as it has led, and 0 is returned.
         """
         before, slipped = self.history, 0.0
         anchors, normals, limits = before.anchors.copy(), before.normals.copy(), before.limits.copy()
@@ -224,21 +280,25 @@ class Contact:
             penalty = areas, self.stiffness, self.thickness
             memory = anchors[k], normals[k], limits[k]
             slipped = max(slipped, body.update_friction(x, *penalty, self.friction[k], self.slip, *memory))
-        if before.fixed:
-            self.history = replace(before, normals=normals, limits=limits)
-            return 0.0
+            if before.begin:
+                anchors[k] = before.begin.anchors_at(k, x, self.cells, self.points, self.thickness)
+        slipped = 0.0 if before.begin else slipped
         self.history = replace(before, anchors=anchors, normals=normals, limits=limits)
         return slipped
 
     def begin_frame(self, x: np.ndarray) -> None:
         """Let friction act against the way from corners at x (n, 3) [m] until `end_frame`."""
-        self.history = self.history.begun(self.place(x))
+        self.history = self.history.begun(self.place(x), len(x))
 
-    def end_frame(self, x: np.ndarray) -> None:
-        """Drag the anchors to corners at x (n, 3) [m], where the frame has led: forces stay as they are."""
-        if self.history.fixed:
-            self.history = replace(self.history, fixed=False)
-            self.update_friction(self.place(x))
+    def end_frame(self, x: np.ndarray) -> float:
+        """Drag the anchors to corners at x (n, 3) [m], where the frame has led: forces stay as they are.
+
+        Returns: how far the farthest goes [m]; 0 where the frame has not begun at a rest.
+        """
+        if not self.history.begin:
+            return 0.0
+        self.history = replace(self.history, begin=None)
+        return self.update_friction(self.place(x))
 
     def passed(self, x: np.ndarray, way: np.ndarray) -> bool:
         """Whether points (n, 3) that go on along a way (3,) touch no body any more.

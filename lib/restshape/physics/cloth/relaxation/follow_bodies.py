@@ -81,10 +81,14 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
 
 def take_along(history: FrictionHistory, before: tuple[Body, ...], after: tuple[Body, ...]) -> FrictionHistory:
     """What friction remembers when its anchors have gone where their bodies have."""
-    anchors = history.anchors.copy()
-    for k, (old, new) in enumerate(zip(before, after)):
-        anchors[k] = moved_with(old, new, anchors[k])
-    return replace(history, anchors=anchors)
+    begin, moves = history.begin, list(zip(before, after))
+
+    def along(places: np.ndarray) -> np.ndarray:
+        return np.array([moved_with(old, new, own) for (old, new), own in zip(moves, places)])
+
+    if begin:
+        begin = replace(begin, anchors=along(begin.anchors), corners=along(begin.corners))
+    return replace(history, anchors=along(history.anchors), begin=begin)
 
 
 def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], after: tuple[Body, ...]) -> np.ndarray:

@@ -43,11 +43,11 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     x, report, abandoned = _equilibrium(state, cold, options)
     if not np.isfinite(x).all():
         raise ReplayProblem("the cloth's positions are no numbers")
-    if problem.contact:
-        problem.contact.end_frame(problem.corners(x))
+    dragged = problem.contact.end_frame(problem.corners(x)) if problem.contact else 0.0
     if report.converged:
         _come_apart(state, x, options, report)
         _stabilise(state, x, options, report)
+    report.slip = max(report.slip, dragged)
     notes = [ONE_MESH] if abandoned and report.converged else []
     if abandoned:
         report.count(abandoned)
