@@ -57,6 +57,24 @@ def test_ripples_of_less_than_a_fold_are_none():
     assert count_folds(np.ones(DIRECTIONS)) == 0
 
 
+@pytest.mark.parametrize(("height", "folds"), [(0.2, 6), (0.0, 0)])
+def test_folds_do_not_hang_on_how_fine_the_border_is(height, folds):
+    """A quarter of the border has ten times as many nodes: its middle stays that of the curve."""
+    angles = np.concatenate([np.linspace(0.0, 0.5, 200, endpoint=False), np.linspace(0.5, 2.0, 60, endpoint=False)])
+    shadow, places = fan(rim(1.0 + height * np.cos(6.0 * np.pi * angles), np.pi * angles))
+    places[-1] = 0.0
+    assert shadow.folds(places) == folds
+
+
+def test_holes_and_regions_do_not_shift_the_middle(tmp_path):
+    """A flat disc has no folds, also with a fine hole on one side."""
+    path = tmp_path / "holed.toml"
+    hole = '[shape.holes]\neye = { circle = { center = ["5 cm", 0], radius = "3.5 cm" } }\n[shape.regions]'
+    path.write_text(CUSICK.replace("[shape.regions]", hole).replace('center = [0, 0], radius = "9 cm"', PLATE))
+    assert first_frame(path, ['material.cloth.bending="1 N m"']).analysis.observe()["folds"] == 0
+
+
+PLATE = 'center = ["-8 cm", 0], radius = "4 cm"'
 CUSICK = f"""
 {HEAD}[shape]
 outline = ["lower", "upper"]

@@ -95,7 +95,8 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
 
 
 def _shadow(mesh: Mesh) -> DrapeShadow:
-    return DrapeShadow(mesh.cells, mesh.facets)
+    around = {edge for loop in mesh.outline.loops if loop.kind == "outline" for edge, _ in loop.edges}
+    return DrapeShadow(mesh.cells, mesh.facets[np.isin(mesh.facet_edge, list(around))])
 
 
 def _drape_coefficient(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:

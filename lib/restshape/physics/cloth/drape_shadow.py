@@ -20,13 +20,13 @@ class DrapeShadow:
     """Measures the shadow of one mesh.
 
     Args:
-        cells: (m, 3) triangles; border: (k, 2) facets of the border.
+        cells: (m, 3) triangles; border: (k, 2) facets around it, without those of holes.
     """
 
     def __init__(self, cells: np.ndarray, border: np.ndarray) -> None:
         sides = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]]), axis=1)
         self._edges = np.unique(sides, axis=0)
-        self._around = np.unique(border)
+        self._around = border
 
     def radii(self, places: np.ndarray) -> np.ndarray:
         """How far the cloth reaches (`DIRECTIONS`,) [m] from the middle of its border, 0 where it does not reach.
@@ -34,7 +34,9 @@ class DrapeShadow:
         Args:
             places: (n, 3) of the nodes [m].
         """
-        flat = places[:, :2] - places[self._around, :2].mean(axis=0)
+        ends = places[self._around]
+        lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        flat = places[:, :2] - np.average(ends[:, :, :2].mean(axis=1), axis=0, weights=lengths)
         return reach(flat[self._edges[:, 0]], flat[self._edges[:, 1]])
 
     def area(self, places: np.ndarray) -> float:
