@@ -56,6 +56,18 @@ def test_texture_coordinates_of_another_number_do_not_matter(tmp_path):
     assert read_closed_surface(tmp_path / "skin.obj").volume == pytest.approx(0.4**3)
 
 
+def test_triangles_in_a_line_close_what_they_join(tmp_path):
+    """A box with a corner on one edge that one of the two triangles there does not have, and a sliver between them."""
+    X, cells = box((0.5, 0.5, 0.5))
+    a, b, c = cells[0].tolist()
+    # The first triangle is cut in two from its corner c to the middle of a and b.
+    cut = [[a, len(X), c], [len(X), b, c], [a, b, len(X)]]
+    path = write(tmp_path / "cut.ply", (np.vstack([X, 0.5 * (X[a] + X[b])]), np.vstack([cells[1:], cut])))
+    surface = read_closed_surface(path)
+    assert surface.holes == () and surface.volume == pytest.approx(1.0)
+    assert (surface.areas == 0.0).sum() == 1 and surface.areas.sum() == pytest.approx(6.0)
+
+
 def _open(X, cells):
     return X, cells[X[cells].mean(axis=1)[:, 2] < 0.2]
 
@@ -91,7 +103,15 @@ def test_what_is_no_body_is_refused_with_its_file(tmp_path, change, what):
 def test_files_that_are_none_are_refused(tmp_path):
     (tmp_path / "text.obj").write_text("f 1 2 9\nv 0 0 0\nv 1 0 0\n")
     (tmp_path / "back.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -3\n")
-    refusals = {"text.obj": "not there", "back.obj": "backwards", "none.obj": "no such", "x.doc": "no such"}
+    faces = "f 4294967297 2 4\nf 1 2 3\nf 1 3 4\nf 2 3 4\n"
+    (tmp_path / "huge.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n" + faces)
+    refusals = {
+        "text.obj": "not there",
+        "huge.obj": "not there",
+        "back.obj": "backwards",
+        "none.obj": "no such",
+        "x.doc": "no such",
+    }
     for name, what in refusals.items():
         with pytest.raises(UserError, match=what):
             read_closed_surface(tmp_path / name)

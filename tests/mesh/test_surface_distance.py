@@ -124,7 +124,8 @@ def test_bodies_of_a_centimetre_and_of_100_metres(tmp_path, half):
     np.testing.assert_allclose(body.grid.values(x), half * np.array([0.1, -0.1, 0.05]), atol=1e-2 * half)
 
 
-def test_a_grid_too_large_is_refused(tmp_path):
+@pytest.mark.parametrize("spacing", [1e-3, 1e-25, 1e-310])
+def test_a_grid_too_large_is_refused(tmp_path, spacing):
     path = write(tmp_path / "cube.ply", box((1.0, 1.0, 1.0)))
     with pytest.raises(UserError, match="write a larger spacing"):
-        distance_of_file(path, spacing=1e-3)
+        distance_of_file(path, spacing=spacing)

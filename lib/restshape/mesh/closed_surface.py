@@ -19,7 +19,7 @@ GUESSES = ((3.0, 1.0, "m"), (300.0, 1e-2, "cm"), (3000.0, 1e-3, "mm"))
 COINCIDENT = 1e-7
 """Corners closer than this share of the size are one."""
 FLAT = 1e-12
-"""A triangle with less area than this share of its longest side squared is left out."""
+"""A triangle with less area than this share of its longest side squared has none; a body with less of its volume."""
 LARGE_HOLE = 0.3
 """A hole wider than this share of the size makes the surface an open one."""
 
@@ -64,6 +64,14 @@ class ClosedSurface:
         return self.X.min(axis=0), self.X.max(axis=0)
 
     @property
+    def areas(self) -> np.ndarray:
+        """The areas (m,) [m^2] of the triangles, 0 of those whose corners lie in a line."""
+        a, b, c = (self.X[self.cells[:, k]] for k in range(3))
+        found = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        longest = np.max([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
+        return np.where(2.0 * found > FLAT * longest, found, 0.0)
+
+    @property
     def volume(self) -> float:
         """What it encloses [m^3]."""
         a, b, c = (self.X[self.cells[:, k]] for k in range(3))
@@ -73,8 +81,8 @@ class ClosedSurface:
 def read_closed_surface(path: Path | str, unit: float | None = None) -> ClosedSurface:
     """The closed surface of a file.
 
-    Corners at one place are joined, as STL files repeat them; polygons are cut into triangles; triangles without area
-    are left out. Holes are closed by triangles about their middle. Triangles that all look inwards are turned over.
+    Corners at one place are joined, as STL files repeat them; polygons are cut into triangles; triangles with two
+    corners at one place are left out. Holes are closed by triangles about their middle. Triangles that all look inwards are turned over.
 
     Args:
         path: .obj, .stl or .ply.
@@ -122,24 +130,22 @@ def _guessed_unit(size: float, path: Path) -> float:
 
 def _triangles(blocks: list) -> np.ndarray:
     """The triangles (m, 3) of a file's blocks of polygons."""
-    found = [np.empty((0, 3), dtype=np.int32)]
+    found = [np.empty((0, 3), dtype=np.int64)]
     for block in blocks:
         if block.type == "triangle" or block.type == "quad" or block.type.startswith("polygon"):
             data = np.asarray(block.data)
             found += [data[:, [0, k, k + 1]] for k in range(1, data.shape[1] - 1)]
-    return np.concatenate(found).astype(np.int32)
+    return np.concatenate(found).astype(np.int64)
 
 
 def _joined(X: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners and triangles without corners at one place, triangles without area, and corners without triangles."""
+    """Corners and triangles without corners at one place, triangles between two places, and corners without triangles."""
     step = COINCIDENT * max(float(np.ptp(X[cells], axis=(0, 1)).max()), 1e-300)
     _, first, own = np.unique(np.round(X / step).astype(np.int64), axis=0, return_index=True, return_inverse=True)
     cells = own.ravel()[cells]
     X = X[first]
-    a, b, c = (X[cells[:, k]] for k in range(3))
-    double = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    longest = np.max([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
-    cells = cells[double > FLAT * np.maximum(longest, 1e-300)]
+    # Those of three places in a line stay: where corners of one triangle lie on an edge of another, they join both.
+    cells = cells[(cells != np.roll(cells, 1, axis=1)).all(axis=1)]
     used, cells = np.unique(cells, return_inverse=True)
     return X[used], np.ascontiguousarray(cells.reshape(-1, 3), dtype=np.int32)
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from zipfile import BadZipFile
@@ -205,6 +205,7 @@ def make_distance(
     if not hasattr(_kernels, "SurfaceSearch"):
         do = "install libcgal-dev, and build restshape again"
         raise UserError("bodies of triangles need CGAL, without which restshape was built", where, do)
+    surface = replace(surface, cells=surface.cells[surface.areas > 0.0])
     search = _kernels.SurfaceSearch(surface.X, surface.cells)
     step = spacing or _first_spacing(surface, band)
     for attempt in range(TRIES):
@@ -222,21 +223,20 @@ def make_distance(
 
 
 def _layout(surface: ClosedSurface, spacing: float, band: float) -> tuple[np.ndarray, np.ndarray]:
-    """The origin (3,) [m] of the first brick, and the number (3,) of bricks along each axis.
+    """The origin (3,) [m] of the first brick, and the number (3,) of bricks along each axis, which no integer may hold.
 
     Coefficients ring at the border of the box, which stays away from the band for that.
     """
     low, high = surface.box
     wide = CELLS * spacing
-    bricks = np.ceil((high - low + 2.0 * (band + AROUND * spacing)) / wide).astype(np.int64)
+    with np.errstate(over="ignore"):
+        bricks = np.ceil((high - low + 2.0 * (band + AROUND * spacing)) / wide)
     return 0.5 * (low + high) - 0.5 * wide * bricks, bricks
 
 
 def _first_spacing(surface: ClosedSurface, band: float | None) -> float:
     """The spacing [m] that is tried first."""
-    a, b, c = (surface.X[surface.cells[:, k]] for k in range(3))
-    area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
-    step = max(FINEST, float(np.sqrt(CELL * area)))
+    step = max(FINEST, float(np.sqrt(CELL * surface.areas.sum())))
     while not _fits(surface, step, band):
         step *= REFINED
     return step
@@ -261,10 +261,11 @@ def _sampled(search: _kernels.SurfaceSearch, surface: ClosedSurface, spacing: fl
     from scipy.ndimage import spline_filter
 
     origin, bricks = _layout(surface, spacing, band)
-    counts, wide = CELLS * bricks + 3, CELLS * spacing
-    if np.prod(counts.astype(float)) > BODY_LATTICE:
-        what = f"a grid of {1e3 * spacing:.3g} mm around the body has {np.prod(counts.astype(float)):.3g} places"
+    if (places := np.prod(CELLS * bricks + 3.0)) > BODY_LATTICE:
+        what = f"a grid of {1e3 * spacing:.3g} mm around the body has {places:.3g} places"
         raise UserError(f"{what}, more than {BODY_LATTICE:.3g}", where, "write a larger spacing beside the file")
+    bricks = bricks.astype(np.int64)
+    counts, wide = CELLS * bricks + 3, CELLS * spacing
     middles = search.nearest(_lattice(origin + 0.5 * wide, wide, bricks))[0]
     inner = np.abs(middles) <= band + 0.5 * np.sqrt(3.0) * wide
     if inner.sum() > BODY_BRICKS:
