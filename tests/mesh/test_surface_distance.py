@@ -88,6 +88,37 @@ def test_beyond_the_band_the_body_still_pushes_out(ring):
     assert (body.grid.values(far) >= [2.5, body.facts.band, 0.25]).all()
 
 
+def test_no_gradient_is_longer_than_its_bound(tmp_path):
+    """Also in the coarse grid deep within a cube, across whose medial planes it is steepest."""
+    surface = read_closed_surface(write(tmp_path / "cube.ply", box((0.5, 0.5, 0.5))))
+    made = surface_distance.make_distance(surface, 0.02)
+    x = np.random.default_rng(0).uniform(-0.5, 0.5, (20000, 3))
+    longest = surface_distance._grid(made).shapes(x)[:, 1].max()
+    assert 1.5 < longest < made["numbers"][0] < 1.2 * longest
+
+
+def test_what_the_filter_takes_from_beyond_exact_places_is_small():
+    """The filter of cubic B-splines has the pole sqrt 3 - 2."""
+    from scipy.ndimage import spline_filter1d
+
+    one = np.zeros(101)
+    one[50] = 1.0
+    found = spline_filter1d(one, order=3)
+    share = abs(found[50 + surface_distance.AROUND] / found[50])
+    assert share == pytest.approx((2.0 - np.sqrt(3.0)) ** 6, rel=1e-6) and share < 4e-4
+
+
+def test_triangles_in_a_line_do_not_change_the_distance(tmp_path):
+    X, cells = box((0.5, 0.5, 0.5))
+    a, b, c = cells[0].tolist()
+    cut = [[a, len(X), c], [len(X), b, c], [a, b, len(X)]]
+    joint = np.vstack([X, 0.5 * (X[a] + X[b])]), np.vstack([cells[1:], cut])
+    x = np.random.default_rng(0).uniform(-0.55, 0.55, (500, 3))
+    both = [read_closed_surface(write(tmp_path / "a.ply", one)) for one in (joint, (X, cells))]
+    first, second = (surface_distance._grid(surface_distance.make_distance(one, 0.05)).values(x) for one in both)
+    np.testing.assert_allclose(first, second, atol=1e-6)
+
+
 def test_a_grid_of_the_cache_is_the_one_that_was_made(tmp_path, monkeypatch):
     path = write(tmp_path / "ball.ply", ball(8, 0.2))
     x = np.random.default_rng(1).uniform(-0.3, 0.3, (200, 3))

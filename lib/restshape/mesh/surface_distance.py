@@ -44,8 +44,8 @@ RAYS, THIN = 2000, 0.05
 SHARP = 0.01
 """Share of the surface that counts as its edges."""
 AROUND = 6
-"""Exact places around bricks: what the filter takes from farther ones has fallen to 4e-4 of itself."""
-VERSION = 2
+"""Exact places around bricks: what the filter takes from farther ones has fallen to (2 - sqrt 3)^6 = 4e-4 of itself."""
+VERSION = 3
 """Of what the cache holds."""
 
 Made = dict[str, np.ndarray]
@@ -283,17 +283,15 @@ def _sampled(search: _kernels.SurfaceSearch, surface: ClosedSurface, spacing: fl
         "bent": np.empty(0), "numbers": np.array([1.0, 1.0, 1.0, 0.0]),
     }  # fmt: skip
     places = np.argwhere(inner.reshape(bricks)) * CELLS
-    above = _grid(made).values(_lattice(origin + 0.5 * wide, wide, bricks)) - middles
+    steepest, above = _beyond_band(search, _grid(made), made)
     values = _values(search, _grid(made), made, places, counts)
     spline_filter(values, order=3, output=values, mode="mirror")
     # In bricks x runs fastest.
     made["fine"] = np.stack([values[_brick(at)].transpose(2, 1, 0) for at in places]).astype(np.float32)
     made["table"], made["bent"] = table, np.zeros(len(places))
     depth = -min(float(middles.min()), float(corners.min()))
-    made["bent"], measured = _measured(_grid(made), made, places, _thin(search, surface, depth))
-    # How much too far the coarse grid is outside, where distances are bounds alone.
-    slack = SPARE * max(0.0, float(above[middles > 0.0].max()))
-    made["numbers"] = np.append(measured, slack)
+    made["bent"], measured = _measured(_grid(made), made, places, _thin(search, surface, depth), steepest)
+    made["numbers"] = np.append(measured, SPARE * above)
     return made
 
 
@@ -322,12 +320,30 @@ def _values(
     return values
 
 
+def _beyond_band(search: _kernels.SurfaceSearch, coarse: _kernels.GridDistance, made: Made) -> tuple[float, float]:
+    """The longest gradient of the coarse grid beyond the band, and how much too far it is outside there [m].
+
+    Both at corners of bricks and middles of their edges, faces and insides.
+    """
+    wide = CELLS * float(made["spacing"])
+    end = made["origin"] + (1.0 - 1e-9) * wide * made["bricks"]
+    x = np.minimum(_lattice(made["origin"], 0.5 * wide, 2 * made["bricks"] + 1), end)
+    distance, _ = search.nearest(x)
+    found = coarse.shapes(x)
+    beyond, outside = np.abs(distance) > made["band"], distance > made["band"]
+    above = (found[:, 0] - distance)[outside].max(initial=0.0)
+    return float(found[beyond, 1].max(initial=1.0)), float(above)
+
+
 def _measured(
-    grid: _kernels.GridDistance, made: Made, places: np.ndarray, thin: float
+    grid: _kernels.GridDistance, made: Made, places: np.ndarray, thin: float, steepest: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How much the distance curves downwards in each brick [1/m], and the longest gradient, `thin`, and `sharpest`."""
+    """How much the distance curves downwards in each brick [1/m], and the longest gradient, `thin`, and `sharpest`.
+
+    Measured at corners of cells; `steepest` is the longest gradient elsewhere.
+    """
     spacing, bent = float(made["spacing"]), np.zeros(len(places))
-    longest, round_ = 1.0, 0.0
+    longest, round_ = max(1.0, steepest), 0.0
     for k, at in enumerate(places):
         found = grid.shapes(_lattice(made["origin"] + spacing * (at + 1e-6), (1.0 - 1e-6) * spacing, np.full(3, 9)))
         bent[k] = max(0.0, -SPARE * found[:, 2].min())
