@@ -82,7 +82,8 @@ def read_closed_surface(path: Path | str, unit: float | None = None) -> ClosedSu
     """The closed surface of a file.
 
     Corners at one place are joined, as STL files repeat them; polygons are cut into triangles; triangles with two
-    corners at one place are left out. Holes are closed by triangles about their middle. Triangles that all look inwards are turned over.
+    corners at one place are left out. Holes are closed by triangles about their middle. Triangles that all look inwards
+    are turned over.
 
     Args:
         path: .obj, .stl or .ply.
@@ -139,7 +140,7 @@ def _triangles(blocks: list) -> np.ndarray:
 
 
 def _joined(X: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners and triangles without corners at one place, triangles between two places, and corners without triangles."""
+    """Corners and triangles without corners at one place, triangles of two places, and corners without triangles."""
     step = COINCIDENT * max(float(np.ptp(X[cells], axis=(0, 1)).max()), 1e-300)
     _, first, own = np.unique(np.round(X / step).astype(np.int64), axis=0, return_index=True, return_inverse=True)
     cells = own.ravel()[cells]
