@@ -41,7 +41,8 @@ def predicted_snap(trial: Trial) -> Iterator[Statement]:
         yield below(f"residual on release ({way})", rows[-1]["residual"], 1e-4)
         yield outside(made, 2e-3)
         last = [row for row in rows if not row["predicted"]]
-        yield from resting(made, last)
+        # Beside the slip distance of friction differences over 0.2 micrometres have a truncation error of 2e-4.
+        yield from resting(made, last, way=2e-8)
 
 
 def refined_drag(trial: Trial) -> Iterator[Statement]:
