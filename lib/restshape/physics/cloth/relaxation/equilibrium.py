@@ -37,6 +37,8 @@ STIFFER = 10.0
 """Factor of the inertia where a descent does not get on."""
 LEAST = 1e-9
 """Strain whose forces are the least that residuals of cloth without weight are measured against."""
+FIXED = 200
+"""Steps of a frame after which anchors of friction are dragged: descents may cycle about those that stay."""
 ROUND_OFF = 4e-16
 """Rounding of a force, over the membrane's stiffness times the place of its node."""
 TRIES = 4
@@ -278,6 +280,8 @@ class EquilibriumSolver:
             return report
         while True:
             left = most - (report.steps - begun)
+            if report.steps - begun > FIXED and self.problem.contact:
+                self.problem.contact.end_frame(self.problem.corners(x))
             if left <= 0:
                 report.why = report.why or f"{most} steps are over"
                 break
