@@ -350,7 +350,9 @@ friction = 0.3
 @pytest.mark.slow
 @pytest.mark.parametrize(("centre", "begins"), [(-0.05, ""), (-0.03, "10"), (0.0, "40")])
 def test_cloth_that_begins_inside_a_body_is_reported(tmp_path, centre, begins):
-    scene = cloth(tmp_path, CONTACT, TABLE.replace("CENTRE", str(centre)), overrides=("mesh.size=0.08", "effects.drape.steps=60"))
+    scene = cloth(
+        tmp_path, CONTACT, TABLE.replace("CENTRE", str(centre)), overrides=("mesh.size=0.08", "effects.drape.steps=60")
+    )
     row = solved(scene).row()
     assert ("begins" in row["note"]) == bool(begins)
     if begins:
