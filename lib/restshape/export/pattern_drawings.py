@@ -13,7 +13,7 @@ from ezdxf import units
 
 from restshape.arrays import Reals
 from restshape.export.dxf_drawing import MM, draw_edge
-from restshape.export.svg_drawing import path_of
+from restshape.export.svg_drawing import path_of, svg_head
 from restshape.outputs.atomic_files import replacing, write_whole
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.shape.outline import Outline
@@ -82,13 +82,8 @@ def write_pattern_svg(pattern: Pattern, path: Path) -> list[str]:
     corners = [np.array(outline.bounds()) + place for outline, place in zip(outlines, places)]
     low, high = MM * np.min(corners, axis=(0, 1)), MM * np.max(corners, axis=(0, 1))
     margin = 0.02 * float(np.hypot(*(high - low)))
-    (x, y), (w, h) = (low[0] - margin, -high[1] - margin), high - low + 2.0 * margin
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f"<!-- {EXPORT_MARK} -->",
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:.6f}mm" height="{h:.6f}mm" '
-        f'viewBox="{x:.6f} {y:.6f} {w:.6f} {h:.6f}" fill="none" stroke="black" stroke-width="{STROKE * w:.6g}">',
-    ]
+    width = STROKE * (float(high[0] - low[0]) + 2.0 * margin)
+    lines = svg_head(low, high, margin, width)
     for piece, outline, place in zip(pattern.pieces, outlines, places):
         lines += _group(piece.name, outline, place)
     write_whole(path, "\n".join([*lines, "</svg>", ""]))

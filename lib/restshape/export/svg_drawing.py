@@ -24,6 +24,17 @@ SHORT = 1e-12
 centre is follows from the root of a difference that is rounding else, and would be off by 1e-8 of the radius."""
 
 
+def svg_head(lower: np.ndarray, upper: np.ndarray, margin: float, width: float) -> list[str]:
+    """The first lines of a drawing between two corners (2,), with a margin and a width of lines [mm]; y goes up."""
+    (x, y), (w, h) = (lower[0] - margin, -upper[1] - margin), upper - lower + 2.0 * margin
+    return [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f"<!-- {EXPORT_MARK} -->",
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:.6f}mm" height="{h:.6f}mm" '
+        f'viewBox="{x:.6f} {y:.6f} {w:.6f} {h:.6f}" fill="none" stroke="black" stroke-width="{width:.6g}">',
+    ]
+
+
 def write_svg(outline: Outline, path: Path) -> None:
     """Writes a shape: a group a loop and a path an edge, each with its name as ``id``; one unit is a millimetre.
 
@@ -34,13 +45,7 @@ def write_svg(outline: Outline, path: Path) -> None:
     """
     lower, upper = (MM * corner for corner in outline.bounds())
     margin, width = MARGIN * MM * outline.size, STROKE * MM * outline.size
-    (x, y), (w, h) = (lower[0] - margin, -upper[1] - margin), upper - lower + 2.0 * margin
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f"<!-- {EXPORT_MARK} -->",
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{w:.6f}mm" height="{h:.6f}mm" '
-        f'viewBox="{x:.6f} {y:.6f} {w:.6f} {h:.6f}" fill="none" stroke="black" stroke-width="{width:.6g}">',
-    ]
+    lines = svg_head(lower, upper, margin, width)
     drawn: set[int] = set()
     for loop in outline.loops:
         lines.append(f"<g id={quoteattr(loop.name)} class={quoteattr(loop.kind)}>")
