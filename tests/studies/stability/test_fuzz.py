@@ -77,12 +77,12 @@ def break_process(tmp_path, monkeypatch, forked_examples):
     [
         ("raise ZeroDivisionError('by nothing')", "fault", "ZeroDivisionError: by nothing"),
         ("os.kill(os.getpid(), 11)", "crash", "crash at broken_process.py:7"),
-        ("time.sleep(60)", "hang", "reported nothing for 4 s"),
+        ("time.sleep(60)", "hang", "reported nothing for 1.5 s"),
     ],
 )
 def test_what_breaks_is_reported_and_kept(tmp_path, break_process, then, kind, words):
     break_process(then)
-    tried = fuzz(2, 3, ("plane",), keep=tmp_path / "kept", each=4.0)
+    tried = fuzz(2, 3, ("plane",), keep=tmp_path / "kept", each=1.5)
     found = next(iter(tried.found.values()))
     assert (
         found.kind == kind
@@ -103,7 +103,7 @@ def test_what_was_held_up_once_is_played_again_and_is_no_hang(tmp_path, break_pr
     break_process(
         f"import pathlib; there = pathlib.Path({str(mark)!r}); there.exists() or (there.touch(), time.sleep(99))"
     )
-    tried = fuzz(1, 3, ("plane",), each=3.0)
+    tried = fuzz(1, 3, ("plane",), each=1.5)
     assert mark.exists() and tried.repeated == 1 and not tried.found
     assert tried.examples == tried.valid == 1 and tried.mutated == {"drawn": {"0": 1}}
 

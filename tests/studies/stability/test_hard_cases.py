@@ -168,9 +168,9 @@ def test_a_case_that_kills_or_hangs_its_process_fails_alone(tmp_path, monkeypatc
     (tmp_path / "dying_cases.py").write_text(DYING)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path) + os.pathsep + os.environ.get("PYTHONPATH", ""))
     monkeypatch.setattr("restshape_studies.stability.suite.PROCESS", "dying_cases")
-    rows = run_apart([(name, "auto") for name in ("dies", "good", "hangs", "good")], 4.0, 1.0, 60.0, (), lambda r: None)
+    rows = run_apart([(name, "auto") for name in ("dies", "good", "hangs", "good")], 1.5, 1.0, 60.0, (), lambda r: None)
     assert [row["holds"] for row in rows] == [False, True, False, True]
-    assert "reported nothing for 4 s" in rows[2]["value"]
+    assert "reported nothing for 1.5 s" in rows[2]["value"]
 
 
 @pytest.mark.slow

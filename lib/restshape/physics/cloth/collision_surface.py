@@ -9,6 +9,8 @@ import numpy as np
 
 SLACK = 1e-9
 """Part of an edge, or of a triangle's side, from whose ends on a passage counts."""
+SPARSE = 16
+"""Of so many edges one is looked at first, where some are known to pass through triangles."""
 
 
 def unique_edges(cells: np.ndarray) -> np.ndarray:
@@ -79,21 +81,25 @@ class CollisionSurface:
     def crosses(self, x: np.ndarray) -> bool:
         """Whether an edge passes through a triangle at positions x (n, 3)."""
         meet = bool(self.library.has_intersections(self.mesh, columns(x), self.library.LBVH()))
-        return meet and (self.sewn is None or len(self._passed(x)) > 0)
+        return meet and (self.sewn is None or len(self._passed(x, self.edges, self.cells)) > 0)
 
     def crossed(self, x: np.ndarray) -> np.ndarray:
         """Numbers (k,) of the triangles that edges of others pass through at positions x (n, 3)."""
         if not np.isfinite(x).all() or not self.crosses(x):
             return np.empty(0, np.int64)
-        return self._passed(x)
+        # Where most triangles are crossed a few edges show it, and pairs of all are millions.
+        some = self._passed(x, self.edges[::SPARSE], self.cells)
+        left = np.setdiff1d(np.arange(len(self.cells)), some)
+        more = left[self._passed(x, self.edges, self.cells[left])] if len(left) else left
+        return np.union1d(some, more)
 
-    def _passed(self, x: np.ndarray) -> np.ndarray:
-        """The same, where something may be crossed."""
+    def _passed(self, x: np.ndarray, edges: np.ndarray, cells: np.ndarray) -> np.ndarray:
+        """Which of some triangles (ne, 3) edges (m, 2) pass through at positions x (n, 3): numbers (k,)."""
         search = self.library.LBVH()
-        search.build(columns(x), np.asfortranarray(self.edges), np.asfortranarray(self.cells))
+        search.build(columns(x), np.asfortranarray(edges), np.asfortranarray(cells))
         near = search.detect_edge_face_candidates()
         edge, cell = np.array([(pair.edge_id, pair.face_id) for pair in near], np.int64).reshape(-1, 2).T
-        ends, corners = self.edges[edge], self.cells[cell]
+        ends, corners = edges[edge], cells[cell]
         first, second = np.broadcast_arrays(ends[:, :, None], corners[:, None, :])
         apart = ~self.as_one(first.ravel(), second.ravel()).reshape(first.shape).any(axis=(1, 2))
         hit = passes_through(x[ends[apart]], x[corners[apart]])
