@@ -30,10 +30,13 @@ COARSE = {
     "fish": 0.014,
     "longer": 0.04,
     "pins": 0.1,
+    "sewn_skirt": 0.05,
     "sphere-drag": 0.09,
     "sphere-longer": 0.09,
+    "stool": 0.05,
     "strip": 0.01,
     "supported": 0.4,
+    "tabard": 0.05,
 }
 """Mesh sizes [m] at which long scripts are replayed every day, where larger than those of their scenes, at which
 `make weekly` replays them.

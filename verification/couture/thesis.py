@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.each_week import each_week
 from restshape_verification.couture.step_solvers import Compared, methods, table
 from restshape_verification.couture.thesis_edits import edit_rows
 
@@ -61,6 +62,7 @@ SOLVER_SIZES, COMPARED = {"coarse": "20.9 mm", "fine": "7.9 mm"}, 17
 """Mesh sizes for about 1,500 and 9,800 nodes, and steps, some of which solvers are compared on."""
 
 
+@each_week()
 def rows(timed: bool = True) -> list[dict[str, Any]]:
     """Rows of `restshape tables`; `timing` marks those that a clock decides, which need not be `timed`."""
     found = [row for benchmark in BENCHMARKS for row in benchmark_rows(benchmark, timed)]

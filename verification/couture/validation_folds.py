@@ -2,6 +2,7 @@
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.each_week import each_week
 from restshape_studies.validation.case import CLOSED_FORM, Check
 from restshape_verification.couture.nested_folds import nested_heights
 from restshape_verification.couture.placed_strips import along, fix, heights_at, placed, rested
@@ -27,6 +28,7 @@ CAUGHT = 0.03
 """Bound of the height of the upper fold: layers that catch on each other push it in or draw it out."""
 
 
+@each_week()
 def folded_twice(comm: PETSc.Comm) -> list[Check]:
     """The heights of the three folds of a strip folded twice, and the four layers between them.
 

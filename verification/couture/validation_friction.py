@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.each_week import each_week
 from restshape_studies.validation.case import CLOSED_FORM, Check
 from scipy.optimize import brentq
 
@@ -19,12 +20,17 @@ THIN = 0.5e-3
 AXIS = -0.05 - THIN
 MOST = 400
 """Steps after which cloth that is not in equilibrium slides."""
+COEFFICIENTS = (0.3, 0.8)
+"""Of friction on the incline."""
+SHIFTS = (0.0, 0.02)
+"""How far the middle of the strip over the bar is off [m], which makes ratios of its ends."""
 
 
+@each_week(COEFFICIENTS=COEFFICIENTS[:1])
 def incline(comm: PETSc.Comm) -> list[Check]:
     """Whether a patch on an incline stays, one per cent below and above the angle of friction."""
     checks = []
-    for mu in (0.3, 0.8):
+    for mu in COEFFICIENTS:
         for part, rests in ((0.99, 1), (1.01, 0)):
             slope = float(np.arctan(part * mu))
             settings = [f"parameters.slope={slope!r}", f"bodies.ground.friction={mu}", f"effects.drape.steps={MOST}"]
@@ -79,10 +85,11 @@ def rests(analysis: RelaxationAnalysis, mu: float, x: np.ndarray, history: Frict
     return analysis.state.solver.converge(analysis.x, MOST, ConvergenceReport()).converged
 
 
+@each_week(SHIFTS=SHIFTS[1:])
 def capstan(comm: PETSc.Comm) -> list[Check]:
     """The ratio of its ends at which a strip over a bar slips, in a bracket that is halved, for two ratios."""
     checks = []
-    for shift in (0.0, 0.02):
+    for shift in SHIFTS:
         analysis = placed(shift, comm)
         start, x, history = hung(analysis), analysis.x.copy(), analysis.problem.contact.history
         low, high, best = 0.95, 1.06, 0.0

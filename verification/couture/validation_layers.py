@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.each_week import each_week
 from restshape_studies.validation.case import CLOSED_FORM, Check
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -43,6 +44,8 @@ GUESS = 0.45
 MOST = 3_000
 SHEET_SIZE = 0.01
 """Mesh size [m] of the sheets that slip."""
+SLIPS = ((0.3, 20, 1.01), (2.0, 20, 1.01), (0.3, 10, 1.02), (0.3, 5, 1.05))
+"""Coefficients of friction, mesh size over the distance where contact begins, and part of the angle that slips."""
 
 
 def loop_height(gap: float) -> float:
@@ -105,13 +108,14 @@ def folded_strip(comm: PETSc.Comm) -> list[Check]:
     ]
 
 
+@each_week(SLIPS=SLIPS[:2])
 def two_sheets(comm: PETSc.Comm) -> list[Check]:
     """Whether a sheet on a fixed one stays, one per cent below and above the angle of friction.
 
     Where contact begins at more than a 20th of the mesh size nodes and edges catch on each other, and it slips later.
     """
     checks = []
-    for mu, share, slips in ((0.3, 20, 1.01), (2.0, 20, 1.01), (0.3, 10, 1.02), (0.3, 5, 1.05)):
+    for mu, share, slips in SLIPS:
         for part, rests in ((0.99, 1), (slips, 0)):
             found = int(stays(mu, part * mu, comm, SHEET_SIZE / share))
             source = "Coulomb: it stays where tan(slope) < mu"

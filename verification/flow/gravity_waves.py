@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.each_week import each_week
 from restshape_studies.stability.scenery import across, drag
 from restshape_studies.validation.case import CLOSED_FORM, Check
 from restshape_verification.flow.heated_scenes import BUOYANT, in_time, warm_everywhere
@@ -28,6 +29,8 @@ FREQUENCY = float(np.sqrt(PULL * STRATIFIED - SLOWER**2))
 END = 0.8
 """When they are looked at [s]."""
 WAVES = "a plane wave in a fluid with a linear temperature: J. S. Turner, Buoyancy Effects in Fluids (1973), chapter 2"
+WAYS = {"still": 0.0, "dragged": 0.1}
+"""How far a body is dragged until then [m]."""
 SIZES, STEPS = (48, 96), (32, 64, 128)
 """Time steps in all where they shrink with the mesh, and on one mesh."""
 
@@ -64,10 +67,11 @@ def waving(time_step: float, size: float) -> str:
     return text.replace("heat_capacity", f"reference = {NEUTRAL!r}\nexpansion = 1\nheat_capacity")
 
 
+@each_week(WAYS={"dragged": WAYS["dragged"]})
 def waves_in_space(comm: PETSc.Comm) -> list[Check]:
     """Waves in a warm fluid: orders of velocity and temperature where time steps shrink with the mesh."""
     checks = []
-    for name, way in (("still", 0.0), ("dragged", 0.1)):
+    for name, way in WAYS.items():
         found = []
         for frames in SIZES:
             path = across((0.4, 0.5), (0.4 + way, 0.5 + way / 2), frames)

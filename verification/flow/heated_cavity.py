@@ -2,6 +2,7 @@
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.each_week import each_week
 from restshape_studies.validation.case import IDENTITY, PUBLISHED, Check
 from restshape_verification.flow.heated_scenes import BUOYANT, CAVITY, STEADY
 from restshape_verification.flow.shown import shown
@@ -26,6 +27,7 @@ NEUTRAL = 300.0
 """Mean of the temperatures of the walls [K], from which heat that is advected is counted."""
 
 
+@each_week(VESSELS=dict(list(VESSELS.items())[:2]))
 def heated_cavity(comm: PETSc.Comm) -> list[Check]:
     """A square vessel of air (Pr = 0.71) between a hot and a cold wall: Nusselt numbers and largest velocities."""
     checks, s = [], np.linspace(0.0, 1.0, 4001)

@@ -2,6 +2,7 @@
 
 import numpy as np
 from petsc4py import PETSc
+from restshape_studies.each_week import each_week
 from restshape_studies.stability.scenery import across, drag
 from restshape_studies.validation.case import CLOSED_FORM, Check
 from restshape_verification.flow.heated_scenes import in_time, warm_everywhere
@@ -18,6 +19,8 @@ RATE = 2.0 * np.pi**2 * DIFFUSIVITY
 WARM = VORTICES + "; a temperature that is one along stream lines is not advected, and decays by conduction alone"
 END = 0.8
 """When temperatures are looked at [s]."""
+WAYS = {"still": 0.0, "dragged": 0.1}
+"""How far a body is dragged until then [m]."""
 STEADY = "fields that are linear in space and do not change in time"
 ROUNDED = 1e-9
 """Of temperatures of some kelvins; residuals are solved to 1e-11."""
@@ -33,12 +36,13 @@ def warm_motion(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
+@each_week(WAYS={"dragged": WAYS["dragged"]})
 def warm_vortices(comm: PETSc.Comm) -> list[Check]:
     """The order of a temperature in decaying vortices where time steps shrink with the mesh, still and dragged."""
     decay, checks = "exp(-0.05/1.2*2*pi^2*t)", []
     velocity = f'["-cos(pi*x)*sin(pi*y)*{decay}", "sin(pi*x)*cos(pi*y)*{decay}"]'
     warm = f'"2 + cos(pi*x)*cos(pi*y)*exp(-{DIFFUSIVITY!r}*2*pi^2*t)"'
-    for name, way in (("still", 0.0), ("dragged", 0.1)):
+    for name, way in WAYS.items():
         found = []
         for frames in (48, 96):
             path = across((0.4, 0.5), (0.4 + way, 0.5 + way / 2), frames)

@@ -58,6 +58,7 @@ def cavity(comm: PETSc.Comm) -> list[Check]:
     return checks
 
 
+@each_week(CYLINDER_SIZES=CYLINDER_SIZES[:1])
 def cylinder(comm: PETSc.Comm) -> list[Check]:
     """A cylinder in a channel at Re = 20: drag, lift, and what the pressure drops by, on symmetric meshes."""
     checks = []

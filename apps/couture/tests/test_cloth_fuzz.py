@@ -13,7 +13,7 @@ from restshape.application import application
 
 @pytest.mark.slow
 def test_nothing_breaks(forked_examples):
-    tried = fuzz(20, 1, ("couture",))
+    tried = fuzz(10, 1, ("couture",))
     assert not tried.found, [vars(found) for found in tried.found.values()]
     assert tried.valid >= 5 and tried.frames > 20 and 3 < tried.largest <= 200
 
