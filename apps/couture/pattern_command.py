@@ -3,17 +3,23 @@
 import argparse
 from pathlib import Path
 
+import numpy as np
+
 from restshape.cli.options import add_json, write_json
 from restshape.errors import UserError, one_line
+from restshape.export.paper_tiles import PAPERS
 from restshape.outputs.claims import refuse_outputs
-from restshape.outputs.kinds import ExportFile
+from restshape.outputs.kinds import PatternFile
 from restshape.outputs.si_numbers import counted
+from restshape.scene.units import UnitError, quantity
 from restshape.shape.pattern import Pattern
 
 READ = (".json", ".dxf", ".svg", ".toml")
 """GarmentCode, AAMA or ASTM, drawings, and scenes."""
-SEWN = (".json", ".toml")
-"""Formats that have seams."""
+TILED = ".pdf"
+"""Sheets of paper, which are written alone."""
+CUT = (".dxf", ".svg", TILED)
+"""Formats that have cut lines."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,25 +27,38 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     what = "pattern: .json of GarmentCode, .dxf with the layers of AAMA and ASTM, .svg, or a scene of cloth (.toml)"
     parser.add_argument("source", metavar="PATTERN|SCENE", type=Path, help=what)
     parser.add_argument(
-        "--out", metavar="FILE", type=ExportFile, required=True, help="file to write, by its ending: one of the same"
+        "--out",
+        metavar="FILE",
+        type=PatternFile,
+        required=True,
+        help="file to write, by its ending: one of the same, or .pdf: sheets of paper in true size",
     )
+    parser.add_argument("--tiles", choices=PAPERS, help="paper of a .pdf (default: a4)")
+    parser.add_argument("--allowance", metavar="LENGTH", help="of seams, around which a .pdf, .dxf or .svg is cut")
     add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Reads the pattern, writes it, and says what it holds and what was left; the exit code."""
-    if args.out.suffix.lower() not in READ:
-        raise UserError(f"no pattern is written as {args.out.suffix or 'that'}", "--out", f"use {', '.join(READ)}")
+    kind, allowance = args.out.suffix.lower(), _allowance(args.allowance)
+    if kind not in (*READ, TILED):
+        known = ", ".join((*READ, TILED))
+        raise UserError(f"no pattern is written as {args.out.suffix or 'that'}", "--out", f"use {known}")
+    if args.tiles and kind != TILED:
+        raise UserError("sheets of paper are a PDF", f"--tiles {args.tiles}", f"--out {args.out.with_suffix(TILED)}")
+    if allowance and kind not in CUT:
+        what = f"a {kind} file has lines of seams alone, and no cut lines"
+        raise UserError(what, "--allowance", f"leave it out, or write {', '.join(CUT)}")
     refuse_outputs({"--out": args.out}, {f"pattern {args.source}": args.source})
     pattern = _read(args.source)
     areas = {piece.name: piece.outline().area() for piece in pattern.pieces}
     try:
-        left = _write(pattern, args.out, args.source.stem)
+        left = _write(pattern, args.out, args.source.stem, allowance, args.tiles or "a4")
     except OSError as error:
         what = f"{args.out} cannot be written: {(error.strerror or str(error)).lower()}"
         raise UserError(what, "--out", "name another file") from error
     notes = [*filter(None, [pattern.doubt]), *pattern.notes, *left]
-    seams = len(pattern.stitches) if args.out.suffix.lower() in SEWN else 0
+    seams = len(pattern.stitches)
     sewn = f", {counted(seams, 'seam')}" if seams else ""
     print(f"wrote {one_line(args.out)}: {counted(len(areas), 'piece')} of {sum(areas.values()):.6g} m^2{sewn}")
     for note in notes:
@@ -73,9 +92,31 @@ def _read(path: Path) -> Pattern:
     return read_pattern_dxf(path) if kind == ".dxf" else read_pattern_svg(path)
 
 
-def _write(pattern: Pattern, path: Path, title: str) -> list[str]:
-    """Writes a pattern; what is left out."""
+def _allowance(text: str | None) -> float:
+    """The allowance [m] of an option, 0 without.
+
+    Raises:
+        UserError: it is no length.
+    """
+    if text is None:
+        return 0.0
+    try:
+        found = quantity(text, "length")
+    except UnitError as error:
+        raise UserError(error.what, "--allowance", error.do) from error
+    if not 0.0 <= found < np.inf:
+        raise UserError(f"{text!r} is no allowance of a seam", "--allowance", "--allowance 10mm")
+    return found
+
+
+def _write(pattern: Pattern, path: Path, title: str, allowance: float, paper: str) -> list[str]:
+    """Writes a pattern; what is left out, and how many sheets there are."""
     kind = path.suffix.lower()
+    if kind == TILED:
+        from restshape.export.pattern_tiles import write_tiles
+
+        sheets = write_tiles(pattern, path, paper, allowance, title)
+        return [f"{counted(sheets, 'sheet')} of {paper}, after a page with their places and a square of 100 mm"]
     if kind == ".toml":
         from restshape.export.pattern_scene import write_pattern_scene
 
@@ -86,4 +127,5 @@ def _write(pattern: Pattern, path: Path, title: str) -> list[str]:
         return write_garmentcode(pattern, path)
     from restshape.export.pattern_drawings import write_pattern_dxf, write_pattern_svg
 
-    return write_pattern_dxf(pattern, path) if kind == ".dxf" else write_pattern_svg(pattern, path)
+    write = write_pattern_dxf if kind == ".dxf" else write_pattern_svg
+    return write(pattern, path, allowance)

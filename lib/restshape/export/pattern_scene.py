@@ -20,6 +20,7 @@ from restshape.shape.build import unchecked_outline
 from restshape.shape.pattern import Pattern, PatternPiece, Stitch, Triple
 from restshape.shape.pattern_axes import UPRIGHT, angles_of
 from restshape.shape.placement import rotation
+from restshape.shape.seam_parts import seam_names
 
 TRIANGLES = 2000
 """How many there are about in the meshes of all pieces."""
@@ -56,8 +57,8 @@ def scene_tables(pattern: Pattern, title: str) -> Table:
     tables["panels"] = {piece.name: _panel(piece) for piece in pattern.pieces}
     if pattern.stitches:
         tables["seams"] = {
-            f"seam{number}": {"from": _one_or_all(stitch.first), "to": _one_or_all(stitch.second), **stitch.keys}
-            for number, stitch in enumerate(pattern.stitches, 1)
+            name: {"from": _one_or_all(stitch.first), "to": _one_or_all(stitch.second), **stitch.keys}
+            for name, stitch in zip(seam_names(pattern), pattern.stitches)
         }
     tables["material"] = {"cloth": {"name": FABRIC}}
     tables["mesh"] = {"size": f"{1e3 * size:.2g} mm"}
@@ -99,7 +100,7 @@ def pattern_of_scene(scene: Scene) -> Pattern:
     seams = scene.sections.get("seams") or {}
     assert isinstance(seams, dict)
     before = "" if panels else f"{SHEET}."
-    stitches = tuple(_stitch(seam, before) for seam in seams.values() if isinstance(seam, _Sewn))
+    stitches = tuple(_stitch(name, seam, before) for name, seam in seams.items() if isinstance(seam, _Sewn))
     return Pattern(pieces, stitches, "y" if upright else "z", notes=notes)
 
 
@@ -116,9 +117,9 @@ class _Sewn(Protocol):
         """What the scene says of it besides."""
 
 
-def _stitch(seam: _Sewn, before: str) -> Stitch:
+def _stitch(name: str, seam: _Sewn, before: str) -> Stitch:
     first, second = seam.sides
-    return Stitch(_named(first, before), _named(second, before), keys=dict(seam.keys))
+    return Stitch(_named(first, before), _named(second, before), keys=dict(seam.keys), name=name)
 
 
 def _named(edges: tuple[str, ...], before: str) -> tuple[str, ...]:

@@ -154,6 +154,25 @@ class ExportFile(OutputFile):
         return EXPORT_MARK.encode() in head or head.startswith(EXPORT_HEADS.encode())
 
 
+PATTERN_MARK = "restshape pattern"
+"""The program that a PDF of a pattern says it was made by."""
+
+
+class PatternFile(ExportFile):
+    """A pattern: a drawing, a scene or a file of another program, or a PDF in true size."""
+
+    what = "a pattern that restshape wrote"
+
+    def ours(self) -> bool:
+        """As of other exports; a PDF says at its end who made it."""
+        if not self.is_file():
+            return super().ours()
+        with self.open("rb") as file:
+            if file.read(5) == b"%PDF-":
+                return f"/Creator ({PATTERN_MARK})".encode() in file.read()
+        return super().ours()
+
+
 BODY_MARK = "written by restshape mannequin"
 """In the first line of every surface of a body."""
 

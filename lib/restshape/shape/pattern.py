@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
-from restshape.scene.plain_values import Table
+from restshape.scene.plain_values import Table, table_in
 from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline
 
@@ -65,12 +65,14 @@ class Stitch:
         first, second: names of edges, ``PIECE.EDGE``.
         kept: what its file says besides of its two sides.
         keys: those of a seam of a scene besides its sides, with values in SI units.
+        name: of the seam; "": it has none.
     """
 
     first: tuple[str, ...]
     second: tuple[str, ...]
     kept: tuple[Table, Table] = ({}, {})
     keys: Table = field(default_factory=dict)
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,7 @@ def refuse_bad_stitches(pattern: Pattern, where: str) -> None:
     Raises:
         UserError: the first of them.
     """
-    there = {f"{piece.name}.{edge}" for piece in pattern.pieces for edge in _edges_of(piece)}
+    there = edge_names(pattern.pieces)
     seen: dict[str, int] = {}
     for number, stitch in enumerate(pattern.stitches):
         for edge in (*stitch.first, *stitch.second):
@@ -118,7 +120,6 @@ def refuse_bad_stitches(pattern: Pattern, where: str) -> None:
             seen[edge] = number
 
 
-def _edges_of(piece: PatternPiece) -> Iterable[str]:
-    edges = piece.shape["edges"]
-    assert isinstance(edges, dict)
-    return edges
+def edge_names(pieces: Iterable[PatternPiece]) -> set[str]:
+    """Names of all edges of pieces, ``PIECE.EDGE``."""
+    return {f"{piece.name}.{edge}" for piece in pieces for edge in table_in(piece.shape, "edges")}

@@ -17,17 +17,21 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.errors import UserError, quoted
+from restshape.scene.plain_values import Table, table_in
 from restshape.shape.dxf import NO_UNIT, curves_of, metres_in, readable
 from restshape.shape.dxf_blocks import placed
 from restshape.shape.gaps import JOIN
 from restshape.shape.loose_curve import Curve, gathered
 from restshape.shape.named_points import chain_of_curve
-from restshape.shape.pattern import Pattern, PatternPiece
+from restshape.shape.pattern import Pattern, PatternPiece, Triple, edge_names
+from restshape.shape.pattern_notes import METADATA, kept, parts_in, placed_by, table_of
 from restshape.shape.pattern_pieces import is_in, loops_of, pieces_of, place_in
+from restshape.shape.seam_parts import SIDES, SeamPart, stitches_of
 from restshape.shape.svg import read_svg
+from restshape.shape.svg_tree import metadata_of
 
-CUT, TURNS, NOTCH, GRAIN, INTERNAL, CUTOUT, SEW = "1", "2", "4", "7", "8", "11", "14"
-"""Layers: border of a piece, its corners, notches, line of the grain, lines inside, openings, line of the seam."""
+CUT, TURNS, NOTCH, GRAIN, INTERNAL, CUTOUT, SEW, ANNOTATION = "1", "2", "4", "7", "8", "11", "14", "15"
+"""Layers: border of a piece, its corners, notches, the grain, lines inside, openings, line of the seam, texts."""
 LAYERS = {
     "3": "curve points",
     "5": "grade references",
@@ -35,7 +39,7 @@ LAYERS = {
     "9": "stripes",
     "10": "plaids",
     "13": "drill holes",
-    "15": "annotation",
+    ANNOTATION: "annotation",
 }
 """What other layers hold, by the standard: it is counted."""
 TEXTS = ("TEXT", "MTEXT", "ATTRIB", "ATTDEF")
@@ -73,15 +77,20 @@ def read_pattern_dxf(path: Path) -> Pattern:
         pieces: list[PatternPiece] = []
         unread: Counter[str] = Counter()
         taken: set[str] = set()
+        parts: list[tuple[str, SeamPart]] = []
         for sheet in groups:
             for piece in sheet.pieces():
                 name = _other_name(piece.name, taken)
                 pieces.append(replace(piece, name=name))
             unread += sheet.unread
+            parts += sheet.parts
     if not pieces:
         what = f"no piece was found: no closed loop on layer {CUT} or {SEW}"
         raise UserError(what, path.name, "draw borders of pieces on layer 1, or lines of seams on layer 14")
-    return Pattern(tuple(pieces), notes=_notes(unread), doubt="" if sized else NO_UNIT)
+    keys = next((table for one in loose if (table := table_in(kept(one), "keys"))), {})
+    stitches, left = stitches_of(parts, {name: table_in(keys, name) for name in keys}, edge_names(pieces))
+    notes = _notes(unread + Counter(left))
+    return Pattern(tuple(pieces), stitches, notes=notes, doubt="" if sized else NO_UNIT)
 
 
 def read_pattern_svg(path: Path) -> Pattern:
@@ -96,9 +105,32 @@ def read_pattern_svg(path: Path) -> Pattern:
     loops = loops_of(read.curves)
     if not loops.groups:
         raise UserError("no piece was found: no curves close a loop", path.name, "let the curves meet end to end")
-    pieces, _ = pieces_of(loops, (), path.name, {}, ())
+    found, _ = pieces_of(loops, (), path.name, {}, ())
     unread = Counter(f"{curve.source} that closes no loop" for curve in loops.open)
-    return Pattern(tuple(pieces), notes=_notes(unread), doubt=read.doubt)
+    said = metadata_of(path.read_bytes(), METADATA)
+    about, seams = (table_in(table_of(said), key) for key in ("pieces", "seams"))
+    pieces = [_piece_with(piece, table_in(about, piece.name)) for piece in found]
+    parts = [(edge, part) for name in seams for edge, part in _sewn(name, table_in(seams, name))]
+    keys = {name: table_in(table_in(seams, name), "keys") for name in seams}
+    stitches, left = stitches_of(parts, keys, edge_names(pieces))
+    return Pattern(tuple(pieces), stitches, notes=_notes(unread + Counter(left)), doubt=read.doubt)
+
+
+def _piece_with(piece: PatternPiece, table: Table) -> PatternPiece:
+    """A piece with the grain and the place in space that the metadata of its drawing has."""
+    grain = table.get("grain")
+    known = {"grain": float(grain)} if isinstance(grain, float | int) and np.isfinite(grain) else {}
+    return replace(piece, **placed_by(table), **known)
+
+
+def _sewn(seam: str, table: Table) -> list[tuple[str, SeamPart]]:
+    """The edges of a seam as the metadata of a drawing has them, with what each is in it."""
+    found = []
+    for side in SIDES:
+        edges = table.get(side)
+        names = [edge for edge in edges if isinstance(edge, str)] if isinstance(edges, list) else []
+        found += [(edge, SeamPart(seam, side, place)) for place, edge in enumerate(names)]
+    return found
 
 
 class _PieceSheet:
@@ -114,18 +146,21 @@ class _PieceSheet:
         self.layers: dict[str, list[Any]] = {}
         self.unread: Counter[str] = Counter()
         self.shift: Reals = np.zeros(2)
+        self.place: dict[str, Triple] = {}
+        self.parts: list[tuple[str, SeamPart]] = []
 
     def add(self, entities: Iterable[tuple[Any, str]], insert: Any = None) -> _PieceSheet:
         """The same one with its entities sorted; without the place where a block is inserted."""
         if insert is not None:
             self.name = str(insert.dxf.name)
             self.shift = self.scale * np.array(tuple(insert.dxf.insert)[:2], dtype=float)
+            self.place = placed_by(kept(insert))
         for entity, layer in entities:
             kind = entity.dxftype()
             text = _text(entity) if kind in TEXTS else ""
             if text.lower().startswith(NAME) and insert is not None:
                 self.name = text[len(NAME) :].strip() or self.name
-            elif text.lower().startswith(UNITS):
+            elif text.lower().startswith(UNITS) or (kind in TEXTS and kept(entity)):
                 continue
             elif kind in TEXTS or not self._known(kind, layer):
                 meant = f" ({LAYERS[layer]})" if layer in LAYERS else ""
@@ -145,12 +180,14 @@ class _PieceSheet:
         loops = loops_of([*self._borders(), *self._curves(CUTOUT), *self._regions()])
         for curve in loops.open:
             self.unread[f"{curve.source} that closes no loop"] += 1
-        points = {f"notch{i}": place for i, place in enumerate(self._places(NOTCH), 1)}
+        own = [kept(one).get("vertex") for one in self.layers.get(NOTCH, [])]
+        labels = [str(label) if label else f"notch{i}" for i, label in enumerate(own, 1)]
+        points = dict(zip(labels, self._places(NOTCH)))
         names = [self.name] * len(loops.groups)
         found, missed = pieces_of(loops, names, self.path.name, points, self._grains())
         if missed:
             self.unread[f"POINT on layer {NOTCH} (notches) at no vertex and in no piece"] += missed
-        return found
+        return [replace(piece, **self.place) for piece in found]
 
     def _borders(self) -> list[Curve]:
         """The curves around pieces: lines of seams, and cut lines around none of them."""
@@ -164,9 +201,19 @@ class _PieceSheet:
         return found
 
     def _curves(self, layer: str) -> list[Curve]:
-        parts = (curves_of(one, layer, "", self.scale, self.path) for one in self.layers.get(layer, []))
-        found = gathered((joined(part, self._places(TURNS) + self.shift) for part in parts), self.path.name)
+        found = gathered((self._edges(one, layer) for one in self.layers.get(layer, [])), self.path.name)
         return [replace(curve, points=curve.points - self.shift) for curve in found]
+
+    def _edges(self, entity: Any, layer: str) -> list[Curve]:
+        """The curves of an entity: one edge with its name where it keeps that."""
+        curves = curves_of(entity, layer, "", self.scale, self.path)
+        table = kept(entity)
+        edge = table.get("edge")
+        if not isinstance(edge, str):
+            return joined(curves, self._places(TURNS) + self.shift)
+        self.parts += [(edge, part) for part in parts_in(table) if (edge, part) not in self.parts]
+        named = [replace(curve, label=edge) for curve in curves]
+        return [_polyline(named)] if all(curve.kind == "line" for curve in named) else named
 
     def _places(self, layer: str) -> Reals:
         """The points (n, 2) [m] of a layer, in coordinates of the piece."""

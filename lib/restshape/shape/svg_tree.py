@@ -22,6 +22,8 @@ OWN_NAME = "restshape-name"
 """The attribute with the name of a shape itself."""
 REGION_NAME = "restshape-region"
 """The attribute that hands down the name of a region."""
+NO_SHAPE = "restshape-mark"
+"""The class of groups that are no part of a shape: cut lines, notches."""
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 GROUPS = ("g", "use", "a", "switch", "svg")
 NOT_DRAWN = ("clipPath", "mask", "marker", "pattern", "text", "image", "foreignObject", "metadata", "script", "filter")
@@ -79,6 +81,12 @@ def svg_tree(data: bytes, where: str) -> SvgTree:
     return SvgTree(ElementTree.tostring(root), scale, sized, tuple(dict.fromkeys(names)))
 
 
+def metadata_of(data: bytes, name: str) -> str:
+    """The text of the metadata of an SVG that have this id; "" where there are none."""
+    root = ElementTree.fromstring(data)
+    return next(("".join(one.itertext()) for one in root.iter(f"{SVG}metadata") if one.get("id") == name), "")
+
+
 def _tag(element: ElementTree.Element) -> str:
     """The tag of an element of SVG without its namespace; that of others with it, "" of comments."""
     return element.tag.removeprefix(SVG) if isinstance(element.tag, str) else ""
@@ -97,7 +105,7 @@ def _simplified(root: ElementTree.Element, where: str) -> list[str]:
     names, number = [], 0
     for element in list(root.iter()):
         for child in list(element):
-            if _tag(child) in NOT_DRAWN or not _tag(child):
+            if _tag(child) in NOT_DRAWN or not _tag(child) or NO_SHAPE in child.get("class", "").split():
                 element.remove(child)
         for place, child in enumerate(element):
             if _tag(child) == "symbol":

@@ -1,0 +1,124 @@
+"""Drawings of patterns keep seams, names, places in space and allowances; what is not understood is counted."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+from restshape.export.pattern_drawings import write_pattern_dxf, write_pattern_svg
+from restshape.export.pattern_scene import pattern_of_scene
+from restshape.export.seam_allowance import cut_lines
+from restshape.scene.load import load_scene
+from restshape.shape.pattern import Pattern, PatternPiece, Stitch
+from restshape.shape.pattern_drawing import CUT, NOTCH, read_pattern_dxf, read_pattern_svg
+from restshape.shape.pattern_pieces import is_in
+
+PATTERNS = Path(__file__).parents[1] / "patterns"
+KINDS = ((write_pattern_dxf, read_pattern_dxf, "p.dxf"), (write_pattern_svg, read_pattern_svg, "p.svg"))
+BOTH = pytest.mark.parametrize(("write", "read", "name"), KINDS)
+
+
+def square(name: str, side: float = 0.3, cut: float = 0.0) -> PatternPiece:
+    """A square piece [m], of which a bay of this width and half the side's depth is cut out of the upper edge."""
+    corners = [(0, 0), (side, 0), (side, side)]
+    if cut:
+        corners += [(0.5 * (side + cut), side), (0.5 * side, 0.5 * side), (0.5 * (side - cut), side)]
+    corners.append((0, side))
+    names = [f"v{k}" for k in range(len(corners))]
+    edges = {f"e{k}": {"line": [names[k], names[(k + 1) % len(names)]]} for k in range(len(names))}
+    vertices = {key: [float(x) for x in corner] for key, corner in zip(names, corners)}
+    return PatternPiece(name, {"outline": list(edges), "vertices": vertices, "edges": edges})
+
+
+TWO = Pattern(
+    (square("front"), replace(square("back"), move=(0.1, 0.2, -0.3), turn=(0.1, 0.0, 3.0), grain=0.5)),
+    (
+        Stitch(("front.e1",), ("back.e3",), name="side", keys={"reverse": True, "ease": 0.1}),
+        Stitch(("front.e2", "front.e3"), ("back.e1", "back.e2"), name="long"),
+    ),
+)
+
+
+@BOTH
+@pytest.mark.parametrize("allowance", [0.0, 0.01])
+def test_seams_names_and_places_come_back(tmp_path, write, read, name, allowance):
+    assert write(TWO, tmp_path / name, allowance) == []
+    found = read(tmp_path / name)
+    assert found.notes == () and found.doubt == ""
+    assert {(one.name, one.first, one.second) for one in found.stitches} == {
+        (one.name, one.first, one.second) for one in TWO.stitches
+    }
+    assert next(one.keys for one in found.stitches if one.name == "side") == {"reverse": True, "ease": 0.1}
+    back = found.piece("back")
+    assert back.move == pytest.approx((0.1, 0.2, -0.3)) and back.turn == pytest.approx((0.1, 0.0, 3.0))
+    assert back.grain == pytest.approx(0.5)
+    assert [piece.outline().area() for piece in found.pieces] == pytest.approx([0.09, 0.09])
+
+
+@BOTH
+def test_a_sloper_with_curves_keeps_its_edges_and_seams(tmp_path, write, read, name):
+    before = pattern_of_scene(load_scene(PATTERNS / "bodice.toml"))
+    write(before, tmp_path / name)
+    found = read(tmp_path / name)
+    assert {(s.name, s.first, s.second) for s in found.stitches} == {
+        (s.name, s.first, s.second) for s in before.stitches
+    }
+    for piece in before.pieces:
+        assert border_lengths(found.piece(piece.name)) == pytest.approx(border_lengths(piece), rel=1e-9)
+
+
+def border_lengths(piece: PatternPiece) -> dict[str, float]:
+    """Lengths of the edges around a piece [m], by name."""
+    outline = piece.outline()
+    return {outline.edges[e].name: outline.length(e) for e, _ in outline.loops[0].edges}
+
+
+def test_a_seam_whose_edge_has_gone_is_counted_and_named(tmp_path):
+    write_pattern_svg(TWO, tmp_path / "p.svg")
+    text = (tmp_path / "p.svg").read_text().replace('id="front.e1"', 'id="front.other"')
+    (tmp_path / "p.svg").write_text(text)
+    found = read_pattern_svg(tmp_path / "p.svg")
+    assert [stitch.name for stitch in found.stitches] == ["long"]
+    assert found.notes == ("not read: 1 the seam 'side', whose edge front.e1 is not there",)
+
+
+def test_a_seam_with_one_side_is_counted_and_named(tmp_path):
+    write_pattern_dxf(replace(TWO, stitches=TWO.stitches[:1]), tmp_path / "p.dxf")
+    drawing = ezdxf.readfile(tmp_path / "p.dxf")
+    for entity in [one for one in drawing.blocks.get("back") if one.dxf.layer == "14"]:
+        entity.discard_xdata("RESTSHAPE")
+    drawing.saveas(tmp_path / "p.dxf")
+    found = read_pattern_dxf(tmp_path / "p.dxf")
+    assert found.stitches == ()
+    assert found.notes == ("not read: 1 the seam 'side', which has no edges on its side 'to'",)
+
+
+def test_an_allowance_is_everywhere_as_wide(tmp_path):
+    """Of a convex piece: its area, a strip along its border, and sectors of its corners."""
+    (line,) = cut_lines(square("front").outline(), 0.01, "front")
+    x, y = line.T
+    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
+    assert area == pytest.approx(0.09 + 1.2 * 0.01 + math.pi * 0.01**2, abs=5e-7)
+
+
+def test_an_allowance_closes_a_narrow_bay():
+    """A bay of 10 mm is filled where the allowance from both sides meets, 20 mm are not; all points are 10 mm away."""
+    for cut, filled in ((0.01, True), (0.08, False)):
+        outline = square("front", cut=cut).outline()
+        line = cut_lines(outline, 0.01, "front")[0]
+        assert is_in(np.array([0.15, 0.299]), [np.vstack([line, line[:1]])]) is filled
+        border = np.concatenate([outline.polyline(e) for e in range(len(outline.edges))])
+        assert np.hypot(*(line[:, None] - border).transpose(2, 0, 1)).min() > 0.01 - 2e-5
+
+
+def test_a_dxf_with_an_allowance_has_a_cut_line_and_notches(tmp_path):
+    write_pattern_dxf(TWO, tmp_path / "p.dxf", 0.01)
+    block = list(ezdxf.readfile(tmp_path / "p.dxf").blocks.get("front"))
+    (cut,) = [one for one in block if one.dxf.layer == CUT and one.dxftype() == "LWPOLYLINE"]
+    xy = np.array(cut.get_points("xy"))
+    assert np.ptp(xy, axis=0) == pytest.approx([320.0, 320.0], abs=0.03)
+    notches = {tuple(np.round(tuple(one.dxf.location)[:2], 6)) for one in block if one.dxf.layer == NOTCH}
+    assert notches == {(300.0, 0.0), (300.0, 300.0), (0.0, 0.0)}

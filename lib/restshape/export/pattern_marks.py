@@ -1,0 +1,99 @@
+"""Marks on the pieces of a pattern: notches at the ends of seams, names of seams, and the line of the grain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.arrays import Reals
+from restshape.shape.outline import Outline
+from restshape.shape.seam_parts import SeamPart
+
+ALONG = 0.3
+"""Half the length of the line of a grain, over the size of its piece."""
+
+
+@dataclass(frozen=True)
+class Notch:
+    """A notch at one end of a seam.
+
+    Args:
+        place: (2,) [m]; outward: (2,) direction away from the piece, across the seam; vertex: number of its vertex.
+        seam: name of it.
+    """
+
+    place: Reals
+    outward: Reals
+    vertex: int
+    seam: str
+
+
+@dataclass(frozen=True)
+class EdgeLabel:
+    """The name of a seam at the middle of an edge.
+
+    Args:
+        seam: its name; edge: number of the edge; place: (2,) middle of the edge [m]; outward: (2,) direction away from
+            the piece; angle: of text along the edge, which can be read from below [rad].
+    """
+
+    seam: str
+    edge: int
+    place: Reals
+    outward: Reals
+    angle: float
+
+
+def notches(outline: Outline, name: str, parts: Mapping[str, Sequence[SeamPart]]) -> list[Notch]:
+    """Notches at the ends of the seams of a piece; none where a seam goes on over a vertex.
+
+    Args:
+        outline: of the piece; name: of it; parts: of all edges ``PIECE.EDGE`` that are sewn.
+    """
+    found = []
+    for loop in outline.loops:
+        if loop.kind == "region":
+            continue
+        for k, (e, forward) in enumerate(loop.edges):
+            for part in parts.get(f"{name}.{outline.edges[e].name}", ()):
+                beside = [loop.edges[k - 1], loop.edges[(k + 1) % len(loop.edges)]]
+                for end, (other, _) in enumerate(beside):
+                    same = {(p.seam, p.side) for p in parts.get(f"{name}.{outline.edges[other].name}", ())}
+                    if other != e and (part.seam, part.side) in same:
+                        continue
+                    s = float(end) if forward else 1.0 - end
+                    edge = outline.edges[e]
+                    vertex = edge.start if s == 0.0 else edge.end
+                    found.append(Notch(outline.points[vertex], _outward(outline, e, forward, s), vertex, part.seam))
+    return found
+
+
+def edge_labels(outline: Outline, name: str, parts: Mapping[str, Sequence[SeamPart]]) -> list[EdgeLabel]:
+    """The names of the seams of a piece at the middles of its edges; arguments as of `notches`."""
+    found = []
+    for loop in outline.loops:
+        for e, forward in loop.edges if loop.kind != "region" else ():
+            for part in parts.get(f"{name}.{outline.edges[e].name}", ()):
+                outward = _outward(outline, e, forward, 0.5)
+                angle = float(np.arctan2(outward[0], -outward[1]))
+                readable = (angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi
+                place = outline.point(e, 0.5)[0]
+                found.append(EdgeLabel(part.seam, e, place, outward, readable))
+    return found
+
+
+def grain_line(outline: Outline, grain: float) -> Reals:
+    """Both ends (2, 2) [m] of the line of a grain through the middle of a piece, at its angle [rad]."""
+    low, high = outline.bounds()
+    way = ALONG * float(np.hypot(*(high - low))) * np.array([np.cos(grain), np.sin(grain)])
+    middle = 0.5 * (low + high)
+    return np.array([middle - way, middle + way])
+
+
+def _outward(outline: Outline, edge: int, forward: bool, s: float) -> Reals:
+    """The direction (2,) away from the piece at a parameter of an edge, which has the piece on its left."""
+    tangent = outline.tangent(edge, s)[0] * (1.0 if forward else -1.0)
+    tangent = tangent / float(np.hypot(*tangent))
+    return np.array([tangent[1], -tangent[0]])

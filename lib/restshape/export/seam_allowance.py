@@ -1,0 +1,110 @@
+"""The line along which a piece is cut: the line of its seams, moved out by an allowance, by OpenCASCADE."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from restshape.arrays import Reals
+from restshape.errors import UserError
+from restshape.shape.geo_model import gmsh_model
+from restshape.shape.outline import Outline
+
+MM = 1e3
+CHORD = 1e-5
+"""Most distance of the line from what it stands for [m]."""
+NEAR = 1e-6
+"""Distance [mm] at which ends of curves are one."""
+MOST = 0.5
+"""Allowance over the smaller side of a piece, above which it is none."""
+
+
+def cut_lines(outline: Outline, allowance: float, name: str) -> list[Reals]:
+    """Closed lines (m, 2) [m], without their first point again: the outer one first, then those of bays that it closes.
+
+    Corners that point out are round; the distance from the line of the seam is the allowance everywhere.
+
+    Args:
+        outline: of a piece; allowance: [m], above 0; name: of the piece, for messages.
+
+    Raises:
+        UserError: OpenCASCADE cannot make it.
+    """
+    low, high = outline.bounds()
+    if allowance > MOST * float(min(high - low)):
+        what = f"an allowance of {MM * allowance:g} mm is more than half the width of the piece {name}"
+        raise UserError(what, "--allowance", "give less")
+    border = MM * _border(outline)
+    area = _area(border)
+    with gmsh_model(Path("allowance")) as gmsh:
+        try:
+            found = _moved(gmsh.model, border, MM * allowance)
+        # gmsh reports every failure as a bare Exception, so nothing narrower can be caught.
+        except Exception as error:
+            what = f"OpenCASCADE cannot move the line of the piece {name} out by {MM * allowance:g} mm: {error}"
+            raise UserError(what, "--allowance", "give less, or leave it out") from error
+    found.sort(key=lambda line: -abs(_area(line)))
+    if not found or abs(_area(found[0])) <= abs(area):
+        what = f"OpenCASCADE cannot move the line of the piece {name} out by {MM * allowance:g} mm"
+        raise UserError(what, "--allowance", "give less, or leave it out")
+    return [line / MM for line in found]
+
+
+def _border(outline: Outline) -> Reals:
+    """Corners (m, 2) [m] of the border of a piece, counter-clockwise."""
+    parts = []
+    for e, forward in outline.loops[0].edges:
+        points = outline.polyline(e, CHORD)
+        parts.append((points if forward else points[::-1])[:-1])
+    border = np.concatenate(parts)
+    return border if _area(border) > 0.0 else border[::-1]
+
+
+def _moved(model: Any, border: Reals, distance: float) -> list[Reals]:
+    """Closed lines at a distance outside of a border (m, 2), both in mm."""
+    occ = model.occ
+    points = [occ.addPoint(x, y, 0.0) for x, y in border]
+    loop = occ.addCurveLoop([occ.addLine(a, b) for a, b in pairwise([*points, points[0]])])
+    made = occ.offsetCurve(loop, distance)
+    occ.synchronize()
+    return _closed([_points(model, tag) for dimension, tag in made if dimension == 1])
+
+
+def _points(model: Any, tag: int) -> Reals:
+    """Points (m, 2) of a curve, chords of which stay within `CHORD` of it."""
+    low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, tag))
+    count = 2
+    if model.getType(1, tag) != "Line":
+        # Curves that are no lines are arcs by angle.
+        radius = 1.0 / max(float(model.getCurvature(1, tag, [0.5 * (low + high)])[0]), NEAR)
+        step = 2.0 * np.arccos(max(1.0 - MM * CHORD / radius, 0.5))
+        count = 2 + int(np.ceil((high - low) / step))
+    places = model.getValue(1, tag, np.linspace(low, high, count).tolist())
+    return np.asarray(places).reshape(-1, 3)[:, :2]
+
+
+def _closed(chains: list[Reals]) -> list[Reals]:
+    """Closed lines of chains whose ends meet, each without its first point again."""
+    ends = np.array([chain[[0, -1]] for chain in chains])
+    left = np.ones(len(chains), bool)
+    found = []
+    while left.any():
+        number = int(left.argmax())
+        line, left[number] = [chains[number]], False
+        while len(line) < 2 or np.hypot(*(line[-1][-1] - line[0][0])) > NEAR:
+            gaps = np.where(left[:, None], np.linalg.norm(ends - line[-1][-1], axis=2), np.inf)
+            number, end = divmod(int(gaps.argmin()), 2)
+            if gaps[number, end] > NEAR:
+                raise ValueError("the line is open")
+            left[number] = False
+            line.append(chains[number][:: 1 - 2 * end])
+        found.append(np.concatenate([chain[:-1] for chain in line]))
+    return found
+
+
+def _area(line: Reals) -> float:
+    x, y = line.T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))

@@ -1,0 +1,74 @@
+"""What drawings of patterns keep besides their curves, as texts in JSON that other programs leave alone.
+
+A DXF has it as extended data of its entities, an SVG as metadata.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from restshape.scene.plain_values import Table
+from restshape.shape.pattern import PatternPiece, Triple
+from restshape.shape.seam_parts import SIDES, SeamPart
+
+APPLICATION = "RESTSHAPE"
+"""Of the extended data of a DXF."""
+METADATA = "restshape-pattern"
+"""The id of the metadata of an SVG."""
+TEXT = 1000
+"""Code of a text in extended data, which has at most 255 characters."""
+LONGEST = 250
+PLACE = ("move", "turn")
+
+
+def keep(entity: Any, table: Mapping[str, object]) -> None:
+    """Has an entity of a DXF keep a table."""
+    text = json.dumps(table)
+    entity.set_xdata(APPLICATION, [(TEXT, text[k : k + LONGEST]) for k in range(0, len(text), LONGEST)])
+
+
+def kept(entity: Any) -> Table:
+    """The table that an entity of a DXF keeps; empty where it keeps none, or another program has changed it."""
+    if not entity.has_xdata(APPLICATION):
+        return {}
+    return table_of("".join(str(tag.value) for tag in entity.get_xdata(APPLICATION) if tag.code == TEXT))
+
+
+def table_of(text: str) -> Table:
+    """The table that a text in JSON is; empty where it is none."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def parts_in(table: Mapping[str, object]) -> list[SeamPart]:
+    """What an edge is in seams, as ``seams`` of its table says it: a list of name, side and place."""
+    listed = table.get("seams")
+    found = []
+    for one in listed if isinstance(listed, list) else []:
+        whole = isinstance(one, list) and len(one) == 3
+        if whole and isinstance(one[0], str) and one[1] in SIDES and type(one[2]) is int:
+            found.append(SeamPart(one[0], one[1], one[2]))
+    return found
+
+
+def place_of(piece: PatternPiece) -> Table:
+    """Where a piece lies in space, as a table."""
+    return {"move": list(piece.move), "turn": list(piece.turn)} if any((*piece.move, *piece.turn)) else {}
+
+
+def placed_by(table: Mapping[str, object]) -> dict[str, Triple]:
+    """Where a table says that a piece lies in space: its ``move`` and ``turn``."""
+    found = {}
+    for key in PLACE:
+        value = table.get(key)
+        if isinstance(value, list) and len(value) == 3 and all(type(x) in (int, float) for x in value):
+            x, y, z = map(float, value)
+            if all(map(math.isfinite, (x, y, z))):
+                found[key] = (x, y, z)
+    return found
