@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from restshape.export.frame_mesh import FrameMesh
     from restshape.export.restated_frame import RestatedFrame
 
-SUMMARY = "the edited shape as toml, dxf, svg or step, its mesh and fields as stl, vtu or csv"
-KINDS = ("toml", "dxf", "svg", "step", "stl", "vtu", "csv")
-OF_MESH = ("vtu", "csv")
+SUMMARY = "the edited shape as toml, dxf, svg or step, its mesh and fields as stl, obj, vtu or csv"
+KINDS = ("toml", "dxf", "svg", "step", "stl", "obj", "vtu", "csv")
+OF_MESH = ("obj", "vtu", "csv")
 """Formats that a recording's mesh and fields are enough for."""
 RECORDING = ".vtkhdf"
 

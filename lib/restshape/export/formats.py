@@ -64,15 +64,20 @@ def _cells_left_out(mesh: FrameMesh) -> list[str]:
 
 
 def write_mesh(kind: str, mesh: FrameMesh, out: Path, thickness: float | None = None) -> list[str]:
-    """Writes a mesh with its fields as "vtu" or "csv", or its surface as "stl"; what there is to note.
+    """Writes a mesh with its fields as "vtu" or "csv", or its surface as "stl" or "obj"; what there is to note.
 
     Args:
-        kind: of the three; mesh: of a frame; out: the file.
+        kind: of the four; mesh: of a frame; out: the file.
         thickness: of the body over a plane mesh [m]; None: unknown, or there is none.
 
     Raises:
+        UserError: a body is to be an "obj".
         OSError: it cannot be written.
     """
+    if kind == "obj":
+        from restshape.export.obj_surface import write_obj
+
+        return write_obj(mesh, out)
     if kind != "stl":
         (write_vtu if kind == "vtu" else write_csv)(mesh, out)
         return _cells_left_out(mesh) if kind == "csv" else []

@@ -22,6 +22,28 @@ PLACED = "displacement"
 
 
 @dataclass(frozen=True, eq=False)
+class Texture:
+    """Places in a flat pattern as texture coordinates: u = (x - low x) / size, v = (y - low y) / size.
+
+    Args:
+        low: (2,) lower corner of the box around the pattern [m]; size: the longer side of it [m].
+        values: (n, 2) u and v of the nodes, from 0 to 1.
+    """
+
+    low: np.ndarray
+    size: float
+    values: np.ndarray
+
+    @property
+    def words(self) -> str:
+        """What they are, for people."""
+        x, y = self.low
+        return (
+            f"texture: u = (x - {x:.9g} m) / {self.size:.9g} m, v = (y - {y:.9g} m) / {self.size:.9g} m, of the pattern"
+        )
+
+
+@dataclass(frozen=True, eq=False)
 class FrameMesh:
     """Nodes and cells with their fields.
 
@@ -41,6 +63,15 @@ class FrameMesh:
     def flat(self) -> bool:
         """Whether it lies in the plane, so that a body over it needs a thickness."""
         return self.X.shape[1] == 2 and self.placed is None
+
+    @property
+    def texture(self) -> Texture | None:
+        """Texture coordinates of a mesh that has a flat pattern; None of another one."""
+        if self.X.shape[1] != 2:
+            return None
+        low = self.X.min(axis=0)
+        size = float(np.ptp(self.X, axis=0).max()) or 1.0
+        return Texture(low, size, (self.X - low) / size)
 
     @property
     def placed(self) -> np.ndarray | None:

@@ -19,17 +19,25 @@ AXES = "xyz"
 def write_vtu(mesh: FrameMesh, path: Path) -> None:
     """Writes mesh and fields for ParaView; rest positions, or those in space of cloth, whose nodes move there.
 
+    Cloth has its places in the pattern as texture coordinates.
+
     Raises:
         OSError: it cannot be written.
     """
     points = _positions(mesh)
     spatial = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
     fields = {name: _padded(values) for name, values in mesh.at_points.items()}
+    texture = mesh.texture if mesh.placed is not None else None
+    if texture is not None:
+        fields["texture"] = texture.values
     found = meshio.Mesh(spatial, [(mesh.cell_type, mesh.cells)], fields, {k: [v] for k, v in mesh.in_cells.items()})
     with replacing(path) as part:
         found.write(part, file_format="vtu")
         head, _, rest = part.read_bytes().partition(b"<VTKFile")
-        text = f"{head.decode()}<!-- {EXPORT_MARK} -->\n<VTKFile{rest.decode()}"
+        about = EXPORT_MARK if texture is None else f"{EXPORT_MARK}; {texture.words}"
+        text = f"{head.decode()}<!-- {about} -->\n<VTKFile{rest.decode()}"
+        if texture is not None:
+            text = text.replace("<PointData>", '<PointData TCoords="texture">', 1)
         write_whole(part, text)
 
 

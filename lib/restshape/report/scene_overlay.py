@@ -102,6 +102,7 @@ def rebuilt_frames(recording: Recording, wanted: Sequence[int]) -> dict[int, Scr
     if any(isinstance(table, dict) and "file" in table for table in raw.values()):
         what = "the recorded scene takes its shape from a file, which a report does not read"
         raise UserError(what, "--show", "--show mesh,goal")
+    raw = _without_body_files(raw, header.get("surfaces", {}))
     scene = recorded_scene(raw, path.with_name(Path(header.get("scene") or "scene").name))
     text, name = header.get("script_text", ""), path.with_name(Path(header.get("script") or "script").name)
     script = read_script(text, name, scene, keep_good=True) if text else Script.empty(scene)
@@ -121,6 +122,27 @@ def rebuilt_frames(recording: Recording, wanted: Sequence[int]) -> dict[int, Scr
     if left:
         raise UserError("its scene and its script make fewer frames now", str(path), "record it again")
     return found
+
+
+def _without_body_files(raw: dict[str, Any], surfaces: dict[str, Any]) -> dict[str, Any]:
+    """The tables of a scene with capsules for bodies whose surface a recording holds: the shape does not hang on them.
+
+    Args:
+        raw: plain tables; surfaces: of bodies of triangles by name, with their corners ``X``.
+    """
+    bodies = raw.get("bodies")
+    if not surfaces or not isinstance(bodies, dict):
+        return raw
+    found = dict(bodies)
+    for name, surface in surfaces.items():
+        if isinstance(found.get(name), dict) and "mesh" in found[name]:
+            X = np.array(surface["X"], float)
+            low, high = X.min(axis=0), X.max(axis=0)
+            middle, radius = 0.5 * (low + high), 0.5 * float((high - low)[:2].max())
+            ends = {"start": [*middle[:2].tolist(), float(low[2])], "end": [*middle[:2].tolist(), float(high[2])]}
+            kept = {key: value for key, value in found[name].items() if key != "mesh"}
+            found[name] = {**kept, "capsule": {**ends, "radius": radius}}
+    return {**raw, "bodies": found}
 
 
 def _checked(recording: Recording, frame: ScriptFrame) -> ScriptFrame:

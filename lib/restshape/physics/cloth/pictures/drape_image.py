@@ -44,13 +44,20 @@ class DrapeImage(SpaceImage):
         """Take cloth and bodies of frame i."""
         scenery = self.scenery
         x, cells = places(recording, i), recording.cells(i)
-        share = (recording.field(i, TENSION) - scenery.bottom) / (scenery.top - scenery.bottom)
-        colours = colormaps[COLOURS](np.clip(np.nan_to_num(share), 0.0, 1.0))[:, :3]
         self.scene, self.veil = SpaceDrawing(self.still), SpaceDrawing()
-        self.scene.surface(x, cells[:, :3], colours, smooth=180.0)
+        self.scene.surface(x, cells[:, :3], self.colours(recording, i), smooth=180.0)
         self.scene.lines(lines(x, border(cells)), INK, EDGE)
+        self.mark(x)
         away = BEHIND * float(np.linalg.norm(scenery.high - scenery.low))
         for name, body in bodies(recording, i).items():
             surface, triangles = body_surface(body, scenery.low, scenery.high, recorded_surface(recording, name))
             box = scenery.low - away, scenery.high + away
             self.veil.surface(surface - away * self.camera.axes[2], triangles, BODY, smooth=SHARP, within=box)
+
+    def colours(self, recording: Recording, i: int) -> np.ndarray:
+        """Colours (ne, 3) of the triangles in frame i: those of their tension."""
+        share = (recording.field(i, TENSION) - self.scenery.bottom) / (self.scenery.top - self.scenery.bottom)
+        return colormaps[COLOURS](np.clip(np.nan_to_num(share), 0.0, 1.0))[:, :3]
+
+    def mark(self, x: np.ndarray) -> None:
+        """Draws what lies on the cloth, whose nodes are at x (n, 3) [m]: nothing here."""

@@ -1,0 +1,115 @@
+"""Seams in pictures of cloth: along the edges of the pattern, and where these lie in space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from restshape.physics.cloth.seam_keys import Seam
+from restshape.report.outlines import border
+from restshape.scene.model import Scene
+from restshape.shape.outline import Outline
+from restshape.shape.seam_parts import seam_colours
+
+NEAR = 0.3
+"""Distance from an edge over the length of a side of the mesh up to which that lies on the edge."""
+SHARP = 0.5
+"""Cosine of the angle of a tip above which two edges are a dart."""
+SAMPLES = 33
+"""Points of an edge that sides are compared with, at least, for each of its pieces."""
+
+
+@dataclass(frozen=True)
+class NamePlace:
+    """Where a name stands.
+
+    Args:
+        place: (2,) on the seam [m]; outward: (2,) direction to its outer side; angle: of the text [rad].
+    """
+
+    place: np.ndarray
+    outward: np.ndarray
+    angle: float
+
+
+@dataclass(frozen=True)
+class DrawnSeam:
+    """One seam.
+
+    Args:
+        name: of it; colour: of both of its sides.
+        sides: nodes (m, 2) of the mesh's sides along all of its edges.
+        edges: points (k, 2) [m] along each of its edges in the pattern.
+        names: where its name stands in the pattern.
+    """
+
+    name: str
+    colour: str
+    sides: np.ndarray
+    edges: tuple[np.ndarray, ...]
+    names: tuple[NamePlace, ...]
+
+
+def drawn_seams(scene: Scene, outline: Outline, X: np.ndarray, cells: np.ndarray) -> list[DrawnSeam]:
+    """The seams of a scene on a mesh of its pattern.
+
+    Args:
+        scene: of cloth; outline: of it; X: (n, 2) nodes in the pattern [m]; cells: (ne, 3) or (ne, 6).
+    """
+    seams: dict[str, Seam] = getattr(scene, "seams", {}) or {}
+    if not seams:
+        return []
+    around = border(cells)[:, :2]
+    lines = [_fine(outline, e) for e in range(len(outline.edges))]
+    owner = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
+    middles, long = X[around].mean(axis=1), np.linalg.norm(X[around[:, 1]] - X[around[:, 0]], axis=1)
+    off, nearest = cKDTree(np.concatenate(lines)).query(middles)
+    own = np.where(off <= NEAR * long, owner[nearest], -1)
+    colours, found = seam_colours(tuple(seams)), []
+    for name, seam in seams.items():
+        edges = [e for side in seam.sides for edge in side for e in outline.entity(edge).edges]
+        places = tuple(_name_places(outline, edges, lines))
+        sides, own_lines = around[np.isin(own, edges)], tuple(lines[e] for e in edges)
+        found.append(DrawnSeam(name, colours[name], sides, own_lines, places))
+    return found
+
+
+def _name_places(outline: Outline, edges: Sequence[int], lines: Sequence[np.ndarray]) -> Iterator[NamePlace]:
+    """The places of a seam's name: at the tip of a dart, at the longest of the edges that meet elsewhere."""
+    ends = {e: {outline.edges[e].start, outline.edges[e].end} for e in edges}
+    left = dict.fromkeys(edges)
+    while left:
+        chain = [next(iter(left))]
+        for e in chain:
+            left.pop(e, None)
+            chain += [other for other in left if ends[other] & ends[e] and other not in chain]
+        if len(chain) == 2 and len(tips := ends[chain[0]] & ends[chain[1]]) == 1:
+            tip = outline.points[next(iter(tips))]
+            ways = [_unit(lines[e][[0, -1]].sum(axis=0) - 2.0 * tip) for e in chain]
+            if ways[0] @ ways[1] > SHARP:
+                yield NamePlace(tip, -_unit(ways[0] + ways[1]), 0.0)
+                continue
+        yield _beside(outline, max(chain, key=outline.length))
+
+
+def _beside(outline: Outline, edge: int) -> NamePlace:
+    """A name along the middle of an edge, on its outer side."""
+    forward = next(f for loop in outline.loops if loop.kind != "region" for e, f in loop.edges if e == edge)
+    way = _unit(outline.tangent(edge, 0.5)[0])
+    outward = np.array([way[1], -way[0]]) * (1.0 if forward else -1.0)
+    angle = (float(np.arctan2(way[1], way[0])) + 0.5 * np.pi) % np.pi - 0.5 * np.pi
+    return NamePlace(outline.point(edge, 0.5)[0], outward, angle)
+
+
+def _unit(way: np.ndarray) -> np.ndarray:
+    return way / (float(np.hypot(*way)) or 1.0)
+
+
+def _fine(outline: Outline, edge: int) -> np.ndarray:
+    """Points (m, 2) along an edge."""
+    knots = outline.pieces(edge, 1e-3 * outline.size)
+    s = np.interp(np.linspace(0.0, len(knots) - 1.0, SAMPLES * (len(knots) - 1)), np.arange(len(knots)), knots)
+    return np.asarray(outline.point(edge, s))
