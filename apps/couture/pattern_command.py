@@ -18,6 +18,8 @@ READ = (".json", ".dxf", ".svg", ".toml")
 """GarmentCode, AAMA or ASTM, drawings, and scenes."""
 TILED = ".pdf"
 """Sheets of paper, which are written alone."""
+SMALL, LARGE = 0.05, 10.0
+"""Sizes [m] that the largest piece of a pattern most often lies between."""
 CUT = (".dxf", ".svg", TILED)
 """Formats that have cut lines."""
 
@@ -57,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     except OSError as error:
         what = f"{args.out} cannot be written: {(error.strerror or str(error)).lower()}"
         raise UserError(what, "--out", "name another file") from error
-    notes = [*filter(None, [pattern.doubt]), *pattern.notes, *left]
+    notes = [*filter(None, [pattern.doubt, _doubtful_size(pattern)]), *pattern.notes, *left]
     seams = len(pattern.stitches)
     sewn = f", {counted(seams, 'seam')}" if seams else ""
     print(f"wrote {one_line(args.out)}: {counted(len(areas), 'piece')} of {sum(areas.values()):.6g} m^2{sewn}")
@@ -90,6 +92,15 @@ def _read(path: Path) -> Pattern:
     from restshape.shape.pattern_drawing import read_pattern_dxf, read_pattern_svg
 
     return read_pattern_dxf(path) if kind == ".dxf" else read_pattern_svg(path)
+
+
+def _doubtful_size(pattern: Pattern) -> str:
+    """A note of pieces that are larger or smaller than garments are, as if they had another unit; "" without."""
+    sizes = {piece.name: float(np.ptp(piece.outline().bounds(), axis=0).max()) for piece in pattern.pieces}
+    largest = max(sizes, key=lambda name: sizes[name])
+    if SMALL <= sizes[largest] <= LARGE:
+        return ""
+    return f"the largest piece, {largest}, is {sizes[largest]:.3g} m long: check the unit of the file"
 
 
 def _allowance(text: str | None) -> float:

@@ -111,12 +111,25 @@ def curves_of(entity: Any, layer: str, label: str, scale: float, path: Path) -> 
     found = _curves(entity, kind, source)
     if found is None:
         do = f"use {READ}; shape.layers reads some layers alone; explode hatches"
-        raise UserError(f"{kind} on layer {layer!r} cannot be part of an outline", path.name, do)
+        raise UserError(
+            f"{kind} on layer {layer!r}{_line_of(entity, path)} cannot be part of an outline", path.name, do
+        )
     region = label if region_named(layer, label) else None
     return [
         replace(curve, points=np.asarray(curve.points, float)[:, :2] * scale, label=label, source=source, region=region)
         for curve in found
     ]
+
+
+def _line_of(entity: Any, path: Path) -> str:
+    """Where an entity stands in the text of its file, by its handle; "" where it has none."""
+    handle = entity.dxf.get("handle")
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if handle else []
+    except OSError:
+        return ""
+    number = next((k for k in range(1, len(lines)) if lines[k].strip() == handle and lines[k - 1].strip() == "5"), None)
+    return "" if number is None else f", line {number + 1}"
 
 
 def _refuse_radius(entity: Any, what: str, path: Path) -> None:

@@ -28,7 +28,7 @@ from restshape.shape.pattern_notes import METADATA, kept, parts_in, placed_by, t
 from restshape.shape.pattern_pieces import is_in, loops_of, pieces_of, place_in
 from restshape.shape.seam_parts import SIDES, SeamPart, stitches_of
 from restshape.shape.svg import read_svg
-from restshape.shape.svg_tree import metadata_of
+from restshape.shape.svg_tree import metadata_of, not_drawn
 
 CUT, TURNS, NOTCH, GRAIN, INTERNAL, CUTOUT, SEW, ANNOTATION = "1", "2", "4", "7", "8", "11", "14", "15"
 """Layers: border of a piece, its corners, notches, the grain, lines inside, openings, line of the seam, texts."""
@@ -107,7 +107,9 @@ def read_pattern_svg(path: Path) -> Pattern:
         raise UserError("no piece was found: no curves close a loop", path.name, "let the curves meet end to end")
     found, _ = pieces_of(loops, (), path.name, {}, ())
     unread = Counter(f"{curve.source} that closes no loop" for curve in loops.open)
-    said = metadata_of(path.read_bytes(), METADATA)
+    data = path.read_bytes()
+    said = metadata_of(data, METADATA)
+    unread += Counter(f"<{tag}>" for tag in not_drawn(data))
     about, seams = (table_in(table_of(said), key) for key in ("pieces", "seams"))
     pieces = [_piece_with(piece, table_in(about, piece.name)) for piece in found]
     parts = [(edge, part) for name in seams for edge, part in _sewn(name, table_in(seams, name))]

@@ -25,6 +25,8 @@ REGION_NAME = "restshape-region"
 NO_SHAPE = "restshape-mark"
 """The class of groups that are no part of a shape: cut lines, notches."""
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
+SILENT = ("defs", "symbol", "style", "title", "desc", "view")
+"""Elements that no one expects to see."""
 GROUPS = ("g", "use", "a", "switch", "svg")
 NOT_DRAWN = ("clipPath", "mask", "marker", "pattern", "text", "image", "foreignObject", "metadata", "script", "filter")
 LENGTHS = ("x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "rx", "ry", "width", "height")
@@ -79,6 +81,21 @@ def svg_tree(data: bytes, where: str) -> SvgTree:
     for key in ("width", "height", "viewBox", "x", "y"):
         root.attrib.pop(key, None)
     return SvgTree(ElementTree.tostring(root), scale, sized, tuple(dict.fromkeys(names)))
+
+
+def not_drawn(data: bytes) -> list[str]:
+    """The tags of what a drawing has that is no part of a shape: texts, images, and elements that are not known."""
+    found, waiting = [], [ElementTree.fromstring(data)]
+    while waiting:
+        for child in waiting.pop():
+            tag = _tag(child)
+            if NO_SHAPE in child.get("class", "").split():
+                continue
+            if tag in NOT_DRAWN or (tag and tag not in (*SHAPES, *GROUPS, *SILENT) and not tag.startswith("{")):
+                found += [tag] if tag != "metadata" else []
+            else:
+                waiting.append(child)
+    return found
 
 
 def metadata_of(data: bytes, name: str) -> str:

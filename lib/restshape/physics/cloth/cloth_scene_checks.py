@@ -12,12 +12,15 @@ from restshape.scene.checks import check_file, refuse_places
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
 from restshape.scene.panels import panels_of
+from restshape.scene.pattern_packing import bounds
 from restshape.scene.source import Source, split_key, suggestion
 from restshape.scene.space_values import evaluated
 from restshape.scene.units import UnitError
 from restshape.shape.panel_placement import PatternPlacement
 
 Key = tuple[str, ...]
+LARGE, UNLIKE = 10.0, 30.0
+"""Length of a panel [m], and that over another panel's, above which they have unlike units."""
 
 
 def formulas_of_bodies(scene: Scene) -> list[tuple[Key, Any]]:
@@ -64,6 +67,7 @@ def _check_panels(scene: Scene, source: Source) -> None:
                 raise source.error(
                     ("panels", name, key), f"there is no {kind} {wanted!r}", suggestion(wanted, list(known))
                 )
+    _refuse_unlike_units(scene, source)
     if panels_of(scene):
         try:
             PatternPlacement(scene)
@@ -71,6 +75,20 @@ def _check_panels(scene: Scene, source: Source) -> None:
             raise source.error(split_key(error.where), error.what, error.do) from error
         except UnitError as error:
             raise source.error(("panels",), error.what, error.do) from error
+
+
+def _refuse_unlike_units(scene: Scene, source: Source) -> None:
+    """Refuses a panel of tens of metres beside one that is as small as if it had another unit of length."""
+    boxes = {name: bounds(panel, 0.0) for name, panel in panels_of(scene).items()}
+    sizes = {name: max(box.x1 - box.x0, box.y1 - box.y0) for name, box in boxes.items()}
+    if len(sizes) < 2:
+        return
+    largest, least = max(sizes, key=lambda name: sizes[name]), min(sizes, key=lambda name: sizes[name])
+    if sizes[largest] > LARGE and sizes[largest] > UNLIKE * sizes[least]:
+        what = f"it is {sizes[largest]:.3g} m long, and panel {least} {sizes[least]:.3g} m: their units are unlike"
+        raise source.error(
+            ("panels", largest), what, 'give its lengths a unit, such as "40 cm"; bare numbers are metres'
+        )
 
 
 def _check_bodies(scene: Scene, source: Source) -> None:

@@ -78,7 +78,6 @@ def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
     """
     folds = set(folds_of(scene).values())
     mirrored = {name for support in scene.supports.values() if support.symmetry for name in edges_of(support.on)}
-    known: dict[frozenset[tuple[str, ...]], tuple[str, bool | None]] = {}
     for name, seam in scene.seams.items():
         for key, side in zip(("from", "to"), seam.sides):
             for edge in side:
@@ -93,9 +92,27 @@ def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
                 if edge in mirrored:
                     what = f"the seam is on {edge!r}, which lies on a plane of symmetry: there the cloth goes on"
                     raise source.error(("seams", name, key), what, "take out the seam, or the symmetry")
-        first, second = seam.sides
-        other = known.setdefault(frozenset((first, second)), (name, seam.reverse))
-        if other[0] != name:
-            alike = other[1] == seam.reverse
-            what = f"the seams {other[0]!r} and {name!r} join the same edges" + ("" if alike else " in unlike ways")
-            raise source.error(("seams", name), what, "keep one of them")
+        for other in scene.seams:
+            if other == name:
+                break
+            if shared := _shared(scene.seams[other], seam):
+                alike = _joins_alike(scene.seams[other], seam)
+                what = f"the seams {other!r} and {name!r} both join {shared[0]!r} and {shared[1]!r}"
+                what += "" if alike else ", in unlike ways"
+                raise source.error(("seams", name), what, "keep one of them")
+
+
+def _shared(one: Seam, other: Seam) -> tuple[str, str] | None:
+    """Two edges that both of two seams sew to each other; None where there are none."""
+    for first, second in (other.sides, other.sides[::-1]):
+        pair = [
+            next((edge for edge in mine if edge in theirs), None) for mine, theirs in zip(one.sides, (first, second))
+        ]
+        if pair[0] is not None and pair[1] is not None:
+            return pair[0], pair[1]
+    return None
+
+
+def _joins_alike(one: Seam, other: Seam) -> bool:
+    """Whether two seams join the same edges the same way round."""
+    return frozenset(one.sides) == frozenset(other.sides) and one.reverse == other.reverse
