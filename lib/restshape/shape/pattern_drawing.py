@@ -23,7 +23,7 @@ from restshape.shape.dxf_blocks import placed
 from restshape.shape.gaps import JOIN
 from restshape.shape.loose_curve import Curve, gathered
 from restshape.shape.named_points import chain_of_curve
-from restshape.shape.pattern import Pattern, PatternPiece, Triple, edge_names
+from restshape.shape.pattern import Pattern, PatternPiece, edge_names
 from restshape.shape.pattern_notes import METADATA, kept, parts_in, placed_by, table_of
 from restshape.shape.pattern_pieces import is_in, loops_of, pieces_of, place_in
 from restshape.shape.seam_parts import SIDES, SeamPart, stitches_of
@@ -111,18 +111,11 @@ def read_pattern_svg(path: Path) -> Pattern:
     said = metadata_of(data, METADATA)
     unread += Counter(f"<{tag}>" for tag in not_drawn(data))
     about, seams = (table_in(table_of(said), key) for key in ("pieces", "seams"))
-    pieces = [_piece_with(piece, table_in(about, piece.name)) for piece in found]
+    pieces = [placed_by(piece, table_in(about, piece.name)) for piece in found]
     parts = [(edge, part) for name in seams for edge, part in _sewn(name, table_in(seams, name))]
     keys = {name: table_in(table_in(seams, name), "keys") for name in seams}
     stitches, left = stitches_of(parts, keys, edge_names(pieces))
     return Pattern(tuple(pieces), stitches, notes=_notes(unread + Counter(left)), doubt=read.doubt)
-
-
-def _piece_with(piece: PatternPiece, table: Table) -> PatternPiece:
-    """A piece with the grain and the place in space that the metadata of its drawing has."""
-    grain = table.get("grain")
-    known = {"grain": float(grain)} if isinstance(grain, float | int) and np.isfinite(grain) else {}
-    return replace(piece, **placed_by(table), **known)
 
 
 def _sewn(seam: str, table: Table) -> list[tuple[str, SeamPart]]:
@@ -148,7 +141,7 @@ class _PieceSheet:
         self.layers: dict[str, list[Any]] = {}
         self.unread: Counter[str] = Counter()
         self.shift: Reals = np.zeros(2)
-        self.place: dict[str, Triple] = {}
+        self.place: Table = {}
         self.parts: list[tuple[str, SeamPart]] = []
 
     def add(self, entities: Iterable[tuple[Any, str]], insert: Any = None) -> _PieceSheet:
@@ -156,7 +149,7 @@ class _PieceSheet:
         if insert is not None:
             self.name = str(insert.dxf.name)
             self.shift = self.scale * np.array(tuple(insert.dxf.insert)[:2], dtype=float)
-            self.place = placed_by(kept(insert))
+            self.place = kept(insert)
         for entity, layer in entities:
             kind = entity.dxftype()
             text = _text(entity) if kind in TEXTS else ""
@@ -189,7 +182,7 @@ class _PieceSheet:
         found, missed = pieces_of(loops, names, self.path.name, points, self._grains())
         if missed:
             self.unread[f"POINT on layer {NOTCH} (notches) at no vertex and in no piece"] += missed
-        return [replace(piece, **self.place) for piece in found]
+        return [placed_by(piece, self.place) for piece in found]
 
     def _borders(self) -> list[Curve]:
         """The curves around pieces: lines of seams, and cut lines around none of them."""

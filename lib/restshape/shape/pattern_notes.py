@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from restshape.scene.plain_values import Table
@@ -21,7 +22,6 @@ METADATA = "restshape-pattern"
 TEXT = 1000
 """Code of a text in extended data, which has at most 255 characters."""
 LONGEST = 250
-PLACE = ("move", "turn")
 
 
 def keep(entity: Any, table: Mapping[str, object]) -> None:
@@ -62,13 +62,17 @@ def place_of(piece: PatternPiece) -> Table:
     return {"move": list(piece.move), "turn": list(piece.turn)} if any((*piece.move, *piece.turn)) else {}
 
 
-def placed_by(table: Mapping[str, object]) -> dict[str, Triple]:
-    """Where a table says that a piece lies in space: its ``move`` and ``turn``."""
-    found = {}
-    for key in PLACE:
-        value = table.get(key)
-        if isinstance(value, list) and len(value) == 3 and all(type(x) in (int, float) for x in value):
-            x, y, z = map(float, value)
-            if all(map(math.isfinite, (x, y, z))):
-                found[key] = (x, y, z)
-    return found
+def placed_by(piece: PatternPiece, table: Mapping[str, object]) -> PatternPiece:
+    """A piece where a table says that it lies in space, by its ``move`` and ``turn``, and with the table's ``grain``."""
+    grain = table.get("grain")
+    angle = float(grain) if type(grain) in (int, float) and isinstance(grain, float | int) else piece.grain
+    move, turn = _triple(table.get("move"), piece.move), _triple(table.get("turn"), piece.turn)
+    return replace(piece, move=move, turn=turn, grain=angle if angle is None or math.isfinite(angle) else piece.grain)
+
+
+def _triple(value: object, otherwise: Triple) -> Triple:
+    """Three finite numbers of a list; `otherwise` where it is none."""
+    if not isinstance(value, list) or len(value) != 3 or not all(type(x) in (int, float) for x in value):
+        return otherwise
+    x, y, z = map(float, value)
+    return (x, y, z) if all(map(math.isfinite, (x, y, z))) else otherwise
