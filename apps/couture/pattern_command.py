@@ -1,5 +1,7 @@
 """`restshape pattern`: a sewing pattern in another format, and as a scene of cloth."""
 
+# More than 15 modules: each format has modules of its own, which are imported where it is read or written.
+
 import argparse
 from pathlib import Path
 
@@ -89,7 +91,8 @@ def _read(path: Path) -> Pattern:
         from restshape.shape.garmentcode import read_garmentcode
 
         return read_garmentcode(path)
-    from restshape.shape.pattern_drawing import read_pattern_dxf, read_pattern_svg
+    from restshape.shape.pattern_drawing import read_pattern_dxf
+    from restshape.shape.pattern_svg import read_pattern_svg
 
     return read_pattern_dxf(path) if kind == ".dxf" else read_pattern_svg(path)
 
@@ -136,7 +139,8 @@ def _write(pattern: Pattern, path: Path, title: str, allowance: float, paper: st
         from restshape.export.garmentcode_file import write_garmentcode
 
         return write_garmentcode(pattern, path)
-    from restshape.export.pattern_drawings import write_pattern_dxf, write_pattern_svg
+    from restshape.export.pattern_drawings import write_pattern_dxf
+    from restshape.export.pattern_svg_file import write_pattern_svg
 
     write = write_pattern_dxf if kind == ".dxf" else write_pattern_svg
     return write(pattern, path, allowance)

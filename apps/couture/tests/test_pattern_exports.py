@@ -5,14 +5,16 @@ import pytest
 from restshape.cli.main import main
 from restshape.export.edited_frame import frame_of_script
 from restshape.export.garmentcode_file import write_garmentcode
-from restshape.export.pattern_drawings import write_pattern_dxf, write_pattern_svg
+from restshape.export.pattern_drawings import write_pattern_dxf
 from restshape.export.pattern_scene import pattern_of_scene, write_pattern_scene
+from restshape.export.pattern_svg_file import write_pattern_svg
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.panels import panels_of
 from restshape.shape.build import outline_from_spec
 from restshape.shape.garmentcode import read_garmentcode
-from restshape.shape.pattern_drawing import read_pattern_dxf, read_pattern_svg
+from restshape.shape.pattern_drawing import read_pattern_dxf
+from restshape.shape.pattern_svg import read_pattern_svg
 
 SCENE = """
 format = "restshape-scene"

@@ -11,8 +11,9 @@ from restshape.application import application
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.export.garmentcode_file import write_garmentcode
-from restshape.export.pattern_drawings import write_pattern_dxf, write_pattern_svg
+from restshape.export.pattern_drawings import write_pattern_dxf
 from restshape.export.pattern_scene import pattern_of_scene, write_pattern_scene
+from restshape.export.pattern_svg_file import write_pattern_svg
 from restshape.scene.bodies import start_of
 from restshape.scene.load import load_scene
 from restshape.scene.panels import panels_of
@@ -20,7 +21,8 @@ from restshape.scene.space_values import evaluated
 from restshape.shape.build import outline_from_spec
 from restshape.shape.garmentcode import read_garmentcode
 from restshape.shape.pattern_axes import angles_of, turned_up
-from restshape.shape.pattern_drawing import read_pattern_dxf, read_pattern_svg
+from restshape.shape.pattern_drawing import read_pattern_dxf
+from restshape.shape.pattern_svg import read_pattern_svg
 from restshape.shape.placement import rotation
 
 INCH = 25.4e-3

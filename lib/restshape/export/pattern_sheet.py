@@ -50,7 +50,7 @@ class SheetText:
 
 
 @dataclass
-class Sheet:
+class PatternSheet:
     """Lines and texts in millimetres; `seams` are their colours by name."""
 
     lines: list[SheetLine] = field(default_factory=list)
@@ -64,7 +64,7 @@ class Sheet:
         return points.min(axis=0), points.max(axis=0)
 
 
-def pattern_sheet(pattern: Pattern, allowance: float) -> Sheet:
+def pattern_sheet(pattern: Pattern, allowance: float) -> PatternSheet:
     """The pieces of a pattern beside and above each other.
 
     Lines of seams are dashed inside of the cut line of an allowance, and have the colours of their seams.
@@ -80,7 +80,7 @@ def pattern_sheet(pattern: Pattern, allowance: float) -> Sheet:
     boxes = {name: _box(outline, room) for name, outline in outlines.items()}
     frames = packed({name: Where(box, None, 0.0) for name, box in boxes.items()})
     parts = seam_parts(pattern)
-    sheet = Sheet(seams=seam_colours(seam_names(pattern)))
+    sheet = PatternSheet(seams=seam_colours(seam_names(pattern)))
     for piece in pattern.pieces:
         x, y, _ = frames[piece.name]
         _draw(sheet, piece, outlines[piece.name], np.array([x, y]), parts, allowance)
@@ -93,7 +93,7 @@ def _box(outline: Outline, room: float) -> PanelBounds:
 
 
 def _draw(
-    sheet: Sheet,
+    sheet: PatternSheet,
     piece: PatternPiece,
     outline: Outline,
     shift: Reals,
@@ -122,7 +122,7 @@ def _draw(
 
 
 def _draw_edges(
-    sheet: Sheet,
+    sheet: PatternSheet,
     name: str,
     outline: Outline,
     shift: Reals,

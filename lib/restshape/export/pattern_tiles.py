@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 
 from restshape.arrays import Reals
 from restshape.export.paper_tiles import EDGE, OVERLAP, PAPERS, Tile, TileGrid
-from restshape.export.pattern_sheet import INK, Sheet, SheetLine, pattern_sheet
+from restshape.export.pattern_sheet import INK, PatternSheet, SheetLine, pattern_sheet
 from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import PATTERN_MARK
 from restshape.shape.pattern import Pattern
@@ -90,7 +90,7 @@ def write_tiles(pattern: Pattern, path: Path, paper: str, allowance: float, titl
     return len(tiles)
 
 
-def _sheet_page(sheet: Sheet, grid: TileGrid, tile: Tile, title: str) -> _Page:
+def _sheet_page(sheet: PatternSheet, grid: TileGrid, tile: Tile, title: str) -> _Page:
     page = _Page(grid.paper)
     corner = grid.corner(tile)
     shift = EDGE - corner
@@ -123,7 +123,7 @@ def _registration(corner: Reals, step: Reals) -> list[SheetLine]:
     return found
 
 
-def _map(sheet: Sheet, grid: TileGrid, tiles: list[Tile], pattern: Pattern, title: str) -> _Page:
+def _map(sheet: PatternSheet, grid: TileGrid, tiles: list[Tile], pattern: Pattern, title: str) -> _Page:
     """The first page: where each sheet belongs, which seams there are, and a square to measure."""
     page = _Page(grid.paper)
     width, height = page.size.tolist()

@@ -1,4 +1,4 @@
-"""Sewing patterns from drawings: DXF with the layers of AAMA and ASTM, and SVG.
+"""Sewing patterns from DXF drawings with the layers of AAMA and ASTM.
 
 ASTM D6673-10, Standard Practice for Sewn Products Pattern Data Interchange, and the AAMA's before it: a block is a
 piece, and the number of a layer is what its lines are.
@@ -24,11 +24,9 @@ from restshape.shape.gaps import JOIN
 from restshape.shape.loose_curve import Curve, gathered
 from restshape.shape.named_points import chain_of_curve
 from restshape.shape.pattern import Pattern, PatternPiece, edge_names
-from restshape.shape.pattern_notes import METADATA, kept, parts_in, placed_by, table_of
+from restshape.shape.pattern_notes import kept, parts_in, placed_by
 from restshape.shape.pattern_pieces import is_in, loops_of, pieces_of, place_in
-from restshape.shape.seam_parts import SIDES, SeamPart, stitches_of
-from restshape.shape.svg import read_svg
-from restshape.shape.svg_tree import metadata_of, not_drawn
+from restshape.shape.seam_parts import SeamPart, stitches_of
 
 CUT, TURNS, NOTCH, GRAIN, INTERNAL, CUTOUT, SEW, ANNOTATION = "1", "2", "4", "7", "8", "11", "14", "15"
 """Layers: border of a piece, its corners, notches, the grain, lines inside, openings, line of the seam, texts."""
@@ -89,43 +87,8 @@ def read_pattern_dxf(path: Path) -> Pattern:
         raise UserError(what, path.name, "draw borders of pieces on layer 1, or lines of seams on layer 14")
     keys = next((table for one in loose if (table := table_in(kept(one), "keys"))), {})
     stitches, left = stitches_of(parts, {name: table_in(keys, name) for name in keys}, edge_names(pieces))
-    notes = _notes(unread + Counter(left))
+    notes = unread_notes(unread + Counter(left))
     return Pattern(tuple(pieces), stitches, notes=notes, doubt="" if sized else NO_UNIT)
-
-
-def read_pattern_svg(path: Path) -> Pattern:
-    """The pattern of an SVG drawing: each outermost loop is a piece, with the name of its group.
-
-    Loops inside it are holes, or regions by their class or name; edges have the ids of their paths.
-
-    Raises:
-        UserError: unreadable, or no piece.
-    """
-    read = read_svg(path, {})
-    loops = loops_of(read.curves)
-    if not loops.groups:
-        raise UserError("no piece was found: no curves close a loop", path.name, "let the curves meet end to end")
-    found, _ = pieces_of(loops, (), path.name, {}, ())
-    unread = Counter(f"{curve.source} that closes no loop" for curve in loops.open)
-    data = path.read_bytes()
-    said = metadata_of(data, METADATA)
-    unread += Counter(f"<{tag}>" for tag in not_drawn(data))
-    about, seams = (table_in(table_of(said), key) for key in ("pieces", "seams"))
-    pieces = [placed_by(piece, table_in(about, piece.name)) for piece in found]
-    parts = [(edge, part) for name in seams for edge, part in _sewn(name, table_in(seams, name))]
-    keys = {name: table_in(table_in(seams, name), "keys") for name in seams}
-    stitches, left = stitches_of(parts, keys, edge_names(pieces))
-    return Pattern(tuple(pieces), stitches, notes=_notes(unread + Counter(left)), doubt=read.doubt)
-
-
-def _sewn(seam: str, table: Table) -> list[tuple[str, SeamPart]]:
-    """The edges of a seam as the metadata of a drawing has them, with what each is in it."""
-    found = []
-    for side in SIDES:
-        edges = table.get(side)
-        names = [edge for edge in edges if isinstance(edge, str)] if isinstance(edges, list) else []
-        found += [(edge, SeamPart(seam, side, place)) for place, edge in enumerate(names)]
-    return found
 
 
 class _PieceSheet:
@@ -305,7 +268,7 @@ def _other_name(name: str, taken: set[str]) -> str:
     return free
 
 
-def _notes(unread: Counter[str]) -> tuple[str, ...]:
+def unread_notes(unread: Counter[str]) -> tuple[str, ...]:
     """A note of what was not read, counted and named."""
     if not unread:
         return ()

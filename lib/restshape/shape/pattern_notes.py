@@ -63,7 +63,7 @@ def place_of(piece: PatternPiece) -> Table:
 
 
 def placed_by(piece: PatternPiece, table: Mapping[str, object]) -> PatternPiece:
-    """A piece where a table says that it lies in space, by ``move`` and ``turn``, and with the ``grain`` of the table."""
+    """A piece where a table says that it lies in space, by ``move`` and ``turn``, with the ``grain`` of the table."""
     grain = table.get("grain")
     angle = float(grain) if type(grain) in (int, float) and isinstance(grain, float | int) else piece.grain
     move, turn = _triple(table.get("move"), piece.move), _triple(table.get("turn"), piece.turn)

@@ -1,0 +1,51 @@
+"""Sewing patterns from SVG drawings."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+from restshape.errors import UserError
+from restshape.scene.plain_values import Table, table_in
+from restshape.shape.pattern import Pattern, edge_names
+from restshape.shape.pattern_drawing import unread_notes
+from restshape.shape.pattern_notes import METADATA, placed_by, table_of
+from restshape.shape.pattern_pieces import loops_of, pieces_of
+from restshape.shape.seam_parts import SIDES, SeamPart, stitches_of
+from restshape.shape.svg import read_svg
+from restshape.shape.svg_tree import metadata_of, not_drawn
+
+
+def read_pattern_svg(path: Path) -> Pattern:
+    """The pattern of an SVG drawing: each outermost loop is a piece, with the name of its group.
+
+    Loops inside it are holes, or regions by their class or name; edges have the ids of their paths.
+
+    Raises:
+        UserError: unreadable, or no piece.
+    """
+    read = read_svg(path, {})
+    loops = loops_of(read.curves)
+    if not loops.groups:
+        raise UserError("no piece was found: no curves close a loop", path.name, "let the curves meet end to end")
+    found, _ = pieces_of(loops, (), path.name, {}, ())
+    unread = Counter(f"{curve.source} that closes no loop" for curve in loops.open)
+    data = path.read_bytes()
+    said = metadata_of(data, METADATA)
+    unread += Counter(f"<{tag}>" for tag in not_drawn(data))
+    about, seams = (table_in(table_of(said), key) for key in ("pieces", "seams"))
+    pieces = [placed_by(piece, table_in(about, piece.name)) for piece in found]
+    parts = [(edge, part) for name in seams for edge, part in _sewn(name, table_in(seams, name))]
+    keys = {name: table_in(table_in(seams, name), "keys") for name in seams}
+    stitches, left = stitches_of(parts, keys, edge_names(pieces))
+    return Pattern(tuple(pieces), stitches, notes=unread_notes(unread + Counter(left)), doubt=read.doubt)
+
+
+def _sewn(seam: str, table: Table) -> list[tuple[str, SeamPart]]:
+    """The edges of a seam as the metadata of a drawing has them, with what each is in it."""
+    found = []
+    for side in SIDES:
+        edges = table.get(side)
+        names = [edge for edge in edges if isinstance(edge, str)] if isinstance(edges, list) else []
+        found += [(edge, SeamPart(seam, side, place)) for place, edge in enumerate(names)]
+    return found
