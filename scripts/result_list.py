@@ -188,6 +188,8 @@ LIST = (
             ("stool", "scenes/stool.toml", ("edits/stool.jsonl",), "0 -1"),
             ("sewn-skirt", "scenes/sewn_skirt.toml", ("edits/sewn_skirt.jsonl",), "0 -1"),
             ("dress", "patterns/dress.toml", (), "0"),
+            ("lined-skirt", "scenes/lined_skirt.toml", (), "0"),
+            ("collar", "scenes/collar.toml", (), "0"),
         )
     ),
     brought(

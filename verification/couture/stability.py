@@ -6,6 +6,7 @@ from restshape_verification.couture.stability_contact import CASES as CONTACT
 from restshape_verification.couture.stability_edits import CASES as EDITS
 from restshape_verification.couture.stability_fabrics import CASES as FABRICS
 from restshape_verification.couture.stability_folds import CASES as FOLDS
+from restshape_verification.couture.stability_garments import CASES as GARMENTS
 from restshape_verification.couture.stability_layers import CASES as LAYERS
 from restshape_verification.couture.stability_predicted import CASES as PREDICTED
 from restshape_verification.couture.stability_seams import CASES as SEAMS
@@ -20,6 +21,7 @@ CASES: dict[str, Case] = {
     **LAYERS,
     **FOLDS,
     **SEAMS,
+    **GARMENTS,
     **EDITS,
     **PREDICTED,
     **TRUST,

@@ -44,6 +44,8 @@ class Panel(ShapeSpec):
         mirror: straight edge around it that it is unfolded about: it is cut on the fold. Parts of the other half are
             named ``mirror.PART``.
         material: name of its material; left out, the one that no region and no panel names.
+        layer: panels of a larger one lie outside of those of a smaller one, seen from the bodies; left out, it has no
+            place among them.
     """
 
     at: Point | None = None
@@ -56,6 +58,7 @@ class Panel(ShapeSpec):
     grain: Angle | None = None
     mirror: str | None = None
     material: str | None = None
+    layer: int | None = None
 
     @model_validator(mode="after")
     def _is_written_out(self) -> Self:

@@ -28,6 +28,7 @@ from restshape.physics.cloth.collision_surface import CollisionSurface
 from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.free_pieces import falling_pieces, why_it_falls
+from restshape.physics.cloth.layer_order import LayerOrder, Layers
 from restshape.physics.cloth.material_motion import MaterialPlace
 from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.parameters import Lumped, lumped_rates, triangle_rates
@@ -69,6 +70,7 @@ class ClothProblem(SteadyProblem):
         falling: names of pieces that `falls` has found to fall.
         seams: what sews edges together; None: nothing does. seam_bending: across those that are sewn flat.
         self_contact: of the cloth with itself; None: it passes through itself.
+        order: which panels lie outside of which; None: there are no layers.
 
     Source: docs/theory/cloth.md.
     """
@@ -86,6 +88,7 @@ class ClothProblem(SteadyProblem):
         self.seams: Seams | None = None
         self.falling: tuple[str, ...] = ()
         self.seam_bending: SeamBending | None = None
+        self.order: LayerOrder | None = None
         self.morley = MorleySpace(mesh) if fabric.kind == "morley" else None
         nodes = np.arange(len(mesh.X), dtype=np.int32)
         self.corner_number = self.morley.corner_number if self.morley else nodes
@@ -294,6 +297,12 @@ class ClothProblem(SteadyProblem):
     def step_share(self, x: np.ndarray, d: np.ndarray) -> float:
         """The largest share, in (0, 1], of a step d (n, 3) [m] from x (n, 3) [m] that lets nothing pass."""
         return min((part.step_share(self.corners(x), self.corners(d)) for part in self.obstacles), default=1.0)
+
+    @property
+    def ordered_layers(self) -> Layers | None:
+        """The cloth as layers that have an order; None where they have none."""
+        bodies = self.contact.bodies if self.contact else ()
+        return Layers(self.order, self.surface, bodies) if self.order else None
 
     @property
     def obstacles(self) -> Sequence[Obstacle]:

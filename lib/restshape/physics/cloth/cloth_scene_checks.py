@@ -68,6 +68,10 @@ def _check_panels(scene: Scene, source: Source) -> None:
                     ("panels", name, key), f"there is no {kind} {wanted!r}", suggestion(wanted, list(known))
                 )
     _refuse_unlike_units(scene, source)
+    layered = [name for name, panel in panels_of(scene).items() if panel.layer is not None]
+    if layered and scene.effects.get("contact", {}).get("self") is False:
+        what = "layers have an order, and self = false lets them pass through each other"
+        raise source.error(("panels", layered[0], "layer"), what, "take out layer, or self = false")
     if panels_of(scene):
         try:
             PatternPlacement(scene)

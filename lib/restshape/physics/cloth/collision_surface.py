@@ -64,6 +64,16 @@ class CollisionSurface:
         keys = np.minimum(i, j) * n + np.maximum(i, j)
         return (i == j) | np.isin(keys, pairs[:, 0] * n + pairs[:, 1])
 
+    @property
+    def sewn_nodes(self) -> np.ndarray:
+        """Whether each node (n,) is sewn to another one, or to a place between two."""
+        if self.sewn is None:
+            return np.zeros(len(self.flat), bool)
+        numbers, pairs = self.sewn
+        several = np.bincount(numbers, minlength=len(numbers)) > 1
+        several[pairs] = True
+        return several[numbers]
+
     @cached_property
     def library(self) -> Any:
         """The module `ipctk`, loaded when cloth first needs it, on one thread."""

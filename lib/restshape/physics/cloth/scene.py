@@ -18,6 +18,7 @@ from restshape.physics.cloth.cloth_supports import supports_of
 from restshape.physics.cloth.contact import Contact
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.layer_order import LayerOrder
 from restshape.physics.cloth.layers import layer_values
 from restshape.physics.cloth.mesh_bodies import kernel_mesh, located_distance, refuse_narrow
 from restshape.physics.cloth.parameters import triangle_areas
@@ -43,6 +44,7 @@ class ClothArguments:
         placed: (n, 3) where nodes lie at first [m], before supports take them; start: with these.
         layers: how parts of the cloth push each other away; None: they pass through each other.
         seams: what is sewn together.
+        order: which panels lie outside of which; None: the scene has no layers.
     """
 
     fabric: Fabric
@@ -54,6 +56,7 @@ class ClothArguments:
     start: np.ndarray
     layers: SelfContactValues | None = None
     seams: tuple[SeamPair, ...] = ()
+    order: LayerOrder | None = None
 
 
 def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
@@ -79,12 +82,14 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
         start=np.where(supports.mask, supports.places, placed),
         layers=layer_values(scene, plan, mesh, fabric),
         seams=seam_pairs(scene, mesh, placed, float(fabric.membrane.max())),
+        order=LayerOrder.of(scene, mesh),
     )
 
 
 def cloth_problem(mesh: Mesh, arguments: ClothArguments) -> ClothProblem:
     """The problem of a scene's cloth on a mesh."""
     problem = ClothProblem(mesh, arguments.fabric, arguments.supports, arguments.g)
+    problem.order = arguments.order
     if arguments.seams:
         problem.sew(Seams(arguments.seams, problem.corner_number))
     if arguments.layers:
@@ -108,6 +113,7 @@ def set_values(problem: ClothProblem, arguments: ClothArguments) -> None:
     """Let fabric, supports, acceleration and seams be others, of the same kinds, and the mesh as it lies now."""
     if problem.seams:
         problem.seams.pairs = arguments.seams
+    problem.order = arguments.order
     problem.set_values(arguments.fabric, arguments.supports, arguments.g)
 
 

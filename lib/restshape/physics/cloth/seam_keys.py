@@ -28,7 +28,7 @@ class Seam(Strict):
         start: the edges of the first side.
         to: those of the second side.
         reverse: false where the same face of the cloth is outside on both sides, true where it changes; left out, the
-            ends that are nearer to each other at first are sewn together.
+            way round in which both sides are nearer to each other at first.
         ease: how much longer one side may be than the other one, over the length of that, without a note.
         stitched: "flat", the cloth bends across the seam as if it went on; left out, it turns there freely.
         stiffness: of the springs by length [N/m^2]; left out, 100 times the membrane's over the mesh size.
@@ -66,6 +66,17 @@ def edges_of(names: str | tuple[str, ...]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else tuple(names)
 
 
+def lines_inside(scene: Scene, kinds: Mapping[str, str]) -> set[str]:
+    """Edges of regions that are on no outline and on no hole: lines inside the cloth."""
+
+    def of(loops: Mapping[str, object]) -> set[str]:
+        named = {edge for loop in loops.values() for edge in getattr(loop, "loop", ())}
+        return named | {edge for edge in kinds if edge.rpartition(".")[0] in loops}
+
+    around = {edge for edges in scene.shape.pieces.values() for edge in edges}
+    return of(scene.shape.regions) - of(scene.shape.holes) - around
+
+
 def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
     """Checks what seams join.
 
@@ -78,6 +89,7 @@ def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
     """
     folds = set(folds_of(scene).values())
     mirrored = {name for support in scene.supports.values() if support.symmetry for name in edges_of(support.on)}
+    inside = lines_inside(scene, kinds)
     for name, seam in scene.seams.items():
         for key, side in zip(("from", "to"), seam.sides):
             for edge in side:
@@ -92,6 +104,10 @@ def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
                 if edge in mirrored:
                     what = f"the seam is on {edge!r}, which lies on a plane of symmetry: there the cloth goes on"
                     raise source.error(("seams", name, key), what, "take out the seam, or the symmetry")
+        inner = next((edge for edge in (*seam.sides[0], *seam.sides[1]) if edge in inside), None)
+        if seam.stitched == "flat" and inner is not None:
+            what = f"the edge {inner!r} lies inside a panel, where the cloth goes on: nothing bends across a seam there"
+            raise source.error(("seams", name, "stitched"), what, "take out stitched")
         for other in scene.seams:
             if other == name:
                 break

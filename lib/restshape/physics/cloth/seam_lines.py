@@ -15,6 +15,10 @@ STIFFER = 100.0
 """Stiffness of a seam over the membrane's by mesh size, where the scene names none."""
 SAME = 1e-9
 """Shares of two sides that differ by no more are the same place."""
+SHARES = 9
+"""Places of a side by which it is found which end of the other one belongs to its first one."""
+ALIKE = 1e-9
+"""Part by which one of two ways is shorter than the other one where they are alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,12 @@ class SeamLine:
         size = np.hypot(*way.T)
         rates = np.einsum("ij,ij->i", way, change) / np.where(size > 0.0, size, 1.0)
         return np.concatenate([[0.0], np.cumsum(rates * self.along)])
+
+    def at_shares(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Places (m, 3) at even shares of its length at X (n, 2), of nodes at x (n, 3)."""
+        lengths = self.lengths(X)
+        wanted = np.linspace(0.0, lengths[-1], SHARES)
+        return np.column_stack([np.interp(wanted, lengths, part) for part in x[self.nodes].T])
 
     @property
     def reversed(self) -> SeamLine:
@@ -92,7 +102,7 @@ def seam_pairs(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float) ->
 def _pair(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float, name: str, seam: Seam) -> SeamPair:
     first, second = (_line(mesh, placed, side, f"seams.{name}.{key}") for key, side in zip(("from", "to"), seam.sides))
     # Chains have the cloth on their left: side by side they run in opposite directions.
-    turned = _nearer_turned(placed, first, second) if seam.reverse is None else not seam.reverse
+    turned = _nearer_turned(mesh.X, placed, first, second) if seam.reverse is None else not seam.reverse
     second = second.reversed if turned else second
     size = scene.mesh.size or float(np.mean([np.diff(line.lengths(mesh.X)).mean() for line in (first, second)]))
     return SeamPair(
@@ -100,11 +110,15 @@ def _pair(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float, name: s
     )
 
 
-def _nearer_turned(placed: np.ndarray, first: SeamLine, second: SeamLine) -> bool:
-    """Whether the ends of two sides are nearer to each other at places (n, 3) where the second one is turned round."""
-    a, b, c, d = (placed[line.nodes[end]] for line in (first, second) for end in (0, -1))
-    straight, turned = (np.sum((a - p) ** 2) + np.sum((b - q) ** 2) for p, q in ((c, d), (d, c)))
-    return bool(turned < straight)
+def _nearer_turned(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine) -> bool:
+    """Whether two sides are nearer to each other at places (n, 3) where the second one is turned round.
+
+    By the squares of the ways between places of one share of their lengths: of a side that is closed in space its ends
+    say nothing.
+    """
+    a, b = (line.at_shares(X, placed) for line in (first, second))
+    straight, turned = (float(np.sum((a - other) ** 2)) for other in (b, b[::-1]))
+    return turned < straight * (1.0 - ALIKE)
 
 
 def _line(mesh: Mesh, placed: np.ndarray, names: tuple[str, ...], where: str) -> SeamLine:

@@ -11,6 +11,7 @@ import numpy as np
 from restshape.fem.elements import SEAM
 from restshape.fem.integral import Integral
 from restshape.physics.cloth.seam_lines import SAME, SeamLine, SeamPair
+from restshape.physics.cloth.sewn_neighbours import clusters, shared_nodes, with_shared
 
 OPEN = 1e-3
 """Distance across a seam [m] from which on a note reports it."""
@@ -261,9 +262,10 @@ class Seams:
         at_ends = [(self.nodes[:, 0], self.nodes[:, 1], t < 1.0 - ENDS), (self.nodes[:, 0], self.nodes[:, 2], t > ENDS)]
         inner = (t > ENDS) & (t < 1.0 - ENDS)
         joined = np.vstack([np.column_stack([i, j])[on & ~inner] for i, j, on in at_ends])
-        number = _clusters(joined, len(self.X))
+        number = clusters(joined, len(self.X))
         between = np.vstack([np.column_stack([number[i], number[j]])[inner] for i, j, _ in at_ends])
-        return number, np.unique(np.sort(between, axis=1), axis=0).astype(np.int32)
+        shared = shared_nodes([line.nodes for lines in self._lines for line in lines])
+        return number, with_shared(between, np.unique(number[shared]), len(self.X))
 
     def springs_by_name(self) -> list[tuple[str, slice]]:
         """The springs of each seam."""
@@ -273,19 +275,6 @@ class Seams:
 
 ENDS = 1e-6
 """Part of an edge from whose ends on a place is between them."""
-
-
-def _clusters(pairs: np.ndarray, n: int) -> np.ndarray:
-    """The smallest number (n,) int32 of those that pairs (k, 2) join each one with."""
-    number = np.arange(n, dtype=np.int32)
-    while True:
-        low = np.minimum(number[pairs[:, 0]], number[pairs[:, 1]])
-        found = number.copy()
-        for side in range(2):
-            np.minimum.at(found, pairs[:, side], low)
-        if np.array_equal(found, number):
-            return number
-        number = found
 
 
 class MovedParts(Protocol):

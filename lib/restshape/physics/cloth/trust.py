@@ -51,6 +51,7 @@ def trust_in(state: RelaxationState) -> Trust:
         reasons += penetration_notes("lies", problem, scene, depths)
     crossings = len(problem.surface.crossed(problem.corners(state.x)))
     reasons += crossing_notes(crossings)
+    reasons += problem.ordered_layers.notes(problem.corners(state.x)) if problem.ordered_layers else []
     if state.softness < 1.0:
         reasons.append(f"the way to rest softened the membrane, to {100.0 * state.softness:g} % of its stiffness")
     return Trust((*reasons, *state.doubts), strain, max_penetration, crossings)

@@ -19,18 +19,16 @@ from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.material_motion import in_frames
+from restshape.physics.cloth.relaxation.beginning import beginning, initial_positions, start_notes
 from restshape.physics.cloth.relaxation.drag_frame import LastRest, drag_frame
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
 from restshape.physics.cloth.relaxation.jumps import Expected, farthest
-from restshape.physics.cloth.relaxation.keep_apart import initial_positions, kept_apart
+from restshape.physics.cloth.relaxation.keep_apart import kept_apart
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact, set_values
 from restshape.physics.cloth.seam_lines import SeamPair
-from restshape.physics.cloth.squeezed import refuse_squeezed
-from restshape.physics.cloth.trust import penetration_notes
-from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.model import Scene
 from restshape.scene.panels import frames_of
 
@@ -60,7 +58,7 @@ def bind(
     log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
     if cold:
-        notes = tuple(start_notes(problem, state.x, scene))
+        notes = tuple(start_notes(problem, beginning(problem, arguments), scene))
         notes += tuple(problem.seams.ease_notes()) if problem.seams else ()
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
@@ -86,19 +84,6 @@ def bind(
     if cold and not acts:
         state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
     return replace(state, observer=problem.observer(scene.quantities)), cold
-
-
-def start_notes(problem: ClothProblem, x: np.ndarray, scene: Scene) -> list[str]:
-    """What there is to note of bodies where cloth starts at x (n, 3) [m].
-
-    Raises:
-        UserError: two of them hold it between them.
-    """
-    if not problem.contact:
-        return []
-    corners = problem.corners(x)
-    refuse_squeezed(problem.contact, corners, scene.bodies)
-    return penetration_notes("begins", problem, scene, penetrations(problem.contact, corners))
 
 
 def _touches_itself(before: RelaxationState) -> bool:

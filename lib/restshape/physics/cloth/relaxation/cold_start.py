@@ -13,9 +13,9 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
+from restshape.physics.cloth.relaxation.beginning import initial_positions
 from restshape.physics.cloth.relaxation.close_seams import close_seams
 from restshape.physics.cloth.relaxation.equilibrium import NEAR, ROUGH, EquilibriumSolver
-from restshape.physics.cloth.relaxation.keep_apart import initial_positions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem

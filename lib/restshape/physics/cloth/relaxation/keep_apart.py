@@ -1,4 +1,4 @@
-"""Starts and guesses of positions that would take cloth through itself: they are gone to as far as nothing passes."""
+"""Guesses of positions that would take cloth through itself: they are gone to as far as nothing passes."""
 
 from __future__ import annotations
 
@@ -7,12 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
-from restshape.mesh.relocate import HarmonicExtension
-from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.scene import ClothArguments
 
 PARTS = 60
 """Parts of the way of supports, with a rough descent after each, at most."""
@@ -49,17 +46,3 @@ def kept_apart(state: RelaxationState, last: np.ndarray) -> RelaxationState:
             break
         state.solver.descend(x, ROUGH, MEMORY, report)
     return replace(state, x=problem.constrain(x), doubts=doubts)
-
-
-def initial_positions(problem: ClothProblem, arguments: ClothArguments) -> np.ndarray:
-    """Unknowns (n, 3) of the initial placement, with supports where they are at first.
-
-    Supports that would go through the flat cloth on their way there draw it along, the less the farther it is.
-    """
-    x = problem.flat(arguments.start)
-    ways = arguments.start - arguments.placed
-    if not problem.self_contact or not ways.any() or not problem.surface.crosses(problem.corners(x)):
-        return x
-    constrained = np.flatnonzero(arguments.supports.mask.any(axis=1)).astype(np.int32)
-    drawn = arguments.placed + HarmonicExtension(problem.mesh, constrained).adapted(ways[constrained])
-    return problem.flat(np.where(arguments.supports.mask, arguments.start, drawn))

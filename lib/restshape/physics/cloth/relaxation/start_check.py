@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from restshape.mesh.generate import generate
 from restshape.mesh.importer import read_mesh
-from restshape.physics.cloth.relaxation.binding import begins_across, start_notes
-from restshape.physics.cloth.relaxation.keep_apart import initial_positions
+from restshape.physics.cloth.relaxation.beginning import beginning, start_notes
+from restshape.physics.cloth.relaxation.binding import begins_across
 from restshape.physics.cloth.scene import cloth_arguments, cloth_problem
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -23,6 +23,6 @@ def check_start(scene: Scene, plan: Plan, outline: Outline) -> list[str]:
     mesh = read_mesh(scene.folder / spec.file, spec.unit)[0] if spec.file else generate(outline, spec)
     arguments = cloth_arguments(scene, plan, mesh)
     problem = cloth_problem(mesh, arguments)
-    x = initial_positions(problem, arguments)
-    notes = start_notes(problem, x, scene)
-    return [*notes, *([] if problem.begin(x) else [begins_across(problem, x, scene)])]
+    begun = beginning(problem, arguments)
+    notes = start_notes(problem, begun, scene)
+    return [*notes, *([] if problem.begin(begun.x) else [begins_across(problem, begun.x, scene)])]

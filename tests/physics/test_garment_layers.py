@@ -1,0 +1,153 @@
+"""Layers of garments: cloth out of bodies, panels in order, edges on lines inside a panel, three edges in one seam."""
+
+import numpy as np
+import pytest
+from small_scenes import write_scene
+from test_pattern_panels import garment, panel
+
+from restshape import _kernels
+from restshape.errors import UserError
+from restshape.physics.cloth.collision_surface import CollisionSurface
+from restshape.physics.cloth.layer_order import LayerOrder, Layers, lines_through
+from restshape.physics.cloth.out_of_bodies import brought_out
+from restshape.physics.cloth.sewn_neighbours import shared_nodes, with_shared
+from restshape.replay.first_frame import first_frame
+from restshape.scene.load import load_scene
+
+THICK = 2e-3
+POCKET = """
+[panels.front.regions]
+place = { polygon = [[0.05, 0.03], [0.15, 0.03], [0.15, 0.11], [0.05, 0.11]] }
+[seams.pocket]
+from = ["pocket.left", "pocket.bottom", "pocket.right"]
+to = ["front.place.4", "front.place.1", "front.place.2"]
+[supports.front]
+on = "front.top"
+fix = ["x", "y", "z"]
+[effects.cloth]
+bending = "hinge"
+"""
+TURNED = 'turn = ["90 deg", 0, 0]'
+
+
+def grid(n, side):
+    """Places (n n, 3) and triangles of a square in the plane z = 0 around the origin."""
+    at = np.linspace(-0.5 * side, 0.5 * side, n)
+    x, y = np.meshgrid(at, at, indexing="ij")
+    first = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    cells = np.vstack(
+        [np.column_stack([first, first + n, first + n + 1]), np.column_stack([first, first + n + 1, first + 1])]
+    )
+    return np.column_stack([x.ravel(), y.ravel(), np.zeros(n * n)]), cells.astype(np.int32)
+
+
+@pytest.mark.parametrize(("height", "side"), [(0.03, 1.0), (-0.06, -1.0)])
+def test_a_sheet_through_a_ball_comes_out_on_the_nearer_side(height, side):
+    """As a cap: every node inside goes up, or down, none around; those outside stay."""
+    x, cells = grid(11, 0.4)
+    x[:, 2] = height
+    found = brought_out([_kernels.Body.sphere((0, 0, 0), 0.1)], x, cells, np.ones(len(x), bool), THICK)
+    within = np.linalg.norm(x, axis=1) < 0.1
+    assert np.array_equal(found[~within], x[~within])
+    assert np.linalg.norm(found[within], axis=1) == pytest.approx(0.1 + THICK, abs=0.02 * THICK)
+    assert (side * found[within, 2] >= side * height).all()
+    assert len(np.unique(found.round(6), axis=0)) == len(x)
+
+
+def test_a_sheet_across_the_middle_of_a_ball_goes_one_way_as_a_whole():
+    x, cells = grid(11, 0.4)
+    found = brought_out([_kernels.Body.sphere((0, 0, 0), 0.1)], x, cells, np.ones(len(x), bool), THICK)
+    assert np.abs(found[:, :2] - x[:, :2]).max() < 1e-12
+    inside = np.hypot(*x[:, :2].T) < 0.1
+    wanted = np.sqrt((0.1 + THICK) ** 2 - (x[inside, :2] ** 2).sum(axis=1))
+    assert np.abs(found[inside, 2]) == pytest.approx(wanted, abs=1e-3 * THICK + 1e-4)
+
+
+def test_a_tube_inside_a_body_is_widened_evenly_and_what_is_held_stays():
+    angle, z = (part.ravel() for part in np.meshgrid(np.linspace(0, 6, 25), np.linspace(0, 0.1, 4), indexing="ij"))
+    x = np.column_stack([0.05 * np.cos(angle), 0.05 * np.sin(angle), z])
+    first = (np.arange(24)[:, None] * 4 + np.arange(3)).ravel()
+    cells = np.column_stack([first, first + 4, first + 5]).astype(np.int32)
+    movable = np.ones(len(x), bool)
+    movable[:4] = False
+    body = _kernels.Body.capsule((0, 0, -1), (0, 0, 1), 0.15)
+    found = brought_out([body], x, cells, movable, THICK)
+    assert np.array_equal(found[:4], x[:4])
+    assert found[4:] == pytest.approx(x[4:] * [3.04, 3.04, 1.0], abs=0.02 * THICK)
+
+
+def sheets(*heights):
+    """Squares above each other, each a panel, the first of layer 1, the second of 2, and so on."""
+    x, cells = grid(5, 0.2)
+    places = np.vstack([x + np.array([0.0, 0.0, z]) for z in heights])
+    all_cells = np.vstack([cells + k * len(x) for k in range(len(heights))]).astype(np.int32)
+    number = np.repeat(np.arange(len(heights)), len(x))
+    order = LayerOrder(1.0 + number, tuple("abc"[: len(heights)]), number)
+    # In the pattern they lie beside each other.
+    flat = np.vstack([x[:, :2] + np.array([0.3 * k, 0.0]) for k in range(len(heights))])
+    return places, Layers(order, CollisionSurface(flat, all_cells), [_kernels.Body.plane((0, 0, -1), (0, 0, 1))])
+
+
+def test_layers_in_the_wrong_order_are_put_into_it():
+    x, layers = sheets(0.03, 0.02, 0.021)
+    assert layers.notes(x) == ["25 nodes of b lie under a lower layer", "25 nodes of c lie under a lower layer"]
+    found = layers.in_order(x, np.ones(len(x), bool), 5e-3)
+    heights = found[:, 2].reshape(3, 25)
+    assert np.ptp(heights, axis=1).max() < 1e-12 and np.array_equal(found[:, :2], x[:, :2])
+    assert heights[:, 0] == pytest.approx([0.03, 0.035, 0.04])
+    assert not layers.notes(found)
+
+
+def test_layers_without_bodies_are_seen_from_the_back_of_what_lies_below():
+    x, layers = sheets(0.0, -0.01)
+    found = Layers(layers.order, layers.surface, ()).in_order(x, np.ones(len(x), bool), 4e-3)
+    assert found[25:, 2] == pytest.approx(4e-3)
+
+
+def test_lines_meet_triangles_where_barycentric_coordinates_say():
+    random = np.random.default_rng(3)
+    corners = random.normal(size=(40, 3, 3))
+    share = random.dirichlet([1, 1, 1], 40)
+    places = np.einsum("mk,mka->ma", share, corners)
+    ways = random.normal(size=(40, 3))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    far = random.uniform(-2, 2, 40)
+    line, cell, way = lines_through(places - far[:, None] * ways, ways, corners)
+    own = line == cell
+    assert np.array_equal(line[own], np.arange(40)) and way[own] == pytest.approx(far)
+    others = places[line] + (way - far[line])[:, None] * ways[line]
+    a, b, c = corners[cell].swapaxes(0, 1)
+    assert np.abs(np.einsum("ma,ma->m", np.cross(b - a, c - a), others - a)).max() < 1e-9
+
+
+def test_an_edge_that_two_seams_share_makes_all_that_is_sewn_to_it_neighbours():
+    lines = [np.array([0, 1, 2]), np.array([5, 6]), np.array([2, 1, 0]), np.array([8, 9])]
+    assert shared_nodes(lines).tolist() == [0, 1, 2]
+    assert shared_nodes(lines[:2]).tolist() == []
+    # 6 and 9 lie between 1 and 2.
+    pairs = np.array([[1, 6], [1, 9], [2, 6], [2, 9]], np.int32)
+    assert with_shared(pairs, np.array([1, 2]), 10).tolist() == [[1, 6], [1, 9], [2, 6], [2, 9], [6, 9]]
+    assert with_shared(pairs, np.array([], np.int64), 10).tolist() == pairs.tolist()
+
+
+def test_a_pocket_is_sewn_to_lines_inside_a_panel(tmp_path):
+    pocket = panel("pocket", TURNED, "move = [0.05, -0.02, 0.03]", width=0.1, height=0.08)
+    text = garment(panel("front", TURNED), pocket, POCKET).replace("tolerance = 1e-8", "tolerance = 1e-4")
+    found = first_frame(write_scene(tmp_path, text)).analysis
+    row, problem = found.row(), found.problem
+    assert row["converged"] and row["crossings"] == 0 and row["seam_gap"] < 1e-4 and not row["untrusted"]
+    places, pocket = problem.corners(found.x), problem.mesh.node_piece == 1
+    # The face of the pocket bulges by its weight, before the panel.
+    assert places[pocket, 1].min() < -1e-3 and np.abs(places[~pocket, 1]).max() < 1e-3
+
+
+def test_a_line_inside_a_panel_is_not_sewn_flat(tmp_path):
+    text = garment(panel("front", TURNED), panel("pocket", TURNED), POCKET.replace("to =", 'stitched = "flat"\nto ='))
+    with pytest.raises(UserError, match="inside a panel, where the cloth goes on"):
+        load_scene(write_scene(tmp_path, text))
+
+
+def test_layers_that_pass_through_each_other_are_refused(tmp_path):
+    text = garment(panel("front", "layer = 1"), panel("back", "layer = 2"), "[effects.contact]\nself = false")
+    with pytest.raises(UserError, match="layers have an order, and self = false"):
+        load_scene(write_scene(tmp_path, text))
