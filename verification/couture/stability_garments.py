@@ -137,11 +137,11 @@ def tight_sleeve(trial: Trial) -> Iterator[Statement]:
     tube = panel("sleeve", np.pi * radius, 0.1, *wrapped("limb", 0.5 * radius, 0.0))
     limb = LIMB.format(top=0.4, radius=radius, friction=0.5)
     text = garment(0.02, tube, seam("side", "sleeve.left", "sleeve.right"), limb)
-    # Stretched cloth presses with 10 kPa, for which contact by the weight is too soft.
-    made, rows = played(trial, text.replace(CONTACT, f"{CONTACT}stiffness = 2e7\n"))
+    # Of rubber: cotton that is stretched so far presses with 10 kPa, for which contact by the weight is too soft.
+    made, rows = played(trial, text.replace("1 MPa", "10 kPa"))
     yield from resting(made, rows, way=3e-8)
     yield from closed(made, rows[-1], 2e-3)
-    yield true("it is said", "an edge is stretched by 10" in rows[-1]["untrusted"], rows[-1]["untrusted"])
+    yield true("it is said", "an edge is stretched by 1" in rows[-1]["untrusted"], rows[-1]["untrusted"])
 
 
 def patchwork(trial: Trial) -> Iterator[Statement]:
