@@ -22,6 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from setuptools import setup
+from setuptools._distutils.ccompiler import gen_preprocess_options
 from setuptools.command.build_ext import build_ext
 
 try:
@@ -35,6 +36,8 @@ SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize=vptr")
 CHECKED = (*SANITIZERS, "-Dflatten=unused", "--param", "asan-instrumentation-with-call-threshold=0")
 """With checks in every line, functions that take in all that they call compile for minutes: here they do not."""
 BUILD = Path("build/kernels") / sysconfig.get_config_var("SOABI")
+PRECOMPILED = "precompiled.hpp"
+"""Header of the library's module that is compiled once: what it includes takes half of the time of most files."""
 
 
 def petsc_root() -> tuple[str, str]:
@@ -143,22 +146,24 @@ def system_headers(cgal: str | None) -> list[str]:
     # The default folder must not come before those of the compiler itself.
     folders = [eigen_folder(), *([cgal] if cgal not in (None, "/usr/include") else [])]
     options = [word for folder in folders for word in ("-isystem", folder)]
-    return [*options, "-include", str(KERNELS / "intrinsics.hpp")]
+    return options
 
 
 def kernels_extension() -> Pybind11Extension:
     """The library's module, with PETSc's library found at run time where it was found now."""
     includes, library_dirs, library = petsc_paths()
-    cgal, flags = cgal_folder(), compile_flags()
+    name, cgal, flags = "restshape._kernels", cgal_folder(), compile_flags()
+    options = [*system_headers(cgal), "-include", PRECOMPILED]
     return Pybind11Extension(
-        "restshape._kernels",
+        name,
         sources_in(KERNELS),
-        include_dirs=[str(KERNELS), *includes],
+        # The compiler takes the compiled header from the first folder, or else the header itself from the second.
+        include_dirs=[str(BUILD / name), str(KERNELS), *includes],
         library_dirs=library_dirs,
         runtime_library_dirs=library_dirs,
         libraries=[library],
         define_macros=[("RESTSHAPE_FLAGS", f'"{" ".join(flags)}"'), ("RESTSHAPE_CGAL", "1" if cgal else "0")],
-        extra_compile_args=[*flags, *system_headers(cgal), *mpi_flags("compile", "-I|-D|-pthread")],
+        extra_compile_args=[*flags, *options, *mpi_flags("compile", "-I|-D|-pthread")],
         extra_link_args=[*mpi_flags("link", "-L|-l|-Wl|-pthread"), *(SANITIZERS if sanitized() else ())],
         cxx_std=17,
     )
@@ -171,7 +176,7 @@ def application_extensions() -> list[Pybind11Extension]:
             f"restshape_apps.{folder.parent.name}._kernels",
             sources_in(folder),
             include_dirs=[str(folder), str(KERNELS)],
-            extra_compile_args=[*compile_flags(), *system_headers(None)],
+            extra_compile_args=[*compile_flags(), *system_headers(None), "-include", str(KERNELS / "intrinsics.hpp")],
             extra_link_args=list(SANITIZERS) if sanitized() else [],
             cxx_std=17,
         )
@@ -204,13 +209,14 @@ def note_options(extension: Pybind11Extension) -> Path:
 def dependencies(built: Path) -> list[Path]:
     """The source and the headers that an object was compiled from, as the compiler noted them beside it."""
     text = built.with_suffix(".d").read_text().replace("\\\n", " ")
-    return [Path(name.replace("\\ ", " ")) for name in re.split(r"(?<!\\)\s+", text.partition(":")[2]) if name]
+    names = [name.replace("\\ ", " ") for name in re.split(r"(?<!\\)\s+", text.partition(":")[2])]
+    return [Path(name) for name in names if name and not name.endswith(".gch")]
 
 
-def stale(built: Path, options: Path) -> bool:
-    """Whether an object file is older than anything it was compiled from, or than the compiler's options."""
+def stale(built: Path, *others: Path) -> bool:
+    """Whether a compiled file is older than anything it was compiled from, or than others that it depends on."""
     try:
-        return built.stat().st_mtime < max(path.stat().st_mtime for path in [options, *dependencies(built)])
+        return built.stat().st_mtime < max(path.stat().st_mtime for path in [*others, *dependencies(built)])
     except FileNotFoundError:
         return True
 
@@ -232,9 +238,9 @@ class BuildKernels(build_ext):
         """Compiles what is stale of all modules, a few files at once and the longest first, and links."""
         todo = []
         for extension in self.extensions:
-            options = note_options(extension)
+            options = self.precompile(extension, note_options(extension))
             objects = {source: (BUILD / source).with_suffix(".o") for source in extension.sources}
-            todo += [(extension, source) for source, built in objects.items() if stale(built, options)]
+            todo += [(extension, source) for source, built in objects.items() if stale(built, *options)]
             extension.sources, extension.depends = [], [str(built) for built in objects.values()]
             extension.extra_objects = extension.depends
         todo.sort(key=lambda job: duration(job[1]), reverse=True)
@@ -242,6 +248,22 @@ class BuildKernels(build_ext):
         with ThreadPoolExecutor(int(os.environ.get("RESTSHAPE_BUILD_JOBS", "2"))) as pool:
             list(pool.map(lambda item: self.compile(*item[1], f"[{item[0]}/{len(todo)}]"), numbered))
         super().build_extensions()
+
+    def precompile(self, extension: Pybind11Extension, options: Path) -> list[Path]:
+        """Compiles the header of a module that has one, if it is stale; what all objects of the module depend on."""
+        words = extension.extra_compile_args
+        if PRECOMPILED not in words:
+            return [options]
+        built, own = BUILD / extension.name / f"{PRECOMPILED}.gch", words.index(PRECOMPILED)
+        if stale(built, options):
+            sys.stdout.write(f"{PRECOMPILED}\n")
+            sys.stdout.flush()
+            folders = [*extension.include_dirs, *self.compiler.include_dirs]
+            places = gen_preprocess_options(extension.define_macros, folders)
+            made = ["-x", "c++-header", str(KERNELS / PRECOMPILED), "-o", str(built), "-MMD", "-MF"]
+            made += [str(built.with_suffix(".d")), *words[: own - 1], *words[own + 1 :]]
+            self.spawn([*self.compiler.compiler_so, *places, *made])
+        return [options, built]
 
     def compile(self, extension: Pybind11Extension, source: str, place: str) -> None:
         """Compiles one file, and has the compiler note what it reads."""

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "algebra/matrix_rows.hpp"
+#include "quiet_intrinsics.hpp"
 
 namespace py = pybind11;
 using restshape::check;

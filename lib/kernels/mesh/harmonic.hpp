@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "quiet_intrinsics.hpp"
+
 namespace restshape {
 
 // Linear triangles; the factor serves any number of boundary values. With equal weights linear functions are

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "quiet_intrinsics.hpp"
+
 namespace restshape {
 
 struct CellQuality {
