@@ -107,8 +107,14 @@ def test_tensions_over_a_rod_are_those_of_a_capstan_in_any_number_of_frames(tmp_
     arrives = middle - y[X[:, 0] > 0.5 - 1e-9, 2].mean()
     leaves = abs(row["q_pull"]) / weight + middle - y[X[:, 0] < 1e-9, 2].mean()
     mu, radius = 0.3, y[:, 2].max() - middle
-    growth = np.exp(mu * np.pi)
-    assert leaves == pytest.approx(arrives * growth + 2 * mu * radius * (1 + growth) / (1 + mu**2), rel=0.045)
+    # Contact raises the tension where the strip goes into its layer, and lowers it where that leaves: between, it is
+    # larger by the energy of contact a length, depth / 3 radii of it.
+    contact = problem.contact
+    depth = np.maximum(contact.thickness - contact.bodies[0].distance(contact.place(y))[0], 0.0)
+    layer = np.average(depth, weights=contact.history.limits[0]) / (3.0 * radius)
+    assert 0.02 < layer < 0.04
+    growth = np.exp(mu * np.pi * (1.0 + layer))
+    assert leaves == pytest.approx(arrives * growth + 2 * mu * radius * (1 + growth) / (1 + mu**2), rel=0.01)
     # Most of the way of the last frame, which is not straight in the first of these.
     assert 0.03 < row["slip_distance"] * max(frames, 2) < 0.085
 

@@ -167,31 +167,15 @@ def _on_bodies() -> dict[str, str]:
     }
 
 
-def _with_openings() -> dict[str, str]:
-    """Cloth with openings, each of which something is in, or should come to be in."""
+def _around_bodies() -> dict[str, str]:
+    """Cloth with an opening that a body, or its neck or waist, is in, or should come to be in."""
     square = sheet(-0.55, -0.55, 0.55, 0.55)
     neck = square + holes(neckline=(0, 0, 0.11)) + fabric("wool")
-    post = capsule("post", (0, 0, -0.4), (0, 0, 0.3), 0.025)
-    board = box("table", (0, 0, -0.022), (0.4, 0.4, 0.02))
-    sleeve = disc(0.25) + holes(armhole=(0, 0, 0.09)) + fabric("cotton")
-    mask = (
-        sheet(-0.12, -0.08, 0.12, 0.08)
-        + holes(first=(-0.095, 0.04, 0.014), second=(0.095, 0.04, 0.014))
-        + fabric("felt")
-    )
-    pegs = (
-        capsule("peg_left", (-0.095, -0.05, 0.04), (-0.095, 0.05, 0.04), 0.008),
-        capsule("peg_right", (0.095, -0.05, 0.04), (0.095, 0.05, 0.04), 0.008),
-    )
-    yoke = sheet(-0.4, -0.2, 0.4, 0.2) + holes(first=(-0.2, 0, 0.06), second=(0.2, 0, 0.06)) + fabric("linen")
-    posts = [capsule(name, (x, 0, -0.3), (x, 0, 0.15), 0.03) for name, x in (("post_left", -0.2), ("post_right", 0.2))]
-    heads = [ball(name, (x, 0, -0.13), 0.09) for name, x in (("under_left", -0.2), ("under_right", 0.2))]
+    tight = square + holes(neckline=(0, 0, 0.07)) + fabric("wool") + start(move=(0, 0, 0.255))
     hips = (
         capsule("waist", (0, 0, -0.1), (0, 0, 0.2), 0.09),
         capsule("hips", (-0.05, 0, -0.2), (0.05, 0, -0.2), 0.14),
     )
-    bottle = capsule("bottle", (0, 0, -0.3), (0, 0, -0.06), 0.07), capsule("spout", (0, 0, -0.06), (0, 0, 0.12), 0.02)
-    tight = square + holes(neckline=(0, 0, 0.07)) + fabric("wool") + start(move=(0, 0, 0.255))
     return {
         "poncho": scene("poncho on a body of capsules", 0.03, neck, *BODY),
         "poncho-sloping": scene("poncho on shoulders that fall off", 0.03, neck, *SLOPING),
@@ -208,6 +192,31 @@ def _with_openings() -> dict[str, str]:
             pinned(band="waistline"),
             *hips,
         ),
+        "collar": scene(
+            "narrow collar on shoulders", 0.02, disc(0.2), holes(neckline=(0, 0, 0.1)), fabric("felt"), *SLOPING
+        ),
+    }
+
+
+def _around_things() -> dict[str, str]:
+    """Cloth with openings that posts, pegs, an arm or a bottle are in, or should come to be in."""
+    post = capsule("post", (0, 0, -0.4), (0, 0, 0.3), 0.025)
+    board = box("table", (0, 0, -0.022), (0.4, 0.4, 0.02))
+    sleeve = disc(0.25) + holes(armhole=(0, 0, 0.09)) + fabric("cotton")
+    mask = (
+        sheet(-0.12, -0.08, 0.12, 0.08)
+        + holes(first=(-0.095, 0.04, 0.014), second=(0.095, 0.04, 0.014))
+        + fabric("felt")
+    )
+    pegs = (
+        capsule("peg_left", (-0.095, -0.05, 0.04), (-0.095, 0.05, 0.04), 0.008),
+        capsule("peg_right", (0.095, -0.05, 0.04), (0.095, 0.05, 0.04), 0.008),
+    )
+    yoke = sheet(-0.4, -0.2, 0.4, 0.2) + holes(first=(-0.2, 0, 0.06), second=(0.2, 0, 0.06)) + fabric("linen")
+    posts = [capsule(name, (x, 0, -0.3), (x, 0, 0.15), 0.03) for name, x in (("post_left", -0.2), ("post_right", 0.2))]
+    heads = [ball(name, (x, 0, -0.13), 0.09) for name, x in (("under_left", -0.2), ("under_right", 0.2))]
+    bottle = capsule("bottle", (0, 0, -0.3), (0, 0, -0.06), 0.07), capsule("spout", (0, 0, -0.06), (0, 0, 0.12), 0.02)
+    return {
         "table-post": scene(
             "tablecloth with a hole over a post",
             0.035,
@@ -229,13 +238,10 @@ def _with_openings() -> dict[str, str]:
         "bottle": scene(
             "disc with a hole on a bottle", 0.03, disc(0.3), holes(hole=(0, 0, 0.035)), fabric("cotton"), *bottle
         ),
-        "collar": scene(
-            "narrow collar on shoulders", 0.02, disc(0.2), holes(neckline=(0, 0, 0.1)), fabric("felt"), *SLOPING
-        ),
     }
 
 
 def drapes() -> dict[str, str | Path]:
     """All scenes by name: texts, and files of those that ship."""
     shipped = {path.stem: path for path in application("couture").scenes() if path.stem in SHIPPED}
-    return {**_on_bodies(), **_with_openings(), **{name: shipped[name] for name in SHIPPED}}
+    return {**_on_bodies(), **_around_bodies(), **_around_things(), **{name: shipped[name] for name in SHIPPED}}

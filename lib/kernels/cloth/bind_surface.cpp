@@ -169,7 +169,7 @@ void bind_surface(py::module_& m) {
              "those that are stored, -1 outside, -2 inside. fine: their coefficients (k, 11, 11, 11), x last. coarse: "
              "coefficients of the grid of the bricks' corners, with a layer around. bent (k,): how much the distance "
              "curves downwards in bricks, at most. low, high: box of the surface; band [m]: within which there are "
-             "bricks; slope: no gradient is longer; thin, sharpest [m]: see Body.inner_radius and sharpest; slack [m]: "
+             "bricks; slope: bound on gradients; thin, sharpest [m]: see Body.inner_radius and sharpest; slack [m]: "
              "by which the coarse grid is too large "
              "outside.")
         .def("at", &at, "x"_a,

@@ -166,7 +166,7 @@ class BodyOf {
         to_grid(x, local);
         return grid_->bent(local, radius / radius_) / radius_;
     }
-    // No gradient of the distance is longer.
+    // No gradient of the distance is longer; of a grid, none of those that are measured.
     double slope() const { return convex() ? 1.0 : grid_->layout().slope; }
 
     // The smallest radius of curvature of its surface; infinite where it is flat.

@@ -30,7 +30,7 @@ class GridDistance {
         int bricks[3];
         double low[3], high[3];  // box of the surface itself
         double band;             // within which there are bricks
-        double slope;            // no gradient is longer
+        double slope;            // bound on gradients, from those that are measured
         double thin;             // half of how thick the body is where it is thin
         double sharpest;         // smallest radius of curvature
         double slack;            // by which the coarse grid is too large outside, at most

@@ -270,6 +270,16 @@ class ClothProblem(SteadyProblem):
         self.contact.cut(corners)
         return max(slid, self.contact.update_friction(self.contact.place(corners)))
 
+    def begin_frame(self, x: np.ndarray) -> None:
+        """Let friction act against the way of a frame from x (n, 3) [m] until `end_frame`."""
+        for part in filter(None, (self.contact, self.self_contact)):
+            part.begin_frame(self.corners(x))
+
+    def end_frame(self, x: np.ndarray) -> float:
+        """Let friction follow to x (n, 3) [m], where a frame has led; returns how far [m]. Forces stay as they are."""
+        parts = filter(None, (self.contact, self.self_contact))
+        return max((part.end_frame(self.corners(x)) for part in parts), default=0.0)
+
     def follow_friction(self, x: np.ndarray) -> bool:
         """Let friction follow to x (n, 3); returns whether there is contact, whose energy it changes."""
         self.update_friction(x)

@@ -10,6 +10,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.physics.cloth.contact_points import CLOSE, ContactPoints
+from restshape.physics.cloth.turned_ways import turned_with
 
 POTENTIAL = 12
 """Parameters of the element potential_point1: a place, the gradient there, the second derivatives xx yy zz yz xz xy."""
@@ -51,25 +52,13 @@ class FrameBegin:
             triangles = np.concatenate([triangles, points.nodes])
         far = length[of] > least
         of, triangles = of[far], triangles[far]
-        parts = _turned(self.corners[body][triangles], x[triangles], ways[of])
+        parts = turned_with(self.corners[body][triangles], x[triangles], ways[of])
         turned = np.column_stack([np.bincount(of, parts[:, a], len(x)) for a in range(3)])
         total = np.linalg.norm(turned, axis=1)
         known = (length > least) & (total > 0.0)
         anchors = self.anchors[body].copy()
         anchors[known] = x[known] - turned[known] * (length[known] / total[known])[:, None]
         return anchors
-
-
-def _turned(before: np.ndarray, after: np.ndarray, ways: np.ndarray) -> np.ndarray:
-    """Ways (m, 3) turned with triangles (m, 3, 3), times the area of each before [m^2]."""
-    (first, second), (to_first, to_second) = (np.moveaxis(p[:, 1:] - p[:, :1], 1, 0) for p in (before, after))
-    cross, to_cross = np.cross(first, second), np.cross(to_first, to_second)
-    area = np.linalg.norm(cross, axis=1)
-    normal = cross / area[:, None]
-    to_normal = to_cross / np.linalg.norm(to_cross, axis=1)[:, None]
-    along = np.einsum("ma,ma->m", ways, np.cross(second, normal))[:, None] * to_first
-    along += np.einsum("ma,ma->m", ways, np.cross(normal, first))[:, None] * to_second
-    return 0.5 * (along + (area * np.einsum("ma,ma->m", ways, normal))[:, None] * to_normal)
 
 
 @dataclass(frozen=True, eq=False)

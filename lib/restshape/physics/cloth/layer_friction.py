@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from restshape.physics.cloth.turned_ways import maps_of_nodes
+
 TINY = 1e-300
 """Length [m] below which there is no direction."""
 
@@ -55,6 +57,8 @@ class LayerFriction:
         touching: at the last update.
         offsets: (m, 3) how far each pair had slid then and is still held back by [m].
         places: (n, 3) of the nodes then [m].
+        begin: of a frame, through which friction acts against all of the way from there; None: updates let go of what
+            is beyond the way at which friction is all there.
 
     Source: docs/theory/cloth.md.
     """
@@ -62,6 +66,7 @@ class LayerFriction:
     touching: Touching
     offsets: np.ndarray
     places: np.ndarray
+    begin: LayersBegin | None = None
 
     @classmethod
     def none(cls, nodes: int) -> LayerFriction:
@@ -76,27 +81,37 @@ class LayerFriction:
             touching: pairs at x.
             slip: way at which friction is all there [m].
         """
-        kept = self._slid(x)
-        length = np.linalg.norm(kept, axis=1)
-        slid = float(np.maximum(length - slip, 0.0).max(initial=0.0, where=self.touching.forces > 0.0))
-        kept *= np.minimum(1.0, slip / np.maximum(length, TINY))[:, None]
-        return LayerFriction(touching, touching.along(self._handed(kept, touching)), x.copy()), slid
+        if self.begin:
+            return replace(self, touching=touching, offsets=self.begin.ways(x, touching), places=x.copy()), 0.0
+        kept, slid = self._kept(x, slip)
+        known = replace(self, offsets=kept)
+        return LayerFriction(touching, touching.along(known.handed_on(touching)), x.copy()), slid
+
+    def begun(self, x: np.ndarray, cells: np.ndarray, least: float) -> LayerFriction:
+        """The history at the beginning of a frame, with nodes at x (n, 3) [m]; else as `LayersBegin`."""
+        known = LayerFriction(self.touching, self._slid(x), x.copy())
+        return replace(self, begin=LayersBegin(known, cells, least))
+
+    def ended(self, x: np.ndarray, slip: float) -> tuple[LayerFriction, float]:
+        """The history at the end of a frame, with nodes at x (n, 3) [m], and how far its pairs have slid [m]."""
+        kept, slid = self._kept(x, slip)
+        return replace(self, offsets=kept, places=x.copy(), begin=None), slid
 
     def moved(self, way: np.ndarray) -> LayerFriction:
         """The history when the material of nodes has moved, and they with it by (n, 3) [m], as cloth lies."""
         return replace(self, places=self.places + way)
 
     def mapped(self, x: np.ndarray, interpolate: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """What holds the nodes of another mesh of the same material, for `begun`.
+        """What holds the nodes of another mesh of the same material, for `held`.
 
         Args:
             x: (n, 3) positions [m].
             interpolate: takes values (n, f) at the nodes to those of the other mesh (k, f).
         """
-        return interpolate(self._by_nodes(self._slid(x)))
+        return interpolate(replace(self, offsets=self._slid(x))._by_nodes())
 
     @classmethod
-    def begun(cls, x: np.ndarray, touching: Touching, slides: np.ndarray) -> LayerFriction:
+    def held(cls, x: np.ndarray, touching: Touching, slides: np.ndarray) -> LayerFriction:
         """The history of pairs that touch at x (n, 3) [m], from what holds the nodes (n, 4), see `mapped`."""
         return cls(touching, touching.along(_from_nodes(slides, touching)), x.copy())
 
@@ -131,27 +146,34 @@ class LayerFriction:
         """How far (m, 3) [m] the pairs have slid, as far as they are held back."""
         return self.touching.along(self.offsets + self.touching.between(x - self.places))
 
-    def _by_nodes(self, kept: np.ndarray) -> np.ndarray:
-        """What the pairs are held back by (m, 3) [m] as sums (n, 4) at the nodes: ways by forces [N m], forces [N].
+    def _kept(self, x: np.ndarray, slip: float) -> tuple[np.ndarray, float]:
+        """What holds pairs back (m, 3) at x (n, 3), and how far the farthest has slid without being held [m]."""
+        kept = self._slid(x)
+        length = np.linalg.norm(kept, axis=1)
+        slid = float(np.maximum(length - slip, 0.0).max(initial=0.0, where=self.touching.forces > 0.0))
+        return kept * np.minimum(1.0, slip / np.maximum(length, TINY))[:, None], slid
+
+    def _by_nodes(self) -> np.ndarray:
+        """What the pairs are held back by as sums (n, 4) at the nodes: ways by forces [N m], forces [N].
 
         Half of each way is on either side, to opposite directions.
         """
         pairs, slides = self.touching, np.zeros((len(self.places), 4))
         weights = pairs.forces[:, None] * pairs.shares
-        np.add.at(slides[:, :3], pairs.nodes, weights[:, :, None] * kept[:, None, :])
+        np.add.at(slides[:, :3], pairs.nodes, weights[:, :, None] * self.offsets[:, None, :])
         np.add.at(slides[:, 3], pairs.nodes, np.abs(weights))
         return slides
 
-    def _handed(self, kept: np.ndarray, after: Touching) -> np.ndarray:
-        """What the pairs were held back by (m, 3), handed on to other pairs (k, 3) [m].
+    def handed_on(self, after: Touching) -> np.ndarray:
+        """What the pairs are held back by, handed on to other pairs (k, 3) [m].
 
         Pairs that touch as before keep it. Others, such as a node on the next triangle, take what their nodes had.
         """
-        before = self.touching
+        before, kept = self.touching, self.offsets
         if not len(before.nodes) or not len(after.nodes):
             return np.zeros((len(after.nodes), 3))
-        found = _from_nodes(self._by_nodes(kept), after)
-        _, old, new = np.intersect1d(before.keys, after.keys, return_indices=True)
+        found = _from_nodes(self._by_nodes(), after)
+        old, new = _same(before.keys, after.keys)
         same = np.einsum("mk,mk->m", *self._aligned(old, new, after)) > 0.0
         found[new[same]] = kept[old[same]]
         return found
@@ -162,6 +184,48 @@ class LayerFriction:
         orders = [np.argsort(np.where(part.shares[at] != 0.0, part.nodes[at], -1), axis=1) for part, at in lists]
         first, second = (np.take_along_axis(part.shares[at], order, 1) for (part, at), order in zip(lists, orders))
         return first, second
+
+
+@dataclass(frozen=True, eq=False)
+class LayersBegin:
+    """Where layers were as a frame has begun.
+
+    Args:
+        friction: what it remembered there.
+        cells: (ne, 3) triangles.
+        least: way [m] above which it turns with the triangles.
+    """
+
+    friction: LayerFriction
+    cells: np.ndarray
+    least: float
+
+    def ways(self, x: np.ndarray, touching: Touching) -> np.ndarray:
+        """How far (m, 3) [m] pairs that touch at x (n, 3) [m] have slid since, and what held them back.
+
+        Where it is far, what was between their places turns with the triangles of both sides: layers that turn together
+        have not slid.
+        """
+        places = self.friction.places
+        held, between = self.friction.handed_on(touching), touching.between(places)
+        ways = held + touching.between(x) - between
+        far = np.linalg.norm(ways, axis=1) > self.least
+        if far.any():
+            nodes, shares, straight = touching.nodes[far], np.abs(touching.shares[far]), (held - between)[far]
+            turned = np.einsum("mk,mkab,mb->ma", shares, maps_of_nodes(places, x, self.cells)[nodes], straight)
+            length, to = np.linalg.norm(straight, axis=1), np.linalg.norm(turned, axis=1)
+            ways[far] = np.where((to > 0.0)[:, None], turned * (length / np.maximum(to, TINY))[:, None], straight)
+        return touching.along(ways)
+
+
+def _same(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where keys that are in both lists are in the first one, for the first time, and in the second one (k,)."""
+    m = len(before)
+    number = np.unique(np.concatenate([before, after]), return_inverse=True)[1]
+    first = np.full(number.max(initial=-1) + 1, -1)
+    first[number[:m][::-1]] = np.arange(m)[::-1]
+    old = first[number[m:]]
+    return old[old >= 0], np.flatnonzero(old >= 0)
 
 
 def _from_nodes(slides: np.ndarray, pairs: Touching) -> np.ndarray:

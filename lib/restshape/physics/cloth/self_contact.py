@@ -173,7 +173,7 @@ class SelfContact:
         return max(self._candidates.step_share(x, d), LEAST_SHARE)
 
     def update_friction(self, x: np.ndarray) -> float:
-        """Let friction follow to x (n, 3); returns the largest way [m] that layers have slid on."""
+        """Let friction follow to x (n, 3); returns the largest way [m] that layers have slid on, 0 through a frame."""
         if not self.rough:
             return 0.0
         near = self.at(x)
@@ -182,10 +182,25 @@ class SelfContact:
         self.history, slid = self.history.updated(x, self._touching(near), self.values.slip)
         return slid
 
+    def begin_frame(self, x: np.ndarray) -> None:
+        """Let friction act against the way from x (n, 3) [m] until `end_frame`."""
+        if self.rough and self.active:
+            self.history = self.history.begun(x, self.surface.cells, self.values.thickness)
+
+    def end_frame(self, x: np.ndarray) -> float:
+        """Let go of what has slid on until x (n, 3) [m], where a frame has led: forces stay as they are.
+
+        Returns: the largest way [m]; 0 where the frame has not begun at a rest.
+        """
+        if not self.history.begin:
+            return 0.0
+        self.history, slid = self.history.ended(x, self.values.slip)
+        return slid
+
     def hold(self, x: np.ndarray, slides: np.ndarray) -> None:
         """Let friction begin at x (n, 3) with what holds the nodes (n, 4), of another mesh: `LayerFriction.mapped`."""
         if self.rough:
-            self.history = LayerFriction.begun(x, self._touching(self.at(x)), slides)
+            self.history = LayerFriction.held(x, self._touching(self.at(x)), slides)
 
     def _touching(self, near: Encounter) -> Touching:
         """The pairs that press each other apart at a place."""

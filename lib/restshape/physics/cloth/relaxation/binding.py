@@ -64,9 +64,9 @@ def bind(
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
     known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
-    if problem.contact and not (cold or origin or before.guessed) and options.strategy == "auto":
+    if not (cold or origin or before.guessed) and options.strategy == "auto":
         start = in_material(before, problem) if before.problem is problem else known
-        problem.contact.begin_frame(problem.corners(start))
+        problem.begin_frame(start)
     if not (cold or origin) and before.problem is problem and options.strategy == "auto":
         moved = before.place.farthest(problem.place)
         state, found = drag_frame(state, LastRest(in_material(before, problem), before.bodies, moved, before.energy))
@@ -74,6 +74,9 @@ def bind(
             return replace(state, observer=problem.observer(scene.quantities)), False
     if not cold:
         state = _followed(state, before, known)
+        if problem.contact and max(penetrations(problem.contact, problem.corners(state.x))) > problem.contact.thickness:
+            # Forces that push cloth out of a body that has come deep into it are not those that friction is of.
+            problem.end_frame(state.x)
     if origin:
         state, cold = _from_origin(state, origin), False
     acts = problem.begin(state.x)
@@ -145,8 +148,7 @@ def _dropped_again(
     expected = state.expected or Expected(known, hand, 0.0, energy, energy)
     expected = replace(expected, energy=expected.work, derive=None, dropped=True)
     doubts, x = (*state.doubts, AGAIN), initial_positions(problem, arguments)
-    if problem.contact:
-        problem.contact.end_frame(problem.corners(x))
+    problem.end_frame(x)
     return replace(state, x=x, doubts=doubts, expected=expected)
 
 

@@ -280,8 +280,8 @@ class EquilibriumSolver:
             return report
         while True:
             left = most - (report.steps - begun)
-            if report.steps - begun > FIXED and self.problem.contact:
-                self.problem.contact.end_frame(self.problem.corners(x))
+            if report.steps - begun > FIXED:
+                self.problem.end_frame(x)
             if left <= 0:
                 report.why = report.why or f"{most} steps are over"
                 break

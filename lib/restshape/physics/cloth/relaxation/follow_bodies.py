@@ -68,9 +68,10 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         if share == 1.0:
             break
         parts += 1
-        # The way of the whole frame is no guess of that in a part of it.
-        contact.end_frame(problem.corners(x))
         state.solver.descend(x, ROUGH, ROUNDS * MEMORY, report)
+        # The way of the whole frame is no guess of that in a part of it.
+        problem.end_frame(x)
+        problem.begin_frame(x)
     spent = ConvergenceReport()
     spent.count(report)
     notes = state.notes if parts == 1 else (*state.notes, f"the way of the bodies was gone in {parts} parts")

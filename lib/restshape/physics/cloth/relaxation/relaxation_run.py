@@ -43,7 +43,7 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     x, report, abandoned = _equilibrium(state, cold, options)
     if not np.isfinite(x).all():
         raise ReplayProblem("the cloth's positions are no numbers")
-    dragged = problem.contact.end_frame(problem.corners(x)) if problem.contact else 0.0
+    dragged = problem.end_frame(x)
     if report.converged:
         _come_apart(state, x, options, report)
         _stabilise(state, x, options, report)
