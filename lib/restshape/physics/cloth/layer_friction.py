@@ -102,7 +102,7 @@ class LayerFriction:
         return replace(self, places=self.places + way)
 
     def mapped(self, x: np.ndarray, interpolate: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """What holds the nodes of another mesh of the same material, for `held`.
+        """What holds the nodes of another mesh of the same material, for `of_nodes`.
 
         Args:
             x: (n, 3) positions [m].
@@ -111,7 +111,7 @@ class LayerFriction:
         return interpolate(replace(self, offsets=self._slid(x))._by_nodes())
 
     @classmethod
-    def held(cls, x: np.ndarray, touching: Touching, slides: np.ndarray) -> LayerFriction:
+    def of_nodes(cls, x: np.ndarray, touching: Touching, slides: np.ndarray) -> LayerFriction:
         """The history of pairs that touch at x (n, 3) [m], from what holds the nodes (n, 4), see `mapped`."""
         return cls(touching, touching.along(_from_nodes(slides, touching)), x.copy())
 
@@ -207,11 +207,11 @@ class LayersBegin:
         have not slid.
         """
         places = self.friction.places
-        held, between = self.friction.handed_on(touching), touching.between(places)
-        ways = held + touching.between(x) - between
+        kept, between = self.friction.handed_on(touching), touching.between(places)
+        ways = kept + touching.between(x) - between
         far = np.linalg.norm(ways, axis=1) > self.least
         if far.any():
-            nodes, shares, straight = touching.nodes[far], np.abs(touching.shares[far]), (held - between)[far]
+            nodes, shares, straight = touching.nodes[far], np.abs(touching.shares[far]), (kept - between)[far]
             turned = np.einsum("mk,mkab,mb->ma", shares, maps_of_nodes(places, x, self.cells)[nodes], straight)
             length, to = np.linalg.norm(straight, axis=1), np.linalg.norm(turned, axis=1)
             ways[far] = np.where((to > 0.0)[:, None], turned * (length / np.maximum(to, TINY))[:, None], straight)

@@ -200,7 +200,7 @@ class SelfContact:
     def hold(self, x: np.ndarray, slides: np.ndarray) -> None:
         """Let friction begin at x (n, 3) with what holds the nodes (n, 4), of another mesh: `LayerFriction.mapped`."""
         if self.rough:
-            self.history = LayerFriction.held(x, self._touching(self.at(x)), slides)
+            self.history = LayerFriction.of_nodes(x, self._touching(self.at(x)), slides)
 
     def _touching(self, near: Encounter) -> Touching:
         """The pairs that press each other apart at a place."""
