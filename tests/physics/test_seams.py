@@ -410,6 +410,19 @@ def test_ties_of_a_flat_seam_have_the_mesh_size_at_their_own_seam(unlike):
     np.testing.assert_allclose(problem.seam_bending.stiffness, before, rtol=1e-14)
 
 
+def test_an_edit_adds_a_seam_to_a_scene_without_any(tmp_path):
+    """By its own table; the drape is that of the scene with it, and an undo takes it out."""
+    sewn = tube(size=0.2, extra=OWN)
+    bare = sewn.replace('[seams.side]\nfrom = "left"\nto = "right"\n', "")
+    assert bare != sewn
+    edit = {"do": "set", "key": "seams.side", "value": {"from": "left", "to": "right"}}
+    replay = make_replay(write_scene(tmp_path, bare), write_script(tmp_path, [edit, {"do": "undo"}]))
+    rows = [dict(row) for row in replay.frames()]
+    assert all(row["converged"] and not row["refused"] for row in rows)
+    assert [np.isnan(row["seam_gap"]) for row in rows] == [True, False, True]
+    assert rows[1]["seam_gap"] < 1e-3 and rows[1]["seam_energy"] > 0.0
+
+
 def test_edits_add_seams_and_take_them_out(tmp_path):
     """By the whole table; undo and redo lead to the same rests."""
     strip = tube(extra=OWN)

@@ -131,14 +131,14 @@ def revise(scene: Scene, key: str, value: object) -> Scene:
     Args:
         scene: is left as it is.
         key: dotted, such as ``material.steel.E``.
-        value: as it would stand in the file.
+        value: as it would stand in the file; a table may be a new one among those that have names, such as a seam.
 
     Raises:
         UserError: there is no such key, or the value does not suit it.
     """
     parts = split_key(key)
     raw = branched(scene.raw, parts)
-    put(raw, parts, value, f"set {key}")
+    put(raw, parts, value, f"set {key}", adds=isinstance(value, dict))
     revised = _scene(raw, scene._source.overriding(parts))
     # Formulas elsewhere may depend on a parameter.
     every = parts[0] == "parameters"

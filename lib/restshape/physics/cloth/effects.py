@@ -221,7 +221,8 @@ def cloth_columns(scene: Scene) -> dict[str, Any]:
         "max_strain": np.float64,
         "untrusted": str,
     }
-    seams = {"seam_gap": np.float64, "seam_energy": np.float64} if scene.seams else {}
+    # In scenes without seams too: an edit may add them.
+    seams = {"seam_gap": np.float64, "seam_energy": np.float64}
     return own | seams | body_columns(scene.bodies)
 
 

@@ -28,7 +28,7 @@ class Seam(Strict):
         start: the edges of the first side.
         to: those of the second side.
         reverse: false where the same face of the cloth is outside on both sides, true where it changes; left out, the
-            way round in which both sides are nearer to each other at first.
+            ends that are nearer to each other at first are sewn together, see `seam_lines.turned_round`.
         ease: how much longer one side may be than the other one, over the length of that, without a note.
         stitched: "flat", the cloth bends across the seam as if it went on; left out, it turns there freely.
         stiffness: of the springs by length [N/m^2]; left out, 100 times the membrane's over the mesh size.

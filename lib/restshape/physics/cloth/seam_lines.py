@@ -13,12 +13,10 @@ from restshape.scene.model import Scene
 
 STIFFER = 100.0
 """Stiffness of a seam over the membrane's by mesh size, where the scene names none."""
+ALIKE = 0.05
+"""Share by which the ways of two pairings may differ that are alike."""
 SAME = 1e-9
 """Shares of two sides that differ by no more are the same place."""
-SHARES = 9
-"""Places of a side by which it is found which end of the other one belongs to its first one."""
-ALIKE = 1e-9
-"""Part by which one of two ways is shorter than the other one where they are alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +42,6 @@ class SeamLine:
         size = np.hypot(*way.T)
         rates = np.einsum("ij,ij->i", way, change) / np.where(size > 0.0, size, 1.0)
         return np.concatenate([[0.0], np.cumsum(rates * self.along)])
-
-    def at_shares(self, X: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Places (m, 3) at even shares of its length at X (n, 2), of nodes at x (n, 3)."""
-        lengths = self.lengths(X)
-        wanted = np.linspace(0.0, lengths[-1], SHARES)
-        return np.column_stack([np.interp(wanted, lengths, part) for part in x[self.nodes].T])
 
     @property
     def reversed(self) -> SeamLine:
@@ -90,7 +82,7 @@ def seam_pairs(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float) ->
 
     Args:
         scene: of cloth; mesh: of it.
-        placed: (n, 3) where its nodes lie at first [m]: the ends of sides that are nearer there belong together.
+        placed: (n, 3) where its nodes lie at first [m], by which sides are paired: see `turned_round`.
         stiffest: the largest stiffness of the membrane [N/m].
 
     Raises:
@@ -102,7 +94,7 @@ def seam_pairs(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float) ->
 def _pair(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float, name: str, seam: Seam) -> SeamPair:
     first, second = (_line(mesh, placed, side, f"seams.{name}.{key}") for key, side in zip(("from", "to"), seam.sides))
     # Chains have the cloth on their left: side by side they run in opposite directions.
-    turned = _nearer_turned(mesh.X, placed, first, second) if seam.reverse is None else not seam.reverse
+    turned = turned_round(mesh.X, placed, first, second) if seam.reverse is None else not seam.reverse
     second = second.reversed if turned else second
     size = scene.mesh.size or float(np.mean([np.diff(line.lengths(mesh.X)).mean() for line in (first, second)]))
     return SeamPair(
@@ -110,15 +102,38 @@ def _pair(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float, name: s
     )
 
 
-def _nearer_turned(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine) -> bool:
-    """Whether two sides are nearer to each other at places (n, 3) where the second one is turned round.
+def turned_round(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine) -> bool:
+    """Whether two sides belong together where the second one is turned round.
 
-    By the squares of the ways between places of one share of their lengths: of a side that is closed in space its ends
-    say nothing.
+    The shorter way between their ends decides. Where both ways are within `ALIKE` of each other the energy of the first
+    frame at its start does, in which the pairings differ by their springs alone. Where that is alike too the same
+    face of the cloth is outside on both sides, so that springs do not cross.
+
+    Args:
+        X: (n, 2) nodes in the pattern [m]; placed: (n, 3) in space [m].
+        first, second: sides with the cloth on their left.
     """
-    a, b = (line.at_shares(X, placed) for line in (first, second))
-    straight, turned = (float(np.sum((a - other) ** 2)) for other in (b, b[::-1]))
-    return turned < straight * (1.0 - ALIKE)
+    a, b, c, d = (placed[line.nodes[end]] for line in (first, second) for end in (0, -1))
+    ways = [np.sum((a - p) ** 2) + np.sum((b - q) ** 2) for p, q in ((c, d), (d, c))]
+    for straight, turned in (ways, [_energy(X, placed, first, other) for other in (second, second.reversed)]):
+        if abs(straight - turned) > ALIKE * max(straight, turned):
+            return bool(turned < straight)
+    return True
+
+
+def _energy(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine) -> float:
+    """The mean square [m^2] of the distance in space between places of two sides at one share of their lengths."""
+    shares = [line.lengths(X) / line.lengths(X)[-1] for line in (first, second)]
+    s = np.union1d(*shares)
+    one, other = (
+        np.stack([np.interp(s, share, placed[line.nodes, k]) for k in range(3)], axis=1)
+        for share, line in zip(shares, (first, second))
+    )
+    gap = one - other
+    # Simpson's rule: the distance is linear between nodes of either side.
+    middle = 0.5 * (gap[1:] + gap[:-1])
+    square = [np.einsum("ij,ij->i", part, part) for part in (gap[:-1], middle, gap[1:])]
+    return float(np.diff(s) @ (square[0] + 4.0 * square[1] + square[2]) / 6.0)
 
 
 def _line(mesh: Mesh, placed: np.ndarray, names: tuple[str, ...], where: str) -> SeamLine:

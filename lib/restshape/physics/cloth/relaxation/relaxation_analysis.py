@@ -76,7 +76,7 @@ class RelaxationAnalysis(Timeless):
         self.counts = SolveCounts()
         # Not held: it holds this analysis, and both would be left to the garbage collector.
         self._prediction: ref[DrapePrediction] | None = None
-        self._row = Row(scene.bodies, bool(scene.seams))
+        self._row = Row(scene.bodies)
         self._origin: RelaxationState | None = None
         self._observed: tuple[RelaxationState | None, dict[str, float]] = (None, {})
         self._rows: tuple[RelaxationState | None, dict[str, Any]] = (None, {})

@@ -18,11 +18,10 @@ class Row:
 
     Args:
         bodies: of the first scene by name, whose numbers have columns.
-        sewn: that scene has seams, and columns of them.
     """
 
-    def __init__(self, bodies: Mapping[str, Body], sewn: bool) -> None:
-        self.body_columns, self.sewn = list(body_columns(bodies)), sewn
+    def __init__(self, bodies: Mapping[str, Body]) -> None:
+        self.body_columns = list(body_columns(bodies))
 
     def __call__(self, state: RelaxationState) -> dict[str, Any]:
         """The columns at a state."""
@@ -49,7 +48,7 @@ class Row:
             "max_strain": trust.max_strain,
             "crossings": trust.crossings,
             "untrusted": "; ".join(trust.reasons),
-            **(seam_row(state) if self.sewn else {}),
+            **seam_row(state),
             "note": note,
             **body_row(dict(zip(bodies, state.bodies)), self.body_columns),
         }
@@ -64,7 +63,7 @@ def seam_notes(state: RelaxationState) -> list[str]:
 
 
 def seam_row(state: RelaxationState) -> dict[str, float]:
-    """The columns of seams; no numbers where an edit has taken all of them."""
+    """The columns of seams; no numbers where there are none."""
     problem = state.problem
     if not problem.seams:
         return {"seam_gap": nan, "seam_energy": nan}
