@@ -14,14 +14,12 @@ from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.panels import folds_of, frames_of, panels_of
 from restshape.scene.pattern_packing import PanelFrame, turned
+from restshape.scene.unfolding import IMAGE
 from restshape.scene.values import PART
 from restshape.shape.given_shape import ShapeFollower
 from restshape.shape.outline import Entity, Outline
 from restshape.shape.script_session import Step
 from restshape.shape.space_grab import Draggable, Place, SpaceGrab, in_space
-
-OF_HALVES = ("insert", "delete", "arc", "smooth", "pull", "rotate", "scale")
-"""Events that would change one half of a panel that is cut on the fold."""
 
 
 def with_frames(scene: Scene, frames: Mapping[str, PanelFrame]) -> Scene:
@@ -106,20 +104,6 @@ def fold_beside(outline: Outline, scene: Scene, entity: Entity) -> Reals | None:
     return np.asarray(outline.points[[edge.start, edge.end]])
 
 
-def refuse_half(outline: Outline, scene: Scene, does: str, on: str) -> None:
-    """Refuses an event that would change one half of a panel that is cut on the fold.
-
-    Raises:
-        UserError: it would.
-    """
-    if does not in OF_HALVES or not folds_of(scene) or on in outline.piece_names:
-        return
-    entity = outline.layout.entities.get(on)
-    if entity is not None and fold_beside(outline, scene, entity) is not None:
-        what = f"{on} is of a panel that is cut on the fold, of which {does!r} would change one half"
-        raise UserError(what, do="drag it, which moves both halves, or change the scene")
-
-
 def refuse_foreign_part(outline: Outline, scene: Scene, name: str) -> None:
     """Refuses a new part of a panel, of an outline that has it, where another load of the panels would not have it.
 
@@ -130,9 +114,10 @@ def refuse_foreign_part(outline: Outline, scene: Scene, name: str) -> None:
         return
     entity = outline.entity(name)
     panel = outline.piece_names[int(outline.layout.control_piece[outline.control_points(entity)[0]])]
-    if panel in folds_of(scene):
+    other = f"{panel}.{IMAGE}.{name.removeprefix(f'{panel}.')}"
+    if panel in folds_of(scene) and other not in outline.layout.entities:
         what = f"{name} would be in one half of the panel {panel!r}, which is cut on the fold"
-        raise UserError(what, do="change the scene, whose parts both halves have")
+        raise UserError(what, do=f"name it {panel}.{name.rpartition('.')[2]}, so that both halves have it")
     first, _, own = name.partition(".")
     if first != panel or not PART.fullmatch(own):
         what = f"the name {name!r} is none of a part of the panel {panel!r}, in which it would be"

@@ -40,6 +40,7 @@ from restshape.scene.panels import panels_of
 from restshape.scene.plan import plan, refuse_switched
 from restshape.shape import gesture as gestures
 from restshape.shape import rigid_body_drag, topology_edits
+from restshape.shape.both_halves import image_of, of_both_halves, reflected, twice
 from restshape.shape.build import outline_from_spec
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
@@ -48,7 +49,7 @@ from restshape.shape.gradual import sweep
 from restshape.shape.hand_map import map_of, refuse_map
 from restshape.shape.handpath import resampled
 from restshape.shape.outline import Entity, Outline
-from restshape.shape.panel_drag import fold_beside, refuse_foreign_part, refuse_half, turned_panel
+from restshape.shape.panel_drag import fold_beside, refuse_foreign_part, turned_panel
 from restshape.shape.pin_drag import begin_space_grab
 from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
@@ -125,10 +126,6 @@ class EditSession(ScriptSession[Outline]):
             what = f"{on} is a body, which {event.do!r} does not know"
             why = UserError(what, do="bodies can be pressed and dragged, rotated and scaled")
             return self._refused(event.frame_count, why)
-        try:
-            refuse_half(self.outline, self.scene, event.do, str(on))
-        except UserError as error:
-            return self._refused(event.frame_count, error)
         return super()._carried_out(event)
 
     @property
@@ -174,6 +171,7 @@ class EditSession(ScriptSession[Outline]):
     def _do_pull(self, event: Pull) -> Iterator[Step]:
         try:
             gesture, place = pull(self.outline, event.on, event.at, event.pins)
+            gesture = of_both_halves(gesture, self.outline, self.scene, self.outline.entity(event.on))
         except UserError as error:
             yield self._refusal(error)
             return
@@ -239,7 +237,8 @@ class EditSession(ScriptSession[Outline]):
 
     def _do_smooth(self, event: Smooth) -> Iterator[Step]:
         def make() -> Gesture:
-            return smooth(self.outline, event.on, event.strength, event.pins)
+            found = smooth(self.outline, event.on, event.strength, event.pins)
+            return of_both_halves(found, self.outline, self.scene, self.outline.entity(event.on))
 
         yield from self._sweep(event.frames, make, lambda part: (part, 0.0))
 
@@ -247,7 +246,7 @@ class EditSession(ScriptSession[Outline]):
         def gesture() -> Gesture:
             entity = self.outline.entity(event.on, bodies_of(self.scene))
             about = np.array(event.about) if event.about is not None else self.outline.centroid(entity)
-            return make(self.outline, entity, about)
+            return of_both_halves(make(self.outline, entity, about), self.outline, self.scene, entity)
 
         yield from self._sweep(event.frames, gesture, coefficients)
 
@@ -279,6 +278,7 @@ class EditSession(ScriptSession[Outline]):
         before = self._state()
         try:
             edge, goal = self._arc_goal(event)
+            twice(self.outline, self.scene, event.on, lambda outline, _, __: outline)
         except UserError as error:
             yield from self._refused(event.frames, error)
             return
@@ -286,7 +286,7 @@ class EditSession(ScriptSession[Outline]):
         gesture = gestures.bend(self.outline)
         for i in range(1, event.frames + 1):
             bulge = goal if i == event.frames else start + (goal - start) * i / event.frames
-            wanted = topology_edits.as_arc(self.outline, edge, bulge)
+            wanted = twice(self.outline, self.scene, event.on, partial(_bent, bulge=bulge))
             wrong = problem(wanted)
             change = "none"
             if wrong is None:
@@ -380,20 +380,35 @@ class EditSession(ScriptSession[Outline]):
             raise UserError(what, do="ask for as many from the start")
 
     def _do_insert(self, event: Insert) -> Iterator[Step]:
-        at = None if event.at is None else np.array(event.at)
-        yield self._cut(lambda: topology_edits.insert(self.outline, event.on, event.name, at, event.s), event.name)
+        def cut(outline: Outline, on: str, image: bool) -> Outline:
+            name = (image_of(self.scene, event.name) or event.name) if image else event.name
+            at = event.at
+            if at is not None:
+                at = reflected(self.outline, self.scene, on, at) if image else at
+            return topology_edits.insert(outline, on, name, None if at is None else np.array(at), event.s)
+
+        yield self._cut(lambda: twice(self.outline, self.scene, event.on, cut), event.name)
 
     def _do_delete(self, event: Delete) -> Iterator[Step]:
-        yield self._cut(lambda: topology_edits.delete(self.outline, event.on))
+        def cut(outline: Outline, on: str, _: bool) -> Outline:
+            return topology_edits.delete(outline, on)
+
+        yield self._cut(lambda: twice(self.outline, self.scene, event.on, cut))
 
     def _do_hole(self, event: Hole) -> Iterator[Step]:
         if event.name in bodies_of(self.scene):
             yield self._refusal(UserError(f"a body has the name {event.name!r} already", do="choose another name"))
             return
-        yield self._cut(
-            lambda: topology_edits.add_hole(self.outline, event.name, event.center, event.radius, event.polygon),
-            event.name,
-        )
+
+        def cut(outline: Outline, name: str, image: bool) -> Outline:
+            def place(point: tuple[float, float]) -> tuple[float, float]:
+                return reflected(self.outline, self.scene, name, point) if image else point
+
+            centre = None if event.center is None else place(event.center)
+            corners = None if event.polygon is None else [place(point) for point in event.polygon]
+            return topology_edits.add_hole(outline, name, centre, event.radius, corners)
+
+        yield self._cut(lambda: twice(self.outline, self.scene, event.name, cut), event.name)
 
     def _cut(self, operation: Callable[[], Outline], new: str | None = None) -> Step:
         """One frame of an edit that gives another layout, with a part of a new name or none."""
@@ -434,3 +449,8 @@ class EditSession(ScriptSession[Outline]):
 
     def _grabbed(self) -> GrabbedStep:
         return {} if self._grab is None else self._grab.still()
+
+
+def _bent(outline: Outline, on: str, image: bool, bulge: float) -> Outline:
+    """An outline with an edge as an arc; the image of one bends the other way."""
+    return topology_edits.as_arc(outline, outline.entity(on).edges[0], -bulge if image else bulge)
