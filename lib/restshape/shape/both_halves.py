@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.arrays import Reals
+from restshape.arrays import Indices, Reals
 from restshape.errors import UserError
 from restshape.scene.model import Scene
 from restshape.scene.panels import folds_of
@@ -32,7 +32,7 @@ def of_both_halves(gesture: Gesture, outline: Outline, scene: Scene, entity: Ent
     if line is None or gesture.basis is None:
         return gesture
     moved = gesture.basis.any(axis=(0, 2))
-    partner, reflection = _partners(outline, np.flatnonzero(moved), line)
+    partner, reflection = _partners(outline, np.flatnonzero(moved).astype(np.int32), line)
     basis = gesture.basis.copy()
     for p, q in partner.items():
         image = gesture.basis[:, p] @ reflection
@@ -42,7 +42,7 @@ def of_both_halves(gesture: Gesture, outline: Outline, scene: Scene, entity: Ent
     return replace(gesture, basis=basis, whole=whole)
 
 
-def _partners(outline: Outline, moved: np.ndarray, line: Reals) -> tuple[dict[int, int], Reals]:
+def _partners(outline: Outline, moved: Indices, line: Reals) -> tuple[dict[int, int], Reals]:
     """The mirror images of control points, by number, and the matrix (2, 2) that reflects directions."""
     along = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
     reflection = 2.0 * np.outer(along, along) - np.eye(2)
