@@ -29,6 +29,7 @@ from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceRepo
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact, set_values
 from restshape.physics.cloth.seam_lines import SeamPair
+from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.model import Scene
 from restshape.scene.panels import frames_of
 
@@ -74,9 +75,6 @@ def bind(
             return replace(state, observer=problem.observer(scene.quantities)), False
     if not cold:
         state = _followed(state, before, known)
-        if problem.contact and max(penetrations(problem.contact, problem.corners(state.x))) > problem.contact.thickness:
-            # Forces that push cloth out of a body that has come deep into it are not those that friction is of.
-            problem.end_frame(state.x)
     if origin:
         state, cold = _from_origin(state, origin), False
     acts = problem.begin(state.x)
@@ -121,6 +119,10 @@ def _followed(state: RelaxationState, before: RelaxationState, known: np.ndarray
         state = kept_apart(state, known)
     if problem.contact and before.friction is not None:
         state = follow_bodies(state, before.bodies, np.where(problem.boundary.mask, known, state.x))
+        deep = max(penetrations(problem.contact, problem.corners(state.x)), default=0.0)
+        if deep > problem.contact.thickness:
+            # Forces that push cloth out of a body that has come deep into it are not those that friction is of.
+            problem.end_frame(state.x)
     return state
 
 
