@@ -192,6 +192,14 @@ LIST = (
             ("collar", "scenes/collar.toml", (), "0"),
         )
     ),
+    Result(
+        ("couture-dress-strain.png",),
+        (
+            recorded("couture-dress", f"{COUTURE}/patterns/dress.toml"),
+            "restshape drapes results/couture-dress.vtkhdf --show strain --out results/couture-dress-strain.png",
+        ),
+        (*REPLAY, *DRAPED, "restshape.physics.cloth.pictures.pattern_beside_drape"),
+    ),
     brought(
         "bridge-study.png",
         "restshape_verification.bridge.study",

@@ -81,7 +81,7 @@ def _draw_piece(block: Any, piece: PatternPiece, outline: Outline, parts: Parts,
             for e in own:
                 draw_edge(block, outline, e, {"layer": layer})
                 edge = f"{piece.name}.{outline.edges[e].name}"
-                if layer in (SEW, CUTOUT):
+                if layer in (SEW, CUTOUT, INTERNAL):
                     keep(block[-1], {"edge": edge, "seams": [list(part) for part in parts.get(edge, ())]})
     for vertex in dict.fromkeys([*outline.embedded, *(one.vertex for one in notches(outline, piece.name, parts))]):
         point = block.add_point(MM * outline.points[vertex], dxfattribs={"layer": NOTCH})
