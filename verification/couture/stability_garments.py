@@ -24,6 +24,11 @@ LIMB = """
 capsule = {{ start = [0, 0, -0.5], end = [0, 0, {top}], radius = {radius} }}
 friction = {friction}
 """
+TORSO = """
+[bodies.torso]
+capsule = {{ start = [0, 0, 0], end = [0, 0, 0.5], radius = 0.1 }}
+friction = {friction}
+"""
 HIPS = """
 [bodies.hips]
 sphere = { center = [0, 0, 0], radius = 0.15 }
@@ -32,7 +37,7 @@ friction = FRICTION
 PANEL = """
 [panels.{name}]
 outline = ["bottom", "right", "top", "left"]
-vertices = {{ a = [{left}, 0], b = [{right}, 0], c = [{right}, {height}], d = [{left}, {height}] }}
+vertices = {{ a = [{left}, 0], b = [{right}, 0], c = [{top}, {height}], d = [-{top}, {height}] }}
 [panels.{name}.edges]
 bottom = {{ line = ["a", "b"] }}
 right = {{ line = ["b", "c"] }}
@@ -43,9 +48,10 @@ SIDES, PIECES, PITCH = 11, 121, 0.03
 """Squares along a side of the patchwork, all of them, and the side of each [m]."""
 
 
-def panel(name: str, width: float, height: float, *keys: str) -> str:
-    """A rectangle, its own origin in the middle of its lower edge, with keys of its placement."""
-    head, edges = PANEL.format(name=name, left=-width / 2, right=width / 2, height=height).split("\n[", 2)[1:]
+def panel(name: str, width: float, height: float, *keys: str, top: float | None = None) -> str:
+    """A trapezium with keys of its placement, its own origin in the middle of its lower edge; `top`: width there."""
+    sizes = {"left": -width / 2, "right": width / 2, "top": (width if top is None else top) / 2, "height": height}
+    head, edges = PANEL.format(name=name, **sizes).split("\n[", 2)[1:]
     return f"\n[{head}\n" + "\n".join(keys) + f"\n[{edges}"
 
 
@@ -111,10 +117,11 @@ def upside_down(trial: Trial) -> Iterator[Statement]:
 
 
 def garment_frictions(trial: Trial) -> Iterator[Statement]:
-    """A tube tighter than a ball rests on it without friction, and with a coefficient of 2."""
+    """A skirt with a waist tighter than the hips rests on them without friction, and with a coefficient of 2."""
     for friction in (0.0, 2.0):
-        tube = panel("skirt", 0.92, 0.3, *wrapped("hips", 0.16, -0.1))
-        text = garment(0.045, tube, seam("side", "skirt.left", "skirt.right"), HIPS.replace("FRICTION", str(friction)))
+        tube = panel("skirt", 1.0, 0.25, *wrapped("hips", 0.16, 0.0), top=0.8)
+        bodies = HIPS.replace("FRICTION", str(friction)), TORSO.format(friction=friction)
+        text = garment(0.045, tube, seam("side", "skirt.left", "skirt.right"), *bodies)
         made, rows = played(trial, text)
         yield from resting(made, rows, way=1e-8)
         yield from closed(made, rows[-1])
