@@ -6,6 +6,7 @@ from small_scenes import write_scene
 from test_pattern_panels import garment, panel
 
 from restshape import _kernels
+from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.physics.cloth.collision_surface import CollisionSurface
 from restshape.physics.cloth.layer_order import LayerOrder, Layers, lines_through
@@ -151,3 +152,12 @@ def test_layers_that_pass_through_each_other_are_refused(tmp_path):
     text = garment(panel("front", "layer = 1"), panel("back", "layer = 2"), "[effects.contact]\nself = false")
     with pytest.raises(UserError, match="layers have an order, and self = false"):
         load_scene(write_scene(tmp_path, text))
+
+
+@pytest.mark.parametrize(("friction", "said"), [(0, True), (0.3, False)])
+def test_a_garment_that_neither_supports_nor_friction_hold_is_doubted(tmp_path, capsys, friction, said):
+    limb = f"[bodies.limb]\nsphere = {{ center = [0, 0, -1], radius = 0.1 }}\nfriction = {friction}\n[effects.contact]"
+    sewn = '[seams.side]\nfrom = "front.left"\nto = "front.right"'
+    assert main(["check", str(write_scene(tmp_path, garment(panel("front"), limb, sewn)))]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert ("no body has friction: it may slide off; set bodies.limb.friction" in printed) is said

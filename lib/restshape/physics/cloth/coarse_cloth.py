@@ -5,6 +5,7 @@ from __future__ import annotations
 from restshape.bounds import TOLERANCE
 from restshape.outputs.si_numbers import si
 from restshape.physics.cloth.effects import ContactKeys
+from restshape.physics.cloth.unheld import unheld_words
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 
@@ -15,7 +16,7 @@ THIN, THICKEST = 0.01, 0.1
 
 
 def coarse_words(scene: Scene, outline: Outline) -> list[str]:
-    """What is too large for the cloth, each with what to set."""
+    """What is too large for the cloth, each with what to set, and whether nothing holds it."""
     low, high = outline.bounds()
     shorter, longer = sorted(float(side) for side in high - low)
     found, size = [], scene.mesh.size
@@ -32,4 +33,4 @@ def coarse_words(scene: Scene, outline: Outline) -> list[str]:
             f"effects.contact.thickness: cloth lies up to {si(thickness, 'm', 3)} above bodies, and is "
             f'{si(shorter, "m", 3)} wide: set it to "{si(THIN * shorter, "m", 2)}" or so'
         )
-    return found
+    return [*found, *unheld_words(scene)]
