@@ -5,7 +5,7 @@ from __future__ import annotations
 from restshape.bounds import TOLERANCE
 from restshape.outputs.si_numbers import si
 from restshape.physics.cloth.effects import ContactKeys
-from restshape.physics.cloth.unheld import unheld_words
+from restshape.physics.cloth.slides_off import slipping_words
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 
@@ -33,4 +33,4 @@ def coarse_words(scene: Scene, outline: Outline) -> list[str]:
             f"effects.contact.thickness: cloth lies up to {si(thickness, 'm', 3)} above bodies, and is "
             f'{si(shorter, "m", 3)} wide: set it to "{si(THIN * shorter, "m", 2)}" or so'
         )
-    return [*found, *unheld_words(scene)]
+    return [*found, *slipping_words(scene)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from restshape.scene.model import Scene
 
 
-def unheld_words(scene: Scene) -> list[str]:
+def slipping_words(scene: Scene) -> list[str]:
     """What there is to doubt of a sewn scene whose cloth neither supports nor friction hold."""
     if not scene.seams or not scene.bodies or scene.supports:
         return []
