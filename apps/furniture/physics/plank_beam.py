@@ -78,13 +78,13 @@ class Actions:
         at, force, couple = (np.array([getattr(row, name) for row in rows]) for name in ("at", "force", "couple"))
         holds = np.array([row.holds for row in rows])
         half, arms = line.length / 2, at - line.centre
-        place = np.clip(arms @ line.along, -half, half)
+        place = np.minimum(np.maximum(arms @ line.along, -half), half)
         # What is spread stays on the beam.
         most = 2 * (half - np.abs(place))
         span = np.minimum([row.span for row in rows], most)
-        axis = np.cross(line.along, line.normal)
+        axis = cross(line.along, line.normal)
         # With moments of forces along the beam whose line misses its middle.
-        m = couple @ axis + np.cross(arms - place[:, None] * line.along, force) @ axis
+        m = couple @ axis + cross(arms - place[:, None] * line.along, force) @ axis
         straight = np.minimum([row.straight for row in rows], most)
         straight = np.where(holds if holds.any() else True, straight, 0.0)
         return cls(place, span, force @ line.normal, m, holds, own, line.length, straight)
@@ -97,7 +97,7 @@ class Actions:
         ends = (self.place + sign * (self.span / 2 + beside) for sign in (-1.0, 1.0))
         straight = (one + sign * beside for one in self._straight_ends() for sign in (-1.0, 1.0))
         s = np.concatenate([np.linspace(-half, half, count), *ends, *straight])
-        return np.unique(np.clip(s, -half - beside, half + beside))
+        return np.unique(np.minimum(np.maximum(s, -half - beside), half + beside))
 
     def moments(self, s: np.ndarray) -> np.ndarray:
         """Bending moments (s,) at places, of all that acts before them [N m]."""
@@ -106,10 +106,10 @@ class Actions:
         found = np.where(x > 0.0, self.force * x - self.couple, 0.0)
         span = np.where(point, 1.0, self.span)
         # Of a density force / span + slope t, from the start of the span up to t or its end.
-        slope, t = 12.0 * self.couple / span**3, np.clip(x, -span / 2, span / 2)
+        slope, t = 12.0 * self.couple / span**3, np.minimum(np.maximum(x, -span / 2), span / 2)
         square, cube = (t**2 - span**2 / 4) / 2, (t**3 + span**3 / 8) / 3
         spread = self.force / span * (x * (t + span / 2) - square) + slope * (x * square - cube)
-        own = 0.5 * self.own * np.clip(s + self.length / 2, 0.0, self.length) ** 2
+        own = 0.5 * self.own * np.minimum(np.maximum(s + self.length / 2, 0.0), self.length) ** 2
         return np.where(point, found, spread).sum(axis=1) + own
 
     def straightened(self, s: np.ndarray) -> np.ndarray:
@@ -211,6 +211,14 @@ class Actions:
             holds=np.concatenate([np.zeros(len(self.holds), dtype=bool), np.ones(len(none), dtype=bool)]),
             straight=np.zeros(0),
         )
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Cross products (..., 3) of vectors: of a few, NumPy's own takes several times as long, and `np.clip` too."""
+    found = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for k, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
+        found[..., k] = a[..., i] * b[..., j] - a[..., j] * b[..., i]
+    return found
 
 
 def deflection(s: np.ndarray, curvature: np.ndarray, constrained: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from restshape_apps.furniture.physics.fasteners import wood
 from restshape_apps.furniture.physics.furniture import Forces, Furniture, Geometry
-from restshape_apps.furniture.physics.plank_beam import Action, Actions, Line, deflection
+from restshape_apps.furniture.physics.plank_beam import Action, Actions, Line, cross, deflection
 from restshape_apps.furniture.shape.planks import Piece, on_floor_without
 
 STATIONS = 201
@@ -148,6 +148,6 @@ def _feet(piece: Piece, plank: int, line: Line, a: int, geometry: Geometry, forc
             continue
         points, pushes = geometry.contacts[4 * k : 4 * k + 4], forces.contacts[4 * k : 4 * k + 4]
         middle, span = points.mean(axis=0), float(np.ptp(points @ line.along))
-        couple = np.cross(points - middle, pushes).sum(axis=0)
+        couple = cross(points - middle, pushes).sum(axis=0)
         rows.append(Action(middle, span, pushes.sum(axis=0), couple, True, span if foot.side // 2 != a else 0.0))
     return rows

@@ -22,6 +22,14 @@ EVENTS = [
 ]
 
 
+@pytest.fixture(autouse=True, scope="module")
+def short_search():
+    """Looks at few pieces for what would end the doubts, which is no matter here."""
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr("restshape_apps.furniture.guidance.doubt_mends.TESTS", 50)
+        yield
+
+
 @pytest.fixture(scope="module")
 def replayed(tmp_path_factory):
     """The recording of the bench, the JSON of its replay and what it printed."""
@@ -29,10 +37,7 @@ def replayed(tmp_path_factory):
     scene = folder / "bench.toml"
     scene.write_text(LEANING_BENCH)
     edits, recording, found = write_edits(folder, *EVENTS), folder / "bench.vtkhdf", folder / "run.json"
-    with pytest.MonkeyPatch.context() as changed:
-        # What would end the doubts is no matter here, and most of the time.
-        changed.setattr("restshape_apps.furniture.guidance.doubt_mends.TESTS", 200)
-        assert main(["replay", str(scene), str(edits), "--out", str(recording), "--json", str(found)]) == 0
+    assert main(["replay", str(scene), str(edits), "--out", str(recording), "--json", str(found)]) == 0
     return recording, json.loads(found.read_text())
 
 
