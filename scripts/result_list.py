@@ -118,6 +118,7 @@ PLUMES = "--field temperature --show vectors --at 60,125,205 --animation none"
 """Looks of the thesis's figures 4.5 and 4.6: velocities over pressure and over temperature."""
 SPHERE, PINS, STRIP = (f"{COUTURE}/scenes/{name}.toml" for name in ("sphere", "pins", "strip"))
 BAR, TABLE = "apps/metallophone/scenes/bar_200.toml", "apps/furniture/scenes/table.toml"
+CUSICK, MEASURED = f"{COUTURE}/scenes/cusick.toml", "results/couture-cusick.svg"
 DRAPED = ("restshape_apps.couture.drapes_command", "restshape_apps.couture.picture")
 MAIN = (PLATE, BEAM, BRIDGE, BUILDING, FISH, STRIP, TABLE)
 
@@ -163,6 +164,16 @@ LIST = (
             "restshape drapes results/couture.vtkhdf --frames 0 24 61 --out results/couture-sphere.png",
         ),
         (*REPLAY, *DRAPED),
+    ),
+    Result(
+        ("couture-fit.png",),
+        (
+            recorded("couture-cusick", CUSICK),
+            f"restshape shadow results/couture-cusick.vtkhdf --out {MEASURED} --noise 1mm",
+            f"restshape fit {CUSICK} --outline {MEASURED} --set material.cotton.bending=15e-6"
+            " --picture results/couture-fit.png",
+        ),
+        (*REPLAY, "restshape_apps.couture.shadow_command", "restshape_apps.couture.fit_command"),
     ),
     Result(
         ("couture-pins.png",),

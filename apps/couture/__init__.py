@@ -18,7 +18,11 @@ application = Application(
     analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",
     commands=(
         Command("drapes", "draw single frames of a recording of cloth", "restshape_apps.couture.drapes_command"),
+        Command(
+            "fit", "find the stiffness with which a drape has a measured outline", "restshape_apps.couture.fit_command"
+        ),
         Command("mannequin", "make the surface of a body by its measures", "restshape_apps.couture.mannequin_command"),
         Command("pattern", SUMMARY, "restshape_apps.couture.pattern_command"),
+        Command("shadow", "draw the outline of a recorded drape from above", "restshape_apps.couture.shadow_command"),
     ),
 )

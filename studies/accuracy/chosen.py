@@ -2,17 +2,13 @@
 
 # More than 15 modules: what was picked is written as a scene, and studied again like any.
 
-import os
 import tempfile
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import reduce
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
-import tomlkit
 from restshape_studies.accuracy.front import known_error, percent, rates
 from restshape_studies.accuracy.kept_points import KeptPoints
 from restshape_studies.accuracy.reference import FINER, planned
@@ -20,7 +16,6 @@ from restshape_studies.accuracy.sampling import sampled
 from restshape_studies.accuracy.setting import Setting
 from restshape_studies.accuracy.study import Case, Deadline, Play, Study, one, referred
 from restshape_studies.bench.job import run
-from tomlkit.exceptions import TOMLKitError
 
 from restshape.application import application_of
 from restshape.errors import UserError
@@ -31,9 +26,8 @@ from restshape.outputs.si_numbers import counted
 from restshape.scene.load import load_scene
 from restshape.scene.overrides import parse_override
 from restshape.scene.permits import allow
+from restshape.scene.rewritten import rewritten
 
-FILES = (("shape", "file"), ("mesh", "file"), ("effects", "ground", "file"))
-"""Keys that name files beside the scene."""
 LEAST_RATE = 0.5
 """Power of the mesh size with which the error of a quantity falls at least, or it counts as one that does not converge:
 errors of stress at a re-entrant corner fall with the exponent less 1, which is below 0."""
@@ -55,43 +49,16 @@ def write_scene(case: Case, picked: dict[str, Any], path: Path) -> None:
     """
     if path.resolve() == case.scene.resolve():
         raise UserError("the picked scene would overwrite the one that it is made from", "--write", "name another file")
-    try:
-        document = tomlkit.parse(case.scene.read_text(encoding="utf-8-sig"))
-    except TOMLKitError as error:
-        raise UserError(f"the scene cannot be rewritten: {error}", str(case.scene), "write it more plainly") from error
     changes = [parse_override(override) for override in (*case.overrides, *picked["overrides"])]
     changes += [(("solve", "policy"), picked["policy"]), (("solve", "tolerance"), picked["tolerance"])]
-    for key, value in changes:
-        _put(document, key, value)
-    for key in FILES:
-        name = reduce(lambda table, part: table.get(part, {}), key, document)
-        if name and not Path(name).is_absolute():
-            _put(document, key, os.path.relpath(case.scene.parent / name, path.parent))
-            # The scene that is written is run, and names what the first one may name.
-            allow(case.scene.parent)
-    text = tomlkit.dumps(document)
-    tomllib.loads(text)
+    text = rewritten(case.scene, changes, path)
+    # The scene that is written is run, and names what the first one may name.
+    allow(case.scene.parent)
     try:
         refuse_foreign(SceneFile(path), str(path))
         write_whole(path, SCENE_MARK + text)
     except OSError as error:
         raise UserError(f"{path} cannot be written: {error.strerror}", "--write", "name another file") from error
-
-
-def _put(document: Any, key: tuple[str, ...], value: Any) -> None:
-    """Set one dotted key, making the tables on the way to it."""
-    here = document
-    for part in key[:-1]:
-        if isinstance(here, list):
-            here = here[int(part)]
-            continue
-        if part not in here:
-            here[part] = tomlkit.table()
-        here = here[part]
-    last = int(key[-1]) if isinstance(here, list) else key[-1]
-    if not isinstance(here, list) and last in here and here[last] == value:
-        return
-    here[last] = value
 
 
 def rerun(

@@ -138,6 +138,19 @@ class SceneFile(OutputFile):
         return head.startswith(SCENE_MARK.encode())
 
 
+FITTED_MARK = "# written by restshape fit\n"
+
+
+class FittedFile(OutputFile):
+    """A scene that `restshape fit` made."""
+
+    what = "a scene that restshape fit wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it says so in its first line."""
+        return head.startswith(FITTED_MARK.encode())
+
+
 EXPORT_MARK = "written by restshape export"
 """In the first bytes of every exported file, but for tables."""
 EXPORT_HEADS = "node,x,y"

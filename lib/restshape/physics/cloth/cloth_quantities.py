@@ -77,7 +77,7 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
     if quantity.folds:
         if quantity.at is not None:
             raise UserError("folds are those of all of the cloth", f"quantities.{name}.at", "leave it out")
-        shadow = _shadow(mesh)
+        shadow = DrapeShadow.of(mesh)
         return lambda x: float(shadow.folds(problem.corners(x)))
     if not (quantity.displacement or quantity.position or quantity.reaction):
         raise UserError(
@@ -94,11 +94,6 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
     return _displacement(problem, quantity, nodes)
 
 
-def _shadow(mesh: Mesh) -> DrapeShadow:
-    around = {edge for loop in mesh.outline.loops if loop.kind == "outline" for edge, _ in loop.edges}
-    return DrapeShadow(mesh.cells, mesh.facets[np.isin(mesh.facet_edge, list(around))])
-
-
 def _drape_coefficient(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
     """Area of the shadow over that of the flat cloth, both less that of the disc that a region lies on.
 
@@ -106,7 +101,7 @@ def _drape_coefficient(problem: ObservedCloth, name: str, quantity: Quantity) ->
         UserError: there is no such region, or it is all of the cloth.
     """
     mesh = problem.mesh
-    shadow, flat = _shadow(mesh), mesh.outline.area()
+    shadow, flat = DrapeShadow.of(mesh), mesh.outline.area()
     disc = area_at(mesh, name, quantity)() if quantity.at is not None else 0.0
     if disc >= flat:
         raise UserError("all of the cloth lies on the disc", f"quantities.{name}.at", "name a region, a part of it")
