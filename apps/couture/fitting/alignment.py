@@ -1,4 +1,4 @@
-"""Where a measured outline is laid on the shadow of a drape: how it is turned, and where its middle is."""
+"""Where a measured outline is placed on the shadow of a drape: how it is turned, and where its middle is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well an outline tells numbers: intervals from the Jacobian and the misfit."""
+"""How well an outline determines numbers: intervals from the Jacobian and the misfit."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from restshape_apps.couture.fitting.outline_distance import MEASURED
 
 LEVEL = 0.95
 LOOSE = np.log(10.0)
-"""Half width of an interval beyond which the outline does not tell a number."""
+"""Half width of an interval beyond which the outline does not determine a number."""
 SINGULAR = 1e-4
-"""Least over largest singular value of scaled derivatives below which the outline does not tell numbers apart."""
+"""Least over largest singular value of scaled derivatives below which it does not separate numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class Confidence:
         low, high: (k,) ends of the intervals [SI].
         independent: number of independent places on the outline.
         correlation: the largest between two of the numbers; 0 of one.
-        loose: (k,) whether the outline does not tell it.
+        loose: (k,) whether the outline does not determine it.
     """
 
     low: np.ndarray

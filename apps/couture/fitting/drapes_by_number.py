@@ -176,7 +176,7 @@ class DrapesByNumber:
         return self._analysis.space
 
     @property
-    def held(self) -> np.ndarray:
+    def constrained(self) -> np.ndarray:
         """Places (k, 2) [m] of the nodes that supports hold along x and y."""
         state = self._analysis.state
         problem = state.problem

@@ -180,7 +180,7 @@ class OutlineFit:
         return self.step(drape, descent)
 
     def step(self, drape: Drape, descent: int = 0) -> Step:
-        """A step with a drape, on which the outline is laid."""
+        """A step with a drape, on which the outline is placed."""
         last = self._at.place if self._at else None
         return Step(drape, *aligned(self.measured, drape.edge, last), descent)
 

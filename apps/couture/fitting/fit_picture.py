@@ -39,7 +39,7 @@ def draw(measured: np.ndarray, first: Step, best: Step, words: tuple[str, str], 
 
 def _outlines(axes: Axes, measured: np.ndarray, first: Step, best: Step, words: tuple[str, str]) -> None:
     drape, start = _closed(best.drape.edge.points()), _closed(first.drape.edge.points())
-    laid = _closed(best.place.lay(measured))
+    placed = _closed(best.place.lay(measured))
     # The first drape is turned as the measured outline fits each.
     turn = best.place.turn - first.place.turn
     c, s = np.cos(turn), np.sin(turn)
@@ -47,7 +47,7 @@ def _outlines(axes: Axes, measured: np.ndarray, first: Step, best: Step, words: 
     axes.fill(*(MM * drape.T), color=BODY, zorder=1)
     axes.plot(*(MM * start.T), color=FAINT, lw=1.0, ls="--", zorder=2, label=f"before: {words[0]}")
     axes.plot(*(MM * drape.T), color=INK, lw=1.2, zorder=3, label=f"fitted: {words[1]}")
-    axes.plot(*(MM * laid.T), color=MEASURED_COLOUR, lw=0.9, zorder=4, label="measured outline")
+    axes.plot(*(MM * placed.T), color=MEASURED_COLOUR, lw=0.9, zorder=4, label="measured outline")
     axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
     axes.set_title("shadow from above")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), fontsize=8)

@@ -17,7 +17,7 @@ EVERY = 2
 
 @dataclass(frozen=True)
 class Place:
-    """Where the measured outline is laid: turned about its middle, and moved.
+    """Where the measured outline is placed: turned about its middle, and moved.
 
     Args:
         turn: angle [rad]; x, y: of its middle [m].
@@ -28,7 +28,7 @@ class Place:
     y: float
 
     def lay(self, points: np.ndarray) -> np.ndarray:
-        """Points (m, 2) from the middle of the outline [m], laid."""
+        """Points (m, 2) from the middle of the outline [m], placed."""
         c, s = np.cos(self.turn), np.sin(self.turn)
         return points @ np.array([[c, s], [-s, c]]) + [self.x, self.y]
 
@@ -83,7 +83,7 @@ def distances(measured: np.ndarray, place: Place, edge: ShadowEdge) -> Distances
 
     Args:
         measured: (`MEASURED`, 2) places along it from its middle [m].
-        place: where it is laid; edge: of the shadow.
+        place: where it is placed; edge: of the shadow.
     """
     p, q = place.lay(measured), edge.points()[::EVERY]
     count = len(q)

@@ -26,7 +26,7 @@ def refuse_size(measured: MeasuredOutline, drapes: DrapesByNumber, where: str) -
         UserError: it is larger than the flat cloth, or smaller than what supports hold.
     """
     flat, found = drapes.mesh.outline.area(), measured.area
-    least = max(LEAST * flat, 0.9 * _hull_area(drapes.held))
+    least = max(LEAST * flat, 0.9 * _hull_area(drapes.constrained))
     if least <= found <= MORE * flat:
         return
     than = (

@@ -110,33 +110,33 @@ class FitReport:
         return ["outline", "area [cm^2]", "drape coefficient", "folds", "misfit [mm]", "farthest [mm]"], rows
 
     def notes(self) -> list[str]:
-        """What there is to be told."""
+        """What there is to note."""
         found, trust = self.found, self.trust
-        told = [*filter(None, [self.outline.doubt]), *self.outline.notes]
-        told += [f"by differences, as there is no derivative by {key}: {why}" for key, why in self._differenced()]
-        told += [
-            f"the outline does not tell {key}: its interval is wider than a factor of 10 each way"
+        lines = [*filter(None, [self.outline.doubt]), *self.outline.notes]
+        lines += [f"by differences, as there is no derivative by {key}: {why}" for key, why in self._differenced()]
+        lines += [
+            f"the outline does not determine {key}: its interval is wider than a factor of 10 each way"
             for key, loose in zip(self.drapes.keys, trust.loose)
             if loose
         ]
         if trust.correlation > CORRELATED and not trust.loose.all():
-            told.append(f"the outline hardly tells the numbers apart: their correlation is {trust.correlation:.4f}")
+            lines.append(f"the outline hardly separates the numbers: their correlation is {trust.correlation:.4f}")
         if self.best.drape.folds != self.measured.folds:
-            told.append(
+            lines.append(
                 f"the outline has {self.measured.folds} folds, the drape {self.best.drape.folds}: cloth has several "
                 "rests, and this one is another than that which was measured; intervals do not count that"
             )
         elif not found.like:
-            told.append("the folds are not those of the outline: the misfit is more than 1 % of its radius")
+            lines.append("the folds are not those of the outline: the misfit is more than 1 % of its radius")
         again = found.again
         if again is None:
-            told.append("a replay of the fitted scene does not come to rest")
+            lines.append("a replay of the fitted scene does not come to rest")
         elif abs(again.misfit - self.best.misfit) > SAME * self.best.misfit:
-            told.append(
+            lines.append(
                 "a replay of the fitted scene finds another rest than that of the fit: "
                 f"misfit {1e3 * again.misfit:.3g} mm, {again.drape.folds} folds"
             )
-        return told
+        return lines
 
     def _differenced(self) -> list[tuple[str, str]]:
         return list(self.drapes.by_differences.items())
