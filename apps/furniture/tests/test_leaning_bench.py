@@ -18,7 +18,6 @@ EVENTS = [
     {"do": "press", "on": "rail", "parameter": "length y"},
     {"do": "drag", "by": 0.01, "frames": 1},
     {"do": "drag", "by": -0.005, "frames": 1},
-    {"do": "release"},
 ]
 
 
