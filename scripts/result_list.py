@@ -198,6 +198,7 @@ LIST = (
             ("napkin", "template/scene.toml", ("template/edits.jsonl",), "0 8 -1"),
             ("stool", "scenes/stool.toml", ("edits/stool.jsonl",), "0 -1"),
             ("sewn-skirt", "scenes/sewn_skirt.toml", ("edits/sewn_skirt.jsonl",), "0 -1"),
+            ("growing", "scenes/growing.toml", ("edits/growing.jsonl",), "0 2"),
             ("dress", "patterns/dress.toml", (), "0"),
             ("lined-skirt", "scenes/lined_skirt.toml", (), "0"),
             ("collar", "scenes/collar.toml", (), "0"),

@@ -4,12 +4,11 @@ import argparse
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from restshape_apps.couture.bodies.body_sizes import BODIES, Sizes, option
-
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError, one_line
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import BodyFile, PictureFile
+from restshape.scene.body_sizes import BODIES, Sizes, option
 from restshape.scene.units import UnitError, quantity
 
 HELP = {
@@ -48,14 +47,14 @@ def run(args: argparse.Namespace) -> int:
     given = {name: _length(getattr(args, name), option(name)) for name in HELP if getattr(args, name)}
     sizes = replace(BODIES[args.body], **given).completed()
     size = _triangle_size(args.size, sizes)
-    from restshape_apps.couture.bodies.mannequin import Mannequin
+    from restshape.physics.cloth.mannequin.surface import Mannequin
 
     body = Mannequin(sizes, size)
     if args.out:
         write_whole(Path(args.out), body.obj_text())
         print(f"wrote {one_line(args.out)}: {len(body.triangles)} triangles")
     if args.picture:
-        from restshape_apps.couture.bodies.mannequin_picture import draw
+        from restshape_apps.couture.mannequin_picture import draw
 
         draw([body], args.picture)
         print(f"wrote {one_line(args.picture)}")

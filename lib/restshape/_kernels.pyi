@@ -478,6 +478,9 @@ class NearPairs:
         edges: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
         cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
     ) -> None: ...
+    def crossed(
+        self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]
+    ) -> numpy.typing.NDArray[numpy.int32]: ...
     def search(
         self,
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

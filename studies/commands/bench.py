@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from restshape_studies.bench.job import note_words
 from restshape_studies.bench.turns import Case, OutOfTime
 from restshape_studies.commands import (
+    bench_body,
     bench_design,
     bench_drags,
     bench_drape,
@@ -65,6 +66,7 @@ MODULES = (
     bench_jumps,
     bench_maps,
     bench_nested,
+    bench_body,
 )
 KINDS: dict[str, Kind] = {kind.name: kind for module in MODULES for kind in module.KINDS}
 

@@ -1,5 +1,7 @@
 """Distances from closed surfaces on grids: exact ones beside them, smoothness, the cache, and what is far."""
 
+import os
+
 import numpy as np
 import pytest
 from body_meshes import ball, box, torus, write
@@ -129,6 +131,23 @@ def test_a_grid_of_the_cache_is_the_one_that_was_made(tmp_path, monkeypatch):
     kept = distance_of_file(path, spacing=0.01)
     assert kept.facts == made.facts and np.array_equal(kept.grid.values(x), made.grid.values(x))
     monkeypatch.undo()
+
+
+def test_the_cache_keeps_what_was_of_use_last(tmp_path, monkeypatch):
+    names = [write(tmp_path / f"{k}.ply", ball(4, 0.2 + 0.1 * k)) for k in range(3)]
+    distance_of_file(names[0], spacing=0.03)
+    (first,) = cache_folder().iterdir()
+    os.utime(first, (1.0, 1.0))
+    distance_of_file(names[1], spacing=0.03)
+    surface_distance._loaded.cache_clear()
+    # It is of use again, before a third one takes the room of one of both.
+    distance_of_file(names[0], spacing=0.03)
+    assert first.stat().st_mtime > 1.0
+    (second,) = set(cache_folder().iterdir()) - {first}
+    os.utime(second, (2.0, 2.0))
+    monkeypatch.setattr(surface_distance, "KEPT", 2.5 * max(first.stat().st_size, second.stat().st_size))
+    distance_of_file(names[2], spacing=0.03)
+    assert first.exists() and not second.exists() and len(list(cache_folder().iterdir())) == 2
 
 
 def test_another_file_of_the_name_has_another_grid(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from restshape.physics.cloth.collision_surface import CollisionSurface, passes_through
+from restshape.physics.cloth.collision_surface import CollisionSurface
 
 
 def grid(n):
@@ -15,14 +15,37 @@ def grid(n):
     return X, np.concatenate(cells.transpose(0, 2, 1)).astype(np.int32)
 
 
-def test_two_triangles_cross_where_an_edge_goes_through_the_other():
-    triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    edge = np.array([[[0.2, 0.2, -1.0], [0.2, 0.2, 1.0]]])
-    assert passes_through(edge, triangle).all()
-    assert not passes_through(edge + np.array([1.0, 0, 0]), triangle).any()
-    assert not passes_through(edge + np.array([0, 0, 2.0]), triangle).any()
-    # In the plane of the triangle.
-    assert not passes_through(edge[..., [0, 2, 1]] * [1, 1, 0], triangle).any()
+def two_triangles(ends):
+    """A surface of two, and its nodes in space: the second has an edge with these ends (2, 3), and is 0.1 wide."""
+    X = np.array([[0.0, 0], [1, 0], [0, 1], [2, 0], [3, 0], [2, 1]])
+    x = np.vstack([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], ends, [np.add(ends[1], (0.1, 0.0, 0.0))]])
+    return CollisionSurface(X, np.array([[0, 1, 2], [3, 4, 5]], dtype=np.int32)), x
+
+
+@pytest.mark.parametrize(
+    ("ends", "crosses"),
+    [
+        ([[0.2, 0.2, -1.0], [0.2, 0.2, 1.0]], True),
+        ([[1.2, 0.2, -1.0], [1.2, 0.2, 1.0]], False),
+        ([[0.2, 0.2, 1.0], [0.2, 0.2, 3.0]], False),
+        # It ends in the triangle, and lies in its plane.
+        ([[0.2, 0.2, 0.0], [0.2, 0.2, 1.0]], False),
+        ([[0.2, -1.0, 0.0], [0.2, 1.0, 0.0]], False),
+    ],
+)
+def test_two_triangles_cross_where_an_edge_goes_through_the_other(ends, crosses):
+    surface, x = two_triangles(ends)
+    assert surface.crossed(x).tolist() == ([0] if crosses else [])
+
+
+def test_parts_that_are_sewn_together_do_not_cross():
+    surface, x = two_triangles([[0.2, 0.2, -1.0], [0.2, 0.2, 1.0]])
+    none = np.empty((0, 2), dtype=np.int32)
+    # A node of the edge is one with a node of the triangle; then it is sewn to the middle of a side of it.
+    assert surface.sew(np.array([0, 1, 2, 0, 3, 4]), none) and surface.crossed(x).tolist() == []
+    assert not surface.sew(np.array([0, 1, 2, 0, 3, 4]), none)
+    assert surface.sew(np.arange(6), np.array([[1, 3]], dtype=np.int32)) and not surface.crosses(x)
+    assert surface.sew(np.arange(6), none) and surface.crosses(x)
 
 
 @pytest.mark.parametrize(("height", "crosses"), [(0.05, False), (-0.05, True)])

@@ -8,6 +8,7 @@ from restshape_verification.couture.stability_fabrics import CASES as FABRICS
 from restshape_verification.couture.stability_folds import CASES as FOLDS
 from restshape_verification.couture.stability_garments import CASES as GARMENTS
 from restshape_verification.couture.stability_layers import CASES as LAYERS
+from restshape_verification.couture.stability_meshes import CASES as MESHES
 from restshape_verification.couture.stability_predicted import CASES as PREDICTED
 from restshape_verification.couture.stability_seams import CASES as SEAMS
 from restshape_verification.couture.stability_starts import CASES as STARTS
@@ -17,6 +18,7 @@ CASES: dict[str, Case] = {
     **STARTS,
     **FABRICS,
     **BODIES,
+    **MESHES,
     **CONTACT,
     **LAYERS,
     **FOLDS,

@@ -1,6 +1,7 @@
 """Validation cases of cloth in equilibrium: what hangs, bends, buckles, sticks and slips."""
 
 from restshape_studies.validation.case import Case
+from restshape_verification.couture.validation_bodies import capstan_mesh, incline_mesh, mesh_ball, winding
 from restshape_verification.couture.validation_buckling import blade
 from restshape_verification.couture.validation_cantilever import (
     cantilever,
@@ -30,6 +31,10 @@ CASES: dict[str, Case] = {
     "incline": incline,
     "capstan": capstan,
     "meshes": meshes,
+    "incline_mesh": incline_mesh,
+    "capstan_mesh": capstan_mesh,
+    "mesh_ball": mesh_ball,
+    "winding": winding,
     "folded_strip": folded_strip,
     "two_sheets": two_sheets,
     "folded_twice": folded_twice,

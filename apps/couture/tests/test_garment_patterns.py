@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
-from restshape_apps.couture.bodies.body_shape import LEVELS
-from restshape_apps.couture.bodies.body_sizes import BODIES
 
+from restshape.physics.cloth.mannequin.body_shape import LEVELS
 from restshape.replay.first_frame import first_frame
+from restshape.scene.body_sizes import BODIES
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 

@@ -8,14 +8,14 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from restshape_apps.couture.bodies.body_sizes import BODIES, Sizes
-from restshape_apps.couture.bodies.mannequin import Mannequin
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.physics.cloth.mannequin.surface import Mannequin
+from restshape.scene.body_sizes import BODIES, Sizes
 
 PATTERNS = Path(__file__).parents[1] / "patterns"
 CM = 0.01
@@ -84,7 +84,7 @@ def test_it_has_the_sizes_that_are_asked_for(body):
 
 
 def test_the_girth_of_a_section_is_that_of_its_polygon():
-    from restshape_apps.couture.bodies.tube import section as half_ellipses
+    from restshape.physics.cloth.mannequin.tube import section as half_ellipses
 
     half, front, back = half_ellipses(0.9, 1.3, 0.6)
     angle = np.linspace(0.0, 2.0 * np.pi, 4001)

@@ -67,6 +67,11 @@ void sew(Search& own, const Numbers& of, const Numbers& sewn) {
     own.found.sew(of.data(), sewn.data(), static_cast<int>(sewn.shape(0)));
 }
 
+Numbers crossed(Search& own, const Doubles& x) {
+    const std::vector<int32_t> found = own.found.crossed(own.points(x));
+    return Numbers(static_cast<py::ssize_t>(found.size()), found.data());
+}
+
 double step_share(Search& own, const Doubles& x, const Doubles& d, double reach) {
     return own.found.share_of(own.points(x), own.points(d), reach);
 }
@@ -83,6 +88,8 @@ void bind_near_pairs(py::module_& m) {
             "search", &search, "x"_a, "reach"_a,
             "Pairs without a common node, of edges (k, 2) and of a triangle and a node (l, 2), that are within a reach "
             "[m] of each other at x (n, 3) [m]; ordered.")
+        .def("crossed", &crossed, "x"_a,
+             "Numbers (k,) of the triangles that edges without a common node, or sewn ones, pass through at x (n, 3) [m].")
         .def(
             "step_share", &step_share, "x"_a, "d"_a, "reach"_a = 0.0,
             "The share, at most 1, of the way from x (n, 3) along d (n, 3) [m] on which no such pair meets: each comes "

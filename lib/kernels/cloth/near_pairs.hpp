@@ -20,6 +20,7 @@ struct Point3 {
     Point3 operator-(const Point3& o) const { return {x - o.x, y - o.y, z - o.z}; }
     Point3 operator*(double s) const { return {x * s, y * s, z * s}; }
     double dot(const Point3& o) const { return x * o.x + y * o.y + z * o.z; }
+    Point3 cross(const Point3& o) const { return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x}; }
     double norm() const { return std::sqrt(dot(*this)); }
 };
 
@@ -49,6 +50,18 @@ inline double triangle_distance(const Point3& p, const Point3& a, const Point3& 
         if (s >= 0 && t >= 0 && s + t <= 1) return (w - u * s - v * t).norm();
     }
     return std::min({segment_distance(p, p, a, b), segment_distance(p, p, b, c), segment_distance(p, p, c, a)});
+}
+
+// Whether the segment from p to q passes through the triangle a b c, by more than a 1e9th of either.
+// Source: Möller and Trumbore, Journal of Graphics Tools 2(1), 1997, 21.
+inline bool passes_through(const Point3& p, const Point3& q, const Point3& a, const Point3& b, const Point3& c) {
+    constexpr double slack = 1e-9;
+    const Point3 way = q - p, first = b - a, second = c - a, offset = p - a;
+    const Point3 normal = way.cross(second), turned = offset.cross(first);
+    const double volume = first.dot(normal);
+    if (volume == 0) return false;
+    const double u = offset.dot(normal) / volume, v = way.dot(turned) / volume, t = second.dot(turned) / volume;
+    return std::min({u, v, 1 - u - v, t, 1 - t}) > slack;
 }
 
 // Four numbers each, the last ones zero, so that compilers compare them at once.
@@ -239,6 +252,22 @@ class NearPairs {
         }
         std::sort(edge_edge.begin(), edge_edge.end());
         std::sort(cell_node.begin(), cell_node.end());
+    }
+
+    // Triangles that edges without a common or sewn node pass through, in order.
+    std::vector<int32_t> crossed(const Point3* x) {
+        edges_.fit(x, nullptr, 0.0);
+        cells_.fit(x, nullptr, 0.0);
+        std::vector<char> hit(cells_.count(), 0);
+        edges_.with(cells_, [&](int i, int j) {
+            const int32_t *edge = edges_.item(i), *cell = cells_.item(j);
+            if (hit[j] || joined(cell, edge[0]) || joined(cell, edge[1])) return;
+            hit[j] = passes_through(x[edge[0]], x[edge[1]], x[cell[0]], x[cell[1]], x[cell[2]]);
+        });
+        std::vector<int32_t> found;
+        for (int j = 0; j < cells_.count(); ++j)
+            if (hit[j]) found.push_back(j);
+        return found;
     }
 
     // The share of a way, at most 1, on which no pair meets: each comes nearer by nine tenths at most. Keeps what may

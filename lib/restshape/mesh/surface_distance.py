@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from time import perf_counter
 from zipfile import BadZipFile
 
 import numpy as np
@@ -45,9 +48,15 @@ SHARP = 0.01
 """Share of the surface that counts as its edges."""
 AROUND = 6
 """Exact places around bricks: what the filter takes from farther ones has fallen to (2 - sqrt 3)^6 = 4e-4 of itself."""
-VERSION = 3
+VERSION = 4
 """Of what the cache holds."""
+KEPT = 2_000_000_000
+"""Bytes that the cache keeps, at most."""
 
+log = logging.getLogger("restshape.mesh")
+
+Settings = tuple[float | None, float | None, float | None]
+"""Unit, spacing and band [m]."""
 Made = dict[str, np.ndarray]
 """What a grid is made from, by name, as the cache keeps it."""
 
@@ -129,12 +138,41 @@ def _loaded(
     path: Path, changed: int, size: int, unit: float | None, spacing: float | None, band: float | None
 ) -> SurfaceDistance:
     """The same; `changed` and `size` are those of the file."""
-    place = cache_folder() / f"{_digest(path, unit, spacing, band)}.npz"
+    content = path.suffix.lower().encode() + path.read_bytes()
+    return kept_distance(content, lambda: read_closed_surface(path, unit), (unit, spacing, band), str(path))
+
+
+def kept_distance(
+    content: bytes, surface: Callable[[], ClosedSurface], settings: Settings, where: str = ""
+) -> SurfaceDistance:
+    """The distance from a surface: of the cache, or made now.
+
+    Args:
+        content: that the surface is made from, and nothing else.
+        surface: makes it.
+        settings: unit, spacing and band, as of `distance_of_file`.
+        where: for messages.
+
+    Raises:
+        UserError: the surface cannot be made, or the grid is too large.
+    """
+    place = cache_folder() / f"{_digest(content, settings)}.npz"
     with suppress(OSError, ValueError, KeyError, TypeError, BadZipFile), np.load(place, allow_pickle=False) as kept:
-        return _restored({key: kept[key] for key in kept.files})
-    made = make_distance(read_closed_surface(path, unit), spacing, band, str(path))
+        found = _restored({key: kept[key] for key in kept.files})
+        # The last one that was of use is forgotten last.
+        os.utime(place)
+        return found
+    begin = perf_counter()
+    made = make_distance(surface(), *settings[1:], where)
+    found = _restored(made)
+    log.info(
+        "A grid of %.3g mm, %.3g MB, took %.3g s",
+        1e3 * found.facts.spacing,
+        found.facts.stored / 1e6,
+        perf_counter() - begin,
+    )
     _keep(place, made)
-    return _restored(made)
+    return found
 
 
 def cache_folder() -> Path:
@@ -142,20 +180,27 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "restshape" / "bodies"
 
 
-def _digest(path: Path, *settings: float | None) -> str:
-    """What names the grid of a file, by all that it is made from."""
-    found = hashlib.sha256(path.read_bytes())
+def _digest(content: bytes, settings: Settings) -> str:
+    """What names a grid, by all that it is made from."""
+    found = hashlib.sha256(content)
     # Spacing and band are in metres: the digits of all numbers are a part of the name.
-    found.update(json.dumps([VERSION, path.suffix.lower(), *settings]).encode())
+    found.update(json.dumps([VERSION, *settings]).encode())
     return found.hexdigest()[:40]
 
 
 def _keep(place: Path, made: Made) -> None:
-    """Puts a grid into the cache, whole or not at all; where nothing can be written it is made again next time."""
+    """Puts a grid into the cache, whole or not at all; where nothing can be written it is made again next time.
+
+    Those that were not of use for longest make room.
+    """
     with suppress(OSError):
         place.parent.mkdir(parents=True, exist_ok=True)
         with replacing(place) as part:
             np.savez(part, **made)
+        kept = sorted(((one.stat(), one) for one in place.parent.glob("*.npz")), key=lambda one: -one[0].st_mtime_ns)
+        for size, (_, one) in zip(np.cumsum([found.st_size for found, _ in kept]), kept):
+            if size > KEPT and one != place:
+                one.unlink()
 
 
 def _restored(made: Made) -> SurfaceDistance:
@@ -382,22 +427,32 @@ def _edge(surface: ClosedSurface, made: Made) -> float:
     return 1.0 / max(float(np.quantile(bent, 1.0 - SHARP)), 1e-9)
 
 
-def _errors(search: _kernels.SurfaceSearch, surface: ClosedSurface, made: Made) -> tuple[float, float]:
-    """The largest error of the grid in its band, away from the medial axis [m], and that of 99 % of the places.
+def places_in_band(surface: ClosedSurface, count: int, band: float) -> np.ndarray:
+    """Places (count, 3) [m] at random within a distance [m] of a surface, as many on each area."""
+    places, normals = _on_surface(surface, count)
+    return places + np.random.default_rng(1).uniform(-band, band, (len(places), 1)) * normals
 
-    The medial axis is near where the directions to the surface two cells apart differ.
+
+def away_from_axis(search: _kernels.SurfaceSearch, x: np.ndarray, spacing: float) -> np.ndarray:
+    """Whether places (n, 3) [m] are away from the surface itself and from its medial axis.
+
+    That is near where the directions to the surface two cells of a spacing [m] apart differ.
     """
-    places, normals = _on_surface(surface, SAMPLES)
-    offsets = np.random.default_rng(1).uniform(-made["band"], made["band"], (len(places), 1))
-    x = places + offsets * normals
     distance, nearest = search.nearest(x)
     direction = (x - nearest) / np.where(np.abs(distance) > 1e-12, distance, 1.0)[:, None]
-    smooth = np.abs(distance) > 0.02 * made["spacing"]
-    for way in 2.0 * made["spacing"] * np.vstack([np.eye(3), -np.eye(3)]):
+    smooth = np.abs(distance) > 0.02 * spacing
+    for way in 2.0 * spacing * np.vstack([np.eye(3), -np.eye(3)]):
         beside, at = search.nearest(x + way)
         other = (x + way - at) / np.where(np.abs(beside) > 1e-12, beside, 1.0)[:, None]
         smooth &= (np.einsum("ij,ij->i", direction, other) > TURNED) | (np.abs(beside) < 1e-12)
-    error = np.abs(_grid(made).values(x) - distance)[smooth]
+    return np.asarray(smooth)
+
+
+def _errors(search: _kernels.SurfaceSearch, surface: ClosedSurface, made: Made) -> tuple[float, float]:
+    """The largest error of the grid in its band, away from the medial axis [m], and that of 99 % of the places."""
+    x = places_in_band(surface, SAMPLES, float(made["band"]))
+    x = x[away_from_axis(search, x, float(made["spacing"]))]
+    error = np.abs(_grid(made).values(x) - search.nearest(x)[0])
     if not len(error):
         return float("nan"), float("nan")
     return float(error.max()), float(np.quantile(error, 0.99))

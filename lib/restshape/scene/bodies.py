@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict, fields
 from math import dist
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema, model_validator
 
+from restshape.errors import UserError
+from restshape.scene.body_sizes import Sizes
 from restshape.scene.descriptions import listing
 from restshape.scene.space_values import ORIGIN, Angles, Direction, Place, Ratio, Size, evaluated, number
 from restshape.scene.units import UnitError
@@ -24,6 +27,7 @@ POINTS = {
     "capsule": ("start", "end"),
     "cylinder": ("start", "end"),
     "mesh": ("move",),
+    "mannequin": ("move",),
 }
 """Keys that are places, by kind of body."""
 
@@ -142,12 +146,66 @@ class MeshBody(Strict):
     band: Annotated[Length, Field(gt=0)] | None = None
 
 
-Forms = Sphere | Plane | Box | Capsule | Cylinder | MeshBody
+class MannequinBody(Strict):
+    """A mannequin by its measures, which stands on its origin and faces -y: made larger, turned, and moved.
+
+    Args:
+        height: from the floor to the top of the head.
+        bust, waist, hip: girths.
+        shoulder: width over the roots of both arms.
+        neck, upper_arm: girths; left out, by height and bust.
+        thigh: its girth; left out, by the hip.
+        move: where its origin is.
+        turn: angles about x, then y, then z.
+        scale: by which it is made larger.
+        size: of its triangles; left out, a 93rd of the height.
+        spacing, band: as of a mesh.
+    """
+
+    settings: ClassVar[tuple[str, ...]] = ("size", "spacing", "band")
+    """Keys that no edit moves."""
+
+    height: Size = Sizes.height
+    bust: Size = Sizes.bust
+    waist: Size = Sizes.waist
+    hip: Size = Sizes.hip
+    shoulder: Size = Sizes.shoulder
+    neck: Size | None = None
+    upper_arm: Size | None = None
+    thigh: Size | None = None
+    move: Place = ORIGIN
+    turn: Angles = ORIGIN
+    scale: Ratio = 1.0
+    size: Annotated[Length, Field(gt=0)] | None = None
+    spacing: Annotated[Length, Field(gt=0)] | None = None
+    band: Annotated[Length, Field(gt=0)] | None = None
+
+    @property
+    def sizes(self) -> Sizes:
+        """The measures of a mannequin of numbers."""
+        return Sizes(**{key: getattr(self, key) or 0.0 for key in MEASURES})
+
+    def completed(self) -> Self:
+        """The mannequin, of numbers, with all of its measures.
+
+        Raises:
+            UnitError: no body has these.
+        """
+        try:
+            sizes = self.sizes.completed()
+        except UserError as error:
+            raise UnitError(error.what, error.do) from error
+        return self.model_copy(update=asdict(sizes))
+
+
+Forms = Sphere | Plane | Box | Capsule | Cylinder | MeshBody | MannequinBody
+MEASURES = tuple(one.name for one in fields(Sizes))
+"""Keys of a mannequin with which its surface is made again."""
 
 
 def numbers_of(form: Forms) -> tuple[str, ...]:
     """The keys of a form that are numbers, or tuples of them, by which a body is moved and made larger."""
-    fixed = form.settings if isinstance(form, MeshBody) else ()
+    fixed = form.settings if isinstance(form, MeshBody | MannequinBody) else ()
     return tuple(key for key in type(form).model_fields if key not in fixed)
 
 
@@ -157,11 +215,11 @@ class Body(Strict):
     All numbers may be formulas of the parameters.
 
     Args:
-        sphere, plane, box, capsule, cylinder, mesh: its form; one of them.
+        sphere, plane, box, capsule, cylinder, mesh, mannequin: its form; one of them.
         friction: Coulomb's coefficient.
     """
 
-    kinds: ClassVar[tuple[str, ...]] = ("sphere", "plane", "box", "capsule", "cylinder", "mesh")
+    kinds: ClassVar[tuple[str, ...]] = ("sphere", "plane", "box", "capsule", "cylinder", "mesh", "mannequin")
 
     sphere: Sphere | None = None
     plane: Plane | None = None
@@ -169,6 +227,7 @@ class Body(Strict):
     capsule: Capsule | None = None
     cylinder: Cylinder | None = None
     mesh: MeshBody | None = None
+    mannequin: MannequinBody | None = None
     friction: Ratio = 0.0
 
     @property
@@ -180,6 +239,11 @@ class Body(Strict):
     def form(self) -> Forms:
         """The keys of its kind."""
         return getattr(self, self.kind)
+
+    @property
+    def form_on_grid(self) -> bool:
+        """Whether its distance is interpolated on a grid."""
+        return isinstance(self.form, MeshBody | MannequinBody)
 
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
@@ -194,6 +258,7 @@ class Body(Strict):
         """
         form = evaluated(self.form, parameters)
         _refuse_flat(self.kind, form)
+        form = form.completed() if isinstance(form, MannequinBody) else form
         friction = number(self.friction, parameters)
         if friction < 0.0:
             raise UnitError(f"the coefficient of friction is {friction:g}", "write at least 0")
@@ -244,7 +309,7 @@ def _refuse_flat(kind: str, form: Forms) -> None:
         if not any(form.normal):
             raise UnitError("the normal of a plane has no direction", "write one that is not 0 0 0")
         return
-    if isinstance(form, MeshBody):
+    if isinstance(form, MeshBody | MannequinBody):
         if number(form.scale, {}) <= 0.0:
             raise UnitError(f"the body is made {number(form.scale, {}):g} times as large", "write a scale above 0")
         return

@@ -14,7 +14,6 @@ from restshape.scene.bodies import POINTS, bodies_of, numbers_of
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import table_in, tables_in
-from restshape.scene.space_values import evaluated
 from restshape.shape.space_grab import Place, SpaceGrab, in_space
 
 if TYPE_CHECKING:
@@ -27,9 +26,10 @@ SIZES = {
     "capsule": ("radius",),
     "cylinder": ("radius", "rounded"),
     "mesh": ("scale",),
+    "mannequin": ("scale",),
 }
 """Keys that are sizes, by kind of body."""
-TURNS = {"box": "rotate", "mesh": "turn"}
+TURNS = {"box": "rotate", "mesh": "turn", "mannequin": "turn"}
 """Keys that are angles about x, y and z, by kind of body."""
 
 Form = dict[str, Reals]
@@ -40,7 +40,7 @@ Change = Callable[[str, Form, float, "tuple[float, float] | None"], Form]
 def form_of(scene: Scene, name: str) -> tuple[str, Form]:
     """The kind of a body and the numbers of its keys, of formulas what they give."""
     body = bodies_of(scene)[name]
-    numbers = evaluated(body.form, scene.parameters)
+    numbers = body.evaluated(scene.parameters).form
     return body.kind, {key: np.array(getattr(numbers, key)) for key in numbers_of(numbers)}
 
 
@@ -51,7 +51,9 @@ def with_form(scene: Scene, name: str, kind: str, form: Form) -> Scene:
         UserError: they make no body.
     """
     written, (_, before) = table_in(tables_in(scene.raw, "bodies")[name], kind), form_of(scene, name)
-    found = {key: _kept(written.get(key), before[key], value) for key, value in form.items()}
+    # What is left out stays so where it stays: measures of mannequins follow others then.
+    changed = {key: one for key, one in form.items() if key in written or not np.array_equal(one, before[key])}
+    found = {key: _kept(written.get(key), before[key], value) for key, value in changed.items()}
     found = {key: value for key, value in written.items() if key not in found} | found
     return revise(scene, f"bodies.{name}.{kind}", found)
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from restshape.scene.bodies import Body
+from restshape.physics.cloth.mannequin.growth import taken_to
+from restshape.scene.bodies import Body, MannequinBody
 from restshape.shape.placement import rotation, rotation_rates
 
 Frame = tuple[np.ndarray, np.ndarray]
@@ -21,7 +22,7 @@ def body_axes(body: Body) -> Frame:
             return np.array(form.center), form.radius * np.eye(3)
         case "box":
             return np.array(form.center), rotation(form.rotate) @ np.diag(form.half)
-        case "mesh":
+        case "mesh" | "mannequin":
             return np.array(form.move), form.scale * rotation(form.turn)
         case "capsule" | "cylinder":
             start, end = np.array(form.start), np.array(form.end)
@@ -31,8 +32,16 @@ def body_axes(body: Body) -> Frame:
             return np.array(form.point), _axes(np.array(form.normal))
 
 
+def is_remade(before: Body, after: Body) -> bool:
+    """Whether a body of numbers is a mannequin that has other sizes."""
+    old, new = before.form, after.form
+    if not (isinstance(old, MannequinBody) and isinstance(new, MannequinBody)):
+        return False
+    return old.sizes != new.sizes and all(getattr(old, key) == getattr(new, key) for key in new.settings)
+
+
 def moved_with(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
-    """Where points (n, 3) [m] on a body are after it has moved; a body of another kind carries none.
+    """Where points (n, 3) [m] on a body are after it has moved; a body of another kind takes none along.
 
     Args:
         before, after: of numbers alone, without formulas.
@@ -40,6 +49,9 @@ def moved_with(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
     if before.kind != after.kind or before.form == after.form:
         return points
     (from_, A), (to, B) = body_axes(before), body_axes(after)
+    if is_remade(before, after):
+        own = taken_to(before.form, after.form, (points - from_) @ np.linalg.inv(A).T)
+        return own @ B.T + to
     if before.kind in ("capsule", "cylinder", "plane"):
         B = _turn(A[:, 0], B[:, 0]) @ _axes(A[:, 0]) * np.linalg.norm(B, axis=0)
     return (points - from_) @ np.linalg.inv(A).T @ B.T + to
@@ -52,7 +64,7 @@ def turn_of(before: Body, after: Body) -> np.ndarray:
             return np.eye(3)
         case "box":
             return rotation(after.form.rotate) @ rotation(before.form.rotate).T
-        case "mesh":
+        case "mesh" | "mannequin":
             return rotation(after.form.turn) @ rotation(before.form.turn).T
         case _:
             first, second = body_axes(before)[1][:, 0], body_axes(after)[1][:, 0]
@@ -98,7 +110,7 @@ def taken_rates(body: Body, rates: Mapping[str, Any], points: np.ndarray) -> np.
             own = (points - form.center) @ rotation(form.rotate)
             turned = own @ rotation_rates(form.rotate, rates["rotate"]).T
             return rates["center"] + turned + own * (rates["half"] / np.array(form.half)) @ rotation(form.rotate).T
-        case "mesh":
+        case "mesh" | "mannequin":
             places = points - form.move
             turned = places @ rotation(form.turn) @ rotation_rates(form.turn, rates["turn"]).T
             return rates["move"] + turned + rates["scale"] / form.scale * places

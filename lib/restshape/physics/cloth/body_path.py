@@ -2,39 +2,73 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from restshape.physics.cloth.body_motion import is_remade
 from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.mannequin.growth import growth
 from restshape.physics.cloth.mesh_bodies import reach_of
 from restshape.physics.cloth.scene import kernel_body
 from restshape.physics.cloth.tunnelling import size_of
-from restshape.scene.bodies import Body, numbers_of
+from restshape.scene.bodies import MEASURES, Body, numbers_of
 
 TUCKED = 0.25
 """How deep a body may get into the cloth before this follows, over the body's smallest size."""
 ARRIVED = 0.05
 """Part of that depth at which a body is there."""
+NEARLY = 1e-9
+"""Share of a way within which it is at its next part."""
 LOOKS = 300
 """Distances that are looked at for one advance of a body, at most; it stops where the last one lets it."""
 
 
 def same_kind(before: Body, after: Body) -> bool:
-    """Whether a body is still the one that it was, moved or made larger: one of another file is another body."""
+    """Whether a body is still the one that it was, moved or made larger: one of another file or size is another one."""
     if before.kind != after.kind:
         return False
-    fixed = set(type(after.form).model_fields) - set(numbers_of(after.form))
+    fixed = {*type(after.form).model_fields} - {*numbers_of(after.form)}
+    fixed |= {*MEASURES} if after.kind == "mannequin" else set()
     return all(getattr(before.form, key) == getattr(after.form, key) for key in fixed)
 
 
+def goes_on(before: Body, after: Body) -> bool:
+    """Whether a body is still the one that it was, or the same mannequin with other sizes."""
+    return same_kind(before, after) or is_remade(before, after)
+
+
+@lru_cache(maxsize=32)
+def stairs(before: Body, after: Body) -> int:
+    """In how many parts the sizes of a mannequin change, so that none takes its surface farther than `TUCKED`."""
+    if not is_remade(before, after):
+        return 1
+    own = TUCKED * min(size_of(before), size_of(after))
+    return math.ceil(max(before.form.scale, after.form.scale) * growth(before.form, after.form) / own)
+
+
 def between(before: Body, after: Body, share: float) -> Body:
-    """A body of numbers at a share of its way: all numbers of its form go straight; one of another kind is there."""
-    if not same_kind(before, after) or share >= 1.0:
+    """A body of numbers at a share of its way: all numbers of its form go straight; one of another kind is there.
+
+    Sizes of a mannequin change by `stairs`: each makes another grid.
+    """
+    if not goes_on(before, after) or share >= 1.0:
         return after
+    if is_remade(before, after):
+        parts = stairs(before, after)
+        return _of_sizes(before, after, share, math.ceil(max(share, 0.0) * parts - NEARLY) / parts)
     form = {key: _mixed(getattr(before.form, key), getattr(after.form, key), share) for key in numbers_of(after.form)}
+    return after.model_copy(update={after.kind: after.form.model_copy(update=form)})
+
+
+def _of_sizes(before: Body, after: Body, share: float, grown: float) -> Body:
+    """A mannequin placed at a share of its way, with sizes at another one."""
+    shares = {key: grown if key in MEASURES else share for key in numbers_of(after.form)}
+    form = {key: _mixed(getattr(before.form, key), getattr(after.form, key), own) for key, own in shares.items()}
     return after.model_copy(update={after.kind: after.form.model_copy(update=form)})
 
 
@@ -72,7 +106,7 @@ def speed_of(before: Body, after: Body, x: np.ndarray) -> Speed:
             return Speed(
                 _way(old.center, new.center), float(np.linalg.norm(_way(old.half, new.half))) + turned * half + rounded
             )
-        case "mesh":
+        case "mesh" | "mannequin":
             turned = float(np.abs(_way(old.turn, new.turn)).sum())
             larger = abs(new.scale - old.scale)
             return Speed(_way(old.move, new.move), reach_of(new) * (turned * max(old.scale, new.scale) + larger))
@@ -157,7 +191,9 @@ class BodyPath:
         """The share of the way on which no body can get deeper by more than it may be in the cloth; see `farthest`."""
         rate, shares = way / (1.0 - begin), [1.0]
         for old, new, depth in zip(self.before, self.after, self.depths):
-            fastest = _fastest(speed_of(old, new, x), rate) if same_kind(old, new) else 0.0
+            if is_remade(old, new):
+                shares.append(1.0 / stairs(old, new))
+            fastest = _fastest(speed_of(old, new, x), rate) if goes_on(old, new) else 0.0
             if np.isfinite(depth) and fastest > 0.0:
                 shares.append(depth / fastest)
         return min(shares)
@@ -165,8 +201,14 @@ class BodyPath:
     def _advance(self, k: int, depth: float, begin: float, end: float, x: np.ndarray, rate: np.ndarray) -> float:
         """How far body k may go from a share towards another one; the cloth goes from x (n, 3) at a rate (n, 3)."""
         old, new = self.before[k], self.after[k]
-        if not np.isfinite(depth) or not same_kind(old, new):
+        if not np.isfinite(depth) or not goes_on(old, new):
             return end
+        if is_remade(old, new):
+            # Up to where it has other sizes next it goes with those that it has now.
+            parts, now = stairs(old, new), between(old, new, begin)
+            end = min(end, (math.floor(begin * parts + NEARLY) + 1) / parts)
+            grown = {key: getattr(now.form, key) for key in MEASURES}
+            old, new = (one.model_copy(update={"mannequin": one.form.model_copy(update=grown)}) for one in (old, new))
         cells, tolerance = self.contact.cells, 0.5 * ARRIVED * depth
         relative = _fastest(speed_of(old, new, x), rate)
         if relative == 0.0:

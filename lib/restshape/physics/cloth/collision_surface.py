@@ -7,10 +7,7 @@ from typing import Any
 
 import numpy as np
 
-SLACK = 1e-9
-"""Part of an edge, or of a triangle's side, from whose ends on a passage counts."""
-SPARSE = 16
-"""Of so many edges one is looked at first, where some are known to pass through triangles."""
+from restshape import _kernels
 
 
 def unique_edges(cells: np.ndarray) -> np.ndarray:
@@ -53,16 +50,15 @@ class CollisionSurface:
         Returns: whether they are others than before.
         """
         before, self.sewn = self.sewn, (numbers, pairs)
-        return before is None or not all(map(np.array_equal, before, self.sewn))
+        changed = before is None or not all(map(np.array_equal, before, self.sewn))
+        if changed:
+            self.search.sew(numbers, pairs)
+        return changed
 
-    def as_one(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """Whether nodes (m,) and others (m,) are the same, or sewn together."""
-        if self.sewn is None:
-            return first == second
-        numbers, pairs = self.sewn
-        n, i, j = np.int64(len(numbers)), numbers[first], numbers[second]
-        keys = np.minimum(i, j) * n + np.maximum(i, j)
-        return (i == j) | np.isin(keys, pairs[:, 0] * n + pairs[:, 1])
+    @cached_property
+    def search(self) -> _kernels.NearPairs:
+        """What may cross, found by trees of boxes over the flat sheet as it was first."""
+        return _kernels.NearPairs(np.ascontiguousarray(self.flat[:, :2]), self.edges, self.cells)
 
     @property
     def sewn_nodes(self) -> np.ndarray:
@@ -90,45 +86,10 @@ class CollisionSurface:
 
     def crosses(self, x: np.ndarray) -> bool:
         """Whether an edge passes through a triangle at positions x (n, 3)."""
-        meet = bool(self.library.has_intersections(self.mesh, columns(x), self.library.LBVH()))
-        return meet and (self.sewn is None or len(self._passed(x, self.edges, self.cells)) > 0)
+        if self.sewn is not None:
+            return len(self.search.crossed(x)) > 0
+        return bool(self.library.has_intersections(self.mesh, columns(x), self.library.LBVH()))
 
     def crossed(self, x: np.ndarray) -> np.ndarray:
         """Numbers (k,) of the triangles that edges of others pass through at positions x (n, 3)."""
-        if not np.isfinite(x).all() or not self.crosses(x):
-            return np.empty(0, np.int64)
-        # Where most triangles are crossed a few edges show it, and pairs of all are millions.
-        some = self._passed(x, self.edges[::SPARSE], self.cells)
-        left = np.setdiff1d(np.arange(len(self.cells)), some)
-        more = left[self._passed(x, self.edges, self.cells[left])] if len(left) else left
-        return np.union1d(some, more)
-
-    def _passed(self, x: np.ndarray, edges: np.ndarray, cells: np.ndarray) -> np.ndarray:
-        """Which of some triangles (ne, 3) edges (m, 2) pass through at positions x (n, 3): numbers (k,)."""
-        search = self.library.LBVH()
-        search.build(columns(x), np.asfortranarray(edges), np.asfortranarray(cells))
-        near = search.detect_edge_face_candidates()
-        edge, cell = np.array([(pair.edge_id, pair.face_id) for pair in near], np.int64).reshape(-1, 2).T
-        ends, corners = edges[edge], cells[cell]
-        first, second = np.broadcast_arrays(ends[:, :, None], corners[:, None, :])
-        apart = ~self.as_one(first.ravel(), second.ravel()).reshape(first.shape).any(axis=(1, 2))
-        hit = passes_through(x[ends[apart]], x[corners[apart]])
-        return np.unique(cell[apart][hit])
-
-
-def passes_through(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Whether edges (m, 2, 3) pass through the triangles (m, 3, 3) beside them.
-
-    Source: Möller and Trumbore, Journal of Graphics Tools 2(1), 1997, 21.
-    """
-    start, way = edges[:, 0], edges[:, 1] - edges[:, 0]
-    first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    normal = np.cross(way, second)
-    volume = np.einsum("ma,ma->m", first, normal)
-    scale = np.where(volume == 0.0, np.inf, volume)
-    offset = start - triangles[:, 0]
-    turned = np.cross(offset, first)
-    u = np.einsum("ma,ma->m", offset, normal) / scale
-    v = np.einsum("ma,ma->m", way, turned) / scale
-    t = np.einsum("ma,ma->m", second, turned) / scale
-    return (np.minimum.reduce([u, v, 1.0 - u - v, t, 1.0 - t]) > SLACK) & (volume != 0.0)
+        return self.search.crossed(x) if np.isfinite(x).all() else np.empty(0, np.int32)

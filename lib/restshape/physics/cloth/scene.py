@@ -136,7 +136,7 @@ def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:
 def touched(scene: Scene) -> list[tuple[_kernels.Body, float]]:
     """The scene's bodies where they are now, each with its coefficient of friction."""
     for name, body in scene.bodies.items():
-        if body.kind == "mesh":
+        if body.form_on_grid:
             located_distance(scene, name)
     bodies = [body.evaluated(scene.parameters) for body in scene.bodies.values()]
     return [(kernel_body(body), body.friction) for body in bodies]
@@ -154,7 +154,7 @@ def kernel_body(body: Body) -> _kernels.Body:
             return _kernels.Body.capsule(form.start, form.end, form.radius)
         case "cylinder":
             return _kernels.Body.cylinder(form.start, form.end, form.radius, form.rounded)
-        case "mesh":
+        case "mesh" | "mannequin":
             return kernel_mesh(form)
         case _:
             # Its axes are the rows.

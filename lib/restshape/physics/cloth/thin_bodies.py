@@ -87,7 +87,7 @@ def _diameters(body: Body) -> tuple[float, float]:
         case "box":
             first, second, _ = sorted(form.half)
             return 2.0 * first, 2.0 * second
-        case "mesh":
+        case "mesh" | "mannequin":
             surface = _surface(form).X
             first, second, _ = sorted((surface.max(axis=0) - surface.min(axis=0)).tolist())
             return first * form.scale, second * form.scale
@@ -115,7 +115,7 @@ def _edge_radius(body: Body) -> float:
             return body.form.radius
         case "cylinder":
             return body.form.rounded
-        case "mesh":
+        case "mesh" | "mannequin":
             return _surface(body.form).facts.edge * body.form.scale
         case _:
             return math.inf

@@ -25,7 +25,7 @@ def size_of(body: Body) -> float:
             return min(form.radius, 0.5 * math.dist(form.start, form.end))
         case "box":
             return min(form.half)
-        case "mesh":
+        case "mesh" | "mannequin":
             return form.scale * distance_of(form).facts.thin
         case _:
             return np.inf

@@ -8,8 +8,9 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from restshape.physics.cloth.body_motion import body_axes
+from restshape.physics.cloth.mannequin.growth import mannequin_surface
 from restshape.physics.cloth.mesh_bodies import placed_surface
-from restshape.scene.bodies import Body, Box, Capsule, Cylinder, MeshBody, Plane, Sphere
+from restshape.scene.bodies import Body, Box, Capsule, Cylinder, MannequinBody, MeshBody, Plane, Sphere
 from restshape.shape.placement import rotation
 
 PIECES = 48
@@ -31,6 +32,9 @@ def body_surface(body: Body, low: np.ndarray, high: np.ndarray, own: Surface | N
     match form:
         case MeshBody():
             return (np.empty((0, 3)), np.empty((0, 3), int)) if own is None else (placed_surface(form, own[0]), own[1])
+        case MannequinBody():
+            made = mannequin_surface(form.sizes, form.size)
+            return placed_surface(form, made.X), made.cells
         case Sphere():
             return _rounded(np.array([form.center]), form.radius)
         case Capsule():

@@ -14,6 +14,7 @@ from restshape.analysis.frame import Frame
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
+from restshape.physics.cloth.body_motion import is_remade
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
@@ -68,7 +69,8 @@ def bind(
     if not (cold or origin or before.guessed) and options.strategy == "auto":
         start = in_material(before, problem) if before.problem is problem else known
         problem.begin_frame(start)
-    if not (cold or origin) and before.problem is problem and options.strategy == "auto":
+    resized = any(is_remade(old, new) for old, new in zip(before.bodies, state.bodies))
+    if not (cold or origin or resized) and before.problem is problem and options.strategy == "auto":
         moved = before.place.farthest(problem.place)
         state, found = drag_frame(state, LastRest(in_material(before, problem), before.bodies, moved, before.energy))
         if found:

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
-from restshape.physics.cloth.body_motion import body_axes, moved_with, turn_of
-from restshape.physics.cloth.body_path import BodyPath, same_kind
+from restshape.physics.cloth.body_motion import body_axes, is_remade, moved_with, turn_of
+from restshape.physics.cloth.body_path import BodyPath, goes_on
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.mesh_bodies import distance_of
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
@@ -74,10 +75,22 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         problem.begin_frame(x)
     spent = ConvergenceReport()
     spent.count(report)
-    notes = state.notes if parts == 1 else (*state.notes, f"the way of the bodies was gone in {parts} parts")
+    notes = (*state.notes, *_remade_notes(state, before))
+    notes = notes if parts == 1 else (*notes, f"the way of the bodies was gone in {parts} parts")
     if parts > 1:
         log.info("Bodies went their way in %d parts, %d steps", parts, report.steps)
     return replace(state, x=problem.constrain(x), report=spent, notes=notes, doubts=tuple(sorted(doubts)))
+
+
+def _remade_notes(state: RelaxationState, before: tuple[Body, ...]) -> list[str]:
+    """What there is to say of mannequins whose sizes are others than in the last frame."""
+    changed = [(name, new) for name, old, new in zip(state.scene.bodies, before, state.bodies) if is_remade(old, new)]
+    facts = {name: (body.form.scale, distance_of(body.form).facts) for name, body in changed}
+    return [
+        f"the distance from bodies.{name} is that of its new sizes, on {1e3 * scale * own.spacing:.3g} mm, wrong by "
+        f"{1e3 * scale * own.error:.2g} mm at most"
+        for name, (scale, own) in facts.items()
+    ]
 
 
 def take_along(history: FrictionHistory, before: tuple[Body, ...], after: tuple[Body, ...]) -> FrictionHistory:
@@ -102,7 +115,7 @@ def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], a
     if len(pressed) != 1 or len(problem.boundary.constrained):
         return way
     old, new = before[pressed[0]], after[pressed[0]]
-    if not same_kind(old, new) or old.form == new.form:
+    if not goes_on(old, new) or old.form == new.form:
         return way
     corners = problem.corners(x)
     # Slopes turn with the cloth.

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from restshape.errors import UserError
-from restshape.scene.bodies import Body, Start, numbers_of
+from restshape.scene.bodies import MEASURES, Body, Start, numbers_of
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.given_numbers import given_numbers, value_below
@@ -95,7 +95,9 @@ class ChangingNumber:
     def form(self, name: str, body: Body) -> dict[str, Any]:
         """Rates of the keys of a body's form, numbers and arrays."""
         where, form = f"bodies.{name}.{body.kind}", body.form
-        return {key: self._either(getattr(form, key), f"{where}.{key}") for key in numbers_of(form)}
+        # Sizes of mannequins make other grids, which have no derivative by them.
+        keys = [key for key in numbers_of(form) if not is_measure(("bodies", name, body.kind, key))]
+        return {key: self._either(getattr(form, key), f"{where}.{key}") for key in keys}
 
     def start(self) -> dict[str, np.ndarray]:
         """Rates (3,) of the keys of where the flat cloth lies."""
@@ -132,7 +134,12 @@ def number_keys(scene: Scene, plan: Plan) -> list[str]:
         found += _numbers(Start().move, ("start", "move"))
     for name in EFFECTS:
         found += _numbers(plan.settings(name), ("effects", name))
-    return [key for key in found if key.rpartition(".")[2] not in SILENT]
+    return [key for key in found if key.rpartition(".")[2] not in SILENT and not is_measure(key.split("."))]
+
+
+def is_measure(key: Sequence[str]) -> bool:
+    """Whether the key of a number is that of a size of a mannequin."""
+    return len(key) == 4 and key[0] == "bodies" and key[2] == "mannequin" and key[3] in MEASURES
 
 
 def _numbers(here: object, key: tuple[str, ...]) -> Iterator[str]:

@@ -23,7 +23,7 @@ from restshape.physics.cloth.sensitivity.agreed_contact import BodyChange, Conta
 from restshape.physics.cloth.sensitivity.agreed_layers import AgreedLayers
 from restshape.physics.cloth.sensitivity.fabric_rates import fabric_rates
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
-from restshape.physics.cloth.sensitivity.scene_numbers import SILENT, TABLES, ChangingNumber
+from restshape.physics.cloth.sensitivity.scene_numbers import SILENT, TABLES, ChangingNumber, is_measure
 from restshape.physics.cloth.thin_bodies import borne
 from restshape.scene.bodies import Body, Start
 from restshape.scene.duals import Dual, dual
@@ -79,6 +79,8 @@ def _require_known(state: RelaxationState, number: ChangingNumber) -> None:
     if parts[0] == "panels":
         what = f"drapes have no derivative by {number.key}, which places or shapes a panel"
         raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
+    if is_measure(parts):
+        raise UserError(*_resizes(number.key, ".".join(parts)))
     if _places_supported(state, tuple(parts)):
         raise UserError(*_wraps(number.key, parts[1]))
     if number.parameter:
@@ -94,6 +96,11 @@ def _places_supported(state: RelaxationState, key: tuple[str, ...]) -> bool:
     return key[0] == "bodies" and key[1] in wrapped and key[-1] != "friction"
 
 
+def _resizes(key: str, where: str) -> tuple[str, str, str]:
+    what = f"drapes have no derivative by {key}, for {where} makes the surface of a mannequin again"
+    return what, "--by", "name another number, or compare two replays"
+
+
 def _wraps(key: str, body: str) -> tuple[str, str, str]:
     what = f"drapes have no derivative by {key}, for supports hold a panel that is wrapped around {body}"
     return what, "--by", "name another number"
@@ -107,6 +114,8 @@ def _require_formulas(state: RelaxationState, number: ChangingNumber) -> None:
         table, where = given.key[0], ".".join(given.key)
         if number.parameters.keys().isdisjoint(given.formula.names):
             continue
+        if is_measure(given.key):
+            raise UserError(*_resizes(number.key, where))
         if _places_supported(state, given.key):
             raise UserError(*_wraps(number.key, given.key[1]))
         if table in ("shape", "panels"):
@@ -205,7 +214,7 @@ def _kernel_rates(body: Body, rates: dict) -> _kernels.BodyRates:
         case "cylinder":
             ends = form.start, form.end, form.radius, form.rounded
             return make.cylinder(*ends, rates["start"], rates["end"], rates["radius"], rates["rounded"])
-        case "mesh":
+        case "mesh" | "mannequin":
             turn, turned = rotation(form.turn).T, rotation_rates(form.turn, rates["turn"]).T
             numbers = form.move, turn, form.scale, rates["move"], turned, rates["scale"]
             return make.mesh(distance_of(form).grid, *numbers)

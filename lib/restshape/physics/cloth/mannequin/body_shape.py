@@ -6,11 +6,11 @@ It stands on the plane z = 0, faces -y, and x = 0 is its plane of symmetry.
 from __future__ import annotations
 
 import numpy as np
-from restshape_apps.couture.bodies.body_sizes import Sizes
-from restshape_apps.couture.bodies.tube import Section, Tube, blended, section
 from scipy.optimize import brentq
 
 from restshape.errors import UserError
+from restshape.physics.cloth.mannequin.tube import Section, Tube, blended, section
+from restshape.scene.body_sizes import Sizes
 
 LEVELS = {"hip": 0.515, "waist": 0.62, "bust": 0.715, "shoulder": 0.81}
 """Levels at which measures hold, over the height."""
@@ -21,8 +21,8 @@ SOLE = 0.01
 FAR = 0.03
 """Distance over the height beyond which parts do not count for each other: more than any reach."""
 MIDDLE = (0.0, 0.0)
-CHEST = ("bust", "arms", "--shoulder", "give wider shoulders, a smaller --bust or a smaller --upper-arm")
-HIPS = ("hip", "legs", "--thigh", "give a smaller --thigh or a wider --hip")
+CHEST = ("bust", "arms", "--shoulder", "give wider shoulders, a smaller bust or smaller upper arms")
+HIPS = ("hip", "legs", "--thigh", "give smaller thighs or wider hips")
 
 
 class BodyShape:
@@ -60,6 +60,21 @@ class BodyShape:
         for part in self.legs:
             found = blended(found, part(places), self.reaches["legs"])
         return -blended(-found, places[..., 2], SOLE)
+
+    @property
+    def parts(self) -> list[Tube]:
+        """All tubes, in an order that is the same for all bodies."""
+        return [self.trunk, *self.upper, *self.legs, *self.arms]
+
+    def taken_to(self, other: BodyShape, places: np.ndarray) -> np.ndarray:
+        """Where places (n, 3) [m] near this body are on one of other sizes: at the same shares of its parts.
+
+        Between parts it is the mean of what each of them leads to, by how near they are.
+        """
+        away = np.stack([part.reach(places) for part in self.parts])
+        near = np.maximum(0.0, 1.0 - (away - away.min(axis=0)) / (FAR * self.height)) ** 3
+        found = np.stack([one.taken_to(two, places) for one, two in zip(self.parts, other.parts)])
+        return np.einsum("kn,kna->na", near / near.sum(axis=0), found)
 
     def _trunk(self) -> Tube:
         s, h = self.sizes, self.height

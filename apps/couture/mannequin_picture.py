@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from restshape_apps.couture.bodies.body_shape import LEVELS
-from restshape_apps.couture.bodies.mannequin import Mannequin
 
 from restshape.outputs.picture_files import save_picture
+from restshape.physics.cloth.mannequin.body_shape import LEVELS
+from restshape.physics.cloth.mannequin.surface import Mannequin
 from restshape.report.camera import Camera
 from restshape.report.space_scene import SpaceImage
 from restshape.report.style import INK, new_figure

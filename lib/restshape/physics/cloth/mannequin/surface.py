@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from restshape_apps.couture.bodies.body_mesh import body_mesh, obj_text
-from restshape_apps.couture.bodies.body_shape import BodyShape
-from restshape_apps.couture.bodies.body_sizes import Sizes
 
 from restshape.outputs.kinds import BODY_MARK
+from restshape.physics.cloth.mannequin.body_mesh import body_mesh, obj_text
+from restshape.physics.cloth.mannequin.body_shape import BodyShape
+from restshape.scene.body_sizes import Sizes
 
 ROOM = 2.5
 """Cells of the grid around the body."""

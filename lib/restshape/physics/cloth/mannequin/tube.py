@@ -56,6 +56,7 @@ class Tube:
         self.origin, self.caps, self.far = np.array(origin), caps, far
         self.axes = np.eye(3) if axes is None else axes
         heights = [height for height, _, _ in rows]
+        self.heights = np.array(heights)
         self.ends = heights[0], heights[-1]
         centres, halves = (np.array([row[k] for row in rows]) for k in (1, 2))
         reach = np.column_stack([halves[:, 0], halves[:, 1:].max(axis=1)])
@@ -73,6 +74,26 @@ class Tube:
         found = np.full(near.shape, self.far)
         found[near] = self._within(own[near])
         return found
+
+    def reach(self, places: np.ndarray) -> np.ndarray:
+        """The same distance (n,) of places (n, 3) wherever they are."""
+        return self._within((places - self.origin) @ self.axes.T)
+
+    def taken_to(self, other: Tube, places: np.ndarray) -> np.ndarray:
+        """Where places (n, 3) of this tube are in another one with as many sections: at the same share of each."""
+        own = (places - self.origin) @ self.axes.T
+        height = np.clip(own[:, 2], *self.ends)
+        beyond = np.interp(height, self.heights, other.heights)
+        (x, y, half, *depths), (to_x, to_y, to_half, *to_depths) = self.along(height).T, other.along(beyond).T
+        behind, above = own[:, 1] > y, own[:, 2] > height
+        found = np.column_stack(
+            [
+                to_x + (own[:, 0] - x) * to_half / half,
+                to_y + (own[:, 1] - y) * np.where(behind, to_depths[1], to_depths[0]) / np.where(behind, *depths[::-1]),
+                beyond + (own[:, 2] - height) * np.where(above, *other.caps[::-1]) / np.where(above, *self.caps[::-1]),
+            ]
+        )
+        return found @ other.axes + other.origin
 
     def _within(self, own: np.ndarray) -> np.ndarray:
         """The distance (n,) of places (n, 3) in the tube's own frame."""
