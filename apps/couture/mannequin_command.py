@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     given = {name: _length(getattr(args, name), option(name)) for name in HELP if getattr(args, name)}
     sizes = replace(BODIES[args.body], **given).completed()
     size = _triangle_size(args.size, sizes)
-    from restshape.physics.cloth.mannequin.surface import Mannequin
+    from restshape.physics.cloth.mannequin.mannequin_surface import Mannequin
 
     body = Mannequin(sizes, size)
     if args.out:

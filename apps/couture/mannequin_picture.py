@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from restshape.outputs.picture_files import save_picture
 from restshape.physics.cloth.mannequin.body_shape import LEVELS
-from restshape.physics.cloth.mannequin.surface import Mannequin
+from restshape.physics.cloth.mannequin.mannequin_surface import Mannequin
 from restshape.report.camera import Camera
 from restshape.report.space_scene import SpaceImage
 from restshape.report.style import INK, new_figure

@@ -13,7 +13,7 @@ import numpy as np
 
 from restshape import _kernels
 
-DEEPEST = 10
+MOST_DIVISIONS = 10
 """Times that a cube is divided, at most."""
 CUBE_BYTES, NODE_BYTES = 32, 8
 """Bytes of the eight corners of a cube, in single precision, and of a place in the tree."""
@@ -65,13 +65,13 @@ class AdaptiveDistance:
     ) -> None:
         self.low, self.side, self.levels = low, side, []
         at, self.nodes = np.zeros((1, 3), dtype=np.int64), 0
-        for depth in range(DEEPEST + 1):
+        for depth in range(MOST_DIVISIONS + 1):
             self.nodes += len(at)
             values = self._exact(search, at, depth)
             corners = values[:, [9 * 2 * i + 3 * 2 * j + 2 * k for i, j, k in CORNERS]]
             wrong = np.abs(corners @ _weights(0.5 * TESTED).T - values[:, [9 * i + 3 * j + k for i, j, k in TESTED]])
             near = np.abs(values[:, 13]) <= band + 0.5 * np.sqrt(3.0) * side / 2**depth
-            divided = near & (wrong.max(axis=1) > tolerance) & (depth < DEEPEST)
+            divided = near & (wrong.max(axis=1) > tolerance) & (depth < MOST_DIVISIONS)
             codes = self._codes(at, depth)
             order = np.argsort(codes[~divided])
             self.levels.append(Level(codes[~divided][order], corners[~divided][order]))

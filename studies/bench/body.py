@@ -17,7 +17,7 @@ from restshape_studies.bench.adaptive_distance import AdaptiveDistance
 from restshape import _kernels
 from restshape.mesh.closed_surface import ClosedSurface, read_closed_surface
 from restshape.mesh.surface_distance import SurfaceDistance, away_from_axis, kept_distance, places_in_band
-from restshape.physics.cloth.mannequin.surface import Mannequin
+from restshape.physics.cloth.mannequin.mannequin_surface import Mannequin
 from restshape.scene.body_sizes import BODIES
 
 ASKED, REPEATS = 10_000, 20

@@ -42,7 +42,7 @@ def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[st
     from restshape_studies.bench.body import beside_adaptive, body_of, grid_times
 
     surface = body_of(args.file, args.triangles)
-    announce(f"{case.name}: {len(surface.cells)} triangles")
+    announce(f"{case.name}: a grid for {len(surface.cells):,} of its triangles")
     found = grid_times(surface, None if args.spacing is None else 1e-3 * args.spacing)
     rows = beside_adaptive(surface, found) if args.adaptive else []
     return {key: value for key, value in found.items() if key != "grid"} | {"beside": rows}

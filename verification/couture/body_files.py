@@ -50,7 +50,7 @@ def with_body(scene: Path, form: str, mesh: str, obj: str, folder: Path) -> Path
     if form not in text:
         raise ValueError(f"{scene} has no {form}")
     (folder / "body.obj").write_text(obj)
-    (folder / scene.name).write_text(text.replace(form, f'mesh = {{ file = "body.obj", {mesh} }}'))
+    (folder / scene.name).write_text(text.replace(form, f'mesh = {{ file = "body.obj", unit = "m", {mesh} }}'))
     return folder / scene.name
 
 

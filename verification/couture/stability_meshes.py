@@ -118,10 +118,10 @@ def growing(trial: Trial) -> Iterator[Statement]:
 
 
 CASES = {
-    "mesh_edge": Case(mesh_edge),
+    "mesh_edge": Case(mesh_edge, weekly=("auto",)),
     "mesh_hole": Case(mesh_hole, weekly=("auto",)),
     "mesh_touching": Case(mesh_touching, weekly=("auto",)),
     "mesh_sizes": Case(mesh_sizes, weekly=("auto",)),
-    "mesh_band": Case(mesh_band),
+    "mesh_band": Case(mesh_band, weekly=("auto",)),
     "growing": Case(growing, weekly=("auto",)),
 }

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.physics.cloth.mannequin.surface import Mannequin
+from restshape.physics.cloth.mannequin.mannequin_surface import Mannequin
 from restshape.scene.body_sizes import BODIES, Sizes
 
 PATTERNS = Path(__file__).parents[1] / "patterns"

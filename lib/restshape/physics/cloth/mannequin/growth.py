@@ -39,7 +39,7 @@ def mannequin_surface(sizes: Sizes, size: float | None) -> ClosedSurface:
         UserError: no body has these sizes.
     """
     # Imported here, as below: few scenes have mannequins, whose surfaces take VTK and splines.
-    from restshape.physics.cloth.mannequin.surface import Mannequin
+    from restshape.physics.cloth.mannequin.mannequin_surface import Mannequin
 
     made = Mannequin(sizes, size or sizes.height / FINE)
     return ClosedSurface(made.nodes, made.triangles.astype(np.int32), 1.0)
