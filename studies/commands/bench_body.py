@@ -79,5 +79,6 @@ KINDS = (
         show,
         scenes="still",
         own=own,
+        times="making, of the processor; reading and asking, the shortest of several",
     ),
 )
