@@ -9,6 +9,7 @@ from restshape_verification.couture.validation_cantilever import (
     hinged_cantilever,
     wide_cantilever,
 )
+from restshape_verification.couture.validation_darts import sewn_dart
 from restshape_verification.couture.validation_derivatives import drape_identities
 from restshape_verification.couture.validation_folds import folded_twice
 from restshape_verification.couture.validation_friction import capstan, incline
@@ -40,4 +41,5 @@ CASES: dict[str, Case] = {
     "folded_twice": folded_twice,
     "sewn_loop": sewn_loop,
     "sewn_cylinder": sewn_cylinder,
+    "sewn_dart": sewn_dart,
 }

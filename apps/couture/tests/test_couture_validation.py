@@ -150,7 +150,7 @@ def test_nested_folds_whose_tips_meet_are_as_high_as_one_alone():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", ["sewn_loop", "sewn_cylinder"])
+@pytest.mark.parametrize("case", ["sewn_loop", "sewn_cylinder", "sewn_dart"])
 def test_sewn_cloth_is_that_of_closed_forms(case):
     checks = CASES[case](PETSc.COMM_WORLD)
     assert all(check.passed for check in checks), [(check.quantity, check.error) for check in checks]

@@ -11,6 +11,7 @@ from restshape.errors import UserError
 from restshape.mesh.importer import read_mesh
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
+from restshape.scene.darts import without_darts
 from restshape.scene.edit_script import Script, read_script
 from restshape.scene.load import recorded_scene
 from restshape.scene.model import Scene
@@ -148,7 +149,7 @@ def thickness_of(scene: Scene) -> float | None:
 
 def plain_scene(frame: EditedFrame, shape: Table) -> Table:
     """The plain tables of a frame's scene with others in place of its shape or panels, which are in no file."""
-    raw = {key: value for key, value in frame.scene.raw.items() if key not in ("shape", *shape)}
+    raw = {key: value for key, value in without_darts(frame.scene).items() if key not in ("shape", *shape)}
     mesh = {key: value for key, value in table_in(raw, "mesh").items() if key not in ("file", "unit")}
     first = {key: raw.pop(key) for key in ("format", "version", "app", "title", "parameters") if key in raw}
     return first | shape | raw | ({"mesh": mesh} if "mesh" in raw else {})

@@ -14,6 +14,7 @@ from restshape import bounds
 from restshape.application import Application, application, application_of
 from restshape.errors import UserError
 from restshape.scene.checks import check_scene
+from restshape.scene.darts import with_darts
 from restshape.scene.foreign import check_keys
 from restshape.scene.model import FORMAT, VERSION, MeshSpec, Scene, SolveSpec
 from restshape.scene.overrides import branched, parse_override, put
@@ -140,16 +141,13 @@ def revise(scene: Scene, key: str, value: object) -> Scene:
     raw = branched(scene.raw, parts)
     put(raw, parts, value, f"set {key}", adds=isinstance(value, dict))
     revised = _scene(raw, scene._source.overriding(parts))
-    # Formulas elsewhere may depend on a parameter.
-    every = parts[0] == "parameters"
+    # Formulas elsewhere may depend on a parameter; panels and darts make the shape, and darts seams.
+    every = parts[0] == "parameters" or parts[0] in revised.tables.values()
     others = [name for name in type(scene).model_fields if name != parts[0]]
     shared = {n: getattr(scene, n) for n in others if not every or getattr(scene, n) == getattr(revised, n)}
     if revised.mesh.order != scene.mesh.order:
         # The change makes the plan decide on another order.
         shared.pop("mesh", None)
-    if parts[0] in revised.tables.values() and revised.shape != scene.shape:
-        # Panels make the shape.
-        shared.pop("shape", None)
     if revised.solve.tolerance != scene.solve.tolerance:
         shared.pop("solve", None)
     return revised.model_copy(update=shared)
@@ -201,7 +199,7 @@ def _scene(raw: Table, source: Source) -> Scene:
         raise user_error(error, source, kind) from error
     assert app, "a scene without an application is not valid"
     try:
-        scene = with_panels(scene)
+        scene = with_darts(with_panels(scene))
     except UserError as error:
         raise source.error(split_key(error.where), error.what, error.do) from error
     effects = read_effects(scene, app, parameters, source)

@@ -15,6 +15,7 @@ from pydantic import (
 
 from restshape.bounds import POLYLINE_POINTS, TOLERANCE
 from restshape.errors import UserError
+from restshape.scene.dart_keys import PlacedDart
 from restshape.scene.expressions import Value
 from restshape.scene.load_kind import LoadKind
 from restshape.scene.materials import named
@@ -135,6 +136,7 @@ class ShapeSpec(Strict):
     regions: dict[PartName, LoopSpec] = {}
     points: dict[PartName, Point] = {}
     groups: dict[PartName, Annotated[list[str], Field(min_length=1)]] = {}
+    _darts: tuple[PlacedDart, ...] = PrivateAttr(())
 
     @model_validator(mode="after")
     def _reads_a_file(self) -> Self:
@@ -142,6 +144,17 @@ class ShapeSpec(Strict):
         if of_file:
             raise UnitError(f"{of_file[0]} says how shape.file is read, which the scene does not have: leave it out")
         return self
+
+    @property
+    def darts(self) -> tuple[PlacedDart, ...]:
+        """What is cut out of it, or folded."""
+        return self._darts
+
+    def with_darts(self, darts: tuple[PlacedDart, ...]) -> Self:
+        """This shape with darts, whose parts have names in it."""
+        found = self.model_copy()
+        found._darts = darts
+        return found
 
     @property
     def pieces(self) -> Mapping[str, list[str]]:
@@ -160,6 +173,8 @@ class ShapeSpec(Strict):
             for i in range(1, corners + 1):
                 kinds |= {f"{name}.{i}": "edge", f"{name}.v{i}": "vertex"}
         former = {edge.part_of: "edge" for edge in self.edges.values() if edge.part_of is not None}
+        for dart in self._darts:
+            kinds |= dart.kinds()
         return former | kinds | {"outline": "outline", "all": "all"}
 
 

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, Self
 from pydantic import Field, RootModel, model_validator
 
 from restshape.errors import UserError
+from restshape.scene.dart_keys import IMAGE
 from restshape.scene.descriptions import listing
 from restshape.scene.model import CircleLoop, EdgeLoop, PolygonLoop, ShapeSpec
 from restshape.scene.pattern_packing import PanelFrame, Where, bounds, packed, with_bulge
 from restshape.scene.shape_edges import ArcSpec, EdgePart, LineSpec
 from restshape.scene.space_values import ORIGIN, Angles, Place
-from restshape.scene.unfolding import IMAGE, unfolded
+from restshape.scene.unfolding import unfolded
 from restshape.scene.units import UnitError
 from restshape.scene.values import Angle, Length, Point
 

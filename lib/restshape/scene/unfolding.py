@@ -7,11 +7,9 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from restshape.errors import UserError
+from restshape.scene.dart_keys import IMAGE
 from restshape.scene.model import Circle, CircleLoop, EdgeLoop, PolygonLoop, ShapeSpec
 from restshape.scene.shape_edges import ArcSpec, EdgeSpec, LineSpec
-
-IMAGE = "mirror"
-"""What names of the other half begin with, and the name of the region that it is."""
 
 Pair = tuple[float, float]
 Loop = CircleLoop | EdgeLoop | PolygonLoop
@@ -39,7 +37,7 @@ def unfolded(panel: Shape, fold: str) -> Shape:
     start, end = edge.line
     if not {start, end} <= panel.vertices.keys():
         return panel
-    reflect = _reflection(panel.vertices[start], panel.vertices[end])
+    reflect = reflection(panel.vertices[start], panel.vertices[end])
     place = around.index(fold)
     own = [*around[place + 1 :], *around[:place]]
     outline = [*own, *(f"{IMAGE}.{name}" for name in reversed(own))]
@@ -73,7 +71,7 @@ def _image(name: str, still: set[str]) -> str:
     return name if name in still else f"{IMAGE}.{name}"
 
 
-def _reflection(a: Pair, b: Pair) -> Callable[[Pair], Pair]:
+def reflection(a: Pair, b: Pair) -> Callable[[Pair], Pair]:
     """Takes a point to its image about the line through two."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length = math.hypot(dx, dy) or 1.0

@@ -249,6 +249,7 @@ Ordinal = Annotated[Whole, Field(ge=1)]
 Length = Annotated[float, InSI("length")]
 Angle = Annotated[float, InSI("angle")]
 Time = Annotated[float, InSI("time")]
+Pressure = Annotated[float, InSI("pressure")]
 AnyNumber = Annotated[float, InSI(None)]
 """Of whatever dimension."""
 Point = tuple[Length, Length]

@@ -18,6 +18,7 @@ from restshape.scene.shape_edges import ArcSpec, LineSpec, PolylineSpec, SplineS
 from restshape.scene.source import Source
 from restshape.scene.validation_errors import user_error
 from restshape.shape.curves import bulge_through
+from restshape.shape.dart_corners import dart_named, with_darts
 from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_polygon
 from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
@@ -57,7 +58,7 @@ def unchecked_outline(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     draft.groups = {name: tuple(parts) for name, parts in spec.groups.items()}
     outline = _located("shape", draft.outline)
     _check_groups(outline)
-    return outline
+    return with_darts(outline, spec.darts)
 
 
 def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
@@ -71,6 +72,9 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     if wrong:
         do = "mend it: loops must neither cross, touch nor leave the outline"
         apart = "give one of them another `at`, or leave it out: panels without are packed in rows"
+        if dart := dart_named(spec.darts, wrong):
+            do = "make the dart shorter or narrower, or move it"
+            raise UserError(wrong, dart.where, do)
         raise UserError(wrong, _place(outline, wrong), apart if wrong.startswith("panel") else do)
     return outline
 
@@ -101,7 +105,7 @@ def with_file(spec: ShapeSpec, scene_dir: Path) -> ShapeSpec:
     for key in ("vertices", "edges", "holes", "regions", "groups"):
         merged[key] = {**table_in(read, key), **table_in(own, key)}
     try:
-        return type(spec).model_validate(merged)
+        return type(spec).model_validate(merged).with_darts(spec.darts)
     except ValidationError as error:
         raise user_error(error, Source(scene_dir / spec.file), type(spec), ("shape",)) from error
 

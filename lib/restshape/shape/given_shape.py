@@ -14,6 +14,7 @@ from restshape.scene.model import Scene
 from restshape.scene.panels import frames_of
 from restshape.scene.pattern_packing import PanelFrame
 from restshape.shape.build import unchecked_outline
+from restshape.shape.dart_corners import with_darts
 from restshape.shape.gesture import Gesture, other_curves, towards
 from restshape.shape.outline import Edge, Layout, Outline
 from restshape.shape.panel_placement import plane_axes
@@ -90,7 +91,13 @@ class ShapeFollower:
     def _outline(self, scene: Scene) -> Outline:
         before, after = (unchecked_outline(one.shape, one.folder) for one in (self._scene, scene))
         frames = frames_of(self._scene), frames_of(scene)
-        return followed(_in_frames(self._start, *frames), _in_frames(before, *frames), after)
+        start, before = _in_frames(self._start, *frames), _in_frames(before, *frames)
+        known = self._scene.shape.darts
+        if scene.shape.darts[: len(known)] == known and not np.array_equal(start.points, before.points):
+            # What edits have moved has its new darts where it is.
+            added = scene.shape.darts[len(known) :]
+            return with_darts(start, added) if added else followed(start, before, after)
+        return followed(start, before, after)
 
 
 def _in_frames(outline: Outline, now: Mapping[str, PanelFrame], wanted: Mapping[str, PanelFrame]) -> Outline:
@@ -139,8 +146,8 @@ def followed(outline: Outline, before: Outline, after: Outline) -> Outline:
         UserError: an edge whose points change was cut by an edit, or edits were made on another layout.
     """
     if not same_layout(before.layout, after.layout):
-        if same_layout(outline.layout, before.layout) and np.array_equal(outline.points, before.points):
-            return after
+        if same_layout(outline.layout, before.layout):
+            return _redrawn(outline, before, after)
         what = "the scene gives the shape other edges now, and edits by hand have changed those before"
         raise UserError(what, do="set it before the shape is edited")
     points, bulges = outline.points.copy(), outline.bulges.copy()
@@ -154,6 +161,23 @@ def followed(outline: Outline, before: Outline, after: Outline) -> Outline:
         if outline.edges[place].kind == "spline" and knots[place] == before.edges[old].knots:
             knots[place] = after.edges[old].knots
     return Outline(outline.layout.with_knots(knots), points, bulges)
+
+
+def _redrawn(outline: Outline, before: Outline, after: Outline) -> Outline:
+    """A shape of other edges, where edits have only moved the one before: what both have is as far from its place."""
+    if np.array_equal(outline.points, before.points) and np.array_equal(outline.bulges, before.bulges):
+        return after
+    points, bulges = after.points.copy(), after.bulges.copy()
+    for place, old in _vertices(after, before):
+        points[place] = _shifted(points[place], before.points[old], outline.points[old])
+    there = {edge.name: i for i, edge in enumerate(after.edges)}
+    for old, edge in enumerate(before.edges):
+        place = there.get(edge.name, -1)
+        if place >= 0 and _alike(edge, replace(after.edges[place], start=edge.start, end=edge.end, inner=edge.inner)):
+            own = list(after.edges[place].inner)
+            points[own] = _shifted(points[own], before.points[list(edge.inner)], outline.points[list(edge.inner)])
+            bulges[place] = _shifted(bulges[place], before.bulges[old], outline.bulges[old])
+    return after.moved(points, bulges)
 
 
 def _alike(one: Edge, other: Edge) -> bool:

@@ -16,6 +16,8 @@ from restshape.bounds import REACH
 from restshape.errors import UserError
 from restshape.scene.bare_lengths import with_bare_lengths
 from restshape.scene.bodies import bodies_of
+from restshape.scene.dart_event import DrawnDart
+from restshape.scene.darts import darts_of
 from restshape.scene.edit_script import (
     Arc,
     Delete,
@@ -42,6 +44,7 @@ from restshape.shape import gesture as gestures
 from restshape.shape import rigid_body_drag, topology_edits
 from restshape.shape.both_halves import image_of, of_both_halves, reflected, twice
 from restshape.shape.build import outline_from_spec
+from restshape.shape.dart_drawing import with_drawn_dart, without_dart
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
 from restshape.shape.given_shape import Follow, ShapeFollower
@@ -389,7 +392,15 @@ class EditSession(ScriptSession[Outline]):
 
         yield self._cut(lambda: twice(self.outline, self.scene, event.on, cut), event.name)
 
+    def _do_dart(self, event: DrawnDart) -> Iterator[Step]:
+        scene, outline = self.scene, self.outline
+        yield from self._revise_evenly(1, lambda _: with_drawn_dart(scene, outline, event))
+
     def _do_delete(self, event: Delete) -> Iterator[Step]:
+        if event.on in darts_of(self.scene):
+            yield from self._revise_evenly(1, lambda _: without_dart(self.scene, event.on))
+            return
+
         def cut(outline: Outline, on: str, _: bool) -> Outline:
             return topology_edits.delete(outline, on)
 

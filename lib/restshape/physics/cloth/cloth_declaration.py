@@ -7,14 +7,16 @@ from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS, ClothMa
 from restshape.physics.cloth.cloth_scene_checks import check_cloth
 from restshape.physics.cloth.cloth_solver_plan import cloth_plan
 from restshape.physics.cloth.effects import EFFECTS, cloth_columns
-from restshape.physics.cloth.seam_keys import Seam
 from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.physics.cloth.weight import mass_and_weight
 from restshape.scene.bodies import Body, Start, body_words, start_words
+from restshape.scene.dart_event import DrawnDart
+from restshape.scene.dart_keys import Dart
 from restshape.scene.load_kind import ENTITIES
 from restshape.scene.panels import Panel, PatternLayout, panel_words
 from restshape.scene.physics import OwnPictures, Physics, Section
 from restshape.scene.quantity import QuantityKind
+from restshape.scene.seam_keys import Seam
 
 REQUESTED = {
     "stress": "tensions xx, yy and xy [N/m] of the triangles, in the directions of the flat pattern",
@@ -58,12 +60,14 @@ CLOTH = Physics(
     sections={
         "bodies": Section(Body, "what cloth comes to lie on", named=True, words=body_words),
         "seams": Section(Seam, "edges that are sewn together", named=True),
+        "darts": Section(Dart, "what is cut out of panels, or folded, and sewn", named=True),
         "panels": Section(Panel, "pieces of the pattern, in place of one shape", named=True, words=panel_words),
         "layout": Section(
             PatternLayout, '"auto": all panels are packed in rows', optional=True, words=lambda layout: layout.root
         ),
         "start": Section(Start, "where the flat cloth lies at first", optional=True, words=start_words),
     },
+    events={"dart": DrawnDart},
     effects=EFFECTS,
     derived=DERIVED,
     value_drags=("drag", "rotate", "scale"),

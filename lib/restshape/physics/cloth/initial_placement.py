@@ -9,6 +9,8 @@ from restshape.scene.model import Scene
 from restshape.shape.panel_placement import PatternPlacement
 
 ALL = slice(None)
+SLOPE = 0.2
+"""Of the cloth in folded darts at first: behind the rest, over the distance from the nearer leg."""
 
 
 class InitialPlacement:
@@ -21,6 +23,7 @@ class InitialPlacement:
     def __init__(self, scene: Scene) -> None:
         self._pattern = PatternPlacement(scene)
         self.start = self._pattern.start
+        self._darts = [dart for dart in scene.shape.darts if dart.dart.folded]
 
     def coordinates(self, mesh: Mesh, nodes: np.ndarray | slice = ALL) -> np.ndarray:
         """Coordinates (k, 2) [m] of nodes of a mesh in their own panels; X of one sheet."""
@@ -34,11 +37,34 @@ class InitialPlacement:
         """Derivatives (k, 3) of the places along directions d (k, 2) of the pattern plane at nodes (k,)."""
         return self._pattern.directions(d, mesh.X[nodes], mesh.node_piece[nodes])
 
+    def _begin_folds(self, mesh: Mesh, places: np.ndarray) -> None:
+        """Let the cloth of folded darts, at places (n, 3) that are changed, lie behind the rest like a flat roof.
+
+        Flat cloth would be pushed together in its plane as its seam closes, and stay so.
+        """
+        for dart in self._darts:
+            legs = mesh.facets[np.concatenate([mesh.facets_of(leg) for side in dart.legs for leg in side])]
+            inside = np.setdiff1d(mesh.nodes_of(dart.name), legs)
+            if not len(inside):
+                continue
+            away = _distances(mesh.X[inside], mesh.X[legs])
+            x, y = (self.directions(mesh, inside, np.tile(axis, (len(inside), 1))) for axis in np.eye(2))
+            places[inside] -= SLOPE * away[:, None] * np.cross(x, y)
+
     def scattered(self, mesh: Mesh) -> np.ndarray:
         """Places (n, 3) [m] of a mesh's nodes, with the scatter of the start."""
         places = self.places(mesh)
+        self._begin_folds(mesh, places)
         if self.start.scatter:
             random = np.random.default_rng(self.start.seed).uniform(-1.0, 1.0, places.shape)
             # In an order that does not hang on the number of ranks.
             places += self.start.scatter * random[mesh.places]
         return places
+
+
+def _distances(points: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Distances (k,) of points (k, 2) from the nearest of segments (m, 2, 2)."""
+    along = ends[:, 1] - ends[:, 0]
+    off = points[:, None] - ends[:, 0]
+    share = np.clip(np.einsum("kmi,mi->km", off, along) / np.einsum("mi,mi->m", along, along), 0.0, 1.0)
+    return np.linalg.norm(off - share[..., None] * along, axis=2).min(axis=1)

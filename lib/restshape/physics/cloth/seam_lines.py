@@ -8,8 +8,8 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.seam_keys import Seam
 from restshape.scene.model import Scene
+from restshape.scene.seam_keys import Seam
 
 STIFFER = 100.0
 """Stiffness of a seam over the membrane's by mesh size, where the scene names none."""
@@ -138,7 +138,7 @@ def _energy(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine
 
 def _line(mesh: Mesh, placed: np.ndarray, names: tuple[str, ...], where: str) -> SeamLine:
     """One side along edges of these names, each with the end first that is nearer to the end of the one before."""
-    chains = [_chain(mesh, name, where) for name in names]
+    chains = [_chain(mesh, piece, where) for name in names for piece in _pieces(mesh, name)]
     if len(chains) > 1:
         ends = placed[chains[1][[0, -1]]]
         off = [np.linalg.norm(ends - placed[chains[0][end]], axis=1).min() for end in (0, -1)]
@@ -154,6 +154,12 @@ def _line(mesh: Mesh, placed: np.ndarray, names: tuple[str, ...], where: str) ->
             along += [0.0] + [1.0] * (len(chain) - 1)
         nodes += list(chain)
     return SeamLine(np.array(nodes, np.int32), np.array(along))
+
+
+def _pieces(mesh: Mesh, name: str) -> list[str]:
+    """The edge itself, or what darts have left of it, in order along it."""
+    edges = mesh.outline.entity(name).edges
+    return [mesh.outline.edges[e].name for e in edges] if len(edges) > 1 else [name]
 
 
 def _chain(mesh: Mesh, name: str, where: str) -> np.ndarray:

@@ -9,9 +9,9 @@ import numpy as np
 
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
-from restshape.physics.cloth.seam_keys import Seam
 from restshape.physics.cloth.seams import Seams
 from restshape.scene.model import Scene
+from restshape.scene.seam_keys import Seam
 
 log = logging.getLogger("restshape.physics")
 

@@ -17,10 +17,10 @@ from restshape.physics.cloth.material_motion import AdvectedCloth, MaterialPlace
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.jumps import Expected
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
-from restshape.physics.cloth.seam_keys import Seam
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
+from restshape.scene.seam_keys import Seam
 
 
 # More than 15 attributes: all that an equilibrium was found with, which goes from frame to frame as one.

@@ -1,69 +1,17 @@
-"""What a scene says about its seams."""
+"""Whether what a scene says about its seams makes sense."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING
 
-from pydantic import Field, model_validator
-
-from restshape.scene.model import Entities
 from restshape.scene.panels import folds_of
-from restshape.scene.plain_values import Table
-from restshape.scene.units import UnitError
-from restshape.scene.values import Strict, number_of
+from restshape.scene.seam_keys import Seam, edges_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from restshape.scene.model import Scene
     from restshape.scene.source import Source
-
-
-class Seam(Strict):
-    """``[seams.NAME]``: edges that are sewn together, paired by share of their lengths.
-
-    Several edges on one side are one line, in their order.
-
-    Args:
-        start: the edges of the first side.
-        to: those of the second side.
-        reverse: false where the same face of the cloth is outside on both sides, true where it changes; left out, the
-            ends that are nearer to each other at first are sewn together, see `seam_lines.turned_round`.
-        ease: how much longer one side may be than the other one, over the length of that, without a note.
-        stitched: "flat", the cloth bends across the seam as if it went on; left out, it turns there freely.
-        stiffness: of the springs by length [N/m^2]; left out, 100 times the membrane's over the mesh size.
-    """
-
-    start: Annotated[Entities, Field(alias="from", description="the edges of the first side")]
-    to: Entities
-    reverse: bool | None = None
-    ease: Annotated[number_of("number"), Field(ge=0)] = 0.02
-    stitched: Literal["flat"] | None = None
-    stiffness: Annotated[number_of("pressure"), Field(gt=0)] | None = None
-
-    @property
-    def sides(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Names of the edges of both sides."""
-        return edges_of(self.start), edges_of(self.to)
-
-    @property
-    def keys(self) -> Table:
-        """What is written of it besides its sides, in SI units."""
-        return self.model_dump(exclude={"start", "to"}, exclude_unset=True)
-
-    @model_validator(mode="after")
-    def _has_two_sides(self) -> Self:
-        first, second = self.sides
-        both = [*first, *second]
-        twice = next((name for name in both if both.count(name) > 1), None)
-        if twice is not None:
-            raise UnitError(f"the edge {twice!r} would be sewn to itself", "name each edge once in a seam")
-        return self
-
-
-def edges_of(names: str | tuple[str, ...]) -> tuple[str, ...]:
-    """One name, or several, as a tuple."""
-    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def lines_inside(scene: Scene, kinds: Mapping[str, str]) -> set[str]:
