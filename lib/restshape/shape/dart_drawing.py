@@ -1,5 +1,7 @@
 """Darts that a hand draws: what the scene says of them then."""
 
+# More than 15 modules: a place that is drawn becomes one of a panel, a fold and an edge, each of a module of its own.
+
 from __future__ import annotations
 
 import numpy as np

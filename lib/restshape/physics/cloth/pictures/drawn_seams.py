@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from restshape.physics.cloth.seam_keys import Seam
 from restshape.report.outlines import border
 from restshape.scene.model import Scene
+from restshape.scene.seam_keys import Seam
 from restshape.shape.outline import Outline
 from restshape.shape.seam_parts import seam_colours
 
