@@ -246,4 +246,3 @@ def test_a_scene_without_seams_says_so_where_a_dart_is_drawn(tmp_path):
     scene = load_scene(tmp_path / "plain.toml")
     frames = frames_of(tmp_path, scene, {"do": "dart", "name": "d", "edge": "top", "length": 0.1, "width": 0.02})
     assert "[darts]" in frames[-1].refused
-

@@ -11,6 +11,7 @@ from restshape.scene.units import UnitError
 from restshape.scene.values import Angle, Name, Number
 
 
+# More than 15 attributes: each is a key of the event.
 class DrawnDart(EventLine):
     """A dart is drawn: by a line that begins at an edge or inside a panel, or by an edge and a place on it.
 
