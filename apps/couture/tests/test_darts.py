@@ -239,10 +239,3 @@ def test_a_line_from_beyond_an_edge_opens_there_and_one_inside_is_a_diamond(tmp_
     assert darts["e"].edge is None
     assert "meets 'bottom' and 'top'" in frames[3].refused
     assert "meets the dart 'd'" in frames[4].refused
-
-
-def test_a_scene_without_seams_says_so_where_a_dart_is_drawn(tmp_path):
-    (tmp_path / "plain.toml").write_text(SHEET.replace("[darts]\n", ""))
-    scene = load_scene(tmp_path / "plain.toml")
-    frames = frames_of(tmp_path, scene, {"do": "dart", "name": "d", "edge": "top", "length": 0.1, "width": 0.02})
-    assert "[darts]" in frames[-1].refused

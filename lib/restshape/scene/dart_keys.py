@@ -68,6 +68,10 @@ class Dart(Strict):
         twice = [key for key in ("at", "angle") if key in self.model_fields_set]
         if self.line is not None and twice:
             raise UnitError(f"the dart's line and {twice[0]!r} both say where it lies", "keep one of them")
+        if self.folded and self.stitched is not None:
+            raise UnitError(
+                "a folded dart has cloth on both sides of its seam, which nothing bends across", "leave `stitched` out"
+            )
         if self.edge is not None and "widest" in self.model_fields_set:
             raise UnitError("a dart on an edge is widest there", "leave `widest` out")
         return self

@@ -35,9 +35,6 @@ def with_drawn_dart(scene: Scene, outline: Outline, event: DrawnDart) -> Scene:
     """
     if event.name in darts_of(scene):
         raise UserError(f"there is a dart {event.name!r} already", do="choose another name, or set its keys")
-    if "darts" not in scene.raw and not any(name == "seams" and table for name, table in scene.sections.items()):
-        what = "the table of a replay has no columns of seams where the scene begins without any"
-        raise UserError(what, do="add an empty table [darts] to the scene")
     table = event.keys
     if event.start is not None and event.to is not None:
         table |= _by_line(scene, outline, np.array(event.start), np.array(event.to))
