@@ -173,7 +173,7 @@ class LayerFriction:
         if not len(before.nodes) or not len(after.nodes):
             return np.zeros((len(after.nodes), 3))
         found = _from_nodes(self._by_nodes(), after)
-        old, new = _same(before.keys, after.keys)
+        _, old, new = np.intersect1d(before.keys, after.keys, return_indices=True)
         same = np.einsum("mk,mk->m", *self._aligned(old, new, after)) > 0.0
         found[new[same]] = kept[old[same]]
         return found
@@ -216,16 +216,6 @@ class LayersBegin:
             length, to = np.linalg.norm(straight, axis=1), np.linalg.norm(turned, axis=1)
             ways[far] = np.where((to > 0.0)[:, None], turned * (length / np.maximum(to, TINY))[:, None], straight)
         return touching.along(ways)
-
-
-def _same(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where keys that are in both lists are in the first one, for the first time, and in the second one (k,)."""
-    m = len(before)
-    number = np.unique(np.concatenate([before, after]), return_inverse=True)[1]
-    first = np.full(number.max(initial=-1) + 1, -1)
-    first[number[:m][::-1]] = np.arange(m)[::-1]
-    old = first[number[m:]]
-    return old[old >= 0], np.flatnonzero(old >= 0)
 
 
 def _from_nodes(slides: np.ndarray, pairs: Touching) -> np.ndarray:
