@@ -197,6 +197,7 @@ LIST = (
             ("skirt", "scenes/skirt.toml", (), "0"),
             ("napkin", "template/scene.toml", ("template/edits.jsonl",), "0 8 -1"),
             ("stool", "scenes/stool.toml", ("edits/stool.jsonl",), "0 -1"),
+            ("darts", "scenes/darts.toml", ("edits/darts.jsonl",), "0 4 -1"),
             ("sewn-skirt", "scenes/sewn_skirt.toml", ("edits/sewn_skirt.jsonl",), "0 -1"),
             ("growing", "scenes/growing.toml", ("edits/growing.jsonl",), "0 2"),
             ("dress", "patterns/dress.toml", (), "0"),

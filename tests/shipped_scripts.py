@@ -27,6 +27,7 @@ COARSE = {
     "catenary": 0.04,
     "column": 0.03,
     "csm3": 0.02,
+    "darts": 0.05,
     "fish": 0.014,
     "longer": 0.04,
     "pins": 0.1,
