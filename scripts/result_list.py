@@ -117,6 +117,8 @@ STREET = "--field pressure --show vectors --at 10,85,100,211 --view=-0.03,0.17,-
 PLUMES = "--field temperature --show vectors --at 60,125,205 --animation none"
 """Looks of the thesis's figures 4.5 and 4.6: velocities over pressure and over temperature."""
 SPHERE, PINS, STRIP = (f"{COUTURE}/scenes/{name}.toml" for name in ("sphere", "pins", "strip"))
+SHIRT, NESTED = f"{COUTURE}/scenes/shirt.toml", ("mesh.levels=3", "effects.drape.levels=3")
+"""A shirt, which these let begin on as coarse a mesh where its finest is twice as coarse."""
 BAR, TABLE = "apps/metallophone/scenes/bar_200.toml", "apps/furniture/scenes/table.toml"
 CUSICK, MEASURED = f"{COUTURE}/scenes/cusick.toml", "results/couture-cusick.svg"
 DRAPED = ("restshape_apps.couture.drapes_command", "restshape_apps.couture.picture")
@@ -213,6 +215,14 @@ LIST = (
         ),
         (*REPLAY, *DRAPED, "restshape.physics.cloth.pictures.pattern_beside_drape"),
     ),
+    Result(
+        ("couture-shirt.png",),
+        (
+            recorded("couture-shirt", SHIRT, "", 'mesh.size="19.2 mm"', *NESTED),
+            "restshape drapes results/couture-shirt.vtkhdf --frames 0 --out results/couture-shirt.png",
+        ),
+        (*REPLAY, *DRAPED),
+    ),
     brought(
         "bridge-study.png",
         "restshape_verification.bridge.study",
@@ -302,6 +312,12 @@ LIST = (
         "drape",
         f"drape {SPHERE} --set effects.cloth.bending=hinge --frames 20 --picture results/bench-drape.png",
         ["bench-drape.png"],
+    ),
+    bench(
+        "drape",
+        f"drape {SHIRT} --ways auto,kinetic --bending '' --policies '' --seconds 10 --set 'mesh.size=\"38.4 mm\"' "
+        "--set mesh.levels=2 --set effects.drape.levels=2 --picture results/bench-shirt.png",
+        ["bench-shirt.png"],
     ),
     Result(
         ("THESIS.md",),

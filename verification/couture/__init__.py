@@ -26,5 +26,15 @@ verification = Verification(
             "say whether edits of cloth in half as many frames end in the same drape, or in which two",
             "restshape_verification.couture.paths",
         ),
+        Command(
+            "garments",
+            "drape garments to measure on the mannequins, and say how each rests and fits",
+            "restshape_verification.couture.garments",
+        ),
+        Command(
+            "garment-times",
+            "time a shirt: from flat panels to rest, after edits, and steps of its motion, beside the thesis's",
+            "restshape_verification.couture.garment_times",
+        ),
     ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from restshape_verification.couture.thesis_edits import edit_rows
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.application import application
+from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.replay.first_frame import first_frame
@@ -120,26 +121,24 @@ def solver_rows() -> list[dict[str, Any]]:
     return found
 
 
-class Falling:
-    """The dress's cloth as it falls on the ball.
+class Stepped:
+    """Cloth from a state that implicit steps start at.
 
     Args:
-        size: of the mesh.
+        sheet: the cloth; start: (n, 3) its positions [m].
+        checked: steps that gain energy are taken back, and made shorter.
 
     Attributes:
         nodes: of the mesh.
     """
 
-    def __init__(self, size: str) -> None:
-        # One step of the scene's way: what is wanted is the cloth, with all that its steps need.
-        first = (HINGE, DRESS, ALONE, f'mesh.size="{size}"', "effects.drape.strategy=kinetic", "effects.drape.steps=1")
-        analysis: RelaxationAnalysis = first_frame(SCENES / "sphere.toml", first).analysis
-        self.sheet, self.start = analysis.problem, analysis.x
+    def __init__(self, sheet: ClothProblem, start: np.ndarray, checked: bool = False) -> None:
+        self.sheet, self.start, self.checked = sheet, start, checked
         self.friction = self.sheet.contact.history
         self.nodes = len(self.sheet.mesh.X)
 
     def stepped(self, length: float, tolerance: float, steps: int = STEPS) -> float:
-        """Implicit steps with kinetic damping a second.
+        """Implicit steps with kinetic damping a second of the processor.
 
         Args:
             length: of the steps [s].
@@ -150,7 +149,7 @@ class Falling:
         for _ in range(FALLS):
             times: list[float] = []
             moving, _ = self._moving(length, tolerance, WARM + steps)
-            moving.on_step = lambda x, norm, times=times: times.append(perf_counter())
+            moving.on_step = lambda x, norm, times=times: times.append(process_time())
             self._run(moving)
             taken += np.diff(times)[WARM:].tolist()
         return len(taken) / sum(taken)
@@ -167,7 +166,8 @@ class Falling:
     def _moving(self, length: float, tolerance: float, most: int) -> tuple[KineticDamping, ClothEquations]:
         self.sheet.contact.history = self.friction
         equations = ClothEquations(self.sheet, PETSc.COMM_SELF, Stages())
-        even = Steps(length, longest=length, most=most, tolerance=tolerance)
+        longest = np.nextafter(length, 1.0) if self.checked else length
+        even = Steps(length, longest=longest, most=most, tolerance=tolerance)
         shape = self.start.shape
         moving = KineticDamping(PETSc.COMM_SELF, "steps_", equations, equations.mass, shape, equations.rows, even)
         moving.on_move = self.sheet.follow_friction
@@ -176,6 +176,20 @@ class Falling:
     def _run(self, moving: KineticDamping) -> None:
         moving.run(self.start.copy(), 0.0)
         moving.free()
+
+
+class Falling(Stepped):
+    """The dress's cloth as it falls on the ball.
+
+    Args:
+        size: of the mesh.
+    """
+
+    def __init__(self, size: str) -> None:
+        # One step of the scene's way: what is wanted is the cloth, with all that its steps need.
+        first = (HINGE, DRESS, ALONE, f'mesh.size="{size}"', "effects.drape.strategy=kinetic", "effects.drape.steps=1")
+        analysis: RelaxationAnalysis = first_frame(SCENES / "sphere.toml", first).analysis
+        super().__init__(analysis.problem, analysis.x)
 
 
 def _stays(row: dict[str, Any]) -> tuple[str, str, str, str]:

@@ -34,11 +34,11 @@ def scripts_trusted() -> bool:
 def may_name(file: Path, folder: Path) -> bool:
     """Whether a scene in a folder may name a file: it lies there or below, or in a folder that the user allows.
 
-    Scenes of installed applications may name the meshes that ship with them, too. Links are followed first, so what
-    counts is where the file really lies.
+    Scenes of installed applications may name what ships with their application, and the meshes beside all of them, too.
+    Links are followed first, so what counts is where the file really lies.
     """
     homes = [folder.resolve(), *map(Path, filter(None, os.environ.get(FOLDERS, "").split(os.pathsep)))]
-    homes += _shipped_meshes(folder.resolve())
+    homes += _shipped(folder.resolve())
     return any(file.resolve().is_relative_to(home) for home in homes)
 
 
@@ -54,7 +54,7 @@ def outside(file: str, folder: Path) -> tuple[str, str] | None:
     return what, f"put it beside the scene, or allow its folder: --allow-path {path.resolve().parent}"
 
 
-def _shipped_meshes(folder: Path) -> list[Path]:
-    """The folder of meshes beside the applications, where a scene's folder belongs to one of them."""
-    roots = {known.folder.resolve().parent for known in applications().values()}
-    return [root.parent / MESHES for root in roots if folder.is_relative_to(root)]
+def _shipped(folder: Path) -> list[Path]:
+    """The application that a scene's folder belongs to, and the folder of meshes beside it; none of other scenes."""
+    homes = {known.folder.resolve() for known in applications().values()}
+    return [place for home in homes if folder.is_relative_to(home) for place in (home, home.parent.parent / MESHES)]

@@ -16,6 +16,7 @@ from restshape.physics.cloth.parameters import HINGE_STIFFNESS
 from restshape.physics.cloth.relaxation.beginning import initial_positions
 from restshape.physics.cloth.relaxation.close_seams import close_seams
 from restshape.physics.cloth.relaxation.equilibrium import NEAR, ROUGH, EquilibriumSolver
+from restshape.physics.cloth.relaxation.finer_start import finer_places
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem
@@ -74,7 +75,12 @@ class ColdStart:
             solver = self.solver if last and not self.replaced else self._stand_in(mesh)
             log.info("Cold start: mesh of %d nodes", len(mesh.X))
             try:
-                x = solver.problem.flat(places) if level else initial_positions(solver.problem, self.arguments(mesh))
+                problem, before = solver.problem, self.skipped + level - 1
+                x = (
+                    problem.flat(finer_places(problem, self.hierarchy.steps[before], places))
+                    if level
+                    else initial_positions(problem, self.arguments(mesh))
+                )
                 solver.problem.begin(x)
                 if level == 0:
                     close_seams(solver, x, most, report)
@@ -85,8 +91,6 @@ class ColdStart:
             finally:
                 if solver is not self.solver:
                     solver.destroy()
-            if not last:
-                places = self.hierarchy.prolong(self.skipped + level, places)
         return self.solver.problem.flat(places) if self.replaced else x
 
     def go_on(self, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
