@@ -3,6 +3,7 @@
 from restshape_studies.stability.case import Case
 from restshape_verification.couture.stability_bodies import CASES as BODIES
 from restshape_verification.couture.stability_contact import CASES as CONTACT
+from restshape_verification.couture.stability_darts import CASES as DARTS
 from restshape_verification.couture.stability_edits import CASES as EDITS
 from restshape_verification.couture.stability_fabrics import CASES as FABRICS
 from restshape_verification.couture.stability_folds import CASES as FOLDS
@@ -24,6 +25,7 @@ CASES: dict[str, Case] = {
     **FOLDS,
     **SEAMS,
     **GARMENTS,
+    **DARTS,
     **EDITS,
     **PREDICTED,
     **TRUST,
