@@ -237,6 +237,18 @@ def test_a_parameter_of_what_is_settled_is_refused(tmp_path, given, said):
         design.analysis.number_derivatives(["parameters.k"], 1e-8)
 
 
+def test_what_draws_the_pattern_is_refused(tmp_path):
+    dart = '[parameters]\nk = 0.03\n[darts.dart]\nedge = "right"\nlength = 0.08\nwidth = "k"\n'
+    design = DrapeDesign(tmp_path, sheet("hinge", HELD, dart, size=0.1))
+    for key, said in {
+        "darts.dart.length": "darts.dart.length, which cuts or folds the pattern",
+        "shape.vertices.a.0": "shape.vertices.a.0, which shapes the cloth",
+        "parameters.k": "parameters.k gives darts.dart.width: the pattern, which a hand differentiates by",
+    }.items():
+        with pytest.raises(UserError, match=said):
+            design.analysis.number_derivatives([key], 1e-8)
+
+
 @pytest.mark.parametrize("key", ["parameters.k", "parameters.m", "bodies.post.capsule.end.2"])
 def test_a_body_that_places_what_is_held_is_refused(tmp_path, key):
     """A panel that begins on a body is held where it begins; the friction of the body has a derivative."""

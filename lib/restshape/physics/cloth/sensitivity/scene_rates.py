@@ -37,6 +37,9 @@ from restshape.shape.placement import rotation, rotation_rates
 CHANGING = (*(table for table in TABLES if table != "parameters"), "mesh")
 """Tables whose numbers change a drape: one that a formula gives must be a formula still for its rate to count."""
 
+PATTERN = {"shape": "shapes the cloth", "panels": "places or shapes a panel", "darts": "cuts or folds the pattern"}
+"""What numbers of the tables do that draw the pattern."""
+
 
 def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple[np.ndarray, np.ndarray]:
     """The rates (n, 3) of the residual, and those (n, 3) of the prescribed unknowns, a unit of a number of the scene.
@@ -55,6 +58,7 @@ def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple
 
     Source: docs/theory/design-derivative.md.
     """
+    _require_no_pattern(key)
     number = ChangingNumber(state.scene, state.plan, key)
     _require_known(state, number)
     problem, x = state.problem, state.x
@@ -71,14 +75,19 @@ def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple
     return out, prescribed
 
 
+def _require_no_pattern(key: str) -> None:
+    """Refuse numbers that draw the pattern: its mesh moves with them."""
+    table = key.partition(".")[0]
+    if table in PATTERN:
+        what = f"drapes have no derivative by {key}, which {PATTERN[table]}"
+        raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
+
+
 def _require_known(state: RelaxationState, number: ChangingNumber) -> None:
     """Refuse numbers that change more than forces and supports."""
     parts = number.key.split(".")
     if number.key == "effects.contact.self_thickness" or parts[:2] in (["effects", "cloth"], ["effects", "drape"]):
         raise UserError(f"drapes have no derivative by {number.key}", "--by", "name another number")
-    if parts[0] == "panels":
-        what = f"drapes have no derivative by {number.key}, which places or shapes a panel"
-        raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
     if is_measure(parts):
         raise UserError(*_resizes(number.key, ".".join(parts)))
     if _places_supported(state, tuple(parts)):
@@ -118,7 +127,7 @@ def _require_formulas(state: RelaxationState, number: ChangingNumber) -> None:
             raise UserError(*_resizes(number.key, where))
         if _places_supported(state, given.key):
             raise UserError(*_wraps(number.key, given.key[1]))
-        if table in ("shape", "panels"):
+        if table in PATTERN:
             what = f"{number.key} gives {where}: the pattern, which a hand differentiates by"
             raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
         now = value_below(effects if table == "effects" else scene, given.key[table == "effects" :])
