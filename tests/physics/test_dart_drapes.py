@@ -38,7 +38,7 @@ def test_the_remainder_of_the_derivative_by_the_width_is_of_second_order(tmp_pat
     assert 1.8 < np.log2(first / second) < 2.2
 
 
-def test_a_wider_dart_keeps_the_mesh_and_rests_as_solved_anew(tmp_path):
+def test_a_wider_dart_keeps_the_mesh_and_rests_as_when_solved_again(tmp_path):
     scene, script = (
         write_scene(tmp_path, sheet("hinge", HELD, DART, QUANTITIES, size=0.05)),
         write_script(tmp_path, WIDER),
