@@ -236,6 +236,8 @@ class BuildKernels(build_ext):
 
     def build_extensions(self) -> None:
         """Compiles what is stale of all modules, a few files at once and the longest first, and links."""
+        # Without it a compiler cache keeps nothing that was compiled with a header made before.
+        os.environ.setdefault("CCACHE_SLOPPINESS", "pch_defines,time_macros")
         todo = []
         for extension in self.extensions:
             options = self.precompile(extension, note_options(extension))
@@ -262,7 +264,9 @@ class BuildKernels(build_ext):
             places = gen_preprocess_options(extension.define_macros, folders)
             made = ["-x", "c++-header", str(KERNELS / PRECOMPILED), "-o", str(built), "-MMD", "-MF"]
             made += [str(built.with_suffix(".d")), *words[: own - 1], *words[own + 1 :]]
-            self.spawn([*self.compiler.compiler_so, *places, *made])
+            # Newer setuptools have a compiler of its own for C++, with which the files are compiled, too.
+            compiler = getattr(self.compiler, "compiler_so_cxx", None) or self.compiler.compiler_so
+            self.spawn([*compiler, *places, *made])
         return [options, built]
 
     def compile(self, extension: Pybind11Extension, source: str, place: str) -> None:
