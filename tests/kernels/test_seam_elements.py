@@ -26,7 +26,7 @@ class SeamCase(FlowCase):
 
 
 class TestSeamEdge(SeamCase):
-    name, X = "seam_edge3", TRI3
+    name, X, params = "seam_edge3", TRI3, (1.7, 0.0)
 
     def coefficients(self, element):
         """Shares 0.4 between 0.1 and 0.7: the place is the middle of the edge; the spring stands for 0.3 m."""
@@ -37,6 +37,23 @@ class TestSeamEdge(SeamCase):
         gap = x[0] - 0.5 * (x[1] + x[2])
         energy = element.energy(self.X, x, self.cells, self.p, coefficients=self.coefficients(element))[0]
         assert energy == pytest.approx(0.5 * 1.7 * 0.3 * gap @ gap, rel=1e-12)
+
+
+class TestSlackSeamEdge(TestSeamEdge):
+    """Half as slack as the sample's gap is wide."""
+
+    params = (1.7, 0.2)
+
+    def test_its_energy_is_that_of_a_spring_to_the_middle_of_the_edge(self, element):
+        x = self.sample(element, 3)
+        gap = np.linalg.norm(x[0] - 0.5 * (x[1] + x[2]))
+        assert gap > 0.3
+        energy = element.energy(self.X, x, self.cells, self.p, coefficients=self.coefficients(element))[0]
+        assert energy == pytest.approx(0.5 * 1.7 * 0.3 * (gap - 0.2) ** 2, rel=1e-12)
+
+    def test_within_its_slack_it_does_not_pull(self, element):
+        x = np.array([[0.5, 0.1, 0.05], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+        assert not self.residual(element, self.X, x).any() and not self.tangent(element, x).any()
 
 
 class TestSeamFlat(SeamCase):

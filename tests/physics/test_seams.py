@@ -254,13 +254,18 @@ def test_remainder_of_a_sewn_drape_is_of_second_order(unlike, kind, more):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", ["material.cotton.E", "material.cotton.bending", "seams.side.stiffness"])
+@pytest.mark.parametrize(
+    "key", ["material.cotton.E", "material.cotton.bending", "seams.side.stiffness", "seams.side.slack"]
+)
 def test_remainder_by_what_gives_seams_their_stiffness_is_of_second_order(unlike, key):
     design = unlike("hinge", 'stitched = "flat"')
     value = 0.2e6 if key == "material.cotton.E" else 5e-6
     if key == "seams.side.stiffness":
         # Soft enough that it matters.
         value = 50.0
+        design.take(design.scene_with(key, value))
+    if key == "seams.side.slack":
+        value = 1e-4
         design.take(design.scene_with(key, value))
     s = design.analysis.number_derivatives([key], 1e-10).s[0]
     steps = (0.04 * value, 0.02 * value)

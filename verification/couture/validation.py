@@ -18,6 +18,7 @@ from restshape_verification.couture.validation_layers import folded_strip, two_s
 from restshape_verification.couture.validation_meshes import meshes
 from restshape_verification.couture.validation_plates import plates
 from restshape_verification.couture.validation_seams import sewn_cylinder, sewn_loop
+from restshape_verification.couture.validation_sewn_panels import gathered, seam_tension, sewn_cone, sewn_refined
 
 CASES: dict[str, Case] = {
     "catenary": catenary,
@@ -42,4 +43,8 @@ CASES: dict[str, Case] = {
     "sewn_loop": sewn_loop,
     "sewn_cylinder": sewn_cylinder,
     "sewn_dart": sewn_dart,
+    "sewn_cone": sewn_cone,
+    "seam_tension": seam_tension,
+    "sewn_refined": sewn_refined,
+    "gathered": gathered,
 }

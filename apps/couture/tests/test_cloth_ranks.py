@@ -7,7 +7,8 @@ from restshape_verification.couture.drapes import drapes
 
 from restshape.application import application
 
-SEWN = (application("couture").folder / "scenes" / "sewn_skirt.toml").read_text()
+SCENES = application("couture").folder / "scenes"
+SEWN = {name: (SCENES / f"{name}.toml").read_text() for name in ("sewn_skirt", "collar", "lined_skirt")}
 PANELS = """
 format = "restshape-scene"
 version = 1
@@ -42,11 +43,16 @@ potential = { energy = "potential" }
 pytestmark = [pytest.mark.mpi, pytest.mark.slow]
 
 
-@pytest.mark.parametrize(("name", "size"), [("skirt", 0.08), ("poncho", 0.07), ("sewn", 0.05)])
+LAYERED = [
+    pytest.param(name, size, marks=pytest.mark.weekly) for name, size in (("collar", 0.05), ("lined_skirt", 0.08))
+]
+
+
+@pytest.mark.parametrize(("name", "size"), [("skirt", 0.08), ("poncho", 0.07), ("sewn_skirt", 0.05), *LAYERED])
 def test_ranks_come_to_the_same_rest(tmp_path, on_ranks, name, size):
     """Steps of block Jacobi's tolerance would be others on each number of ranks, and lead to other folds."""
     path, energies = tmp_path / f"{name}.toml", []
-    path.write_text(SEWN if name == "sewn" else drapes()[name])
+    path.write_text(SEWN.get(name) or drapes()[name])
     for ranks in (1, 2):
         done = on_ranks(ranks, "replay", path, "--json", f"{ranks}.json", "--set", f"mesh.size={size}")
         assert done.returncode == 0, done.stdout + done.stderr

@@ -8,26 +8,30 @@
 
 namespace restshape {
 
-// k l |x0 - (1 - t) x1 - t x2|^2/2 with the place t = (s0 - s1)/(s2 - s1) on the edge from node 1 to node 2 that has
-// the share s0 of its side's length. Shares and lengths hang on places of many nodes in the material: they are
-// coefficients of the nodes, with rates of their own.
+// k l max(0, |d| - g)^2/2 with the gap d = x0 - (1 - t) x1 - t x2 to the place t = (s0 - s1)/(s2 - s1) on the edge from
+// node 1 to node 2 that has the share s0 of its side's length. Shares and lengths hang on places of many nodes in the
+// material: they are coefficients of the nodes, with rates of their own.
 struct SeamEdgeElement {
     static constexpr int nodes = 3, dim = 2, fields = 3;
     static constexpr bool symmetric = true, has_tangent = true;
     static constexpr int stress_components = 0, coefficient_count = 2;
 
-    // Stiffness by length [N/m^2].
-    static std::vector<std::string> parameters() { return {"k"}; }
+    // Stiffness by length [N/m^2]; distance [m] up to which it does not pull.
+    static std::vector<std::string> parameters() { return {"k", "g"}; }
     // Share of the side's length; length [m] that the spring stands for, which that of node 0 counts for.
     static std::vector<std::string> coefficients() { return {"s", "l"}; }
 
     template <class SX, class Sx, class R>
     static void residual(const SX*, const Sx* x, const SX* w, const double* p, R* r) {
+        using G = Common<SX, Sx>;
         SX b[3];
+        G d[3];
         const SX k = w[1] * p[0];
         shares(w, b);
+        gap(x, b, d);
+        const G part = pulling(d, p[1]);
         for (int a = 0; a < 3; ++a) {
-            const R pull = (x[a] - x[3 + a] * b[1] - x[6 + a] * b[2]) * k;
+            const G pull = d[a] * part * k;
             r[a] = pull;
             r[3 + a] = -(pull * b[1]);
             r[6 + a] = -(pull * b[2]);
@@ -38,26 +42,31 @@ struct SeamEdgeElement {
     static Common<SX, Sx> energy(const SX*, const Sx* x, const SX* w, const double* p) {
         using R = Common<SX, Sx>;
         SX b[3];
+        R d[3];
         shares(w, b);
-        R square(0.0);
-        for (int a = 0; a < 3; ++a) {
-            const R gap = x[a] - x[3 + a] * b[1] - x[6 + a] * b[2];
-            square += gap * gap;
-        }
-        return square * w[1] * (0.5 * p[0]);
+        gap(x, b, d);
+        const R part = pulling(d, p[1]);
+        return square(d) * part * part * w[1] * (0.5 * p[0]);
     }
 
-    // By hand: the block of nodes i and j is c_i c_j k l times one, with c = (1, t - 1, -t).
+    // By hand: the block of nodes i and j is c_i c_j times k l (q 1 + (1 - q) n n'), with c = (1, t - 1, -t), the part q
+    // of the gap that pulls, and its direction n.
     static void tangent(const double* X, const double* x, const double* w, const double* p, double* r, double* K) {
         constexpr int stride = Dual<9>::lanes;
-        double b[3];
+        double b[3], d[3];
         residual(X, x, w, p, r);
         shares(w, b);
-        const double c[3] = {1.0, -b[1], -b[2]}, k = p[0] * w[1];
+        gap(x, b, d);
+        const double c[3] = {1.0, -b[1], -b[2]}, part = pulling(d, p[1]), k = p[0] * w[1] * part;
+        // Without slack it is k l times one, at no distance too.
+        const double along = p[1] > 0.0 && part > 0.0 ? p[0] * w[1] * (1.0 - part) / square(d) : 0.0;
         for (int n = 0; n < 9 * stride; ++n) K[n] = 0.0;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
-                for (int a = 0; a < 3; ++a) K[(3 * i + a) * stride + 3 * j + a] = k * c[i] * c[j];
+                for (int a = 0; a < 3; ++a) {
+                    for (int e = 0; e < 3; ++e) K[(3 * i + a) * stride + 3 * j + e] = along * d[a] * d[e] * c[i] * c[j];
+                    K[(3 * i + a) * stride + 3 * j + a] += k * c[i] * c[j];
+                }
     }
 
  private:
@@ -66,6 +75,23 @@ struct SeamEdgeElement {
         b[2] = (w[0] - w[2]) / (w[4] - w[2]);
         b[1] = 1.0 - b[2];
         b[0] = SX(1.0);
+    }
+    template <class SX, class Sx, class R>
+    static void gap(const Sx* x, const SX* b, R* d) {
+        for (int a = 0; a < 3; ++a) d[a] = x[a] - x[3 + a] * b[1] - x[6 + a] * b[2];
+    }
+    template <class R>
+    static R square(const R* d) {
+        return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    }
+    // Part of the gap that pulls: 1 - g/|d|, or 0.
+    template <class R>
+    static R pulling(const R* d, double slack) {
+        using std::sqrt;
+        if (slack == 0.0) return R(1.0);
+        const R all = square(d);
+        if (value_of(all) <= slack * slack) return R(0.0);
+        return 1.0 - slack / sqrt(all);
     }
 };
 

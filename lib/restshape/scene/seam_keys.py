@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from restshape.scene.plain_values import Table
 from restshape.scene.units import UnitError
-from restshape.scene.values import Entities, Number, Pressure, Strict
+from restshape.scene.values import Entities, Length, Number, Pressure, Strict
 
 
 class Seam(Strict):
@@ -25,6 +25,7 @@ class Seam(Strict):
         ease: how much longer one side may be than the other one, over the length of that, without a note.
         stitched: "flat", the cloth bends across the seam as if it went on; left out, it turns there freely.
         stiffness: of the springs by length [N/m^2]; left out, 100 times the membrane's over the mesh size.
+        slack: distance [m] between both sides up to which the seam does not pull: what is gathered folds within it.
     """
 
     start: Annotated[Entities, Field(alias="from", description="the edges of the first side")]
@@ -33,6 +34,7 @@ class Seam(Strict):
     ease: Annotated[Number, Field(ge=0)] = 0.02
     stitched: Literal["flat"] | None = None
     stiffness: Annotated[Pressure, Field(gt=0)] | None = None
+    slack: Annotated[Length, Field(ge=0)] = 0.0
 
     @property
     def sides(self) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -60,6 +60,7 @@ class SeamPair:
         ease: of `Seam`.
         size: of the mesh [m], where it is given; else of its edges there.
         flat: the cloth bends across it.
+        slack: distance across it up to which its springs do not pull [m].
     """
 
     name: str
@@ -69,6 +70,7 @@ class SeamPair:
     ease: float
     size: float
     flat: bool = False
+    slack: float = 0.0
 
     def joins_the_same(self, other: SeamPair) -> bool:
         """Whether the other one joins the same nodes of the mesh in the same order, and bends alike."""
@@ -97,9 +99,8 @@ def _pair(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float, name: s
     turned = turned_round(mesh.X, placed, first, second) if seam.reverse is None else not seam.reverse
     second = second.reversed if turned else second
     size = scene.mesh.size or float(np.mean([np.diff(line.lengths(mesh.X)).mean() for line in (first, second)]))
-    return SeamPair(
-        name, first, second, seam.stiffness or STIFFER * stiffest / size, seam.ease, size, seam.stitched == "flat"
-    )
+    stiffness, flat = seam.stiffness or STIFFER * stiffest / size, seam.stitched == "flat"
+    return SeamPair(name, first, second, stiffness, seam.ease, size, flat, seam.slack)
 
 
 def turned_round(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine) -> bool:

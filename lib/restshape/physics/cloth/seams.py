@@ -138,7 +138,9 @@ class Seams:
             self.nodes, self.changes = nodes, self.changes + 1
         tables = [one.coefficients(lengths) for one, lengths in zip(self._springs, self.lengths)]
         self.coefficients = np.vstack(tables)
-        self.stiffness = np.repeat([pair.stiffness for pair in self.pairs], [len(table) for table in tables])
+        counts = [len(table) for table in tables]
+        self.stiffness = np.repeat([pair.stiffness for pair in self.pairs], counts)
+        self.slack = np.repeat([pair.slack for pair in self.pairs], counts)
 
     @property
     def flat_lines(self) -> list[tuple[SeamLine, SeamLine]]:
@@ -192,16 +194,25 @@ class Seams:
         """Numbers (m, 3) int32 of what each spring has at its nodes, which no other one has."""
         return np.arange(self.nodes.size, dtype=np.int32).reshape(-1, 3)
 
-    def integral(self, block: int, stiffness: np.ndarray | None = None) -> SeamForces:
-        """The springs, a block of the operator, with their stiffness or another (m,) [N/m^2]."""
+    def integral(self, block: int, stiffness: np.ndarray | None = None, slack: np.ndarray | None = None) -> SeamForces:
+        """The springs, a block of the operator, with their stiffness or another (m,) [N/m^2], and so slack (m,) [m]."""
         values = self.pull * self.stiffness if stiffness is None else stiffness
         table = np.ascontiguousarray(self.coefficients.reshape(-1, 2))
         places = np.ascontiguousarray(self.X[self.nodes].reshape(-1, 2))
-        parameters = np.ascontiguousarray(values[:, None])
+        parameters = np.column_stack([values, self.slack if slack is None else slack])
         own = Integral(
             SEAM["edge3"], places, self.own_nodes, parameters, block=block, coefficients=table, dofs=self.dofs
         )
         return SeamForces(self, self.corner_number, own)
+
+    def slack_rate_integrals(self, rates: np.ndarray, corners: np.ndarray) -> list[SeamForces]:
+        """What sums up to the rates of the forces at positions (n, 3) of the mesh's nodes when slack has rates (m,).
+
+        Where a spring pulls its force is linear in the slack: the difference of two slacks is exact.
+        """
+        gaps = self.gaps(corners)
+        change = rates * self.stiffness * np.divide(2.0, gaps, where=gaps > 0.0, out=np.zeros_like(gaps))
+        return [self.integral(0, change, self.slack + 0.5 * gaps), self.integral(0, -change)]
 
     def moved(self, dX: np.ndarray) -> np.ndarray:
         """Rates of places (3 m, 2) of the springs' nodes as the mesh's nodes move with dX (n, 2)."""
@@ -222,9 +233,9 @@ class Seams:
         return (s[:, 0] - s[:, 1]) / (s[:, 2] - s[:, 1])
 
     def gaps(self, corners: np.ndarray) -> np.ndarray:
-        """Distances (m,) [m] across the seams at positions (n, 3) of the mesh's nodes."""
+        """Distances (m,) [m] across the seams at positions (n, 3) of the mesh's nodes, beyond their slack."""
         t, x = self.shares_of_edges[:, None], corners[self.nodes]
-        return np.linalg.norm(x[:, 0] - (1.0 - t) * x[:, 1] - t * x[:, 2], axis=1)
+        return np.maximum(np.linalg.norm(x[:, 0] - (1.0 - t) * x[:, 1] - t * x[:, 2], axis=1) - self.slack, 0.0)
 
     def gap(self, corners: np.ndarray) -> float:
         """The largest of them."""

@@ -154,12 +154,16 @@ def _material_forces(state: RelaxationState, number: ChangingNumber, fabric: Fab
 def _seam_forces(state: RelaxationState, number: ChangingNumber, fabric: FabricRates) -> np.ndarray:
     """Rates (n, 3) of the forces of seams, linear in their stiffness: one given, or decided from the membrane's."""
     problem, rates = state.problem, np.zeros(len(state.problem.seams.stiffness))
+    slack = np.zeros_like(rates)
     strongest = int(np.argmax(np.broadcast_to(problem.fabric.membrane, fabric.membrane.shape)))
     decided = float(fabric.membrane.reshape(-1)[strongest]) / problem.stiffest
     for name, own in problem.seams.springs_by_name():
         given = state.scene.seams[name].stiffness is not None
         rates[own] = number.rate(1.0, f"seams.{name}.stiffness") if given else decided * problem.seams.stiffness[own]
+        slack[own] = number.rate(1.0, f"seams.{name}.slack")
     parts = [problem.seams.integral(0, rates)]
+    if slack.any():
+        parts += problem.seams.slack_rate_integrals(slack, problem.corners(state.x))
     if problem.seam_bending:
         changes = problem.seam_bending.stiffness_of(fabric.bending, problem.fabric)
         parts.append(problem.seam_bending.integral(0, changes))
