@@ -49,8 +49,8 @@ struct SeamEdgeElement {
         return square(d) * part * part * w[1] * (0.5 * p[0]);
     }
 
-    // By hand: the block of nodes i and j is c_i c_j times k l (q 1 + (1 - q) n n'), with c = (1, t - 1, -t), the part q
-    // of the gap that pulls, and its direction n.
+    // By hand: the block of nodes i and j is c_i c_j times k l (q 1 + (1 - q) n n'), with c = (1, t - 1, -t), the part
+    // q of the gap that pulls, and its direction n.
     static void tangent(const double* X, const double* x, const double* w, const double* p, double* r, double* K) {
         constexpr int stride = Dual<9>::lanes;
         double b[3], d[3];
