@@ -206,7 +206,7 @@ class Body:
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
         tolerance: typing.SupportsFloat | typing.SupportsIndex,
-        enough: typing.SupportsFloat | typing.SupportsIndex = ...,
+        enough: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
     ) -> tuple: ...
     def step_share(
         self,

@@ -72,6 +72,48 @@ def test_a_share_of_a_way_lets_no_triangle_below_the_floor(name):
     assert body.step_share(x, far, cells[outside], floor, deeper, TOLERANCE) == pytest.approx(min(each), rel=0.1)
 
 
+def short_ways(x: np.ndarray, seed: int) -> np.ndarray:
+    """Ways (n, 3) at random, no longer than 0.2: most triangles are seen to stay clear, some are not."""
+    rng = np.random.default_rng(seed)
+    ways = rng.normal(size=x.shape)
+    return ways * rng.uniform(0.0, 0.2, (len(x), 1)) / np.linalg.norm(ways, axis=1)[:, None]
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_no_triangle_that_comes_nearer_is_left_out(name):
+    """Random places and short ways against samples of all triangles along the whole way."""
+    body = BODIES[name]
+    floor, deeper, inside = -0.005, 0.01, lattice(8)
+    x, cells = triangles(400, 0.1, seed=11)
+    d = short_ways(x, seed=12)
+    x, d = (values[cells[body.distances(x)[cells].min(axis=1) < 0.3]].reshape(-1, 3) for values in (x, d))
+    cells = np.arange(len(x), dtype=np.int32).reshape(-1, 3)
+    cells = cells[body.lowest_each(x, cells, TOLERANCE)[0] > floor + deeper + TOLERANCE]
+    shares = np.array([body.step_share(x, d, cells[e : e + 1], floor, deeper, TOLERANCE) for e in range(len(cells))])
+    times = np.linspace(0.0, 1.0, 5)
+    gone = x[cells] + times[:, None, None, None] * shares[:, None, None] * d[cells]
+    lowest = body.distances((inside @ gone).reshape(-1, 3)).reshape(len(times), len(cells), -1).min(axis=(0, 2))
+    assert lowest.min() >= floor - 2 * TOLERANCE
+    # Neither are all of them kept, nor stopped.
+    assert (shares == 1.0).sum() > len(cells) / 4 and (shares < 1.0).any()
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_what_is_enough_changes_no_distance_below_it(name):
+    body, (x, cells) = BODIES[name], triangles(200, 0.3, seed=5)
+    enough = np.random.default_rng(6).uniform(-0.3, 0.5, len(cells))
+    exact, radius = body.lowest_each(x, cells, TOLERANCE)
+    found, own = body.lowest_each(x, cells, TOLERANCE, enough)
+    below = found < enough
+    assert below.any() and not below.all()
+    assert (exact[~below] >= enough[~below] - TOLERANCE).all()
+    np.testing.assert_allclose(found[below], exact[below], atol=TOLERANCE, rtol=0)
+    assert np.isinf(own[~below]).all()
+    same = below & (found == exact)
+    assert same.sum() > 0.9 * below.sum()
+    np.testing.assert_array_equal(own[same], radius[same])
+
+
 def test_nothing_passes_a_needle_between_the_corners_of_a_triangle():
     """A needle of 1 mm across, a triangle of 100 mm, a way of 10 m: it stops at the needle."""
     needle = k.Body.capsule((-1.0, 0.01, 0.0), (1.0, 0.01, 0.0), 5e-4)

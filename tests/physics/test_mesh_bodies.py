@@ -101,6 +101,26 @@ def test_no_step_leads_a_triangle_through_a_ring(ring_grid, way):
     assert share == 1.0 if way[2] > 0.0 else depths[-1] < floor + 5e-4
 
 
+def test_no_triangle_that_comes_nearer_to_a_ring_is_left_out(ring_grid):
+    """Random places and short ways around it against samples of all triangles along the whole way."""
+    body, floor, rng = _kernels.Body.mesh(ring_grid, np.zeros(3), np.eye(3)), -1e-3, np.random.default_rng(4)
+    u, v = rng.uniform(0.0, 2.0 * np.pi, (2, 600))
+    out = 0.1 + rng.uniform(0.0, 0.06, 600)
+    at = np.column_stack([(0.3 + out * np.cos(v)) * np.cos(u), (0.3 + out * np.cos(v)) * np.sin(u), out * np.sin(v)])
+    x, d = at[:, None] + rng.uniform(-0.03, 0.03, (600, 3, 3)), rng.uniform(-0.02, 0.02, (600, 3, 3))
+    b = np.vstack([np.eye(3), rng.dirichlet(np.ones(3), 40)])
+
+    def lowest(x):
+        return body.distances((b @ x).reshape(-1, 3)).reshape(len(x), -1).min(axis=1)
+
+    clear = lowest(x) > 1e-3
+    x, d, cells = x[clear], d[clear], np.array([[0, 1, 2]], dtype=np.int32)
+    shares = np.array([body.step_share(at, way, cells, floor, 1e-3, 4e-5) for at, way in zip(x, d)])
+    for part in np.linspace(0.0, 1.0, 6):
+        assert lowest(x + part * shares[:, None, None] * d).min() > floor - 1e-4
+    assert (shares == 1.0).sum() > len(x) / 4 and (shares < 1.0).sum() > len(x) / 20
+
+
 def test_cloth_in_the_hole_of_a_ring_has_not_passed_it(ring_grid):
     x, cells = np.array([[0.0, 0.0, -0.05], [0.02, 0.0, -0.05], [0.0, 0.02, -0.05]]), np.array([[0, 1, 2]], np.int32)
     contact = Contact([_kernels.Body.mesh(ring_grid, np.zeros(3), np.eye(3))], np.ones(3), 1e3, 2e-3, cells=cells)

@@ -119,17 +119,28 @@ double radius_below(const Body& body, const double* x, double distance) {
     return std::max(body.sharpest(), 1.0 / std::sqrt(square) - distance);
 }
 
-py::tuple lowest_each(const Body& body, const Doubles& x, const Cells& cells, double tolerance, double enough) {
+py::tuple lowest_each(const Body& body, const Doubles& x, const Cells& cells, double tolerance,
+                      const std::optional<Doubles>& enough) {
     const Triangles triangles(x, cells);
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    if (enough) require_size(*enough, triangles.count, "enough");
     Vec3 p[3];
     py::array_t<double> found(triangles.count), radius(triangles.count);
+    // Triangles share corners: each one's distance is taken once.
+    std::vector<double> known(points(x), infinite);
     for (py::ssize_t e = 0; e < triangles.count; ++e) {
         triangles.corners(triangles.x, e, p);
-        const restshape::Lowest low = restshape::lowest_on(body, p, tolerance, enough);
+        double at_corners[3];
+        for (int i = 0; i < 3; ++i) {
+            double& own = known[triangles.cells[3 * e + i]];
+            if (own == infinite) own = body.distance(p[i].c, false).value;
+            at_corners[i] = own;
+        }
+        const double least = enough ? enough->data()[e] : infinite;
+        const restshape::Lowest low = restshape::lowest_on(body, p, tolerance, least, at_corners);
         const Vec3 at = low.b[0] * p[0] + low.b[1] * p[1] + low.b[2] * p[2];
         found.mutable_data()[e] = low.value;
-        radius.mutable_data()[e] =
-            low.value < enough ? radius_below(body, at.c, low.value) : std::numeric_limits<double>::infinity();
+        radius.mutable_data()[e] = low.value < least ? radius_below(body, at.c, low.value) : infinite;
     }
     return py::make_tuple(found, radius);
 }
@@ -345,11 +356,10 @@ void bind_contact(py::module_& m) {
             "lowest", &lowest, "x"_a, "cells"_a, "tolerance"_a,
             "The least signed distance [m], within a tolerance [m], over triangles: cells (ne, 3) of corners x (n, 3). "
             "Returns it, the triangle and the barycentric coordinates of the place.")
-        .def("lowest_each", &lowest_each, "x"_a, "cells"_a, "tolerance"_a,
-             "enough"_a = std::numeric_limits<double>::infinity(),
+        .def("lowest_each", &lowest_each, "x"_a, "cells"_a, "tolerance"_a, "enough"_a = py::none(),
              "The least signed distance (ne,) [m] over each triangle, within a tolerance [m], and the radius of "
-             "curvature "
-             "(ne,) [m] of the surface there; where the distance is not below `enough`, some on it, and no radius.")
+             "curvature (ne,) [m] of the surface there; where the distance is not below what is `enough` (ne,) [m], "
+             "some on it, and no radius.")
         .def("step_share", &step_share, "x"_a, "d"_a, "cells"_a, "floor"_a, "deeper"_a, "tolerance"_a,
              "bottom"_a = -std::numeric_limits<double>::infinity(),
              "The largest share of a way d (n, 3) from x (n, 3) [m] on which no triangle of cells (ne, 3) has a signed "

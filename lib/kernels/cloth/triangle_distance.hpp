@@ -84,8 +84,8 @@ inline double bound_of(const Body& body, const Part& part, Lowest& best) {
 
 // Parts are halved until none can hold a distance below what is found, less the tolerance. Of no interest is what is
 // not below `enough`: the value is then some that is there, the bound one that is no less than `enough`.
-inline Lowest lowest_on(const Body& body, const Vec3* corners, double tolerance,
-                        double enough = std::numeric_limits<double>::infinity()) {
+inline Lowest lowest_on(const Body& body, const Vec3* corners, double tolerance, double enough,
+                        const double* at_corners) {
     constexpr int most = 64, patience = 4000;
     struct Open {
         Part part;
@@ -93,9 +93,8 @@ inline Lowest lowest_on(const Body& body, const Vec3* corners, double tolerance,
     } stack[most];
     Lowest best{std::numeric_limits<double>::infinity(), 0.0, {}};
     for (int i = 0; i < 3; ++i) {
-        const double value = body.distance(corners[i].c, false).value;
-        if (value < best.value) {
-            best.value = value;
+        if (at_corners[i] < best.value) {
+            best.value = at_corners[i];
             for (int k = 0; k < 3; ++k) best.b[k] = k == i;
         }
     }
@@ -126,6 +125,29 @@ inline Lowest lowest_on(const Body& body, const Vec3* corners, double tolerance,
     for (int k = 0; k < open; ++k) bound = std::min(bound, stack[k].bound);
     best.bound = std::min(bound, best.value);
     return best;
+}
+inline Lowest lowest_on(const Body& body, const Vec3* corners, double tolerance,
+                        double enough = std::numeric_limits<double>::infinity()) {
+    double at_corners[3];
+    for (int i = 0; i < 3; ++i) at_corners[i] = body.distance(corners[i].c, false).value;
+    return lowest_on(body, corners, tolerance, enough, at_corners);
+}
+
+// Whether no distance over a triangle is below a level, which is easily seen of most: parts are halved until none can
+// hold one. Otherwise, or where that takes many parts, it is false.
+inline bool clears(const Body& body, const Vec3* corners, double level) {
+    constexpr int most = 16, patience = 32;
+    Part stack[most] = {Part::whole(corners)};
+    Lowest found{std::numeric_limits<double>::infinity(), 0.0, {}};
+    for (int k = 0, open = 1; open; ++k) {
+        const Part now = stack[--open];
+        const bool clear = bound_of(body, now, found) >= level;
+        if (found.value < level || (!clear && (k >= patience || open + 2 > most))) return false;
+        if (clear) continue;
+        now.halve(stack[open], stack[open + 1]);
+        open += 2;
+    }
+    return true;
 }
 
 // The share of a part of the way d that a triangle at `now` may go: its places stay on the far side of the plane at the
@@ -174,6 +196,8 @@ inline double triangle_share(const Body& body, const Vec3* p, const Vec3* d, dou
     const Distance middle = body.distance(centre.c, false);
     for (const Vec3& way : ways) slope = std::min(slope, inner(middle.gradient, way));
     if (middle.value + below(body, centre.c, slope, farthest) >= floor) return 1.0;
+    // No place gets lower by more than the longest way of a corner times the steepest slope.
+    if (clears(body, p, floor + body.slope() * longest)) return 1.0;
     double t = 0.0, least = floor;
     for (int k = 0; k < 200; ++k) {
         const Vec3 now[3] = {p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]};

@@ -136,9 +136,12 @@ class ContactPoints:
         if not len(near):
             return found
         nearest = distance[self.cells[near]].min(axis=1)
-        lowest, radius = body.lowest_each(x, self.cells[near], CLOSE * thickness, LEFT * thickness)
-        spacing = spacing_on(body, radius, thickness)
         had = self.parts[near]
+        # Where a triangle has no points, none but those that it may get are of interest.
+        noticed = np.minimum(NEAR * thickness, nearest - NOTICED * thickness)
+        enough = np.where(had > 1, LEFT * thickness, noticed)
+        lowest, radius = body.lowest_each(x, self.cells[near], CLOSE * thickness, enough)
+        spacing = spacing_on(body, radius, thickness)
         kept = (lowest < LEFT * thickness) & (had > 1)
         deeper = (lowest < NEAR * thickness) & (nearest - lowest > NOTICED * thickness)
         wanted = np.minimum(np.ceil(longest[near] / spacing), MOST_PARTS).astype(np.int64)
