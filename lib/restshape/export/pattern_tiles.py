@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib
 import numpy as np
-from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
@@ -14,8 +14,8 @@ from matplotlib.patches import Rectangle
 from restshape.arrays import Reals
 from restshape.export.paper_tiles import EDGE, OVERLAP, PAPERS, Tile, TileGrid
 from restshape.export.pattern_sheet import INK, PatternSheet, SheetLine, pattern_sheet
-from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import PATTERN_MARK
+from restshape.outputs.picture_files import save_pages
 from restshape.shape.pattern import Pattern
 from restshape.shape.seam_parts import seam_names
 
@@ -83,11 +83,16 @@ def write_tiles(pattern: Pattern, path: Path, paper: str, allowance: float, titl
     grid = TileGrid(paper, low, high)
     tiles = grid.tiles([line.points for line in sheet.lines])
     about = {"Creator": PATTERN_MARK, "Title": title, "CreationDate": None}
-    with matplotlib.rc_context(STYLE), replacing(path) as part, PdfPages(part, metadata=about) as pages:
-        pages.savefig(_map(sheet, grid, tiles, pattern, f"{title}: {len(tiles)} sheets, {paper}").figure)
-        for number, tile in enumerate(tiles, 1):
-            pages.savefig(_sheet_page(sheet, grid, tile, f"{title}   {number} of {len(tiles)}").figure)
+    with matplotlib.rc_context(STYLE):
+        save_pages(_figures(sheet, grid, tiles, pattern, title), path, about)
     return len(tiles)
+
+
+def _figures(sheet: PatternSheet, grid: TileGrid, tiles: list[Tile], pattern: Pattern, title: str) -> Iterator[Figure]:
+    """The pages in their order: the map, then the sheets."""
+    yield _map(sheet, grid, tiles, pattern, f"{title}: {len(tiles)} sheets, {grid.paper}").figure
+    for number, tile in enumerate(tiles, 1):
+        yield _sheet_page(sheet, grid, tile, f"{title}   {number} of {len(tiles)}").figure
 
 
 def _sheet_page(sheet: PatternSheet, grid: TileGrid, tile: Tile, title: str) -> _Page:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from hashlib import sha256
@@ -88,6 +88,19 @@ def save_picture(figure: Figure, path: Path) -> None:
     with replacing(path) as part:
         write_figure(figure, part, _metadata(path.suffix.lower()))
     count_picture()
+
+
+def save_pages(figures: Iterable[Figure], path: Path, metadata: Mapping[str, str | None]) -> None:
+    """Writes a PDF, a page a figure, which are made one by one; metadata as of `PdfPages`.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    with replacing(path) as part, PdfPages(part, metadata=dict(metadata)) as pages:
+        for figure in figures:
+            pages.savefig(figure)
 
 
 def write_figure(figure: Figure, path: Path, metadata: dict[str, str] | None) -> None:
