@@ -8,6 +8,7 @@ from small_scenes import head, make_replay, meshed, write_scene, write_script
 from test_cloth_crossings import grid
 
 from restshape.physics.cloth.collision_surface import CollisionSurface
+from restshape.physics.cloth.layer_friction import LayerFriction, Touching
 from restshape.physics.cloth.self_contact import SelfContact, SelfContactValues
 
 PANEL = """
@@ -96,3 +97,39 @@ def test_layers_that_turn_together_have_not_slid_and_those_that_slide_turn_their
     assert contact.end_frame(along) == pytest.approx(far - slip, rel=1e-3)
     contact.history.add_forces(along, friction, slip, after)
     np.testing.assert_allclose(after, pushed, atol=1e-9 * total)
+
+
+@pytest.mark.parametrize(("lower", "upper"), [(2e-3, 2e-3), (6e-3, 2e-3), (2e-3, 4e-3)])
+def test_friction_acts_against_the_way_around_a_bend_whatever_the_meshes_of_both_layers(lower, upper):
+    """A strip is pulled by 80 mm around a rod that another one lies on, which stays."""
+    radius, gap, way = 0.01, 5e-4, 0.08
+
+    def strip(along: np.ndarray, r: float) -> np.ndarray:
+        """Nodes at both sides of a strip: straight, around the rod by half a turn, and straight back."""
+        angle = np.clip(along / r, 0.0, np.pi)
+        x = np.minimum(along, 0.0) + r * np.sin(angle) - np.maximum(along - np.pi * r, 0.0)
+        return np.array([(a, w, b) for a, b in zip(x, r * np.cos(angle)) for w in (-1e-3, 1e-3)])
+
+    def triangles(stations: int) -> np.ndarray:
+        first = 2 * np.arange(stations - 1)
+        return np.concatenate([np.add.outer(first, corners) for corners in ((0, 2, 1), (1, 2, 3))])
+
+    below, above = np.arange(0.0, np.pi * radius + lower, lower), np.arange(0.0, np.pi * (radius + gap), upper)
+    fixed, size = strip(below, radius), 2 * len(below)
+    begin, end = (np.vstack([fixed, strip(above - back, radius + gap)]) for back in (way, 0.0))
+    cells = np.vstack([triangles(len(below)), triangles(len(above)) + size])
+    # Each node of the upper strip that has gone around by up to 130 degrees, on the edge below it.
+    angles = above / (radius + gap)
+    touches = np.flatnonzero(angles < np.radians(130.0))
+    angles = angles[touches]
+    place = angles * radius / lower
+    edge = place.astype(int)
+    nodes = np.column_stack([size + 2 * touches, 2 * edge, 2 * edge + 2, size + 2 * touches])
+    shares = np.column_stack([np.ones(len(edge)), place - edge - 1.0, edge - place, 0.0 * place])
+    normals = np.column_stack([np.sin(angles), 0.0 * angles, np.cos(angles)])
+    pairs = Touching(nodes, shares, normals, np.ones(len(edge)))
+    friction = LayerFriction.none(len(begin)).begun(begin, cells, gap)
+    tangents = np.column_stack([np.cos(angles), 0.0 * angles, -np.sin(angles)])
+    slid = np.einsum("ma,ma->m", friction.begin.ways(end, pairs), tangents)
+    # Half of the angle between the layers is left over.
+    np.testing.assert_allclose(slid, way * np.cos(0.5 * angles), atol=0.1 * way)

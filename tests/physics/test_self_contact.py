@@ -181,6 +181,19 @@ def test_friction_is_handed_on_to_the_next_triangle():
     assert 0.8 < out[3, 0] / (FRICTION * (2 * y - y**2)) <= 1.0
 
 
+def test_pairs_that_touch_as_before_keep_what_held_them():
+    """Two edges that end at one node give its pair twice, once in the reverse order; the last pair is two edges."""
+    nodes = np.array([[0, 1, 2, 3], [4, 5, 4, 4], [5, 4, 5, 5], [4, 5, 4, 4], [0, 1, 2, 3]])
+    shares = [[0.5, 0.25, 0.25, -1.0], [1, -1, 0, 0], [1, -1, 0, 0], [1, -1, 0, 0], [0.4, 0.6, -0.5, -0.5]]
+    normals = np.array([[0, 0, 1.0], [0, 0, 1], [0, 0, -1], [0, 0, 1], [0, 0, 1]])
+    pairs = Touching(nodes, np.array(shares), normals, np.ones(5))
+    ways = np.array([[1.0, 2, 0], [3, 4, 0], [-3, -4, 0], [3, 4, 0], [-5, 6, 0]])
+    friction = LayerFriction(pairs, SLIP * ways, np.zeros((6, 3)))
+    np.testing.assert_array_equal(friction.handed_on(pairs), friction.offsets)
+    reverse = Touching(nodes, -pairs.shares, -normals, pairs.forces)
+    np.testing.assert_array_equal(friction.handed_on(reverse), -friction.offsets)
+
+
 def test_design_rates_are_the_slopes_of_forces_where_the_pattern_changes(folded):
     contact, x, _ = folded
     X, cells = contact.surface.flat[:, :2].copy(), contact.surface.cells

@@ -35,10 +35,17 @@ class Touching:
         return cls(np.zeros((0, 4), np.int64), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0))
 
     @property
-    def keys(self) -> np.ndarray:
-        """The pairs' nodes (m, 4), ordered, as one value each."""
-        ordered = np.ascontiguousarray(np.sort(np.where(self.shares != 0.0, self.nodes, -1), axis=1))
-        return ordered.view([("", ordered.dtype)] * 4).ravel()
+    def keys(self) -> tuple[np.ndarray, np.ndarray]:
+        """The nodes of each pair and the side that each is on, as one value (m,), and 1 or -1 (m,) by their order.
+
+        Pairs of one key lie at the same places: several edges that end there give as many. Where one has its places in
+        the reverse order, its number is the other one.
+        """
+        sides = np.sign(self.shares).astype(np.int64) * (self.nodes + 1)
+        sides = np.take_along_axis(sides, np.argsort(np.abs(sides), axis=1), axis=1)
+        order = np.sign(sides[:, -1])
+        keys = np.ascontiguousarray(sides * order[:, None])
+        return keys.view([("", keys.dtype)] * 4).ravel(), order
 
     def between(self, values: np.ndarray) -> np.ndarray:
         """The differences (m, 3) between both places of each pair, of values (n, 3) of the nodes."""
@@ -167,23 +174,19 @@ class LayerFriction:
     def handed_on(self, after: Touching) -> np.ndarray:
         """What the pairs are held back by, handed on to other pairs (k, 3) [m].
 
-        Pairs that touch as before keep it. Others, such as a node on the next triangle, take what their nodes had.
+        Pairs that touch as before keep it, in either order of their sides. Others, such as a node on the next triangle,
+        take what their nodes had.
         """
         before, kept = self.touching, self.offsets
         if not len(before.nodes) or not len(after.nodes):
             return np.zeros((len(after.nodes), 3))
         found = _from_nodes(self._by_nodes(), after)
-        _, old, new = np.intersect1d(before.keys, after.keys, return_indices=True)
-        same = np.einsum("mk,mk->m", *self._aligned(old, new, after)) > 0.0
-        found[new[same]] = kept[old[same]]
+        (known, order), (wanted, orders) = before.keys, after.keys
+        values, first = np.unique(known, return_index=True)
+        at = np.minimum(np.searchsorted(values, wanted), len(values) - 1)
+        same, old = values[at] == wanted, first[at]
+        found[same] = (kept[old] * (order[old] * orders)[:, None])[same]
         return found
-
-    def _aligned(self, old: np.ndarray, new: np.ndarray, after: Touching) -> tuple[np.ndarray, np.ndarray]:
-        """The shares (k, 4) of pairs that are in both lists, in the same order of nodes."""
-        lists = ((self.touching, old), (after, new))
-        orders = [np.argsort(np.where(part.shares[at] != 0.0, part.nodes[at], -1), axis=1) for part, at in lists]
-        first, second = (np.take_along_axis(part.shares[at], order, 1) for (part, at), order in zip(lists, orders))
-        return first, second
 
 
 @dataclass(frozen=True, eq=False)

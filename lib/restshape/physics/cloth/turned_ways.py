@@ -16,8 +16,11 @@ def maps_of_nodes(before: np.ndarray, after: np.ndarray, cells: np.ndarray) -> n
         cells: triangles.
     """
     maps = np.repeat(_maps(before[cells], after[cells]).reshape(-1, 9), 3, axis=0)
-    nodes = cells.ravel()
-    return np.column_stack([np.bincount(nodes, column, len(before)) for column in maps.T]).reshape(-1, 3, 3)
+    nodes, sides = cells.ravel(), before[cells[:, 1:]] - before[cells[:, :1]]
+    areas = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    sums = np.column_stack([np.bincount(nodes, column, len(before)) for column in maps.T])
+    around = np.bincount(nodes, np.repeat(areas, 3), len(before))
+    return (sums / np.where(around > 0.0, around, 1.0)[:, None]).reshape(-1, 3, 3)
 
 
 def _maps(before: np.ndarray, after: np.ndarray) -> np.ndarray:

@@ -28,9 +28,9 @@ from restshape.physics.cloth.relaxation.keep_apart import kept_apart
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.scene import ClothArguments, cloth_problem, set_contact, set_values
+from restshape.physics.cloth.scene import ClothArguments, cloth_problem, kernel_body, set_contact, set_values
 from restshape.physics.cloth.seam_lines import SeamPair
-from restshape.physics.cloth.tunnelling import penetrations
+from restshape.physics.cloth.tunnelling import deepened, penetrations
 from restshape.scene.model import Scene
 from restshape.scene.panels import frames_of
 
@@ -121,11 +121,20 @@ def _followed(state: RelaxationState, before: RelaxationState, known: np.ndarray
         state = kept_apart(state, known)
     if problem.contact and before.friction is not None:
         state = follow_bodies(state, before.bodies, np.where(problem.boundary.mask, known, state.x))
-        deep = max(penetrations(problem.contact, problem.corners(state.x)), default=0.0)
-        if deep > problem.contact.thickness:
+        if brought_deep(state, before):
             # Forces that push cloth out of a body that has come deep into it are not those that friction is of.
             problem.end_frame(state.x)
     return state
+
+
+def brought_deep(state: RelaxationState, before: RelaxationState) -> bool:
+    """Whether bodies are deeper in the cloth than contact is thick, and were not where it rested before."""
+    problem, old = state.problem, before.problem
+    depths, thickness = penetrations(problem.contact, problem.corners(state.x)), problem.contact.thickness
+    if max(depths, default=0.0) <= thickness:
+        return False
+    bodies = [kernel_body(body) for body in before.bodies]
+    return deepened(penetrations(old.contact, old.corners(before.x), bodies), depths, thickness)
 
 
 def _from_origin(state: RelaxationState, origin: RelaxationState) -> RelaxationState:

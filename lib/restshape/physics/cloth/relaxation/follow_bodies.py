@@ -70,9 +70,7 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
             break
         parts += 1
         state.solver.descend(x, ROUGH, ROUNDS * MEMORY, report)
-        # The way of the whole frame is no guess of that in a part of it.
-        problem.end_frame(x)
-        problem.begin_frame(x)
+        problem.next_part(x)
     spent = ConvergenceReport()
     spent.count(report)
     notes = (*state.notes, *_remade_notes(state, before))

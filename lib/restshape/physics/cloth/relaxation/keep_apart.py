@@ -45,7 +45,5 @@ def kept_apart(state: RelaxationState, last: np.ndarray) -> RelaxationState:
         if still > PATIENCE:
             break
         state.solver.descend(x, ROUGH, MEMORY, report)
-        # The way of the whole frame is no guess of that in a part of it.
-        problem.end_frame(x)
-        problem.begin_frame(x)
+        problem.next_part(x)
     return replace(state, x=problem.constrain(x), doubts=doubts)
