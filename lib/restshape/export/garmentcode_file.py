@@ -79,8 +79,9 @@ def _stitches(
     found: list[list[object]] = []
     left = []
     for stitch in pattern.stitches:
-        pairs = _one_by_one(stitch, lengths)
-        if not all(len(sides.get(edge, [])) == 1 for edge in (*stitch.first, *stitch.second)) or not pairs:
+        drawn = all(len(sides.get(edge, [])) == 1 for edge in (*stitch.first, *stitch.second))
+        pairs = _one_by_one(stitch, lengths) if drawn else []
+        if not pairs:
             left.append(f"{', '.join(stitch.first)} to {', '.join(stitch.second)}")
             continue
         for first, second in pairs:

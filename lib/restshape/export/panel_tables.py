@@ -21,15 +21,23 @@ def panel_tables(outline: Outline, scene: Scene) -> Table:
     Args:
         outline: of all panels in the pattern plane; scene: of the same frame.
     """
+    found: Table = {}
+    for name, shape in panel_shapes(outline, scene).items():
+        raw = table_in(table_in(scene.raw, "panels"), name)
+        found[name] = shape | {
+            key: value for key, value in raw.items() if key not in (*ShapeSpec.model_fields, "mirror")
+        }
+    return found
+
+
+def panel_shapes(outline: Outline, scene: Scene) -> dict[str, Table]:
+    """The plain tables of the shapes of all panels alone, by name; arguments as of `panel_tables`."""
     whole = shape_tables(outline)
     around = {loop.name: [outline.edges[e].name for e, _ in loop.edges] for loop in outline.loops}
-    found: Table = {}
-    for name, frame in frames_of(scene).items():
-        raw = table_in(table_in(scene.raw, "panels"), name)
-        said = {key: value for key, value in raw.items() if key not in (*ShapeSpec.model_fields, "mirror")}
-        edges = [_part(edge, f"{name}.") for edge in around[name]]
-        found[name] = {"outline": edges, **_own(f"{name}.", whole, frame), **said}
-    return found
+    return {
+        name: {"outline": [_part(edge, f"{name}.") for edge in around[name]], **_own(f"{name}.", whole, frame)}
+        for name, frame in frames_of(scene).items()
+    }
 
 
 def _own(before: str, whole: Mapping[str, object], frame: PanelFrame) -> Table:

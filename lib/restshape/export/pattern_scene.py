@@ -7,16 +7,18 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from restshape.export.panel_tables import panel_shapes
 from restshape.export.shape_tables import shape_tables
 from restshape.export.toml_scene import toml_text
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.scene.bodies import Start, start_of
 from restshape.scene.model import FORMAT, VERSION, Scene, ShapeSpec
-from restshape.scene.panels import panels_of, whole
+from restshape.scene.panels import panels_of
 from restshape.scene.plain_values import Table
 from restshape.scene.space_values import evaluated
 from restshape.shape.build import unchecked_outline
+from restshape.shape.outline import Outline
 from restshape.shape.pattern import Pattern, PatternPiece, Stitch, Triple
 from restshape.shape.pattern_axes import UPRIGHT, angles_of
 from restshape.shape.placement import rotation
@@ -93,14 +95,18 @@ def pattern_of_scene(scene: Scene) -> Pattern:
     start = evaluated(start_of(scene) or Start(), scene.parameters)
     upright = bool(np.allclose(start.turn, UPRIGHT, atol=1e-12)) and not any((*start.move, *start.about))
     panels = panels_of(scene)
-    given: dict[str, ShapeSpec] = {name: whole(name, panel) for name, panel in panels.items()} or {SHEET: scene.shape}
-    pieces = tuple(_piece(name, one, Start() if upright else start, scene) for name, one in given.items())
+    outline = unchecked_outline(scene.shape, scene.folder)
+    shapes = panel_shapes(outline, scene) if panels else {SHEET: shape_tables(outline)}
+    pieces = tuple(
+        _piece(name, shape, panels.get(name, scene.shape), Start() if upright else start, scene)
+        for name, shape in shapes.items()
+    )
     wrapped = [f"{name} on {panel.around}" for name, panel in panels.items() if panel.around is not None]
     notes = (f"left out, for pieces are flat: what is wrapped on a body, {', '.join(wrapped)}",) if wrapped else ()
     seams = scene.sections.get("seams") or {}
     assert isinstance(seams, dict)
     before = "" if panels else f"{SHEET}."
-    stitches = tuple(_stitch(name, seam, before) for name, seam in seams.items() if isinstance(seam, _Sewn))
+    stitches = tuple(_stitch(name, seam, before, outline) for name, seam in seams.items() if isinstance(seam, _Sewn))
     return Pattern(pieces, stitches, "y" if upright else "z", notes=notes)
 
 
@@ -117,17 +123,18 @@ class _Sewn(Protocol):
         """What the scene says of it besides."""
 
 
-def _stitch(name: str, seam: _Sewn, before: str) -> Stitch:
-    first, second = seam.sides
-    return Stitch(_named(first, before), _named(second, before), keys=dict(seam.keys), name=name)
+def _stitch(name: str, seam: _Sewn, before: str, outline: Outline) -> Stitch:
+    first, second = (_drawn(side, before, outline) for side in seam.sides)
+    return Stitch(first, second, keys=dict(seam.keys), name=name)
 
 
-def _named(edges: tuple[str, ...], before: str) -> tuple[str, ...]:
-    return tuple(f"{before}{edge}" for edge in edges)
+def _drawn(names: tuple[str, ...], before: str, outline: Outline) -> tuple[str, ...]:
+    """The edges of one side of a seam, ``PIECE.EDGE``; of one that a dart parts, its pieces in order along it."""
+    return tuple(f"{before}{outline.edges[e].name}" for name in names for e in outline.entity(name).edges)
 
 
-def _piece(name: str, panel: ShapeSpec, start: Start, scene: Scene) -> PatternPiece:
-    """The piece that a panel is, in axes that all of them share."""
+def _piece(name: str, shape: Table, panel: ShapeSpec, start: Start, scene: Scene) -> PatternPiece:
+    """The piece that a panel of this shape is, in axes that all of them share."""
     keys = {key: getattr(panel, key) for key in ("turn", "about", "move") if hasattr(panel, key)}
     own = evaluated(Start.model_construct(**keys), scene.parameters)
     turn, all_turned = rotation(own.turn), rotation(start.turn)
@@ -135,6 +142,5 @@ def _piece(name: str, panel: ShapeSpec, start: Start, scene: Scene) -> PatternPi
     move = all_turned @ (about - turn @ about + np.array(own.move) - all_about) + all_about + np.array(start.move)
     x, y, z = (float(value) for value in move)
     grain = getattr(panel, "grain", None)
-    shape = shape_tables(unchecked_outline(panel, scene.folder))
     turned: Triple = angles_of(all_turned @ turn) if any((*own.turn, *start.turn)) else (0.0, 0.0, 0.0)
     return PatternPiece(name, shape, (x, y, z), turned, float(grain) if isinstance(grain, float) else None)

@@ -149,7 +149,6 @@ def without_darts(scene: Scene) -> Table:
     raw.pop("darts")
     made = {}
     for one in scene.shape.darts:
-        keys = {key: value for key, value in one.seam.keys.items() if value is not None}
         left, right = one.legs
-        made[one.seam_name] = {"from": left, "to": right, **keys}
+        made[one.seam_name] = {"from": left, "to": right, **one.seam.keys}
     return raw | {"seams": {**table_in(raw, "seams"), **made}}

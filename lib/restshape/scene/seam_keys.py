@@ -44,7 +44,7 @@ class Seam(Strict):
     @property
     def keys(self) -> Table:
         """What is written of it besides its sides, in SI units."""
-        return self.model_dump(exclude={"start", "to"}, exclude_unset=True)
+        return self.model_dump(exclude={"start", "to"}, exclude_unset=True, exclude_none=True)
 
     @model_validator(mode="after")
     def _has_two_sides(self) -> Self:
