@@ -54,6 +54,12 @@ def with_body(scene: Path, form: str, mesh: str, obj: str, folder: Path) -> Path
     return folder / scene.name
 
 
+def joined(first: str, second: str, way: tuple[float, float, float]) -> str:
+    """Two OBJ files of triangles as one; the second is moved by (3,) [m]."""
+    (X, cells), (Y, others) = _read(first), _read(second)
+    return _written(np.vstack([X, Y + np.array(way)]), np.vstack([cells, others + len(X)]))
+
+
 def without_top(obj: str, width: float) -> str:
     """An OBJ file without triangles whose middle is nearer to the axis z than a width [m], on its upper half."""
     X, cells = _read(obj)

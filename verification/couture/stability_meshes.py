@@ -1,10 +1,10 @@
-"""Hard bodies of triangles: sharp edges, holes, sizes far apart, narrow bands, new measures."""
+"""Hard bodies of triangles: sharp edges, holes, bodies that touch, sizes far apart, narrow bands, new measures."""
 
 from collections.abc import Iterator
 
 from restshape_studies.stability.case import Case, Statement, Trial, above, below, near, true
 from restshape_studies.stability.scenery import set_value
-from restshape_verification.couture.body_files import ball, slab, without_top
+from restshape_verification.couture.body_files import ball, joined, slab, without_top
 from restshape_verification.couture.hard_scenes import (
     CONTACT,
     depth,
@@ -55,6 +55,21 @@ def mesh_hole(trial: Trial) -> Iterator[Statement]:
     yield below("how much lower it lies than on the whole ball [m]", abs(lower), 3e-3)
 
 
+def mesh_touching(trial: Trial) -> Iterator[Statement]:
+    """Cloth lies on two blocks that share a face, in one file and in two: at rest alike, and outside of both."""
+    block = slab(0.05, 0.1, 0.08)
+    ways = [(0.1, 0.15, TOP[2]), (0.2, 0.15, TOP[2])]
+    one = body(trial, joined(block, block, (0.1, 0.0, 0.0)), "spacing = 0.008", ways[0], "pair")
+    apart = [body(trial, block, "spacing = 0.008", way, name) for way, name in zip(ways, ("near", "far"))]
+    highest = []
+    for bodies in (one, "".join(apart)):
+        made, rows = played(trial, square(0.03, bodies, CONTACT, floor(-0.3)))
+        yield from resting(made, rows)
+        yield outside(made, THICKNESS)
+        highest.append(rows[0]["q_highest"])
+    yield below("difference of their heights [m]", abs(highest[0] - highest[1]), THICKNESS)
+
+
 def mesh_sizes(trial: Trial) -> Iterator[Statement]:
     """Cloth lies on a block of 100 m, and hangs over a ball of 1 cm: at rest on both."""
     large = body(trial, slab(50.0, 50.0, 100.0), "spacing = 2.0")
@@ -103,6 +118,7 @@ def growing(trial: Trial) -> Iterator[Statement]:
 CASES = {
     "mesh_edge": Case(mesh_edge, weekly=("auto",)),
     "mesh_hole": Case(mesh_hole, weekly=("auto",)),
+    "mesh_touching": Case(mesh_touching, weekly=("auto",)),
     "mesh_sizes": Case(mesh_sizes, weekly=("auto",)),
     "mesh_band": Case(mesh_band, weekly=("auto",)),
     "growing": Case(growing, weekly=("auto",)),

@@ -20,6 +20,7 @@ from restshape import _kernels
 from restshape.bounds import BODY_BRICKS, BODY_LATTICE
 from restshape.errors import UserError
 from restshape.mesh.closed_surface import ClosedSurface, SurfaceHole, read_closed_surface
+from restshape.mesh.outer_faces import Search, body_search
 from restshape.outputs.atomic_files import replacing
 
 CELLS = 8
@@ -46,9 +47,11 @@ RAYS, THIN = 2000, 0.05
 """Rays through the body, and the share of them that pass through what is thinner than `SurfaceDistance.thin`."""
 SHARP = 0.01
 """Share of the surface that counts as its edges."""
+FACE = 0.5
+"""Size down to which faces that are partly inside of the body are cut, over the first spacing."""
 AROUND = 6
 """Exact places around bricks: what the filter takes from farther ones has fallen to (2 - sqrt 3)^6 = 4e-4 of itself."""
-VERSION = 4
+VERSION = 5
 """Of what the cache holds."""
 KEPT = 2_000_000_000
 """Bytes that the cache keeps, at most."""
@@ -251,8 +254,8 @@ def make_distance(
         do = "install libcgal-dev, and build restshape again"
         raise UserError("bodies of triangles need CGAL, without which restshape was built", where, do)
     surface = replace(surface, cells=surface.cells[surface.areas > 0.0])
-    search = _kernels.SurfaceSearch(surface.X, surface.cells)
     step = spacing or _first_spacing(surface, band)
+    search = body_search(surface, FACE * step)
     for attempt in range(TRIES):
         made = _sampled(search, surface, step, band or max(BAND * step, LEAST_BAND), where)
         error, usual = _errors(search, surface, made)
@@ -301,7 +304,7 @@ def _lattice(origin: np.ndarray, step: float, counts: np.ndarray) -> np.ndarray:
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def _sampled(search: _kernels.SurfaceSearch, surface: ClosedSurface, spacing: float, band: float, where: str) -> Made:
+def _sampled(search: Search, surface: ClosedSurface, spacing: float, band: float, where: str) -> Made:
     """The arrays of a grid of a spacing [m] in a band [m]."""
     from scipy.ndimage import spline_filter
 
@@ -337,6 +340,9 @@ def _sampled(search: _kernels.SurfaceSearch, surface: ClosedSurface, spacing: fl
     depth = -min(float(middles.min()), float(corners.min()))
     made["bent"], measured = _measured(_grid(made), made, places, _thin(search, surface, depth), steepest)
     made["numbers"] = np.append(measured, SPARE * above)
+    # Farther beyond this box than a distance no place has a smaller one: contact ends there without a jump.
+    lower = SPARE * _below_box(_grid(made), made, places)
+    made["low"], made["high"] = low - lower, high + lower
     return made
 
 
@@ -345,7 +351,7 @@ def _brick(at: np.ndarray) -> tuple[slice, ...]:
 
 
 def _values(
-    search: _kernels.SurfaceSearch, coarse: _kernels.GridDistance, made: Made, places: np.ndarray, counts: np.ndarray
+    search: Search, coarse: _kernels.GridDistance, made: Made, places: np.ndarray, counts: np.ndarray
 ) -> np.ndarray:
     """The distance on the whole even grid: exact in the bricks, of the coarse grid elsewhere."""
     origin, spacing = made["origin"] - made["spacing"], float(made["spacing"])
@@ -365,7 +371,7 @@ def _values(
     return values
 
 
-def _beyond_band(search: _kernels.SurfaceSearch, coarse: _kernels.GridDistance, made: Made) -> tuple[float, float]:
+def _beyond_band(search: Search, coarse: _kernels.GridDistance, made: Made) -> tuple[float, float]:
     """The longest gradient of the coarse grid beyond the band, and how much too far it is outside there [m].
 
     Both at corners of bricks and middles of their edges, faces and insides.
@@ -378,6 +384,23 @@ def _beyond_band(search: _kernels.SurfaceSearch, coarse: _kernels.GridDistance, 
     beyond, outside = np.abs(distance) > made["band"], distance > made["band"]
     above = (found[:, 0] - distance)[outside].max(initial=0.0)
     return float(found[beyond, 1].max(initial=1.0)), float(above)
+
+
+def _below_box(grid: _kernels.GridDistance, made: Made, places: np.ndarray) -> float:
+    """How much smaller the distance is than the way beyond a face of the surface's box, at most [m].
+
+    Between the places that the spline takes values of, where it is exact: it is rounder than edges.
+    """
+    half, found = 0.5 * float(made["spacing"]), 0.0
+    for at in places:
+        corner = made["origin"] + 2.0 * half * at
+        if np.all((corner > made["low"]) & (corner + 2.0 * CELLS * half < made["high"])):
+            continue
+        x = _lattice(corner + 1e-6 * half, (1.0 - 1e-6) * half, np.full(3, 2 * CELLS + 1))
+        beyond = np.maximum(made["low"] - x, x - made["high"]).max(axis=1)
+        x, beyond = x[beyond > 0.0], beyond[beyond > 0.0]
+        found = max(found, float((beyond - grid.values(x)).max(initial=0.0)) if len(x) else 0.0)
+    return found
 
 
 def _measured(
@@ -412,7 +435,7 @@ def _on_surface(surface: ClosedSurface, count: int) -> tuple[np.ndarray, np.ndar
     return places, (normals / np.maximum(area, 1e-300)[:, None])[faces]
 
 
-def _thin(search: _kernels.SurfaceSearch, surface: ClosedSurface, depth: float) -> float:
+def _thin(search: Search, surface: ClosedSurface, depth: float) -> float:
     """Half of how thick the body is [m], but for the thinnest 5 % of its surface; at most its depth [m]."""
     places, normals = _on_surface(surface, RAYS)
     start = 1e-6 * float(np.ptp(surface.X, axis=0).max())
@@ -433,7 +456,7 @@ def places_in_band(surface: ClosedSurface, count: int, band: float) -> np.ndarra
     return places + np.random.default_rng(1).uniform(-band, band, (len(places), 1)) * normals
 
 
-def away_from_axis(search: _kernels.SurfaceSearch, x: np.ndarray, spacing: float) -> np.ndarray:
+def away_from_axis(search: Search, x: np.ndarray, spacing: float) -> np.ndarray:
     """Whether places (n, 3) [m] are away from the surface itself and from its medial axis.
 
     That is near where the directions to the surface two cells of a spacing [m] apart differ.
@@ -448,7 +471,7 @@ def away_from_axis(search: _kernels.SurfaceSearch, x: np.ndarray, spacing: float
     return np.asarray(smooth)
 
 
-def _errors(search: _kernels.SurfaceSearch, surface: ClosedSurface, made: Made) -> tuple[float, float]:
+def _errors(search: Search, surface: ClosedSurface, made: Made) -> tuple[float, float]:
     """The largest error of the grid in its band, away from the medial axis [m], and that of 99 % of the places."""
     x = places_in_band(surface, SAMPLES, float(made["band"]))
     x = x[away_from_axis(search, x, float(made["spacing"]))]

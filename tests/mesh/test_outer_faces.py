@@ -1,0 +1,59 @@
+"""Bodies of several parts: faces inside of them do not count; and distances that end without a jump."""
+
+import numpy as np
+import pytest
+from body_meshes import Surface, ball, box
+
+from restshape import _kernels
+from restshape.mesh import surface_distance
+from restshape.mesh.closed_surface import ClosedSurface
+
+pytestmark = pytest.mark.skipif(not _kernels.has_cgal, reason="bodies of triangles need CGAL")
+BLOCK = (0.05, 0.1, 0.04)
+
+
+def both(first: Surface, second: Surface, way: float) -> ClosedSurface:
+    """Two surfaces as one, the second moved along x [m]."""
+    (X, cells), (Y, others) = first, second
+    corners, faces = np.vstack([X, Y + np.array([way, 0.0, 0.0])]), np.vstack([cells, others + len(X)])
+    return ClosedSurface(corners, faces.astype(np.int32), 1.0)
+
+
+def test_a_face_that_two_blocks_share_bounds_neither():
+    from restshape.mesh.outer_faces import body_search
+
+    x = np.array([[0.05, 0.0, 0.0], [0.04, 0.02, 0.01], [0.05, 0.0, 0.038], [0.05, 0.0, 0.05], [0.2, 0.0, 0.0]])
+    distance, _ = body_search(both(box(BLOCK), box(BLOCK), 0.1), 0.004).nearest(x)
+    np.testing.assert_allclose(distance, [-0.04, -0.03, -0.002, 0.01, 0.05], atol=1e-12)
+
+
+def test_of_balls_that_meet_only_what_is_outside_of_the_other_bounds():
+    from restshape.mesh.outer_faces import body_search
+
+    surface = both(ball(8, 0.2), ball(8, 0.2), 0.2)
+    search = body_search(surface, 0.004)
+    distance, _ = search.nearest(np.array([[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.1, 0.0, 0.16], [0.1, 0.0, 0.2]]))
+    rim = np.sqrt(0.03)
+    away = np.hypot(0.1, 0.2) - 0.2
+    # Facets and the smallest pieces at the rim are a few millimetres.
+    np.testing.assert_allclose(distance, [-rim, -0.2, 0.16 - rim, away], atol=6e-3)
+    # All faces together would be near to the middle of either ball.
+    (distance,), _ = _kernels.SurfaceSearch(surface.X, surface.cells).nearest(np.array([[0.2, 0.0, 0.0]]))
+    assert abs(distance) < 4e-3
+
+
+def test_contact_ends_without_a_jump():
+    """The spline is rounder than edges: beside them it is below the way beyond the box of the surface."""
+    surface = ClosedSurface(*box(BLOCK), 1.0)
+    made = surface_distance.make_distance(surface, 12e-3)
+    body = _kernels.Body.mesh(surface_distance._grid(made), np.zeros(3), np.eye(3))
+    low, high = surface.box
+    x = np.random.default_rng(0).uniform(low - 0.02, high + 0.02, (20000, 3))
+    beyond = np.maximum(low - x, x - high).max(axis=1)
+    distance = body.distances(x)
+    near = beyond > 0.0
+    assert (distance - beyond)[near].min() < -1e-5
+    for thickness in (1e-3, 2e-3, 5e-3):
+        for own in x[near & (distance < thickness)][:2000:20]:
+            found = np.zeros((1, 12))
+            assert body.add_contact(own[None], np.ones(1), 1.0, thickness, found, False) > 0.0
