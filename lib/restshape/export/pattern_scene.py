@@ -1,5 +1,7 @@
 """Sewing patterns as scenes of cloth, and the patterns that scenes have."""
 
+# More than 15 modules: a scene and its pattern are turned into each other, by tables and by outlines.
+
 from __future__ import annotations
 
 from pathlib import Path
