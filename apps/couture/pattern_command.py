@@ -128,9 +128,11 @@ def _write(pattern: Pattern, path: Path, title: str, allowance: float, paper: st
     kind = path.suffix.lower()
     if kind == TILED:
         from restshape.export.pattern_tiles import write_tiles
+        from restshape.export.seam_allowance import holes_noted
 
         sheets = write_tiles(pattern, path, paper, allowance, title)
-        return [f"{counted(sheets, 'sheet')} of {paper}, after a page with their places and a square of 100 mm"]
+        holes = holes_noted(pattern) if allowance else []
+        return [f"{counted(sheets, 'sheet')} of {paper}, after a page with their places and a square of 100 mm", *holes]
     if kind == ".toml":
         from restshape.export.pattern_scene import write_pattern_scene
 

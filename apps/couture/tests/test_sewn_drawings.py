@@ -14,7 +14,8 @@ from restshape.export.pattern_svg_file import write_pattern_svg
 from restshape.export.seam_allowance import cut_lines
 from restshape.scene.load import load_scene
 from restshape.shape.pattern import Pattern, PatternPiece, Stitch
-from restshape.shape.pattern_drawing import CUT, NOTCH, read_pattern_dxf
+from restshape.shape.pattern_drawing import CUT, INTERNAL, NOTCH, read_pattern_dxf
+from restshape.shape.pattern_notes import kept
 from restshape.shape.pattern_pieces import is_in
 from restshape.shape.pattern_svg import read_pattern_svg
 
@@ -124,3 +125,35 @@ def test_a_dxf_with_an_allowance_has_a_cut_line_and_notches(tmp_path):
     assert np.ptp(xy, axis=0) == pytest.approx([320.0, 320.0], abs=0.03)
     notches = {tuple(np.round(tuple(one.dxf.location)[:2], 6)) for one in block if one.dxf.layer == NOTCH}
     assert notches == {(300.0, 0.0), (300.0, 300.0), (0.0, 0.0)}
+
+
+@BOTH
+def test_a_region_at_the_border_is_drawn_as_lines_and_noted(tmp_path, write, read, name):
+    """Its inner edge is there with its name and seam; readers take the border as it is."""
+    shape = square("front").shape
+    inner = {"m": {"line": ["v0", "v2"]}}
+    region = {"regions": {"half": {"loop": ["e0", "e1", "m"]}}, "edges": {**shape["edges"], **inner}}
+    pattern = replace(TWO, pieces=(replace(TWO.pieces[0], shape=shape | region), TWO.pieces[1]))
+    pattern = replace(pattern, stitches=(Stitch(("front.m",), ("back.e3",), name="inner"),))
+    notes = write(pattern, tmp_path / name, 0.01)
+    assert notes == ["drawn as lines, for they share edges with other loops: the regions front.half"]
+    if name.endswith(".svg"):
+        (line,) = [one for one in (tmp_path / name).read_text().splitlines() if 'id="front.m"' in one]
+        assert 'data-seam="inner"' in line
+    else:
+        lines = [kept(one) for one in ezdxf.readfile(tmp_path / name).blocks.get("front") if one.dxf.layer == INTERNAL]
+        assert [one["edge"] for one in lines] == ["front.m"]
+    found = read(tmp_path / name)
+    assert found.piece("front").outline().area() == pytest.approx(0.09)
+    assert any("the seam 'inner', whose edge front.m is not there" in note for note in found.notes)
+
+
+@BOTH
+def test_sewn_holes_have_no_allowance_which_a_note_says(tmp_path, write, read, name):
+    hole = {"holes": {"eye": {"circle": {"center": [0.1, 0.1], "radius": 0.02}}}}
+    pieces = (replace(TWO.pieces[0], shape=TWO.pieces[0].shape | hole), TWO.pieces[1])
+    sewn = replace(TWO, pieces=pieces, stitches=(Stitch(("front.eye.1",), ("back.e3",), name="s"),))
+    note = "no allowance at sewn holes, whose lines are those of their seams: front.eye"
+    assert write(sewn, tmp_path / name, 0.01) == [note]
+    assert write(sewn, tmp_path / name) == []
+    assert write(replace(TWO, pieces=pieces), tmp_path / name, 0.01) == []

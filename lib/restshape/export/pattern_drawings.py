@@ -13,7 +13,7 @@ from ezdxf import units
 from restshape.arrays import Reals
 from restshape.export.dxf_drawing import MM, draw_edge
 from restshape.export.pattern_marks import edge_labels, grain_line, notches
-from restshape.export.seam_allowance import cut_lines
+from restshape.export.seam_allowance import cut_lines, holes_noted
 from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.shape.outline import Outline
@@ -39,7 +39,7 @@ def write_pattern_dxf(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
     as they are: LINE, ARC, SPLINE, LWPOLYLINE. Names of edges, seams, and where pieces lie in space are extended data.
 
     Args:
-        pattern: to write; path: of the file; allowance: of all borders [m].
+        pattern: to write; path: of the file; allowance: outside of pieces [m]; holes have none.
 
     Raises:
         UserError: an allowance cannot be made.
@@ -65,7 +65,7 @@ def write_pattern_dxf(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
             keep(insert, where)
     with replacing(path) as part:
         drawing.saveas(part)
-    return left_out(pattern)
+    return [*left_out(pattern, outlines), *(holes_noted(pattern) if allowance else [])]
 
 
 def _draw_piece(block: Any, piece: PatternPiece, outline: Outline, parts: Parts, allowance: float) -> None:
@@ -107,9 +107,31 @@ def side_by_side(outlines: Sequence[Outline], allowance: float) -> list[Reals]:
     return found
 
 
-def left_out(pattern: Pattern) -> list[str]:
-    """Notes of what a drawing has no place for."""
+def left_out(pattern: Pattern, outlines: Sequence[Outline]) -> list[str]:
+    """Notes of what a drawing has no place for, and of what readers take for no region.
+
+    Args:
+        pattern: that is drawn; outlines: of its pieces.
+    """
     kept = [piece.name for piece in pattern.pieces if piece.kept or any(piece.kept_edges.values())]
-    return (
+    notes = (
         [f"left out, for drawings have no such keys: what the file says besides of {', '.join(kept)}"] if kept else []
     )
+    if lines := [
+        f"{piece.name}.{region}"
+        for piece, outline in zip(pattern.pieces, outlines)
+        for region in regions_at_others(outline)
+    ]:
+        notes.append(f"drawn as lines, for they share edges with other loops: the regions {', '.join(lines)}")
+    return notes
+
+
+def regions_at_others(outline: Outline) -> list[str]:
+    """The regions that share edges with loops before them."""
+    found, seen = [], set[int]()
+    for loop in outline.loops:
+        own = {e for e, _ in loop.edges}
+        if loop.kind == "region" and own & seen:
+            found.append(loop.name)
+        seen |= own
+    return found

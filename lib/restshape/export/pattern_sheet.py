@@ -70,7 +70,7 @@ def pattern_sheet(pattern: Pattern, allowance: float) -> PatternSheet:
     Lines of seams are dashed inside of the cut line of an allowance, and have the colours of their seams.
 
     Args:
-        pattern: to draw; allowance: of all borders [m], or 0.
+        pattern: to draw; allowance: outside of pieces [m], or 0; holes have none.
 
     Raises:
         UserError: an allowance cannot be made.

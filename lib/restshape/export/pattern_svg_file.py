@@ -13,7 +13,7 @@ from restshape.arrays import Reals
 from restshape.export.dxf_drawing import MM
 from restshape.export.pattern_drawings import LETTERS, Parts, left_out, side_by_side
 from restshape.export.pattern_marks import edge_labels, grain_line, notches
-from restshape.export.seam_allowance import cut_lines
+from restshape.export.seam_allowance import cut_lines, holes_noted
 from restshape.export.svg_drawing import path_of, svg_head
 from restshape.outputs.atomic_files import write_whole
 from restshape.shape.outline import Outline
@@ -56,7 +56,7 @@ def write_pattern_svg(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
         lines += [*_loops(piece.name, outline, parts, colours), *_marks(piece, outline, parts, colours, allowance)]
         lines.append("</g>")
     write_whole(path, "\n".join([*lines, "</svg>", ""]))
-    return left_out(pattern)
+    return [*left_out(pattern, outlines), *(holes_noted(pattern) if allowance else [])]
 
 
 def _metadata(pattern: Pattern) -> dict[str, object]:
@@ -74,14 +74,16 @@ def _metadata(pattern: Pattern) -> dict[str, object]:
 
 
 def _loops(name: str, outline: Outline, parts: Parts, colours: Mapping[str, str]) -> list[str]:
-    """The lines of one piece, without regions that share edges with its border."""
+    """The lines of one piece; of regions that share edges with other loops what is left of them, as no shape."""
     lines, drawn = [], set[int]()
     for loop in outline.loops:
-        if drawn & {e for e, _ in loop.edges}:
+        left = [(e, forward) for e, forward in loop.edges if e not in drawn]
+        if not left:
             continue
         own = name if loop.kind == "outline" else f"{name}.{loop.name}"
-        lines.append(f"<g id={quoteattr(own)} class={quoteattr(loop.kind)}>")
-        for e, forward in loop.edges:
+        what = loop.kind if len(left) == len(loop.edges) else NO_SHAPE
+        lines.append(f"<g id={quoteattr(own)} class={quoteattr(what)}>")
+        for e, forward in left:
             edge = f"{name}.{outline.edges[e].name}"
             sewn = parts.get(edge, ())
             colour = f" stroke={quoteattr(colours[sewn[0].seam])}" if sewn else ""

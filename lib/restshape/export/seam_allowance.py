@@ -10,8 +10,11 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.errors import UserError
+from restshape.mesh.regions import signed_area
 from restshape.shape.geo_model import gmsh_model
 from restshape.shape.outline import Outline
+from restshape.shape.pattern import Pattern
+from restshape.shape.seam_parts import seam_parts
 
 MM = 1e3
 CHORD = 1e-5
@@ -38,7 +41,7 @@ def cut_lines(outline: Outline, allowance: float, name: str) -> list[Reals]:
         what = f"an allowance of {MM * allowance:g} mm is more than half the width of the piece {name}"
         raise UserError(what, "--allowance", "give less")
     border = MM * _border(outline)
-    area = _area(border)
+    area = signed_area(border)
     with gmsh_model(Path("allowance")) as gmsh:
         try:
             found = _moved(gmsh.model, border, MM * allowance)
@@ -46,11 +49,24 @@ def cut_lines(outline: Outline, allowance: float, name: str) -> list[Reals]:
         except Exception as error:
             what = f"OpenCASCADE cannot move the line of the piece {name} out by {MM * allowance:g} mm: {error}"
             raise UserError(what, "--allowance", "give less, or leave it out") from error
-    found.sort(key=lambda line: -abs(_area(line)))
-    if not found or abs(_area(found[0])) <= abs(area):
+    found.sort(key=lambda line: -abs(signed_area(line)))
+    if not found or abs(signed_area(found[0])) <= abs(area):
         what = f"OpenCASCADE cannot move the line of the piece {name} out by {MM * allowance:g} mm"
         raise UserError(what, "--allowance", "give less, or leave it out")
     return [line / MM for line in found]
+
+
+def holes_noted(pattern: Pattern) -> list[str]:
+    """A note of sewn holes, which have no allowance; none without such holes."""
+    parts = seam_parts(pattern)
+    found = [
+        f"{piece.name}.{loop.name}"
+        for piece in pattern.pieces
+        for outline in [piece.outline()]
+        for loop in outline.loops
+        if loop.kind == "hole" and any(f"{piece.name}.{outline.edges[e].name}" in parts for e, _ in loop.edges)
+    ]
+    return [f"no allowance at sewn holes, whose lines are those of their seams: {', '.join(found)}"] if found else []
 
 
 def _border(outline: Outline) -> Reals:
@@ -60,7 +76,7 @@ def _border(outline: Outline) -> Reals:
         points = outline.polyline(e, CHORD)
         parts.append((points if forward else points[::-1])[:-1])
     border = np.concatenate(parts)
-    return border if _area(border) > 0.0 else border[::-1]
+    return border if signed_area(border) > 0.0 else border[::-1]
 
 
 def _moved(model: Any, border: Reals, distance: float) -> list[Reals]:
@@ -103,8 +119,3 @@ def _closed(chains: list[Reals]) -> list[Reals]:
             line.append(chains[number][:: 1 - 2 * end])
         found.append(np.concatenate([chain[:-1] for chain in line]))
     return found
-
-
-def _area(line: Reals) -> float:
-    x, y = line.T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))

@@ -106,7 +106,7 @@ def draw_beside(recording: Recording, i: int, what: str, width: int, path: Path)
     if what == "strain":
         found, bound = recorded_stretches(recording, i, frame.scene, frame.outline), trusted_strain(frame.scene)
         most = max(np.percentile(np.abs(values), 100.0 - RARE) for values in found.values())
-        rows = [_Shown(name, values, max(float(most), 1.2 * bound), bound) for name, values in found.items()]
+        rows = [_Shown(name, values, float(most) or bound, bound) for name, values in found.items()]
     figure, grid = _figure(scenery, len(rows), width / DPI, what == "strain")
     for (space, pattern), shown in zip(grid, rows):
         _draw_space(space, recording, i, scenery, shown, seams)
@@ -180,7 +180,9 @@ def _bar(figure: Figure, shown: _Shown) -> None:
     place = figure.add_axes((1.0 - (BAR - 0.1) / wide, 0.25, 0.16 / wide, 0.5))
     scale = 100.0 * shown.end
     bar = figure.colorbar(ScalarMappable(Normalize(-scale, scale), SIGNED), cax=place, extend="both")
-    for sign in (-1.0, 1.0):
+    inside = shown.bound <= shown.end
+    for sign in (-1.0, 1.0) if inside else ():
         bar.ax.axhline(sign * 100.0 * shown.bound, color=INK, linewidth=1.2)
-    bar.set_label(f"eased below 0, in tension above [%]; lines: {100.0 * shown.bound:g} %")
+    marked = f"; lines: {100.0 * shown.bound:g} %" if inside else ""
+    bar.set_label(f"eased below 0, in tension above [%]{marked}")
     bar.outline.set_visible(False)
