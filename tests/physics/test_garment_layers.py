@@ -1,5 +1,7 @@
 """Layers of garments: cloth out of bodies, panels in order, edges on lines inside a panel, three edges in one seam."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from small_scenes import write_scene
@@ -9,8 +11,9 @@ from restshape import _kernels
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.layer_order import LayerOrder, Layers, lines_through
-from restshape.physics.cloth.out_of_bodies import brought_out
+from restshape.physics.cloth.layer_order import LayerOrder, Layers, is_another_order, outer_sides
+from restshape.physics.cloth.lines_through import lines_through
+from restshape.physics.cloth.out_of_bodies import brought_out, still_inside
 from restshape.physics.cloth.sewn_neighbours import shared_nodes, with_shared
 from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
@@ -83,7 +86,7 @@ def sheets(*heights):
     places = np.vstack([x + np.array([0.0, 0.0, z]) for z in heights])
     all_cells = np.vstack([cells + k * len(x) for k in range(len(heights))]).astype(np.int32)
     number = np.repeat(np.arange(len(heights)), len(x))
-    order = LayerOrder(1.0 + number, tuple("abc"[: len(heights)]), number)
+    order = LayerOrder(1.0 + number, tuple("abc"[: len(heights)]), number, np.ones(len(number)))
     # In the pattern they lie beside each other.
     flat = np.vstack([x[:, :2] + np.array([0.3 * k, 0.0]) for k in range(len(heights))])
     return places, Layers(order, CollisionSurface(flat, all_cells), [_kernels.Body.plane((0, 0, -1), (0, 0, 1))])
@@ -92,17 +95,107 @@ def sheets(*heights):
 def test_layers_in_the_wrong_order_are_put_into_it():
     x, layers = sheets(0.03, 0.02, 0.021)
     assert layers.notes(x) == ["25 nodes of b lie under a lower layer", "25 nodes of c lie under a lower layer"]
-    found = layers.in_order(x, np.ones(len(x), bool), 5e-3)
+    found, ended = layers.in_order(x, np.ones(len(x), bool), 5e-3)
     heights = found[:, 2].reshape(3, 25)
     assert np.ptp(heights, axis=1).max() < 1e-12 and np.array_equal(found[:, :2], x[:, :2])
     assert heights[:, 0] == pytest.approx([0.03, 0.035, 0.04])
-    assert not layers.notes(found)
+    assert ended and not layers.notes(found)
 
 
 def test_layers_without_bodies_are_seen_from_the_back_of_what_lies_below():
     x, layers = sheets(0.0, -0.01)
-    found = Layers(layers.order, layers.surface, ()).in_order(x, np.ones(len(x), bool), 4e-3)
+    found, _ = Layers(layers.order, layers.surface, ()).in_order(x, np.ones(len(x), bool), 4e-3)
     assert found[25:, 2] == pytest.approx(4e-3)
+
+
+def test_tubes_without_bodies_in_order_stay_and_others_are_put_into_it():
+    """The faces of a tube cancel: each node is seen from the nearest one below."""
+    angle, z = (part.ravel() for part in np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0, 0.1, 0.2], indexing="ij"))
+    first = (np.arange(24)[:, None] * 3 + np.arange(2)).ravel()
+    one = np.vstack(
+        [np.column_stack([first, first + 3, first + 4]), np.column_stack([first, first + 4, first + 1])]
+    ).astype(np.int32)
+    n = len(z)
+    number, cells = np.repeat([0, 1], n), np.vstack([one, one + n]).astype(np.int32)
+    flat = np.column_stack([np.tile(angle, 2) + 10.0 * number, np.tile(z, 2)])
+    order = LayerOrder(1.0 + number, ("in", "out"), number, np.zeros(2 * n))
+    layers = Layers(order, CollisionSurface(flat, cells), ())
+
+    def tubes(*radii):
+        return np.vstack([np.column_stack([r * np.cos(angle), r * np.sin(angle), z]) for r in radii])
+
+    right = tubes(0.15, 0.16)
+    found, ended = layers.in_order(right, np.ones(2 * n, bool), 3e-3)
+    assert ended and not layers.notes(right) and np.array_equal(found, right)
+    wrong = tubes(0.15, 0.145)
+    assert layers.under(wrong)[n:].all()
+    found, _ = layers.in_order(wrong, np.ones(2 * n, bool), 3e-3)
+    assert not layers.notes(found) and np.hypot(*found[n:, :2].T).min() > 0.15
+
+
+def test_a_node_within_the_fold_of_a_lower_layer_is_on_its_outer_side():
+    x, layers = sheets(0.01, 0.05)
+    lower, upper = x[:25], x[25:]
+    # Half of the lower one is turned over to above the other half, and the upper one lies between the two.
+    back = lower[:, 0] > 0.01
+    lower[back] = lower[back] * [-1, 1, 1] + np.array([0.0, 0.0, 0.04])
+    upper[:] = upper * [0.3, 0.5, 0.0] + np.array([-0.05, 0.0, 0.03])
+    assert not layers.notes(x)
+    assert layers.under(x - np.outer(np.arange(50) >= 25, [0, 0, 0.025]))[25:].any()
+
+
+def test_the_outer_side_of_a_panel_is_that_which_looks_away_from_bodies():
+    x, layers = sheets(0.01, 0.02)
+    cells = layers.cells.copy()
+    cells[len(cells) // 2 :] = cells[len(cells) // 2 :, ::-1]
+    assert outer_sides(x, cells, layers.order.node_panel, layers.bodies).tolist() == [1.0, -1.0]
+    assert outer_sides(x, cells, layers.order.node_panel, ()).tolist() == [0.0, 0.0]
+
+
+def test_layers_that_do_not_come_to_their_order_are_told(monkeypatch):
+    monkeypatch.setattr("restshape.physics.cloth.layer_order.ROUNDS", 1)
+    x, layers = sheets(0.03, 0.02)
+    assert not layers.in_order(x, np.ones(len(x), bool), 5e-3)[1]
+
+
+def test_another_order_is_one_in_which_panels_lie_otherwise():
+    order = sheets(0.0, 0.1, 0.2)[1].order
+    assert not is_another_order(order, replace(order, node_layer=2.0 * order.node_layer))
+    assert is_another_order(order, replace(order, node_layer=-order.node_layer))
+    assert is_another_order(None, order) and not is_another_order(order, None)
+
+
+def test_what_no_way_leads_out_of_bodies_is_counted():
+    x = np.array([[0.0, 0, 0.05], [0, 0, 0.0995], [0, 0, 0.2]])
+    assert still_inside([_kernels.Body.sphere((0, 0, 0), 0.1)], x, THICK).tolist() == [True, False, False]
+
+
+UNDER = """
+[supports.cover]
+on = "cover.top"
+fix = ["x", "y", "z"]
+[bodies.ground]
+plane = { point = [0, 0, -0.1], normal = [0, 0, 1] }
+[effects.contact]
+[effects.cloth]
+bending = "hinge"
+"""
+
+
+def test_a_support_that_holds_a_layer_below_a_lower_one_is_refused(tmp_path, capsys):
+    lining, cover = (
+        panel("lining", "layer = 1", width=0.4, height=0.4),
+        panel("cover", "layer = 2", "move = [0.1, 0.1, -0.02]"),
+    )
+    assert main(["check", str(write_scene(tmp_path, garment(lining, cover, UNDER)))]) == 2
+    assert "holds cover below lining, which is of a lower layer" in " ".join(capsys.readouterr().err.split())
+
+
+def test_lines_meet_all_triangles_of_a_deep_tree():
+    x, cells = grid(41, 1.0)
+    ways = np.broadcast_to([0.0, 0.0, 1.0], x.shape)
+    line, _, way = lines_through(x - 0.1 * ways, ways, x[cells])
+    assert set(line) == set(range(len(x))) and way == pytest.approx(0.1)
 
 
 def test_lines_meet_triangles_where_barycentric_coordinates_say():

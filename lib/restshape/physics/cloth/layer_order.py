@@ -6,10 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.collision_surface import CollisionSurface
+from restshape.physics.cloth.lines_through import lines_through
 from restshape.physics.cloth.out_of_bodies import Bodies
 from restshape.scene.model import Scene
 from restshape.scene.panels import panels_of
@@ -20,10 +22,10 @@ ROUNDS, WIDER, WIDENINGS = 40, 1.5, 6
 """Rounds in which nodes are moved at most, factor of the distance where layers still cross, and how often."""
 ASIDE = 0.1
 """Part of the way between two places of the cloth by which their distances from the bodies may miss it."""
-CHUNK = 1_000_000
-"""Pairs of nodes and triangles that are looked at at once."""
-ROUNDING = 1e-9
-"""Part of a triangle's side beyond it that is still on it."""
+EVEN = 1e-9
+"""Part of the least distance between layers by which they may miss it."""
+SIDED = 0.5
+"""Part of a panel, less the part that is the other way round, from which on one of its faces is its outer one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,20 +35,35 @@ class LayerOrder:
     Args:
         node_layer: (n,) of the nodes of a mesh, not a number where the panel has none.
         names: of the panels; node_panel: (n,) number of the panel of each node.
+        side: (n,) 1 where the face of a node's panel looks outwards, where it begins, -1 inwards, 0 unknown.
     """
 
     node_layer: np.ndarray
     names: tuple[str, ...]
     node_panel: np.ndarray
+    side: np.ndarray
 
     @classmethod
-    def of(cls, scene: Scene, mesh: Mesh) -> LayerOrder | None:
-        """The order that a scene asks for; None where fewer than two layers are named."""
+    def of(cls, scene: Scene, mesh: Mesh, placed: np.ndarray, bodies: Sequence[_kernels.Body]) -> LayerOrder | None:
+        """The order that a scene asks for; None where fewer than two layers are named.
+
+        Args:
+            mesh: of the cloth; placed: (n, 3) where its nodes are placed [m]; bodies: that it lies on.
+        """
         panels = panels_of(scene)
         layers = np.array([np.nan if one.layer is None else one.layer for one in panels.values()])
         if len(np.unique(layers[np.isfinite(layers)])) < 2:
             return None
-        return cls(layers[mesh.node_piece], tuple(panels), mesh.node_piece)
+        side = outer_sides(placed, mesh.cells, mesh.node_piece, bodies)[mesh.node_piece]
+        return cls(layers[mesh.node_piece], tuple(panels), mesh.node_piece, side)
+
+    def ranks(self) -> dict[str, int]:
+        """Which one from the inside the layer of each panel is, of those that have one."""
+        panel, first = np.unique(self.node_panel, return_index=True)
+        layers = self.node_layer[first]
+        known = np.isfinite(layers)
+        rank = np.unique(layers[known], return_inverse=True)[1]
+        return dict(zip([self.names[number] for number in panel[known]], rank.tolist()))
 
     def steps(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """From the innermost layer on, whether nodes (n,) are of a layer, and whether (n,) they are of one below."""
@@ -70,17 +87,33 @@ class Layers:
     bodies: Sequence[_kernels.Body]
 
     def under(self, x: np.ndarray) -> np.ndarray:
-        """Whether nodes (n,) at x (n, 3) [m] lie below cloth of a layer that they should lie above.
+        """Whether nodes (n,) at x (n, 3) [m] lie below cloth of a layer that they should lie above."""
+        found = np.zeros(len(x), bool)
+        found[self.below(x)[0]] = True
+        return found
 
-        Beside seams layers meet at an angle, and none lies above the other one.
+    def below(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes (k,) at x (n, 3) [m], and the triangles (k,) that they lie below and should lie above.
+
+        Beside seams layers meet at an angle, and none lies above the other one. What shows its outer face to a node,
+        as the overhanging side of a fold does, has it on the right side: the nearest triangle outwards decides.
         """
-        found, nodes = np.zeros(len(x), bool), self.surface.sewn_nodes
-        sewn, beside = nodes[self.cells].any(axis=1), nodes.copy()
+        sewn_nodes = self.surface.sewn_nodes
+        sewn, beside = sewn_nodes[self.cells].any(axis=1), sewn_nodes.copy()
         beside[self.cells[sewn]] = True
+        faces, side = _faces(x, self.cells), self.order.side[self.cells[:, 0]]
+        found = [np.zeros((2, 0), np.int64)]
         for upper, lower in self.order.steps():
             node, cell, way = self._hits(x, upper, lower)
-            found[node[(way > 0.0) & ~(beside[node] & sewn[cell])]] = True
-        return found & ~nodes
+            nearest = np.lexsort((way, node))
+            nearest = nearest[way[nearest] > 0.0]
+            nearest = nearest[np.unique(node[nearest], return_index=True)[1]]
+            node, cell = node[nearest], cell[nearest]
+            turned = side[cell] * np.einsum("ka,ka->k", faces[cell], self._outwards(x, lower)[node]) < 0.0
+            kept = ~turned & ~(beside[node] & sewn[cell]) & ~sewn_nodes[node]
+            found.append(np.array([node[kept], cell[kept]]))
+        node, cell = np.concatenate(found, axis=1)
+        return node, cell
 
     @property
     def cells(self) -> np.ndarray:
@@ -96,22 +129,24 @@ class Layers:
             if count
         ]
 
-    def in_order(self, x: np.ndarray, movable: np.ndarray, gap: float) -> np.ndarray:
-        """Places (n, 3) [m] at which each layer lies outside of those below.
+    def in_order(self, x: np.ndarray, movable: np.ndarray, gap: float) -> tuple[np.ndarray, bool]:
+        """Places (n, 3) [m] at which each layer lies outside of those below, and whether no node had to go on.
 
         Args:
             x: (n, 3) where the cloth is placed.
             movable: (n,) whether nothing holds a node.
             gap: the least distance between layers [m].
         """
-        x = x.copy()
+        x, ended = x.copy(), True
         for upper, lower in self.order.steps():
             for _ in range(ROUNDS):
                 lift = np.where(movable, self._lift(x, upper, lower, gap), 0.0)
-                if not (lift > ROUNDING * gap).any():
+                if not (lift > EVEN * gap).any():
                     break
                 x += lift[:, None] * self._outwards(x, lower)
-        return x
+            else:
+                ended = False
+        return x, ended
 
     def _lift(self, x: np.ndarray, upper: np.ndarray, lower: np.ndarray, gap: float) -> np.ndarray:
         """How far nodes (n,) of the upper layer must go outwards [m]."""
@@ -134,10 +169,14 @@ class Layers:
         """
         lower = nodes if self._is_below(nodes, others) else others
         start, cells = np.flatnonzero(nodes), np.flatnonzero(others[self.cells].all(axis=1))
-        ways = self._outwards(x, lower)[start]
+        outwards = self._outwards(x, lower)
+        ways = outwards[start]
         node, cell, way = lines_through(x[start], ways, x[self.cells[cells]])
-        kept = np.ones(len(node), bool)
-        if self.bodies:
+        if not self.bodies:
+            # On the far side of a tube outwards is the other way.
+            there = outwards[self.cells[cells[cell]]].sum(axis=1)
+            kept = np.einsum("ka,ka->k", there, ways[node]) > 0.0
+        else:
             places = x[start[node]] + way[:, None] * ways[node]
             # On the far side of what lies between two bodies, or two parts of one, outwards is something else.
             union = Bodies(self.bodies)
@@ -150,46 +189,53 @@ class Layers:
         return bool(self.order.node_layer[nodes].max() < self.order.node_layer[others].min())
 
     def _outwards(self, x: np.ndarray, lower: np.ndarray) -> np.ndarray:
-        """Unit vectors (n, 3) outwards at x (n, 3): away from bodies, else along the face of what lies below."""
+        """Unit vectors (n, 3) outwards at x (n, 3): away from bodies, else along the face of what is nearest below."""
         if self.bodies:
             return Bodies(self.bodies).distance(x)[1]
-        corners = x[self.cells[lower[self.cells].all(axis=1)]]
-        face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
-        length = float(np.linalg.norm(face))
-        return np.broadcast_to(face / length if length > 0.0 else face, x.shape)
+        cells = self.cells[lower[self.cells].all(axis=1)]
+        own = np.unique(cells)
+        face = _at_nodes(_faces(x, cells), cells, len(x))[own]
+        length = np.linalg.norm(face, axis=1)
+        face /= np.where(length > 0.0, length, 1.0)[:, None]
+        return face[cKDTree(x[own]).query(x)[1]]
 
 
-def lines_through(
-    start: np.ndarray, ways: np.ndarray, corners: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which lines meet which triangles, and how far from their starts.
+def is_another_order(before: LayerOrder | None, after: LayerOrder | None) -> bool:
+    """Whether panels that have a layer in both orders lie otherwise in them, or an order is new."""
+    if before is None or after is None:
+        return after is not None
+    known, wanted = before.ranks(), after.ranks()
+    both = [name for name in wanted if name in known]
+    old, new = (np.unique([ranks[name] for name in both], return_inverse=True)[1] for ranks in (known, wanted))
+    return not np.array_equal(old, new)
+
+
+def outer_sides(
+    x: np.ndarray, cells: np.ndarray, node_panel: np.ndarray, bodies: Sequence[_kernels.Body]
+) -> np.ndarray:
+    """Whether the faces of panels (p,) look outwards, 1, or inwards, -1; 0 where that is not the same all over.
 
     Args:
-        start, ways: (n, 3) places [m] and unit vectors of lines; corners: (ne, 3, 3) of triangles [m].
-
-    Returns: lines (k,), triangles (k,), and ways (k,) [m], negative against the vectors.
-
-    Source: Möller and Trumbore, Journal of Graphics Tools 2(1), 1997, 21.
+        x: (n, 3) where the cloth is placed [m]; cells: (ne, 3) triangles.
+        node_panel: (n,) number of the panel of each node.
+        bodies: seen from which outwards is; none: it is nowhere known.
     """
-    middle = corners.mean(axis=1)
-    reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1, initial=0.0)
-    found = [np.zeros((0, 2), np.int64)]
-    part = max(1, CHUNK // max(1, len(corners)))
-    for first in range(0, len(start), part):
-        own = slice(first, first + part)
-        off = middle - start[own, None]
-        along = np.einsum("nma,na->nm", off, ways[own])
-        near = np.einsum("nma,nma->nm", off, off) - along**2 <= reach**2 * (1.0 + ROUNDING)
-        found.append(np.argwhere(near) + np.array([first, 0]))
-    line, cell = np.concatenate(found).T
-    a, b, c = corners[cell].transpose(1, 0, 2)
-    u, v, way, off = b - a, c - a, ways[line], start[line] - a
-    normal = np.cross(way, v)
-    volume = np.einsum("ka,ka->k", u, normal)
-    flat = np.abs(volume) <= ROUNDING * reach[cell] ** 2
-    scale = np.where(flat, np.inf, volume)
-    turned = np.cross(off, u)
-    s = np.einsum("ka,ka->k", off, normal) / scale
-    t = np.einsum("ka,ka->k", way, turned) / scale
-    hit = ~flat & (np.minimum.reduce([s, t, 1.0 - s - t]) >= -ROUNDING)
-    return line[hit], cell[hit], (np.einsum("ka,ka->k", v, turned) / scale)[hit]
+    panels = int(node_panel.max()) + 1
+    if not bodies:
+        return np.zeros(panels)
+    ways = Bodies(bodies).distance(x[cells].mean(axis=1))[1]
+    outwards = np.einsum("ka,ka->k", _faces(x, cells), ways)
+    panel = node_panel[cells[:, 0]]
+    net, gross = (np.bincount(panel, part, panels) for part in (outwards, np.abs(outwards)))
+    return np.where(np.abs(net) > SIDED * gross, np.sign(net), 0.0)
+
+
+def _faces(x: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Normals (ne, 3) of triangles (ne, 3) at x (n, 3) [m], twice as long as their areas [m^2]."""
+    a, b, c = x[cells].swapaxes(0, 1)
+    return np.cross(b - a, c - a)
+
+
+def _at_nodes(faces: np.ndarray, cells: np.ndarray, n: int) -> np.ndarray:
+    """Sums (n, 3) of the normals (ne, 3) of the triangles (ne, 3) around nodes."""
+    return np.column_stack([np.bincount(cells.ravel(), np.repeat(part, 3), n) for part in faces.T])

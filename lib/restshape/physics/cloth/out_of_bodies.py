@@ -61,8 +61,9 @@ class Bodies:
 def brought_out(
     bodies: Sequence[_kernels.Body], x: np.ndarray, cells: np.ndarray, movable: np.ndarray, thickness: float
 ) -> np.ndarray:
-    """Places (n, 3) [m] of nodes at x (n, 3) of which none that may move is within a body.
+    """Places (n, 3) [m] of nodes at x (n, 3), those that may move brought out of bodies.
 
+    Shallow pockets stay, and those that no way leads out of: see `still_inside`.
     Nodes inside that are joined by edges are a pocket. Each of them goes the nearest way out, unless that would tear
     the pocket apart, as where it lies across the middle of a body: then all go the same way, the shortest.
 
@@ -90,6 +91,11 @@ def brought_out(
         torn = (np.einsum("ma,ma->m", away[first], away[second]) < TORN).any()
         found[nodes] = _together(union, x, nodes, cells, thickness) if torn else union.left(x[nodes], thickness)
     return found
+
+
+def still_inside(bodies: Sequence[_kernels.Body], x: np.ndarray, thickness: float) -> np.ndarray:
+    """Whether nodes (n,) at x (n, 3) [m] are deeper in bodies than what contact of a thickness [m] lifts."""
+    return Bodies(bodies).distance(x)[0] < -LEAST * thickness
 
 
 def _together(union: Bodies, x: np.ndarray, nodes: np.ndarray, cells: np.ndarray, thickness: float) -> np.ndarray:

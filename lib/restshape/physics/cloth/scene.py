@@ -72,17 +72,18 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
     placement = InitialPlacement(scene)
     fabric = fabric_of(scene, plan, mesh)
     supports, placed = supports_of(scene, mesh, placement), placement.scattered(mesh)
+    bodies = [] if contact is None else touched(scene)
     return ClothArguments(
         fabric=fabric,
         supports=supports,
         g=np.array(gravity.g if gravity else (0.0, 0.0, 0.0)),
-        bodies=[] if contact is None else touched(scene),
+        bodies=bodies,
         contact=contact,
         placed=placed,
         start=np.where(supports.mask, supports.places, placed),
         layers=layer_values(scene, plan, mesh, fabric),
         seams=seam_pairs(scene, mesh, placed, float(fabric.membrane.max())),
-        order=LayerOrder.of(scene, mesh),
+        order=LayerOrder.of(scene, mesh, placed, [body for body, _ in bodies]),
     )
 
 

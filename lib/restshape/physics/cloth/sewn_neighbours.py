@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -24,8 +23,9 @@ def clusters(pairs: np.ndarray, n: int) -> np.ndarray:
 
 def shared_nodes(lines: Sequence[np.ndarray]) -> np.ndarray:
     """Nodes of edges that are in more than one of the lines of nodes (p,) of the mesh."""
-    edges = Counter(edge for nodes in lines for edge in set(zip(*np.sort([nodes[:-1], nodes[1:]], axis=0).tolist())))
-    return np.unique([node for edge, count in edges.items() if count > 1 for node in edge]).astype(np.int64)
+    edges = [np.unique(np.sort(np.column_stack([nodes[:-1], nodes[1:]])), axis=0) for nodes in lines]
+    both, count = np.unique(np.vstack([np.zeros((0, 2), np.int64), *edges]), axis=0, return_counts=True)
+    return np.unique(both[count > 1]).astype(np.int64)
 
 
 def with_shared(pairs: np.ndarray, shared: np.ndarray, n: int) -> np.ndarray:

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape.errors import UserError
+from restshape.fem.entity_sets import nodes_on
 from restshape.mesh.relocate import HarmonicExtension
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.layer_order import ROOM, WIDENINGS, WIDER
-from restshape.physics.cloth.out_of_bodies import brought_out
+from restshape.physics.cloth.layer_order import ROOM, WIDENINGS, WIDER, Layers
+from restshape.physics.cloth.out_of_bodies import brought_out, still_inside
 from restshape.physics.cloth.scene import ClothArguments
 from restshape.physics.cloth.squeezed import refuse_squeezed
 from restshape.physics.cloth.trust import penetration_notes
@@ -24,12 +26,16 @@ class Beginning:
     Args:
         x: (n, 3) unknowns.
         placed: (corners, 3) [m] as the scene has it; out: out of bodies; ordered: with its layers in order.
+        movable: (corners,) whether nothing holds a node.
+        doubts: what could not be done.
     """
 
     x: np.ndarray
     placed: np.ndarray
     out: np.ndarray
     ordered: np.ndarray
+    movable: np.ndarray
+    doubts: tuple[str, ...] = ()
 
 
 def initial_positions(problem: ClothProblem, arguments: ClothArguments) -> np.ndarray:
@@ -41,26 +47,33 @@ def beginning(problem: ClothProblem, arguments: ClothArguments) -> Beginning:
     """Where cloth begins, with supports where they are at first."""
     x = _placed(problem, arguments)
     placed = out = problem.corners(x)
-    movable = ~arguments.supports.mask.any(axis=1)
-    if problem.contact:
-        out = brought_out(problem.contact.bodies, placed, problem.mesh.cells, movable, problem.contact.thickness)
-    ordered = _ordered(problem, out, movable)
+    movable, doubts = ~arguments.supports.mask.any(axis=1), []
+    if contact := problem.contact:
+        out = brought_out(contact.bodies, placed, problem.mesh.cells, movable, contact.thickness)
+        if count := int((movable & still_inside(contact.bodies, out, contact.thickness)).sum()):
+            doubts.append(f"{_nodes(count)} still inside bodies: no way out was found")
+    ordered, doubt = _ordered(problem, out, movable)
     moved = not np.array_equal(ordered, placed)
-    return Beginning(problem.flat(ordered) if moved else x, placed, out, ordered)
+    return Beginning(
+        problem.flat(ordered) if moved else x, placed, out, ordered, movable, tuple(filter(None, [*doubts, doubt]))
+    )
 
 
-def _ordered(problem: ClothProblem, x: np.ndarray, movable: np.ndarray) -> np.ndarray:
-    """Places (n, 3) [m] of the corners with layers in order, at so large a distance that they do not cross."""
+def _ordered(problem: ClothProblem, x: np.ndarray, movable: np.ndarray) -> tuple[np.ndarray, str]:
+    """Places (n, 3) [m] of the corners with layers in order, at so large a distance that they do not cross.
+
+    Where they cross at every distance they stay at x (n, 3) [m]. Returned too is what there is to say of that.
+    """
     layers, contact = problem.ordered_layers, problem.self_contact
     if layers is None or contact is None:
-        return x
+        return x, ""
     gap = ROOM * contact.values.thickness
     for _ in range(WIDENINGS):
-        found = layers.in_order(x, movable, gap)
+        found, ended = layers.in_order(x, movable, gap)
         if not problem.surface.crosses(found):
-            break
+            return found, "" if ended else "layers are not all in order: their nodes were moved again and again"
         gap *= WIDER
-    return found
+    return x, "layers were not put in order: they would pass through each other"
 
 
 def _placed(problem: ClothProblem, arguments: ClothArguments) -> np.ndarray:
@@ -81,7 +94,7 @@ def start_notes(problem: ClothProblem, begun: Beginning, scene: Scene) -> list[s
     """What there is to note of bodies, and of layers, where a scene places its cloth.
 
     Raises:
-        UserError: two bodies hold it between them.
+        UserError: two bodies hold it between them, or a support holds a layer below one that it lies outside of.
     """
     found = []
     if problem.contact:
@@ -89,12 +102,35 @@ def start_notes(problem: ClothProblem, begun: Beginning, scene: Scene) -> list[s
         found = penetration_notes("begins", problem, scene, penetrations(problem.contact, begun.placed))
         out = _moved(begun.placed, begun.out)
         found = [f"{note}: {out} put outside, the nearest way" if out else note for note in found]
-    if ordered := _moved(begun.out, begun.ordered):
-        found.append(f"{ordered} put outside of lower layers")
-    return found
+    if problem.ordered_layers:
+        _refuse_held(problem, problem.ordered_layers, begun, scene)
+        if (ordered := _moved(begun.out, begun.ordered)) and not problem.ordered_layers.notes(begun.ordered):
+            found.append(f"{ordered} put outside of lower layers")
+    return [*found, *begun.doubts]
+
+
+def _refuse_held(problem: ClothProblem, layers: Layers, begun: Beginning, scene: Scene) -> None:
+    """Refuse supports that hold nodes of a layer below one that it should lie outside of."""
+    node, cell = layers.below(begun.ordered)
+    held = np.flatnonzero(~begun.movable[node])
+    if not len(held):
+        return
+    node, cell = node[held[0]], cell[held[0]]
+    name = next(name for name, one in scene.supports.items() if node in nodes_on(problem.mesh, one.on))
+    upper, lower = (layers.order.names[layers.order.node_panel[one]] for one in (node, layers.cells[cell, 0]))
+    raise UserError(
+        f"it holds {upper} below {lower}, which is of a lower layer",
+        f"supports.{name}",
+        f"move {upper} out, or change panels.{upper}.layer",
+    )
 
 
 def _moved(before: np.ndarray, after: np.ndarray) -> str:
     """How many nodes are elsewhere after than before (n, 3), for people; empty where none is."""
     count = int((before != after).any(axis=1).sum())
-    return f"{count} nodes were" if count > 1 else "1 node was" if count else ""
+    return _nodes(count, "were", "was") if count else ""
+
+
+def _nodes(count: int, several: str = "are", one: str = "is") -> str:
+    """So many nodes, and what they do."""
+    return f"{count} nodes {several}" if count > 1 else f"{count} node {one}"

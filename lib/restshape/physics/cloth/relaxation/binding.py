@@ -19,6 +19,7 @@ from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layer_friction import LayerFriction
+from restshape.physics.cloth.layer_order import is_another_order
 from restshape.physics.cloth.material_motion import in_frames
 from restshape.physics.cloth.relaxation.beginning import beginning, initial_positions, start_notes
 from restshape.physics.cloth.relaxation.drag_frame import LastRest, drag_frame
@@ -56,11 +57,14 @@ def bind(
     apart = _touches_itself(before)
     # Cloth that has fallen out of reach is thrown again, so that an edit, or its undo, brings it back.
     cold = before.problem is None or not options.context.policy.warm or before.report.falls
+    # Nothing passes, so that another order of layers needs another beginning.
+    cold = cold or is_another_order(before.problem.order, arguments.order)
     state = _placed(before, frame, new_mesh, options, cold)
     log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
     if cold:
-        notes = tuple(start_notes(problem, beginning(problem, arguments), scene))
+        begun = beginning(problem, arguments)
+        state, notes = replace(state, x=begun.x), tuple(start_notes(problem, begun, scene))
         notes += tuple(problem.seams.ease_notes()) if problem.seams else ()
     state.solver.set_tolerance(options.settings.tolerance)
     state.solver.set_reach(options.reach)
@@ -98,7 +102,7 @@ def _touches_itself(before: RelaxationState) -> bool:
 def _placed(
     before: RelaxationState, frame: Frame, new_mesh: bool, options: RelaxationOptions, cold: bool
 ) -> RelaxationState:
-    """The state with problem and solver of a frame, where the last equilibrium is, or of a cold start at its place."""
+    """The state with problem and solver of a frame, where the last equilibrium is, or anywhere of a cold start."""
     arguments = options.arguments(frame.mesh)
     if new_mesh or not same_elements(before.problem, arguments):
         corners = None
@@ -109,8 +113,6 @@ def _placed(
         state = replace(state, solver=options.make_solver(state.problem))
     else:
         state = moved_material(before, arguments)
-        if cold:
-            state = replace(state, x=initial_positions(state.problem, arguments))
     return replace(state, plan=options.plan, bodies=options.bodies)
 
 
@@ -241,11 +243,11 @@ def new_problem(
         before: the state before.
         frame: with the mesh.
         arguments: of the problem.
-        corners: (corners, 3) [m] where the last cloth is on that mesh; None: it starts cold.
+        corners: (corners, 3) [m] where the last cloth is on that mesh; None: it starts cold, elsewhere.
     """
     problem, old = cloth_problem(frame.mesh, arguments), before.problem
     known = None if corners is None or frame.mesh is old.mesh else mesh_in_frames(before, frame.scene)
-    x = initial_positions(problem, arguments) if corners is None else problem.flat(corners)
+    x = problem.flat(arguments.start if corners is None else corners)
 
     def interpolate(values: np.ndarray) -> np.ndarray:
         return values if known is None else transfer(known, frame.mesh, values)
