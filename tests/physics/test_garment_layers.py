@@ -152,7 +152,7 @@ def test_the_outer_side_of_a_panel_is_that_which_looks_away_from_bodies():
     assert outer_sides(x, cells, layers.order.node_panel, ()).tolist() == [0.0, 0.0]
 
 
-def test_layers_that_do_not_come_to_their_order_are_told(monkeypatch):
+def test_layers_that_do_not_come_to_their_order_are_reported(monkeypatch):
     monkeypatch.setattr("restshape.physics.cloth.layer_order.ROUNDS", 1)
     x, layers = sheets(0.03, 0.02)
     assert not layers.in_order(x, np.ones(len(x), bool), 5e-3)[1]

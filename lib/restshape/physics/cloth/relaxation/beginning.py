@@ -103,19 +103,19 @@ def start_notes(problem: ClothProblem, begun: Beginning, scene: Scene) -> list[s
         out = _moved(begun.placed, begun.out)
         found = [f"{note}: {out} put outside, the nearest way" if out else note for note in found]
     if problem.ordered_layers:
-        _refuse_held(problem, problem.ordered_layers, begun, scene)
+        _refuse_constrained(problem, problem.ordered_layers, begun, scene)
         if (ordered := _moved(begun.out, begun.ordered)) and not problem.ordered_layers.notes(begun.ordered):
             found.append(f"{ordered} put outside of lower layers")
     return [*found, *begun.doubts]
 
 
-def _refuse_held(problem: ClothProblem, layers: Layers, begun: Beginning, scene: Scene) -> None:
+def _refuse_constrained(problem: ClothProblem, layers: Layers, begun: Beginning, scene: Scene) -> None:
     """Refuse supports that hold nodes of a layer below one that it should lie outside of."""
     node, cell = layers.below(begun.ordered)
-    held = np.flatnonzero(~begun.movable[node])
-    if not len(held):
+    constrained = np.flatnonzero(~begun.movable[node])
+    if not len(constrained):
         return
-    node, cell = node[held[0]], cell[held[0]]
+    node, cell = node[constrained[0]], cell[constrained[0]]
     name = next(name for name, one in scene.supports.items() if node in nodes_on(problem.mesh, one.on))
     upper, lower = (layers.order.names[layers.order.node_panel[one]] for one in (node, layers.cells[cell, 0]))
     raise UserError(
