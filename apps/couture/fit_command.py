@@ -83,9 +83,9 @@ def _write_scene(args: argparse.Namespace, scene: Scene, report: FitReport) -> N
     from restshape.scene.rewritten import rewritten
 
     changes: list[tuple[tuple[str, ...], Any]] = [parse_override(word) for word in args.set]
-    changes += [(tuple(key.split(".")), value) for key, value in report.rounded().items()]
+    changes += report.drapes.changes(list(report.rounded().values()))
     text = rewritten(scene.path, changes, args.out)
-    _written(lambda: write_whole(args.out, FITTED_MARK + text), args.out, "--out")
+    _written(lambda: write_whole(args.out, FITTED_MARK + text.removeprefix(FITTED_MARK)), args.out, "--out")
 
 
 def _written(write: Any, path: Path, option: str) -> None:

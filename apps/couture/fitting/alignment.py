@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from restshape_apps.couture.fitting.measured_outline import middle_of_area
 from restshape_apps.couture.fitting.outline_distance import Distances, Place, distances
 
 from restshape.physics.cloth.drape_shadow import DIRECTIONS, ShadowEdge, reach
@@ -59,7 +60,7 @@ def _refined(measured: np.ndarray, edge: ShadowEdge, place: Place, here: Distanc
 def _correlated(measured: np.ndarray, edge: ShadowEdge) -> list[Place]:
     """Places whose turn correlates the radii of both best, about the middles of both areas."""
     points = edge.points()
-    shadow_middle = _middle(points)
+    shadow_middle = middle_of_area(points)
     own = reach(measured, np.roll(measured, -1, axis=0))
     centred = points - shadow_middle
     theirs = reach(centred, np.roll(centred, -1, axis=0))
@@ -68,10 +69,3 @@ def _correlated(measured: np.ndarray, edge: ShadowEdge) -> list[Place]:
     peaks = np.flatnonzero((found >= np.roll(found, 1)) & (found > np.roll(found, -1)))
     best = peaks[np.argsort(-found[peaks])][:PEAKS] if len(peaks) else np.zeros(1)
     return [Place(2.0 * np.pi / DIRECTIONS * float(k), *map(float, shadow_middle)) for k in best]
-
-
-def _middle(points: np.ndarray) -> np.ndarray:
-    """The centroid (2,) of the area within points (m, 2)."""
-    a, b = points, np.roll(points, -1, axis=0)
-    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return ((a + b) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum())

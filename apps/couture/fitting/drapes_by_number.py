@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAna
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
 from restshape.replay.first_frame import replayed_to
+from restshape.scene.given_numbers import value_below
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 
@@ -45,6 +47,10 @@ class Drape:
     state: RelaxationState
 
 
+class SetByEdits(UserError):
+    """Edits set a number that drapes are asked for by."""
+
+
 class DrapesByNumber:
     """Drapes of a scene, or of a frame of its edits, by numbers of it.
 
@@ -57,10 +63,13 @@ class DrapesByNumber:
         count: of drapes that were solved for; by_differences: keys that had no derivative, with the reason.
 
     Raises:
-        UserError: one of the keys names no number, or one that changes the pattern.
+        UserError: one of the keys names no number, or one that changes the pattern, or is there twice.
     """
 
     def __init__(self, scene: Scene, keys: Sequence[str], edits: Path | None = None, frame: int | None = None) -> None:
+        twice = next((key for key in keys if list(keys).count(key) > 1), None)
+        if twice:
+            raise UserError(f"{twice} is named twice", "--by", "name each number once")
         self.scene, self.keys, self.edits, self.frame = _resting(scene), tuple(keys), edits, frame
         self.count, self.by_differences = 0, dict[str, str]()
         self._analysis: RelaxationAnalysis | None = None
@@ -69,11 +78,15 @@ class DrapesByNumber:
         self._middle = np.zeros(2)
         self.start = np.array([number.value for number in self._numbers(self.scene)])
 
-    def _numbers(self, scene: Scene) -> list[ChangingNumber]:
+    def _changing(self, scene: Scene) -> list[ChangingNumber]:
         from restshape.application import application_of
         from restshape.scene.plan import plan
 
-        found = [ChangingNumber(scene, plan(scene, application_of(scene)), key) for key in self.keys]
+        own = plan(scene, application_of(scene))
+        return [ChangingNumber(scene, own, key) for key in self.keys]
+
+    def _numbers(self, scene: Scene) -> list[ChangingNumber]:
+        found = self._changing(scene)
         for number in found:
             other = number.scene_with(number.value * (1.0 + STEP))
             if (other.shape, other.panels, other.mesh) != (scene.shape, scene.panels, scene.mesh):
@@ -90,15 +103,26 @@ class DrapesByNumber:
             scene = ChangingNumber(scene, plan(scene, application_of(scene)), key).scene_with(float(value))
         return scene
 
+    def changes(self, values: Sequence[float]) -> list[tuple[tuple[str, ...], Any]]:
+        """Keys of the scene with values of the numbers; whole lists where it has none, as with fabrics by name."""
+        found, after = dict[tuple[str, ...], Any](), self.with_values(self.scene, values)
+        for key, value in zip(self.keys, values):
+            *whole, last = key.split(".")
+            new = last.isdigit() and value_below(self.scene.raw, tuple(whole)) is None
+            found[tuple(whole) if new else (*whole, last)] = value_below(after.raw, tuple(whole)) if new else value
+        return list(found.items())
+
     def cold(self, values: np.ndarray) -> Drape:
         """The drape that a replay of the scene with these values finds.
 
         Raises:
-            UserError: it is not at rest.
+            UserError: it is not at rest, or the values do not suit the scene.
+            SetByEdits: the edits set one of the numbers.
         """
         replay = replayed_to(self.with_values(self.scene, values), self.edits, self.frame)
         self._analysis = replay.analysis
         state, mesh = replay.analysis.state, replay.analysis.space
+        self._refuse_edits(state.scene, values)
         self._shadow = DrapeShadow.of(mesh)
         self._middle = self._shadow.middle(state.problem.corners(state.x))
         self.count += 1
@@ -107,14 +131,21 @@ class DrapesByNumber:
             raise UserError(what, str(self.scene.path), "begin at other values (--set), or make it rest in a replay")
         return self._seen(values)
 
+    def _refuse_edits(self, scene: Scene, values: np.ndarray) -> None:
+        """Refuse edits after which the numbers of the scene are not those that were given."""
+        for number, value in zip(self._changing(scene), values):
+            if not np.isclose(number.value, value, rtol=1e-9, atol=0.0):
+                what = f"the edits set {number.key}, which is to be fitted"
+                raise SetByEdits(what, str(self.edits), "take that event out, or name an earlier frame (--frame)")
+
     def near(self, drape: Drape, values: np.ndarray) -> Drape | None:
-        """The drape with other values that is found from a drape; None: it does not come to rest."""
+        """The drape with other values that is found from one; None: they do not suit, or it does not come to rest."""
         self._show(drape)
-        scene = self.with_values(self._analysis.state.scene, values)
         self.count += 1
         try:
+            scene = self.with_values(self._analysis.state.scene, values)
             self._analysis.solve(self._frame_of(scene))
-        except ReplayProblem:
+        except (UserError, ReplayProblem):
             self._shown = None
             return None
         if not self._analysis.state.report.converged:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from restshape_apps.couture.fitting.alignment import aligned
-from restshape_apps.couture.fitting.drapes_by_number import Drape, DrapesByNumber
+from restshape_apps.couture.fitting.drapes_by_number import Drape, DrapesByNumber, SetByEdits
 from restshape_apps.couture.fitting.measured_outline import MeasuredOutline
 from restshape_apps.couture.fitting.outline_distance import Distances, Place, from_middle
 
@@ -174,6 +174,8 @@ class OutlineFit:
         """A step from a cold drape; None: it does not come to rest."""
         try:
             drape = self.drapes.cold(values)
+        except SetByEdits:
+            raise
         except UserError:
             return None
         self._at = None
@@ -234,9 +236,10 @@ class OutlineFit:
             axis=1,
         )
         sizes = np.linalg.norm(J, axis=0)
-        for key, size in zip(self.drapes.keys, sizes):
+        for key, value, size in zip(self.drapes.keys, step.drape.values, sizes):
             if 0.01 * size < IDLE * self.radius:
-                raise UserError(f"{key} does not move the outline", "--by", "name a number that the drape follows")
+                what = f"{key} = {value:.4g} hardly moves the outline"
+                raise UserError(what, "--by", "begin at another value (--set), or name another number")
         placed = weights[:, None] * step.distances.by_place
         return J - placed @ np.linalg.lstsq(placed, J, rcond=1e-9)[0]
 

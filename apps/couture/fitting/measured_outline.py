@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from restshape_apps.couture.fitting.outline_crossing import refuse_crossing
+from restshape_apps.couture.fitting.outline_table import FEWEST, read_table
 
 from restshape.errors import UserError, one_line
 from restshape.outputs.si_numbers import counted
@@ -16,10 +18,6 @@ from restshape.shape.named_points import chain_of_curve
 READ = (".svg", ".dxf", ".csv")
 CLOSES = 1e-2
 """Share of the size of a drawing by which ends may be apart and still meet."""
-FEWEST = 8
-"""Points of an outline."""
-BYTES = 1 << 24
-"""Of a table."""
 POINTS = 20_000
 """Most points of an outline."""
 
@@ -46,9 +44,7 @@ class MeasuredOutline:
     @property
     def middle(self) -> np.ndarray:
         """The centroid (2,) [m] of its area."""
-        a, b = self.points, np.roll(self.points, -1, axis=0)
-        cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-        return ((a + b) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum())
+        return middle_of_area(self.points)
 
     def spread(self, count: int) -> np.ndarray:
         """So many places (count, 2) [m], evenly along it."""
@@ -62,6 +58,13 @@ def signed_area(points: np.ndarray) -> float:
     """Area [m^2] within a closed line of points (m, 2) [m], positive counter-clockwise."""
     x, y = points.T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def middle_of_area(points: np.ndarray) -> np.ndarray:
+    """The centroid (2,) [m] of the area within a closed line of points (m, 2) [m]."""
+    a, b = points, np.roll(points, -1, axis=0)
+    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return ((a + b) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum())
 
 
 def read_outline(path: Path) -> MeasuredOutline:
@@ -168,7 +171,7 @@ def _plain(points: np.ndarray, where: str) -> np.ndarray:
     """Points (m, 2) counter-clockwise, none twice in a row.
 
     Raises:
-        UserError: too many, too few, or without an area.
+        UserError: too many, too few, without an area, or of a line that crosses itself.
     """
     if len(points) > POINTS:
         raise UserError(f"the outline has {len(points)} points", where, f"give at most {POINTS}")
@@ -176,36 +179,14 @@ def _plain(points: np.ndarray, where: str) -> np.ndarray:
     points = points[apart]
     if len(points) < FEWEST or signed_area(points) == 0.0:
         raise UserError(f"an outline of {len(points)} points has no area", where, "draw the outline of the drape")
+    refuse_crossing(points, where)
     return points if signed_area(points) > 0.0 else points[::-1].copy()
 
 
 def _of_table(path: Path) -> MeasuredOutline:
-    """The outline of a table.
-
-    Raises:
-        UserError: it cannot be read.
-    """
-    units = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
-    if path.stat().st_size > BYTES:
-        raise UserError(f"the table is longer than {BYTES} bytes", path.name, "give fewer points")
-    rows = [row for row in path.read_text(encoding="utf-8-sig", errors="replace").splitlines() if row.strip()]
-    head = rows[0] if rows else ""
-    named = next((unit for unit in units if f"[{unit}]" in head), None)
-    titled = any(letter.isalpha() for letter in head)
-    points = []
-    for number, row in enumerate(rows[titled:], 1 + titled):
-        cells = row.replace(";", ",").split(",")
-        try:
-            points.append([float(cell) for cell in cells[:2]])
-        except ValueError:
-            points.append([])
-        if len(points[-1]) != 2 or not np.isfinite(points[-1]).all():
-            raise UserError("a row has no two numbers", f"{path.name}, row {number}", "write x and y, a point a row")
-    if len(points) < FEWEST:
-        raise UserError(f"the table has {counted(len(points), 'point')}", path.name, "give the whole outline")
-    doubt = "" if named else "the table has no unit in its first row, such as x [mm],y [mm], and is read in millimetres"
-    found = np.array(points) * units[named or "mm"]
-    return MeasuredOutline(*_closed_table(found, path.name), doubt)
+    """The outline of a table."""
+    points, doubt = read_table(path)
+    return MeasuredOutline(*_closed_table(points, path.name), doubt)
 
 
 def _closed_table(points: np.ndarray, where: str) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from restshape_apps.couture.fitting.drapes_by_number import DrapesByNumber
 from restshape_apps.couture.fitting.measured_outline import MeasuredOutline
+from restshape_apps.couture.fitting.outline_table import EXAMPLE
 
 from restshape.errors import UserError
 from restshape.scene.model import Scene
@@ -39,7 +40,12 @@ def refuse_size(measured: MeasuredOutline, drapes: DrapesByNumber, where: str) -
     guess = f": perhaps {UNITS[factor]}" if abs(np.log(factor / ratio)) < np.log(NEAR) else ""
     doubt = f" ({measured.doubt})" if measured.doubt else ""
     what = f"the outline has an area of {1e4 * found:.4g} cm^2, {than}{guess}{doubt}"
-    raise UserError(what, where, "give the drawing its size in mm (width, height, viewBox), or measure this cloth")
+    size = (
+        f"name the unit in the first row, such as {EXAMPLE}"
+        if where.lower().endswith(".csv")
+        else "give the drawing its size in mm (width, height, viewBox)"
+    )
+    raise UserError(what, where, f"{size}, or measure this cloth")
 
 
 def _hull_area(points: np.ndarray) -> float:

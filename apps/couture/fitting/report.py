@@ -30,12 +30,13 @@ class MeasuredShadow:
     """What is measured of an outline as of a shadow.
 
     Args:
-        area: [m^2] as it is seen from its middle; folds: around it; coefficient: of the drape.
+        area: [m^2] as it is seen from its middle; folds: around it.
+        coefficient: of the drape; None: no quantity of the scene has one.
     """
 
     area: float
     folds: int
-    coefficient: float
+    coefficient: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,7 @@ class FitReport:
 
     Args:
         drapes: of the scene; outline: measured; measured: of it; found: the fit; trust: its intervals.
-        disc: area [m^2] that drape coefficients leave out; flat: of the flat cloth.
+        disc: area [m^2] that drape coefficients leave out; None: no quantity has one; flat: of the flat cloth.
     """
 
     drapes: DrapesByNumber
@@ -52,7 +53,7 @@ class FitReport:
     measured: MeasuredShadow
     found: Fit
     trust: Confidence
-    disc: float
+    disc: float | None
     flat: float
 
     @property
@@ -60,9 +61,9 @@ class FitReport:
         """The step with the least misfit."""
         return self.found.best
 
-    def coefficient(self, step: Step) -> float:
-        """Drape coefficient of a step."""
-        return (step.drape.area - self.disc) / (self.flat - self.disc)
+    def coefficient(self, step: Step) -> float | None:
+        """Drape coefficient of a step; None: no quantity has one."""
+        return _coefficient(step.drape.area, self.disc, self.flat)
 
     def rounded(self) -> dict[str, float]:
         """The numbers with six digits, by key."""
@@ -76,11 +77,11 @@ class FitReport:
                 *(f"{value:.5g}" for value in one.drape.values),
                 f"{1e3 * one.misfit:.4g}",
                 one.drape.folds,
-                f"{self.coefficient(one):.4f}",
+                *_cell(self.coefficient(one)),
             )
             for one in self.found.steps
         ]
-        return ["start", *self.drapes.keys, "misfit [mm]", "folds", "drape coefficient"], rows
+        return ["start", *self.drapes.keys, "misfit [mm]", "folds", *self._column()], rows
 
     def numbers(self) -> Rows:
         """A row a number."""
@@ -100,14 +101,14 @@ class FitReport:
     def outlines(self) -> Rows:
         """A row an outline."""
         rows: list[Sequence[Any]] = [
-            ("measured", 1e4 * self.measured.area, f"{self.measured.coefficient:.4f}", self.measured.folds, "", "")
+            ("measured", 1e4 * self.measured.area, *_cell(self.measured.coefficient), self.measured.folds, "", "")
         ]
         named = [("before", self.found.first), ("fitted", self.best), ("replay of the fitted scene", self.found.again)]
         for name, step in named:
             if step is not None:
                 own = (f"{1e3 * step.misfit:.4g}", f"{1e3 * step.distances.farthest:.4g}")
-                rows.append((name, 1e4 * step.drape.area, f"{self.coefficient(step):.4f}", step.drape.folds, *own))
-        return ["outline", "area [cm^2]", "drape coefficient", "folds", "misfit [mm]", "farthest [mm]"], rows
+                rows.append((name, 1e4 * step.drape.area, *_cell(self.coefficient(step)), step.drape.folds, *own))
+        return ["outline", "area [cm^2]", *self._column(), "folds", "misfit [mm]", "farthest [mm]"], rows
 
     def notes(self) -> list[str]:
         """What there is to note."""
@@ -137,6 +138,9 @@ class FitReport:
                 f"misfit {1e3 * again.misfit:.3g} mm, {again.drape.folds} folds"
             )
         return lines
+
+    def _column(self) -> list[str]:
+        return [] if self.disc is None else ["drape coefficient"]
 
     def _differenced(self) -> list[tuple[str, str]]:
         return list(self.drapes.by_differences.items())
@@ -202,7 +206,7 @@ def fitted(scene: Scene, args: argparse.Namespace, on_step: Callable[[str, float
     disc, flat = _disc(scene, drapes), drapes.mesh.outline.area()
     radii = smoothed(outline)
     area = float(0.5 * (radii**2).sum() * 2.0 * np.pi / DIRECTIONS)
-    measured = MeasuredShadow(area, count_folds(radii), (area - disc) / (flat - disc))
+    measured = MeasuredShadow(area, count_folds(radii), _coefficient(area, disc, flat))
     fit = OutlineFit(
         drapes, outline, measured.folds, lambda step: on_step(drapes.words(step.drape.values), step.misfit)
     )
@@ -219,12 +223,21 @@ def smoothed(outline: MeasuredOutline) -> np.ndarray:
     return np.fft.irfft(np.fft.rfft(radii) * np.exp(-0.5 * waves**2), DIRECTIONS)
 
 
-def _disc(scene: Scene, drapes: DrapesByNumber) -> float:
-    """The area that the first drape coefficient among the quantities leaves out [m^2]."""
+def _disc(scene: Scene, drapes: DrapesByNumber) -> float | None:
+    """The area that the first drape coefficient among the quantities leaves out [m^2]; None: there is none."""
     for name, quantity in scene.quantities.items():
         if quantity.drape_coefficient and quantity.at is not None:
             return float(area_at(drapes.mesh, name, quantity)())
-    return 0.0
+    return None
+
+
+def _coefficient(area: float, disc: float | None, flat: float) -> float | None:
+    return None if disc is None else (area - disc) / (flat - disc)
+
+
+def _cell(coefficient: float | None) -> list[str]:
+    """A cell of a table, or none."""
+    return [] if coefficient is None else [f"{coefficient:.4f}"]
 
 
 def _finite(value: float) -> float | None:

@@ -45,8 +45,7 @@ class ChangingNumber:
         if parts[0] == "effects":
             here = value_below(plan.settings(parts[1]), tuple(parts[2:])) if len(parts) > 2 else None
         else:
-            whole = scene.model_copy(update={"start": scene.start or Start()})
-            here = value_below(whole, tuple(parts)) if parts[0] in TABLES else None
+            here = value_below(_with_start(scene), tuple(parts)) if parts[0] in TABLES else None
         if isinstance(here, bool) or not isinstance(here, int | float):
             tables = ", ".join(TABLES)
             raise UserError(
@@ -72,11 +71,10 @@ class ChangingNumber:
         return revise(self.scene, whole, [value if k == int(last) else one for k, one in enumerate(values)])
 
     def _settled(self, parts: list[str]) -> Sequence[Value]:
-        """A list that the file need not have: of an effect or of the start."""
-        first, *rest = parts
-        if first == "effects":
-            return value_below(self.plan.settings(rest[0]), tuple(rest[1:]))
-        return value_below(self.scene.start or Start(), tuple(rest))
+        """A list that the file need not have: of an effect, of the start or of a fabric that is given by name."""
+        if parts[0] == "effects":
+            return value_below(self.plan.settings(parts[1]), tuple(parts[2:]))
+        return value_below(_with_start(self.scene), tuple(parts))
 
     def rate(self, value: Value, where: str) -> float:
         """The rate of a value at a place of the scene."""
@@ -125,6 +123,11 @@ class ChangingNumber:
         if isinstance(value, tuple):
             return self.vector(value, where)
         return self.rate(value, where)
+
+
+def _with_start(scene: Scene) -> Scene:
+    """The scene with where its flat cloth lies, which it need not say."""
+    return scene.model_copy(update={"start": scene.start or Start()})
 
 
 def number_keys(scene: Scene, plan: Plan) -> list[str]:
