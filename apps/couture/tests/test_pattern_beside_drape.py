@@ -13,6 +13,7 @@ from restshape.cli.main import main
 from restshape.export.frame_mesh import mesh_of_shape
 from restshape.physics.cloth.pictures.drawn_seams import drawn_seams
 from restshape.physics.cloth.pictures.membrane_stretch import grain_angles, stretches
+from restshape.physics.cloth.pictures.pattern_beside_drape import strain_rows
 from restshape.replay.recorder import Recorder
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
@@ -152,3 +153,12 @@ def test_textures_are_places_in_the_pattern(recorded, tmp_path):
     assert size * vtk_to_numpy(coordinates) + low == pytest.approx(mesh.X, abs=1e-12)
     assert meshio.read(tmp_path / "a.vtu").points == pytest.approx(space, abs=1e-12)
     assert f"/ {size:.9g} m" in (tmp_path / "a.obj").read_text().splitlines()[0]
+
+
+def test_colours_end_at_the_strain_that_there_is():
+    """Of stiff cloth, far below the bound: the largest strain has the colour of the end, and no bound is drawn."""
+    strains = np.linspace(-4e-4, 4e-4, 101)
+    rows = strain_rows({"warp": strains}, 0.05)
+    assert rows[0].end == pytest.approx(4e-4, rel=0.02)
+    assert not rows[0].bound_shown and strain_rows({"warp": 300.0 * strains}, 0.05)[0].bound_shown
+    assert strain_rows({"warp": 0.0 * strains}, 0.05)[0].end == 0.05

@@ -3,13 +3,14 @@
 import pytest
 
 from restshape.cli.main import main
+from restshape.errors import UserError
 from restshape.export.edited_frame import frame_of_script
 from restshape.export.garmentcode_file import write_garmentcode
 from restshape.export.pattern_drawings import write_pattern_dxf
 from restshape.export.pattern_scene import pattern_of_scene, write_pattern_scene
 from restshape.export.pattern_svg_file import write_pattern_svg
 from restshape.scene.edit_script import Script, load_script
-from restshape.scene.load import load_scene
+from restshape.scene.load import load_scene, revise
 from restshape.scene.panels import panels_of
 from restshape.shape.build import outline_from_spec
 from restshape.shape.garmentcode import read_garmentcode
@@ -164,3 +165,12 @@ def test_what_a_scene_says_of_seams_stays(path, tmp_path):
 def test_a_frame_of_no_script_is_the_first(path):
     scene = load_scene(path)
     assert frame_of_script(scene, Script.empty(scene), -1).outline.area() == pytest.approx(sum(areas(scene).values()))
+
+
+@pytest.mark.parametrize("key", ["seams.side", "seams.side.stiffness"])
+def test_a_seam_that_is_not_there_is_to_be_added_by_its_table(path, key):
+    seams = SCENE[SCENE.index("[seams.shoulder]") : SCENE.index("[material.cloth]")]
+    path.write_text(SCENE.replace(seams, ""))
+    with pytest.raises(UserError, match=r"there is no seams\.side") as refused:
+        revise(load_scene(path), key, 3.0)
+    assert refused.value.do == "add it by its table, with from, to"

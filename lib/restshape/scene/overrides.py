@@ -62,7 +62,8 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
                 f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
             )
         elif key[:depth] in tables and part not in here and key != FOR_ALL and not (adds and last):
-            raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, suggestion(part, sorted(here)))
+            do = suggestion(part, sorted(here)) or _by_its_table(key[:depth])
+            raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, do)
         if isinstance(here, list):
             if last:
                 here[int(part)] = value
@@ -96,6 +97,14 @@ def _branched_list(entries: list[object], key: tuple[str, ...]) -> list[object]:
         elif isinstance(inner, list):
             found[place] = _branched_list(inner, key[1:])
     return found
+
+
+def _by_its_table(key: tuple[str, ...]) -> str:
+    """What to do about a name in a named table that is empty: to give all of what it names, with the keys it needs."""
+    section = joined_sections(installed_physics(applications().values())).get(key[0]) if len(key) == 1 else None
+    fields = section.model.model_fields if section else {}
+    needed = ", ".join(field.alias or name for name, field in fields.items() if field.is_required())
+    return f"add it by its table{f', with {needed}' if needed else ''}"
 
 
 def _named_tables() -> set[tuple[str, ...]]:

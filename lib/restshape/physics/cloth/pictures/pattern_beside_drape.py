@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,6 +59,11 @@ class _Shown:
         return colormaps[SIGNED](np.clip(share, 0.0, 1.0))[:, :3]
 
     @property
+    def bound_shown(self) -> bool:
+        """Whether the bound lies within the ends."""
+        return self.bound <= self.end
+
+    @property
     def words(self) -> str:
         """Its name, and the range of its values."""
         if self.strains is None:
@@ -105,8 +110,7 @@ def draw_beside(recording: Recording, i: int, what: str, width: int, path: Path)
     rows = [_Shown("seams" if seams else "pattern")]
     if what == "strain":
         found, bound = recorded_stretches(recording, i, frame.scene, frame.outline), trusted_strain(frame.scene)
-        most = max(np.percentile(np.abs(values), 100.0 - RARE) for values in found.values())
-        rows = [_Shown(name, values, float(most) or bound, bound) for name, values in found.items()]
+        rows = strain_rows(found, bound)
     figure, grid = _figure(scenery, len(rows), width / DPI, what == "strain")
     for (space, pattern), shown in zip(grid, rows):
         _draw_space(space, recording, i, scenery, shown, seams)
@@ -124,6 +128,16 @@ def draw_beside(recording: Recording, i: int, what: str, width: int, path: Path)
         _bar(figure, rows[0])
     figure.suptitle(scene_name(recording), color=INK, fontsize=10, y=1.0 - 0.12 / figure.get_size_inches()[1])
     save_picture(figure, path)
+
+
+def strain_rows(found: Mapping[str, np.ndarray], bound: float) -> list[_Shown]:
+    """A row for each direction, with colours up to the largest strain of all but `RARE` of the triangles.
+
+    Args:
+        found: strains (ne,) by the name of their direction; bound: up to which they are trusted.
+    """
+    most = max(float(np.percentile(np.abs(values), 100.0 - RARE)) for values in found.values())
+    return [_Shown(name, values, most or bound, bound) for name, values in found.items()]
 
 
 def _figure(scenery: DrapeScenery, rows: int, wide: float, bar: bool) -> tuple[Figure, list[list[Axes]]]:
@@ -180,9 +194,8 @@ def _bar(figure: Figure, shown: _Shown) -> None:
     place = figure.add_axes((1.0 - (BAR - 0.1) / wide, 0.25, 0.16 / wide, 0.5))
     scale = 100.0 * shown.end
     bar = figure.colorbar(ScalarMappable(Normalize(-scale, scale), SIGNED), cax=place, extend="both")
-    inside = shown.bound <= shown.end
-    for sign in (-1.0, 1.0) if inside else ():
+    for sign in (-1.0, 1.0) if shown.bound_shown else ():
         bar.ax.axhline(sign * 100.0 * shown.bound, color=INK, linewidth=1.2)
-    marked = f"; lines: {100.0 * shown.bound:g} %" if inside else ""
+    marked = f"; lines: {100.0 * shown.bound:g} %" if shown.bound_shown else ""
     bar.set_label(f"eased below 0, in tension above [%]{marked}")
     bar.outline.set_visible(False)
