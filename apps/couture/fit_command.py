@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     report = fitted(scene, args, _progress)
     _print(report)
     if args.out:
-        _write_scene(args, scene, report)
+        write_scene(args, scene, report)
     if args.picture:
         from restshape_apps.couture.fitting.fit_picture import draw
 
@@ -75,7 +75,7 @@ def _print(report: FitReport) -> None:
         print(f"note: {note}")
 
 
-def _write_scene(args: argparse.Namespace, scene: Scene, report: FitReport) -> None:
+def write_scene(args: argparse.Namespace, scene: Scene, report: FitReport) -> None:
     """Write the scene with the numbers, and with what --set gives."""
     from restshape.outputs.atomic_files import write_whole
     from restshape.outputs.kinds import FITTED_MARK

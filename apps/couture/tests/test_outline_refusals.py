@@ -1,16 +1,23 @@
 """Outlines, numbers and recordings that a fit of a drape refuses, or reads in one way only."""
 
+from argparse import Namespace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from restshape_apps.couture import application
-from restshape_apps.couture.fitting.drapes_by_number import DrapesByNumber, SetByEdits
-from restshape_apps.couture.fitting.measured_outline import read_outline
+from restshape_apps.couture.fit_command import write_scene
+from restshape_apps.couture.fitting.confidence import Confidence
+from restshape_apps.couture.fitting.drapes_by_number import Drape, DrapesByNumber, SetByEdits
+from restshape_apps.couture.fitting.fit import Fit, OutlineFit
+from restshape_apps.couture.fitting.measured_outline import MeasuredOutline, read_outline
 from restshape_apps.couture.fitting.recorded_shadow import outer_border, shadow_of
+from restshape_apps.couture.fitting.report import FitReport, MeasuredShadow
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.outputs.kinds import FITTED_MARK
 from restshape.scene.load import load_scene
 from restshape.scene.rewritten import rewritten
 
@@ -143,3 +150,47 @@ def test_a_named_fabric_has_numbers_of_its_lists(tmp_path):
     written = tmp_path / "fitted.toml"
     written.write_text(rewritten(scene, changes, written))
     assert load_scene(written).material["cotton"].bending == (1e-5, 78.2e-6)
+
+
+@pytest.fixture(scope="module")
+def coarse() -> tuple[DrapesByNumber, Drape]:
+    """Drapes of a scene without drape coefficient, and one of them."""
+    scene = load_scene(SCENE, [COARSE])
+    found = DrapesByNumber(scene.model_copy(update={"quantities": {}}), [KEY])
+    return found, found.cold(found.start)
+
+
+def report_of(coarse: tuple[DrapesByNumber, Drape], folds: int = 0, again: float | None = 1.0) -> FitReport:
+    """A report on a drape and its own outline that has more folds, or whose replay is off by a factor."""
+    drapes, drape = coarse
+    outline = MeasuredOutline(drape.edge.points()[::4] * 1.001)
+    step = OutlineFit(drapes, outline, drape.folds, print).step(drape)
+    off = replace(step.distances, values=(again or 1.0) * step.distances.values)
+    found = Fit([step], step, drape.values, step, np.ones((1, 1)), again and replace(step, distances=off), not folds)
+    trust = Confidence(drape.values, drape.values, 9.0, 0.0, np.zeros(1, bool))
+    measured = MeasuredShadow(outline.area, drape.folds + folds, None)
+    return FitReport(drapes, outline, measured, found, trust, None, drapes.mesh.outline.area())
+
+
+def test_a_scene_without_drape_coefficient_has_none(coarse):
+    report = report_of(coarse)
+    assert not report.notes()
+    assert report.plain()["measured"]["drape_coefficient"] is None
+    for heads, rows in (report.steps(), report.outlines()):
+        assert "drape coefficient" not in heads and {len(row) for row in rows} == {len(heads)}
+
+
+@pytest.mark.parametrize(
+    ("folds", "again", "note"),
+    [(2, 1.0, "cloth has several rests"), (0, 1.5, "finds another rest"), (0, None, "does not come to rest")],
+)
+def test_notes_say_where_a_drape_has_other_rests(coarse, folds, again, note):
+    (found,) = report_of(coarse, folds, again).notes()
+    assert note in found
+
+
+def test_a_scene_that_is_fitted_again_has_one_mark(tmp_path, coarse):
+    scene, out = tmp_path / "scene.toml", tmp_path / "fitted.toml"
+    scene.write_text(FITTED_MARK + SCENE.read_text())
+    write_scene(Namespace(set=[], out=out), load_scene(scene), report_of(coarse))
+    assert out.read_text().count(FITTED_MARK) == 1
