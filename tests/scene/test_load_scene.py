@@ -282,7 +282,10 @@ def test_an_entry_needs_a_table_and_its_own_keys(tmp_path):
         load_scene(path, ['supports.roller={on="roof",fix=["y"]}'])
 
 
-def test_a_script_adds_no_entry(tmp_path):
+def test_a_script_adds_an_entry_by_its_table_alone(tmp_path):
     scene = load_scene(write_scene(tmp_path, plate()))
-    with pytest.raises(UserError, match="there is no supports"):
-        revise(scene, "supports.roller", {"on": "top", "fix": ["y"]})
+    assert revise(scene, "supports.roller", {"on": "top", "fix": ["y"]}).supports["roller"].on == ["top"]
+    assert "roller" not in scene.supports
+    for key, value in (("supports.roller", 3), ("supports.roller.on", "top")):
+        with pytest.raises(UserError, match="there is no supports"):
+            revise(scene, key, value)
