@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from restshape_verification.couture.garment_measures import parameters_for
 
 from restshape.physics.cloth.mannequin.body_shape import LEVELS
 from restshape.replay.first_frame import first_frame
@@ -16,12 +17,7 @@ GARMENTS = sorted(path.stem for path in PATTERNS.glob("*.toml"))
 
 def measures(body: str, garment: str) -> list[str]:
     """The parameters of a garment for a body, as `--set` takes them."""
-    sizes = BODIES[body].completed()
-    known = {name: getattr(sizes, name) for name in sizes.names}
-    known |= {f"{name}_level": share * sizes.height for name, share in LEVELS.items()}
-    known |= {"neck_level": 0.84 * sizes.height, "crotch_level": 0.446 * sizes.height}
-    wanted = load_scene(PATTERNS / f"{garment}.toml").parameters
-    return [f"parameters.{name}={value:.6g}" for name, value in known.items() if name in wanted]
+    return parameters_for(load_scene(PATTERNS / f"{garment}.toml"), body)
 
 
 def lengths(garment: str, changes: list[str]) -> tuple[dict[str, tuple[float, float]], dict[str, float]]:
@@ -38,9 +34,17 @@ def lengths(garment: str, changes: list[str]) -> tuple[dict[str, tuple[float, fl
 def test_edges_that_are_sewn_are_of_one_length(garment, body):
     seams, _ = lengths(garment, measures(body, garment))
     assert len(seams) >= 6
-    for name, (first, second) in seams.items():
-        # Caps of sleeves have half of their ease in front and half behind.
-        assert first - second == pytest.approx(0.0075 if name.startswith("cap") else 0.0, abs=1e-9), name
+    over = {name: first - second for name, (first, second) in seams.items()}
+    # Bands are shorter than waists by 2 cm in all, and by what a waist rises to darts and sides.
+    waists = [over.pop(name) for name in list(over) if name.startswith("waist")]
+    least = {"skirt": 0.02, "trousers": 0.02}.get(garment, 0.0) / 8
+    assert all(least - 1e-3 < one < least + 0.003 for one in waists) and len(waists) == 8 * (least > 0.0)
+    # Caps of sleeves have half of their ease in front and half behind, all parts alike.
+    caps = {name: over.pop(name) for name in list(over) if name.startswith("cap")}
+    assert sum(caps.values()) == pytest.approx(0.03 if caps else 0.0, abs=1e-9)
+    ratios = [seams[name][0] / seams[name][1] for name in caps]
+    assert ratios == pytest.approx(ratios[:1] * len(ratios), rel=1e-9)
+    assert list(over.values()) == pytest.approx([0.0] * len(over), abs=1e-9)
 
 
 @pytest.mark.parametrize("body", BODIES)
@@ -67,9 +71,9 @@ def test_measures_that_are_written_are_those_of_the_standard_body(garment):
 
 
 @pytest.mark.slow
-def test_a_skirt_lies_on_the_hips_of_the_standard_body():
-    row = first_frame(PATTERNS / "skirt.toml", ["mesh.size=0.06"]).row
+def test_a_waistband_holds_a_skirt_at_the_waist():
+    # On edges of 6 cm a band of 3 cm is stretched a little more than on those of its scene.
+    row = first_frame(PATTERNS / "skirt.toml", ["mesh.size=0.06", "effects.cloth.trusted_strain=0.08"]).row
     assert row["converged"] == 1 and row["seam_gap"] < 1e-3 and not row["untrusted"]
-    # Its waist is wider than that of the body, and narrower than the hips.
-    height = BODIES["standard"].height
-    assert LEVELS["hip"] * height < row["q_waistline"] < LEVELS["waist"] * height
+    waist = LEVELS["waist"] * BODIES["standard"].height
+    assert waist < row["q_waistline"] < waist + 0.05
