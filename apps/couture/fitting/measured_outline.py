@@ -11,6 +11,7 @@ from restshape_apps.couture.fitting.outline_crossing import refuse_crossing
 from restshape_apps.couture.fitting.outline_table import FEWEST, read_table
 
 from restshape.errors import UserError, one_line
+from restshape.mesh.regions import signed_area
 from restshape.outputs.si_numbers import counted
 from restshape.shape.loose_curve import LooseCurves
 from restshape.shape.named_points import chain_of_curve
@@ -52,12 +53,6 @@ class MeasuredOutline:
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
         at = along[-1] / count * np.arange(count)
         return np.stack([np.interp(at, along, closed[:, k]) for k in range(2)], axis=1)
-
-
-def signed_area(points: np.ndarray) -> float:
-    """Area [m^2] within a closed line of points (m, 2) [m], positive counter-clockwise."""
-    x, y = points.T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
 def middle_of_area(points: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.shape.outline import Outline
+from restshape.shape.outward import outward_of, text_angle
 from restshape.shape.seam_parts import SeamPart
 
 ALONG = 0.3
@@ -66,7 +67,7 @@ def notches(outline: Outline, name: str, parts: Mapping[str, Sequence[SeamPart]]
                     s = float(end) if forward else 1.0 - end
                     edge = outline.edges[e]
                     vertex = edge.start if s == 0.0 else edge.end
-                    found.append(Notch(outline.points[vertex], _outward(outline, e, forward, s), vertex, part.seam))
+                    found.append(Notch(outline.points[vertex], outward_of(outline, e, forward, s), vertex, part.seam))
     return found
 
 
@@ -76,11 +77,9 @@ def edge_labels(outline: Outline, name: str, parts: Mapping[str, Sequence[SeamPa
     for loop in outline.loops:
         for e, forward in loop.edges if loop.kind != "region" else ():
             for part in parts.get(f"{name}.{outline.edges[e].name}", ()):
-                outward = _outward(outline, e, forward, 0.5)
-                angle = float(np.arctan2(outward[0], -outward[1]))
-                readable = (angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi
+                outward = outward_of(outline, e, forward, 0.5)
                 place = outline.point(e, 0.5)[0]
-                found.append(EdgeLabel(part.seam, e, place, outward, readable))
+                found.append(EdgeLabel(part.seam, e, place, outward, text_angle(outward)))
     return found
 
 
@@ -90,10 +89,3 @@ def grain_line(outline: Outline, grain: float) -> Reals:
     way = ALONG * float(np.hypot(*(high - low))) * np.array([np.cos(grain), np.sin(grain)])
     middle = 0.5 * (low + high)
     return np.array([middle - way, middle + way])
-
-
-def _outward(outline: Outline, edge: int, forward: bool, s: float) -> Reals:
-    """The direction (2,) away from the piece at a parameter of an edge, which has the piece on its left."""
-    tangent = outline.tangent(edge, s)[0] * (1.0 if forward else -1.0)
-    tangent = tangent / float(np.hypot(*tangent))
-    return np.array([tangent[1], -tangent[0]])

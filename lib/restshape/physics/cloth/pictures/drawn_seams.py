@@ -12,6 +12,7 @@ from restshape.report.outlines import border
 from restshape.scene.model import Scene
 from restshape.scene.seam_keys import Seam
 from restshape.shape.outline import Outline
+from restshape.shape.outward import outward_of, text_angle
 from restshape.shape.seam_parts import seam_colours
 
 NEAR = 0.3
@@ -98,10 +99,8 @@ def _name_places(outline: Outline, edges: Sequence[int], lines: Sequence[np.ndar
 def _beside(outline: Outline, edge: int) -> NamePlace:
     """A name along the middle of an edge, on its outer side."""
     forward = next(f for loop in outline.loops if loop.kind != "region" for e, f in loop.edges if e == edge)
-    way = _unit(outline.tangent(edge, 0.5)[0])
-    outward = np.array([way[1], -way[0]]) * (1.0 if forward else -1.0)
-    angle = (float(np.arctan2(way[1], way[0])) + 0.5 * np.pi) % np.pi - 0.5 * np.pi
-    return NamePlace(outline.point(edge, 0.5)[0], outward, angle)
+    outward = outward_of(outline, edge, forward, 0.5)
+    return NamePlace(outline.point(edge, 0.5)[0], outward, text_angle(outward))
 
 
 def _unit(way: np.ndarray) -> np.ndarray:
