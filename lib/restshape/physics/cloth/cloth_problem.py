@@ -281,10 +281,11 @@ class ClothProblem(SteadyProblem):
         return max((part.end_frame(self.corners(x)) for part in parts), default=0.0)
 
     def next_part(self, x: np.ndarray) -> None:
-        """Let another frame begin at x (n, 3) [m] where one has begun: its way until there is over."""
-        if any(part.history.begin for part in filter(None, (self.contact, self.self_contact))):
-            self.end_frame(x)
-            self.begin_frame(x)
+        """Let another frame begin at x (n, 3) [m] for friction that acts in one: its way until there is over."""
+        for part in filter(None, (self.contact, self.self_contact)):
+            if part.history.begin:
+                part.end_frame(self.corners(x))
+                part.begin_frame(self.corners(x))
 
     def follow_friction(self, x: np.ndarray) -> bool:
         """Let friction follow to x (n, 3); returns whether there is contact, whose energy it changes."""

@@ -69,6 +69,8 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         if share == 1.0:
             break
         parts += 1
+        # A body that leaves would pull along what its friction holds until the end of a part.
+        contact.end_frame(problem.corners(x))
         state.solver.descend(x, ROUGH, ROUNDS * MEMORY, report)
         problem.next_part(x)
     spent = ConvergenceReport()
