@@ -287,6 +287,11 @@ class ClothProblem(SteadyProblem):
                 part.end_frame(self.corners(x))
                 part.begin_frame(self.corners(x))
 
+    @property
+    def frame_begun(self) -> bool:
+        """Whether friction acts against the way of a frame."""
+        return any(part.history.begin for part in filter(None, (self.contact, self.self_contact)))
+
     def follow_friction(self, x: np.ndarray) -> bool:
         """Let friction follow to x (n, 3); returns whether there is contact, whose energy it changes."""
         self.update_friction(x)

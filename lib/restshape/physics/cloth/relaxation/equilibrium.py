@@ -278,14 +278,14 @@ class EquilibriumSolver:
         if self.rests(x, report):
             report.converged, report.why = True, ""
             return report
+        until = min(FIXED, most) if self.problem.frame_begun else most
         while True:
-            left = most - (report.steps - begun)
-            if report.steps - begun > FIXED:
-                self.problem.end_frame(x)
-            if left <= 0:
-                report.why = report.why or f"{most} steps are over"
-                break
-            if not self.descend(x, near, left, report):
+            taken = report.steps - begun
+            if taken >= until or not self.descend(x, near, until - taken, report):
+                if until < most and not report.falls:
+                    self.problem.end_frame(x)
+                    until = most
+                    continue
                 report.why = report.why or f"{most} steps are over"
                 break
             if self.newton and not self.refine(x, report):

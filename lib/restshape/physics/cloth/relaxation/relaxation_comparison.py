@@ -66,7 +66,9 @@ def _restarted(state: RelaxationState, cold: EquilibriumSolver) -> np.ndarray:
     noise[len(state.mesh.X) :] = 0.0
     cold.goal = FARTHER * state.solver.goal
     for part in PERTURBATIONS:
-        x = state.x + part * _size(state) * noise
+        way = part * _size(state) * noise
+        # From the other side of a layer it would come back to another rest.
+        x = state.x + state.problem.step_share(state.x, way) * way
         if cold.refine(x, ConvergenceReport()):
             return x
     raise ReplayProblem("the cloth does not come back from perturbed positions")
