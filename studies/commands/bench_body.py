@@ -1,6 +1,7 @@
 """The study `restshape bench body`: the grid of a body's distance, and an adaptive one beside it."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +29,8 @@ def check(args: argparse.Namespace) -> None:
         raise UserError("it has a body of its own, or one of a file", "SCENE", "--file body.obj")
     if not 5_000 <= args.triangles <= min(250_000, BODY_TRIANGLES):
         raise UserError(f"a mannequin of {args.triangles} triangles is not made", "--triangles", "name 5000 to 250000")
-    if args.spacing is not None and not args.spacing > 0.0:
-        raise UserError(f"{args.spacing:g} mm is no spacing", "--spacing", "name one above 0")
+    if args.spacing is not None and not 0.0 < args.spacing < math.inf:
+        raise UserError(f"{args.spacing:g} mm is no spacing", "--spacing", "name a number above 0")
 
 
 def own(args: argparse.Namespace) -> list[Case]:

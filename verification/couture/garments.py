@@ -25,6 +25,8 @@ FILES = {path.stem: path for path in sorted((COUTURE / "patterns").glob("*.toml"
 """Garments by name."""
 COARSE = {"shirt": ('mesh.size="30 mm"', "mesh.levels=1", "effects.drape.levels=1")}
 """What else is set of garments whose scenes have finer meshes."""
+CLOSED = 1e-3
+"""Of a seam up to which it is closed [m]."""
 KEPT = ("converged", "tangent_positive_definite", "relaxation_steps", "factorisations", "max_strain", "seam_gap")
 KEPT += ("max_penetration", "crossings", "untrusted", "note", "unknowns")
 
@@ -59,7 +61,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Drape each garment on each body, and print how; 0, or 1 where one does not rest stably within the strain."""
+    """Drape each garment on each body, and print how; 0, or 1 where one does not rest stably as it should."""
     garments, bodies = (_chosen(args, *one) for one in (("garments", FILES), ("bodies", BODIES)))
     found: dict[str, dict[str, Any]] = {}
     with progress(False, len(garments) * len(bodies)) as count:
@@ -83,7 +85,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _fits(one: dict[str, Any]) -> bool:
-    return one["converged"] == 1 and one["tangent_positive_definite"] == 1 and not one["untrusted"]
+    rests = one["converged"] == 1 and one["tangent_positive_definite"] == 1 and not one["untrusted"]
+    return rests and one["crossings"] == 0 and not one["seam_gap"] >= CLOSED
 
 
 def _cells(one: dict[str, Any]) -> list[str]:
@@ -101,6 +104,8 @@ def _chosen(args: argparse.Namespace, option: str, known: dict[str, Path] | dict
         UserError: one is not known.
     """
     words = [word for word in map(str.strip, getattr(args, option).split(",")) if word]
+    if not words:
+        raise UserError(f"none of the {option} are named", f"--{option}", f"choose from {','.join(known)}")
     for word in words:
         if word not in known:
             raise UserError(f"{word!r} is none of the {option}", f"--{option}", f"choose from {','.join(known)}")

@@ -194,6 +194,93 @@ def test_a_dart_without_room_is_refused(tmp_path, darts, where, said):
     assert said in str(reported.value)
 
 
+@pytest.mark.parametrize(
+    ("darts", "where", "said"),
+    [
+        (
+            {
+                "d": {"edge": "bottom", "at": 0, "angle": "-70 deg", "width": "1 cm", "length": "8 cm"},
+                "e": {"edge": "left", "at": 1, "angle": "70 deg", "width": "1 cm", "length": "8 cm"},
+            },
+            "darts.e",
+            "away from the corner or the other dart",
+        ),
+        ({"d": {"edge": "bottom", "width": 1e-12, "length": "8 cm"}}, "darts.d", "make it wider"),
+        ({"d": {"edge": "bottom", "width": 1e-5, "length": "8 cm"}}, "darts.d", "wider"),
+        (
+            {"d": {"edge": "bottom", "at": 0.0376, "width": "3 cm", "length": "8 cm"}},
+            "darts.d",
+            "bottom.1 would collapse",
+        ),
+        ({"d": {"line": [[1, 1], [1, 2]], "width": "2 cm"}}, "darts.d", "hole d would lie outside"),
+        (
+            {"d": {"edge": "bottom", "angle": "90 deg", "width": "3 cm", "length": "8 cm"}},
+            "darts.d.angle",
+            "out of the cloth",
+        ),
+        ({"d": {"edge": "bottom", "angle": "180 deg", "width": "3 cm", "length": "8 cm"}}, "darts.d.angle", "turn it"),
+        (
+            {"d": {"edge": "bottom", "angle": "80 deg", "width": "3 cm", "length": "8 cm"}},
+            "darts.d.width",
+            "or turn it",
+        ),
+        (
+            {"d": {"edge": "bottom", "at": 0, "angle": "60 deg", "width": "3 cm", "length": "8 cm"}},
+            "darts.d.angle",
+            "out of the cloth",
+        ),
+        (
+            {
+                "d": {
+                    "edge": "bottom",
+                    "at": 0,
+                    "angle": "-45 deg",
+                    "width": "3 cm",
+                    "length": "8 cm",
+                    "mouth": "straight",
+                }
+            },
+            "darts.d.mouth",
+            "cannot be straight",
+        ),
+        ({"d": {"edge": "bottom", "line": [[0.1, 0.05], [0.1, 0]], "width": "2 cm"}}, "darts.d.line", "is its place"),
+    ],
+)
+def test_a_dart_that_cannot_be_is_refused_with_its_key_and_what_to_do(tmp_path, darts, where, said):
+    with pytest.raises(UserError) as reported:
+        outline_from_spec(sheet(tmp_path, **darts).shape)
+    assert reported.value.where == where
+    assert said in str(reported.value)
+
+
+def test_a_dart_beside_a_fold_is_sent_onto_it(tmp_path):
+    darts = {"q": {"panel": "front", "line": [[0.001, 0.1], [0.001, 0.2]], "width": "2 cm"}}
+    with pytest.raises(UserError, match="put its line on the fold"):
+        outline_from_spec(scene_of(tmp_path, other(FOLDED), **darts).shape)
+    near = {"edge": "front.top", "at": 1 - 1e-10, "width": "2 cm", "length": "8 cm"}
+    assert scene_of(tmp_path, other(FOLDED), q=near).shape.darts[0].fold == "front.fold"
+
+
+def test_the_name_of_a_corner_that_a_dart_takes_away_names_both_ends_of_its_mouth(tmp_path):
+    dart = {"edge": "bottom", "at": 0, "angle": "-45 deg", "width": "3 cm", "length": "8 cm"}
+    outline = outline_from_spec(scene_of(tmp_path, SHEET.replace('on = "left"', 'on = "sw"'), d=dart).shape)
+    names = {outline.vertex_names[v] for v in outline.entity("sw").vertices}
+    assert names == {"d.mouth_left", "d.mouth_right"}
+
+
+@pytest.mark.parametrize("part", ["d.tip", "d.mouth_left"])
+def test_a_corner_of_a_dart_is_not_deleted_without_it(tmp_path, part):
+    dart = {"do": "dart", "name": "d", "from": [0.1, -0.05], "to": [0.1, 0.05], "width": "2 cm"}
+    frames = frames_of(tmp_path, sheet(tmp_path), dart, {"do": "delete", "on": part})
+    assert "is a part of the dart 'd'" in frames[-1].refused
+
+
+def test_a_long_line_across_a_panel_meets_both_of_its_sides(tmp_path):
+    line = {"from": [0.1, -10], "to": [0.1, 10]}
+    frames = frames_of(tmp_path, sheet(tmp_path), {"do": "dart", "name": "d", "width": "2 cm", **line})
+    assert "meets 'bottom' and 'top'" in frames[-1].refused
+
+
 def frames_of(folder, scene, *events):
     lines = [{"format": "restshape-edits", "version": 1}, *({"t": t, **event} for t, event in enumerate(events))]
     script = read_script("\n".join(map(json.dumps, lines)) + "\n", folder / "edits.jsonl", scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
@@ -16,6 +17,9 @@ Pair = tuple[float, float]
 
 IMAGE = "mirror"
 """What names of the other half of a panel that is cut on the fold begin with, and the name of the region that it is."""
+
+END = 1e-9
+"""Share of an edge's length from an end up to which a place is that end."""
 
 
 # More than 15 attributes: each is a key of a table.
@@ -137,3 +141,8 @@ class PlacedDart:
         keys = {key: getattr(self.dart, key) for key in ("stitched", "stiffness", "ease")}
         left, right = self.legs
         return Seam.model_construct(start=left, to=right, reverse=None, **keys)
+
+
+def dart_of_part(darts: Sequence[PlacedDart], name: str) -> PlacedDart | None:
+    """The dart that has a part of this name."""
+    return next((dart for dart in darts if name in dart.kinds()), None)

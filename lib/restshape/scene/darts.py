@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from restshape.errors import UserError
-from restshape.scene.dart_keys import IMAGE, Dart, Pair, PlacedDart
+from restshape.scene.dart_keys import END, IMAGE, Dart, Pair, PlacedDart
 from restshape.scene.panels import frames_of, panels_of
 from restshape.scene.plain_values import Table, table_in
 from restshape.scene.seam_keys import Seam
@@ -119,10 +119,10 @@ def _on_fold(scene: Scene, placed: PlacedDart, fold: tuple[Pair, Pair]) -> bool:
 
     if placed.line is not None:
         return all(map(beside, placed.line))
-    if placed.edge is None or placed.at not in (0.0, 1.0):
+    if placed.edge is None or placed.at is None or END < placed.at < 1.0 - END:
         return False
     edge = scene.shape.edges[placed.edge]
-    end = getattr(edge, edge.kind)[int(placed.at)]
+    end = getattr(edge, edge.kind)[round(placed.at)]
     return beside(scene.shape.vertices[end])
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.errors import UserError
-from restshape.scene.dart_keys import PlacedDart
+from restshape.scene.dart_keys import IMAGE, PlacedDart
 from restshape.shape.chain_crossings import crossings
 from restshape.shape.dart_cut import cut_dart
 from restshape.shape.dart_mouth import Mouth, mouth_of
@@ -85,6 +85,8 @@ def _refuse_beyond(outline: Outline, one: DartCorners) -> None:
     """Refuses a dart that reaches over an edge of the shape."""
     own = set() if one.mouth is None else set(one.mouth.edges)
     fold = outline.entity(one.placed.fold).edges if one.placed.fold else ()
+    bounding = {e for loop in outline.loops if loop.kind != "region" for e, _ in loop.edges}
+    halves = {e for loop in outline.loops if loop.name.endswith(f".{IMAGE}") for e, _ in loop.edges} - bounding
     for e, edge in enumerate(outline.edges):
         if e in own or e in fold:
             continue
@@ -95,13 +97,15 @@ def _refuse_beyond(outline: Outline, one: DartCorners) -> None:
                 continue
             x, y = place
             reaches = f"the dart reaches over the edge {edge.name!r} near ({x:.4g}, {y:.4g}) m"
-            raise UserError(reaches, one.placed.where, _inward(one))
+            raise UserError(reaches, one.placed.where, _inward(one, e in halves))
 
 
-def _inward(one: DartCorners) -> str:
+def _inward(one: DartCorners, at_fold: bool) -> str:
     """What to do about a dart that leaves its panel."""
     if one.mouth is not None:
         return "make it shorter or narrower, or turn it"
+    if at_fold:
+        return "put its line on the fold, or move it away from that"
     return "make it shorter or narrower, or give it the `edge` that it is to open at"
 
 
@@ -130,7 +134,17 @@ def _meeting(one: DartCorners, other: DartCorners) -> tuple[float, float] | None
     return None
 
 
-def dart_named(darts: Sequence[PlacedDart], sentence: str) -> PlacedDart | None:
-    """The dart one of whose parts a sentence names."""
-    words = sentence.replace(",", " ").split()
-    return next((dart for dart in darts if any(word.startswith(f"{dart.name}.") for word in words)), None)
+def dart_named(darts: Sequence[PlacedDart], outline: Outline, sentence: str) -> PlacedDart | None:
+    """The dart one of whose parts a sentence names, or a piece of an edge that ends at its mouth."""
+    words = set(sentence.replace(",", " ").split())
+    beside = {
+        name
+        for edge in outline.edges
+        if edge.name in words
+        for name in (outline.vertex_names[edge.start], outline.vertex_names[edge.end])
+    }
+
+    def names(dart: PlacedDart) -> bool:
+        return dart.name in words or any(word.startswith(f"{dart.name}.") for word in words | beside)
+
+    return next((dart for dart in darts if names(dart)), None)

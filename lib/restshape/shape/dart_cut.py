@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from restshape.arrays import Reals
+from restshape.errors import UserError
 from restshape.scene.dart_keys import PlacedDart
 from restshape.shape.dart_mouth import Mouth
 from restshape.shape.draft import Draft, DraftEdge, add_loop, draft_of
@@ -48,7 +49,7 @@ def _named(placed: PlacedDart, side: str) -> str:
 def _on_edge(outline: Outline, placed: PlacedDart, tip: Reals, ends: dict[str, Reals], mouth: Mouth) -> Outline:
     mouths = {side: f"{placed.name}.mouth_{_named(placed, side)}" for side in ends}
     for side, parent, place in zip(ends, mouth.names, mouth.meets):
-        outline = insert(outline, parent, mouths[side], at=place)
+        outline = _with_mouth_end(outline, placed, parent, mouths[side], place)
     between = _between(draft_of(outline), mouths["left"], mouths["right"])
     if placed.dart.folded and len(between) == 1:
         outline = insert(outline, between[0][0], f"{placed.name}.mouth_middle", s=0.5)
@@ -67,6 +68,20 @@ def _on_edge(outline: Outline, placed: PlacedDart, tip: Reals, ends: dict[str, R
     else:
         _take_out(draft, placed, between, legs)
     return draft.outline()
+
+
+def _with_mouth_end(outline: Outline, placed: PlacedDart, parent: str, name: str, place: Reals) -> Outline:
+    """The outline with one end of a dart's mouth.
+
+    Raises:
+        UserError: there is a vertex already.
+    """
+    try:
+        return insert(outline, parent, name, at=place)
+    except UserError as error:
+        what = f"one end of the dart's mouth is at ({place[0]:.4g}, {place[1]:.4g}) m: {error.what}"
+        do = "make it wider, or move it away from the corner or the other dart"
+        raise UserError(what, placed.where, do) from None
 
 
 def _pair(place: Reals) -> tuple[float, float]:
@@ -98,12 +113,21 @@ def _take_out(draft: Draft, placed: PlacedDart, between: Sequence[Way], legs: di
         # A fold that ends in the corner ends at the tip.
         draft.edges = {name: _moved_end(edge, corner, legs["left"].end) for name, edge in draft.edges.items()}
         del draft.vertices[corner]
+        _name_both(draft, corner, (legs["left"].start, legs["right"].start))
     else:
         _drop(draft, [between[0][0]])
     for parent in gone.values():
         _named_alone(draft, parent)
     draft.edges |= new
     draft.groups = {**draft.groups, placed.name: tuple(new)}
+
+
+def _name_both(draft: Draft, corner: str, ends: tuple[str, str]) -> None:
+    """Lets the name of a corner that is cut away name both ends of the mouth, which are sewn to each other."""
+    draft.groups = {
+        group: tuple(new for part in parts for new in (ends if part == corner else (part,)))
+        for group, parts in draft.groups.items()
+    } | {corner: ends}
 
 
 def _end(draft: Draft, way: Way) -> str:

@@ -78,8 +78,17 @@ def _met(outline: Outline, start: Reals, end: Reals) -> list[tuple[int, Reals]]:
     for e in _bounding(outline):
         chain = outline.polyline(e, CHORD_ERROR * outline.size)
         found += [(e, np.array(place)) for place in crossings(start, end, chain)]
-    # At a corner one of both edges is meant.
-    return [one for k, one in enumerate(found) if all(np.hypot(*(one[1] - other)) > same for _, other in found[:k])]
+
+    def corner(e: int, place: Reals, other: int) -> bool:
+        """Whether a place is at a vertex of both edges, where one of them is meant."""
+        shared = set(outline.layout.ends[e].tolist()) & set(outline.layout.ends[other].tolist())
+        return any(np.hypot(*(outline.points[v] - place)) <= same for v in shared)
+
+    return [
+        (e, place)
+        for k, (e, place) in enumerate(found)
+        if not any(corner(e, place, other) and np.hypot(*(place - at)) <= same for other, at in found[:k])
+    ]
 
 
 def _near(outline: Outline, start: Reals, end: Reals) -> list[tuple[int, Reals]]:

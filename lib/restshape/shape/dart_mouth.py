@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.errors import UserError
-from restshape.scene.dart_keys import PlacedDart
+from restshape.scene.dart_keys import END, PlacedDart
 from restshape.shape.outline import Entity, Outline
 from restshape.shape.topology_edits import nearest
 
@@ -17,8 +17,6 @@ SAMPLES = 257
 """Places of a curve between which lengths along it, and where a leg meets it, are sought."""
 TURNS = 60
 """Halvings of a bracket, after which it is a rounding error wide, and steps to the angle of the legs at most."""
-END = 1e-9
-"""Share of an edge's length from an end up to which a place is that end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +77,11 @@ class _Side:
         """Its far end (2,) [m]."""
         return self.points[-1]
 
+    @property
+    def way(self) -> Reals:
+        """The direction (2,) of it at the dart, outwards."""
+        return self.outline.tangent(self.edge, self.start)[0] * np.sign(self.end - self.start)
+
     def meets(self, tip: Reals, way: Reals) -> Reals | None:
         """The first place (2,), from the dart outwards, where a ray from the tip meets it; None where none does."""
 
@@ -114,11 +117,11 @@ def mouth_of(outline: Outline, placed: PlacedDart) -> Mouth:
     centre, inward, forward = normal_at(outline, edge, s)
     if placed.line is not None:
         away = np.array(placed.line[1]) - centre
+        if np.hypot(*away) <= END * outline.size:
+            what = f"the dart's tip is its place on the edge {placed.edge!r}"
+            raise UserError(what, f"{placed.where}.line", "its second point is the tip, inside the panel")
         length = placed.dart.length or float(np.hypot(*away))
         way = away / np.hypot(*away)
-        if way @ inward <= 0.0:
-            what = f"the dart's tip lies outside the cloth at the edge {placed.edge!r}"
-            raise UserError(what, f"{placed.where}.line", "its second point is the tip, inside the panel")
     else:
         assert placed.dart.length is not None, "without a line there is a length"
         c, sin = np.cos(placed.angle), np.sin(placed.angle)
@@ -128,7 +131,26 @@ def mouth_of(outline: Outline, placed: PlacedDart) -> Mouth:
         ends = ends_of(outline, placed.fold)
         far = ends[int(np.hypot(*(ends - centre).T).argmax())]
         way = (far - centre) / np.hypot(*(far - centre))
+    _refuse_outwards(placed, way, sides)
     return _opened(placed, centre, way, length, sides, own)
+
+
+def _refuse_outwards(placed: PlacedDart, way: Reals, sides: tuple[_Side, _Side]) -> None:
+    """Refuses a dart that does not go into the cloth, which lies between both sides of its place."""
+    left, right = (side.way for side in sides)
+
+    def turn(to: Reals) -> float:
+        """The angle from the right side, counter-clockwise [rad]."""
+        angle = float(np.arctan2(right[0] * to[1] - right[1] * to[0], right @ to))
+        return angle if angle > 0.0 else angle + 2.0 * np.pi
+
+    if END < turn(way) < turn(left) - END:
+        return
+    if placed.line is not None:
+        what = f"the dart's tip lies outside the cloth at the edge {placed.edge!r}"
+        raise UserError(what, f"{placed.where}.line", "its second point is the tip, inside the panel")
+    what = f"the dart's angle turns it out of the cloth at the edge {placed.edge!r}"
+    raise UserError(what, f"{placed.where}.angle", "turn it back: its angle is from the edge's normal into the cloth")
 
 
 def ends_of(outline: Outline, name: str) -> Reals:
@@ -148,7 +170,7 @@ def _opened(
         ways = np.array([-c * way + s * normal, -c * way - s * normal])
         meets = [side.meets(tip, ray) for side, ray in zip(sides, ways)]
         if meets[0] is None or meets[1] is None:
-            raise UserError(_too_wide(placed, sides), f"{placed.where}.width", "make it narrower, or move it")
+            raise UserError(_too_wide(placed, sides), f"{placed.where}.width", "make it narrower, move it or turn it")
         places = np.array(meets)
         if placed.dart.mouth == "straight":
             return _straight(placed, tip, way, angle, sides), ways, places
@@ -194,7 +216,14 @@ def _straight(placed: PlacedDart, tip: Reals, way: Reals, angle: float, sides: t
         ends.append(np.array([[c, -s], [s, c]]) @ (side.last - tip))
     a, along = ends[0], ends[1] - ends[0]
     # tip - r way lies on the line through both.
-    return float((a[0] * along[1] - a[1] * along[0]) / (along[0] * way[1] - along[1] * way[0]))
+    across = float(along[0] * way[1] - along[1] * way[0])
+    legs = float(a[0] * along[1] - a[1] * along[0]) / across if across else 0.0
+    if legs <= 0.0:
+        what = "the dart's mouth cannot be straight: the line between the edges' far ends lies beyond its tip"
+        raise UserError(
+            what, f"{placed.where}.mouth", 'leave `mouth` out, which is "kept" then, or make the dart longer'
+        )
+    return legs
 
 
 def _place(outline: Outline, entity: Entity, placed: PlacedDart) -> tuple[int, float]:

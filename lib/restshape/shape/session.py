@@ -17,6 +17,7 @@ from restshape.errors import UserError
 from restshape.scene.bare_lengths import with_bare_lengths
 from restshape.scene.bodies import bodies_of
 from restshape.scene.dart_event import DrawnDart
+from restshape.scene.dart_keys import dart_of_part
 from restshape.scene.darts import darts_of
 from restshape.scene.edit_script import (
     Arc,
@@ -399,6 +400,11 @@ class EditSession(ScriptSession[Outline]):
     def _do_delete(self, event: Delete) -> Iterator[Step]:
         if event.on in darts_of(self.scene):
             yield from self._revise_evenly(1, lambda _: without_dart(self.scene, event.on))
+            return
+
+        if dart := dart_of_part(self.scene.shape.darts, event.on):
+            what = f"{event.on} is a part of the dart {dart.key!r}"
+            yield self._refusal(UserError(what, do=f"delete {dart.key}, the whole dart"))
             return
 
         def cut(outline: Outline, on: str, _: bool) -> Outline:
