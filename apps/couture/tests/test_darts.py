@@ -206,7 +206,8 @@ def test_a_dart_without_room_is_refused(tmp_path, darts, where, said):
             "away from the corner or the other dart",
         ),
         ({"d": {"edge": "bottom", "width": 1e-12, "length": "8 cm"}}, "darts.d", "make it wider"),
-        ({"d": {"edge": "bottom", "width": 1e-5, "length": "8 cm"}}, "darts.d", "wider"),
+        ({"d": {"edge": "bottom", "width": 1e-5, "length": "8 cm"}}, "darts.d", "near (0.2, 0) m"),
+        ({"d": {"edge": "bottom", "width": "3 cm", "length": 0.3 - 1e-12}}, "darts.d", "near (0.2, 0.3) m"),
         (
             {"d": {"edge": "bottom", "at": 0.0376, "width": "3 cm", "length": "8 cm"}},
             "darts.d",

@@ -52,7 +52,9 @@ class MotionCheck:
                 return error.what
             self._check.settle(c[0], c[1])
             found = self._check.check(c[0], c[1])
-        return None if found is None else describe(self.outline, found)
+        if found is None:
+            return None
+        return describe(self.outline if self.gesture is None else self.outline.moved(self.gesture.points(c)), found)
 
     def _kernel(self, sampled: Outline) -> _kernels.OutlineCheck:
         outline, gesture, size = self.outline, self.gesture, self.outline.size
@@ -139,9 +141,28 @@ def _panels(outline: Outline, i: int, j: int) -> str:
     return f"{one} and {other}" if one != other else ""
 
 
+def _closest(outline: Outline, i: int, j: int, begin: Reals) -> tuple[float, float]:
+    """Where two edges are close [m]: an end of the straight piece of the one that begins there, or of the other's."""
+    one, other = (outline.polyline(e, CHORD * outline.size) for e in (i, j))
+    k = int(np.hypot(*(one[:-1] - begin).T).argmin())
+    piece = one[k : k + 2]
+    found = []
+    for points, chain in ((piece, other), (other, piece)):
+        starts, ways = chain[:-1], np.diff(chain, axis=0)
+        off = points[:, None] - starts
+        squares = np.maximum((ways * ways).sum(axis=1), np.finfo(float).tiny)
+        share = np.clip((off * ways).sum(axis=2) / squares, 0.0, 1.0)
+        away = np.linalg.norm(off - share[..., None] * ways, axis=2).min(axis=1)
+        found.append((float(away.min()), points[int(away.argmin())]))
+    x, y = min(found, key=lambda pair: pair[0])[1]
+    return float(x), float(y)
+
+
 def describe(outline: Outline, found: tuple[str, int, int, float, float]) -> str:
-    """The sentence for a finding (what, i, j, x, y) of the kernel."""
+    """The sentence for a finding (what, i, j, x, y) of the kernel in a shape, with the place of edges that touch."""
     what, i, j, x, y = found
+    if what == "touch":
+        x, y = _closest(outline, i, j, np.array([x, y]))
     # Rounding makes 1e-17 of what is 0.
     x, y = (0.0 if abs(value) < 1e-9 * outline.size else value for value in (x, y))
     place = f"near ({x:.4g}, {y:.4g}) m"
