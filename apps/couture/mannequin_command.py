@@ -21,10 +21,8 @@ HELP = {
     "upper_arm": "girth; left out: by height and bust",
     "thigh": "girth; left out: by hip",
 }
-FINE = 93
-"""Triangles along the height, unless a size is given."""
 FINEST, COARSEST = 400, 60
-"""Most and fewest of them: fewer are not the body any more."""
+"""Most and fewest triangles along the height: fewer are not the body any more."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -84,6 +82,8 @@ def _length(text: str, where: str) -> float:
 
 def _triangle_size(text: str | None, sizes: Sizes) -> float:
     if text is None:
+        from restshape.physics.cloth.mannequin.growth import FINE
+
         return sizes.height / FINE
     found, least, most = _length(text, "--size"), sizes.height / FINEST, sizes.height / COARSEST
     if not least <= found <= most:

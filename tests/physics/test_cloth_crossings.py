@@ -73,3 +73,12 @@ def test_flat_cloth_has_no_crossings_and_no_numbers_none():
     x = np.column_stack([X, np.zeros(len(X))])
     assert len(CollisionSurface(X, cells).crossed(x)) == 0
     assert len(CollisionSurface(X, cells).crossed(x * np.nan)) == 0
+
+
+def test_what_crosses_does_so_no_more_where_a_place_is_no_number():
+    surface, x = two_triangles([[0.2, 0.2, -1.0], [0.2, 0.2, 1.0]])
+    assert surface.crosses(x)
+    x[5, 0] = np.nan
+    for _ in range(2):
+        assert not surface.crosses(x) and len(surface.crossed(x)) == 0
+        surface.sew(np.arange(6), np.empty((0, 2), dtype=np.int32))

@@ -71,11 +71,32 @@ def test_middles_lie_as_far_from_a_body_as_their_ends():
     assert found[:4] == pytest.approx(coarse, abs=1e-12)
 
 
+@pytest.mark.parametrize("gap", [0.99, 1.01, 1.5])
+def test_middles_do_not_jump_where_their_ends_begin_to_touch(gap):
+    found = finer_places(Cloth(Touching([BALL])), halved(4), arc(gap * THICKNESS))
+    assert np.linalg.norm(found[4:], axis=1) - 0.1 == pytest.approx(min(gap, 1.0) * THICKNESS, rel=1e-9)
+
+
 def test_what_does_not_touch_stays_in_the_middle():
-    for contact in (None, Touching([BALL])):
-        coarse = arc(1.01 * THICKNESS)
+    for contact, gap in ((None, 1.01), (Touching([BALL]), 3.0)):
+        coarse = arc(gap * THICKNESS)
         found = finer_places(Cloth(contact), halved(4), coarse)
         assert found == pytest.approx(halved(4).prolonged(coarse), abs=0.0)
+
+
+class Flatter:
+    """The ball, with a distance that grows more slowly, as that of a body of triangles may."""
+
+    def distances(self, x: np.ndarray) -> np.ndarray:
+        return 0.7 * BALL.distances(x)
+
+    def distance(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        return tuple(0.7 * np.asarray(part) for part in BALL.distance(x))
+
+
+def test_middles_lie_as_far_where_the_gradient_is_not_of_length_one():
+    found = finer_places(Cloth(Touching([Flatter()])), halved(4), arc(0.5e-3))
+    assert np.linalg.norm(found, axis=1) == pytest.approx(0.1005, rel=1e-9)
 
 
 def test_layers_stop_it():

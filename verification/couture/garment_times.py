@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from time import perf_counter, process_time
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -36,18 +36,16 @@ REST = "effects.drape.tolerance=0.01"
 def frames(
     scene: Path, edits: Path | None, overrides: Sequence[str] = (), predict: str = "none"
 ) -> list[dict[str, Any]]:
-    """Columns of each frame of a replay, with `wall` and `own`, its seconds by the clock and of the processor."""
+    """Columns of each frame of a replay, with `own`, its seconds of the processor."""
     read = load_scene(scene, overrides)
     script = load_script(edits, read) if edits else Script.empty(read)
     chosen = policy(read.solve.policy)
     request = Request(read, script, application_of(read), chosen, Calibration.load(), predict=predict)
     replay = Replay(request, PETSc.COMM_SELF)
-    found, begun = [], (perf_counter(), process_time())
+    found, begun = [], process_time()
     for row in replay.frames():
-        now = perf_counter(), process_time()
-        found.append({**row, "wall": now[0] - begun[0], "own": now[1] - begun[1]})
-        found[-1]["nodes"] = len(replay.analysis.space.X)
-        begun = perf_counter(), process_time()
+        found.append({**row, "own": process_time() - begun, "nodes": len(replay.analysis.space.X)})
+        begun = process_time()
     return found
 
 

@@ -34,9 +34,9 @@ def mannequin(**keys):
 
 @pytest.fixture
 def far_apart(monkeypatch):
-    """Mannequins whose surfaces are 5 cm apart, each 16 cm thick: the way goes in three parts."""
+    """Mannequins whose surfaces are 2.5 cm apart, each 16 cm thick: the way goes in three parts."""
     body_path.stairs.cache_clear()
-    monkeypatch.setattr(body_path, "growth", lambda before, after: 0.05)
+    monkeypatch.setattr(body_path, "growth", lambda before, after: 0.025)
     monkeypatch.setattr(body_path, "size_of", lambda body: 0.08)
     monkeypatch.setattr(body_path, "reach_of", lambda form: 1.0)
     yield
@@ -88,6 +88,29 @@ def test_the_way_ends_where_sizes_change_next(far_apart):
         ends.append(path.farthest(ends[-1], x, np.zeros((3, 3))))
     assert ends == pytest.approx([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0])
     assert path.least(0.0, x, np.zeros((3, 3))) == pytest.approx(1.0 / 3.0)
+    # A change of sizes takes a third of 2.5 cm from the 2 cm that it may be in the cloth.
+    moved = BodyPath([mannequin(hip=0.9)], [mannequin(hip=0.99, move=[0, 0, 0.3])], Nothing())
+    assert moved.least(0.0, x, np.zeros((3, 3))) == pytest.approx((0.02 - 0.025 / 3.0) / 0.3)
+
+
+@pytest.mark.parametrize("begin", [0.0, 1.0 / 3.0, 0.4])
+def test_depths_are_those_of_the_sizes_that_the_body_has_there(far_apart, monkeypatch, begin):
+    class Nothing:
+        cells = None
+
+    class Far:
+        def __init__(self, body):
+            asked.append(body.form)
+
+        def lowest(self, x, cells, tolerance):
+            return 1.0, 0, None
+
+    asked = []
+    monkeypatch.setattr(body_path, "kernel_body", Far)
+    path = BodyPath([mannequin(hip=0.9)], [mannequin(hip=0.99, move=[0, 0, 0.3])], Nothing())
+    end = path.farthest(begin, np.zeros((3, 3)), np.zeros((3, 3)))
+    at = [path.at(share)[0].form.hip for share in (begin + 0.01, 0.5 * (begin + end), end)]
+    assert asked and at == pytest.approx([asked[0].hip] * 3) and {one.hip for one in asked} == {asked[0].hip}
 
 
 def test_a_recording_has_all_measures():

@@ -200,9 +200,19 @@ def _keep(place: Path, made: Made) -> None:
         place.parent.mkdir(parents=True, exist_ok=True)
         with replacing(place) as part:
             np.savez(part, **made)
-        kept = sorted(((one.stat(), one) for one in place.parent.glob("*.npz")), key=lambda one: -one[0].st_mtime_ns)
-        for size, (_, one) in zip(np.cumsum([found.st_size for found, _ in kept]), kept):
-            if size > KEPT and one != place:
+        _make_room(place)
+
+
+def _make_room(place: Path) -> None:
+    """Takes grids out of the cache, but the one just put into it; others may take some out at the same time."""
+    kept = []
+    for one in place.parent.glob("*.npz"):
+        with suppress(OSError):
+            kept.append((one.stat(), one))
+    kept.sort(key=lambda one: -one[0].st_mtime_ns)
+    for size, (_, one) in zip(np.cumsum([found.st_size for found, _ in kept]), kept):
+        if size > KEPT and one != place:
+            with suppress(OSError):
                 one.unlink()
 
 

@@ -20,6 +20,8 @@ from restshape.scene.bodies import MEASURES, Body, numbers_of
 
 TUCKED = 0.25
 """How deep a body may get into the cloth before this follows, over the body's smallest size."""
+STAIR = 0.5
+"""Part of that depth by which one change of a mannequin's sizes takes its surface, at most: its motion has the rest."""
 ARRIVED = 0.05
 """Part of that depth at which a body is there."""
 NEARLY = 1e-9
@@ -44,11 +46,18 @@ def goes_on(before: Body, after: Body) -> bool:
 
 @lru_cache(maxsize=32)
 def stairs(before: Body, after: Body) -> int:
-    """In how many parts the sizes of a mannequin change, so that none takes its surface farther than `TUCKED`."""
+    """In how many parts the sizes of a mannequin change, so that none takes its surface farther than `STAIR`."""
     if not is_remade(before, after):
         return 1
-    own = TUCKED * min(size_of(before), size_of(after))
-    return math.ceil(max(before.form.scale, after.form.scale) * growth(before.form, after.form) / own)
+    own = STAIR * TUCKED * min(size_of(before), size_of(after))
+    return max(1, math.ceil(_grown(before, after) / own))
+
+
+def _grown(before: Body, after: Body) -> float:
+    """How far the surface of a mannequin goes [m], at most, as its sizes change."""
+    if not is_remade(before, after):
+        return 0.0
+    return max(before.form.scale, after.form.scale) * growth(before.form, after.form)
 
 
 def between(before: Body, after: Body, share: float) -> Body:
@@ -160,9 +169,10 @@ class BodyPath:
     def __init__(self, before: Sequence[Body], after: Sequence[Body], contact: Contact) -> None:
         self.before, self.after, self.contact = before, after, contact
         sizes = [min(size_of(old), size_of(new)) for old, new in zip(before, after)]
-        # A half-space may get as deep as the smallest other body.
-        finite = [size for size in sizes if np.isfinite(size)]
-        self.depths = [TUCKED * min(size, min(finite, default=size)) for size in sizes]
+        # A half-space may get as deep as the smallest other body; sizes change by stairs of the body's own.
+        least = min(sizes, default=np.inf)
+        remade = map(is_remade, before, after)
+        self.depths = [TUCKED * (size if own else least) for size, own in zip(sizes, remade)]
 
     @property
     def moves(self) -> bool:
@@ -191,11 +201,12 @@ class BodyPath:
         """The share of the way on which no body can get deeper by more than it may be in the cloth; see `farthest`."""
         rate, shares = way / (1.0 - begin), [1.0]
         for old, new, depth in zip(self.before, self.after, self.depths):
-            if is_remade(old, new):
-                shares.append(1.0 / stairs(old, new))
+            parts = stairs(old, new)
+            shares.append(1.0 / parts)
             fastest = _fastest(speed_of(old, new, x), rate) if goes_on(old, new) else 0.0
             if np.isfinite(depth) and fastest > 0.0:
-                shares.append(depth / fastest)
+                # It may come upon one change of its sizes, besides.
+                shares.append((depth - _grown(old, new) / parts) / fastest)
         return min(shares)
 
     def _advance(self, k: int, depth: float, begin: float, end: float, x: np.ndarray, rate: np.ndarray) -> float:
@@ -204,10 +215,11 @@ class BodyPath:
         if not np.isfinite(depth) or not goes_on(old, new):
             return end
         if is_remade(old, new):
-            # Up to where it has other sizes next it goes with those that it has now.
-            parts, now = stairs(old, new), between(old, new, begin)
-            end = min(end, (math.floor(begin * parts + NEARLY) + 1) / parts)
-            grown = {key: getattr(now.form, key) for key in MEASURES}
+            # Up to where it has other sizes next it goes with those that it takes on as it starts.
+            parts = stairs(old, new)
+            stair = (math.floor(begin * parts + NEARLY) + 1) / parts
+            end, taken = min(end, stair), between(old, new, stair)
+            grown = {key: getattr(taken.form, key) for key in MEASURES}
             old, new = (one.model_copy(update={"mannequin": one.form.model_copy(update=grown)}) for one in (old, new))
         cells, tolerance = self.contact.cells, 0.5 * ARRIVED * depth
         relative = _fastest(speed_of(old, new, x), rate)

@@ -85,7 +85,9 @@ class CollisionSurface:
         return self.library.CollisionMesh(self.flat, edges, cells)
 
     def crosses(self, x: np.ndarray) -> bool:
-        """Whether an edge passes through a triangle at positions x (n, 3)."""
+        """Whether an edge passes through a triangle at positions x (n, 3); none does where they are no numbers."""
+        if not np.isfinite(x).all():
+            return False
         if self.sewn is not None:
             return len(self.search.crossed(x)) > 0
         return bool(self.library.has_intersections(self.mesh, columns(x), self.library.LBVH()))

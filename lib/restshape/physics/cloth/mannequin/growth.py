@@ -71,6 +71,7 @@ def _distance(form: MannequinBody) -> SurfaceDistance:
     return mannequin_distance(form.sizes, form.size, form.spacing, form.band)
 
 
+@lru_cache(maxsize=32)
 def growth(before: MannequinBody, after: MannequinBody) -> float:
     """How far the surfaces of two mannequins of numbers are apart, at most, in their own coordinates [m]."""
     old, new = _distance(before), _distance(after)
