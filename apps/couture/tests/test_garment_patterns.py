@@ -1,10 +1,13 @@
 """Garments to measure fit together: edges that are sewn are of one length, for all sizes, and lie on a body."""
 
+from argparse import ArgumentParser
 from pathlib import Path
 
 import pytest
+from restshape_verification.couture import garments
 from restshape_verification.couture.garment_measures import parameters_for
 
+from restshape.errors import UserError
 from restshape.physics.cloth.mannequin.body_shape import LEVELS
 from restshape.replay.first_frame import first_frame
 from restshape.scene.body_sizes import BODIES
@@ -77,3 +80,29 @@ def test_a_waistband_holds_a_skirt_at_the_waist():
     assert row["converged"] == 1 and row["seam_gap"] < 1e-3 and not row["untrusted"]
     waist = LEVELS["waist"] * BODIES["standard"].height
     assert waist < row["q_waistline"] < waist + 0.05
+
+
+@pytest.mark.parametrize("option", ["garments", "bodies"])
+def test_an_empty_list_of_garments_or_bodies_is_refused(option):
+    parser = ArgumentParser()
+    garments.arguments(parser)
+    with pytest.raises(UserError, match=f"none of the {option} are named"):
+        garments.run(parser.parse_args([f"--{option}", ""]))
+
+
+@pytest.mark.parametrize(
+    ("changed", "fits"),
+    [({}, 0), ({"crossings": 2}, 1), ({"seam_gap": 0.02}, 1), ({"untrusted": "no"}, 1), ({"converged": 0}, 1)],
+)
+def test_a_garment_fits_with_closed_seams_and_without_crossings(monkeypatch, changed, fits):
+    rest = dict.fromkeys(garments.KEPT, 0) | {
+        "converged": 1,
+        "tangent_positive_definite": 1,
+        "untrusted": "",
+        "note": "",
+    }
+    rest |= {"seconds": 1.0, "nodes": 10, "low": 0.0, "high": 1.0, **changed}
+    monkeypatch.setattr(garments, "drape", lambda *_: rest)
+    parser = ArgumentParser()
+    garments.arguments(parser)
+    assert garments.run(parser.parse_args(["--garments", "shirt", "--bodies", "standard"])) == fits
