@@ -113,7 +113,8 @@ def _take_out(draft: Draft, placed: PlacedDart, between: Sequence[Way], legs: di
         # A fold that ends in the corner ends at the tip.
         draft.edges = {name: _moved_end(edge, corner, legs["left"].end) for name, edge in draft.edges.items()}
         del draft.vertices[corner]
-        _name_both(draft, corner, (legs["left"].start, legs["right"].start))
+        on_left = gone[between[0][0]] == placed.edge
+        _name_end(draft, corner, legs["left" if on_left else "right"].start)
     else:
         _drop(draft, [between[0][0]])
     for parent in gone.values():
@@ -122,12 +123,11 @@ def _take_out(draft: Draft, placed: PlacedDart, between: Sequence[Way], legs: di
     draft.groups = {**draft.groups, placed.name: tuple(new)}
 
 
-def _name_both(draft: Draft, corner: str, ends: tuple[str, str]) -> None:
-    """Lets the name of a corner that is cut away name both ends of the mouth, which are sewn to each other."""
+def _name_end(draft: Draft, corner: str, end: str) -> None:
+    """Lets the name of a corner that is cut away name an end of the mouth, to which the other one is sewn."""
     draft.groups = {
-        group: tuple(new for part in parts for new in (ends if part == corner else (part,)))
-        for group, parts in draft.groups.items()
-    } | {corner: ends}
+        group: tuple(end if part == corner else part for part in parts) for group, parts in draft.groups.items()
+    } | {corner: (end,)}
 
 
 def _end(draft: Draft, way: Way) -> str:
