@@ -135,16 +135,17 @@ def _meeting(one: DartCorners, other: DartCorners) -> tuple[float, float] | None
 
 
 def dart_named(darts: Sequence[PlacedDart], outline: Outline, sentence: str) -> PlacedDart | None:
-    """The dart one of whose parts a sentence names, or a piece of an edge that ends at its mouth."""
+    """The dart one of whose parts a sentence names, or, but for panels that meet, a piece of an edge at its mouth."""
     words = set(sentence.replace(",", " ").split())
     beside = {
         name
         for edge in outline.edges
-        if edge.name in words
+        if edge.name in words and not sentence.startswith("panel")
         for name in (outline.vertex_names[edge.start], outline.vertex_names[edge.end])
     }
 
     def names(dart: PlacedDart) -> bool:
-        return dart.name in words or any(word.startswith(f"{dart.name}.") for word in words | beside)
+        loop = any(sentence.startswith(f"{kind} {dart.name} ") for kind in ("hole", "loop"))
+        return loop or any(word.startswith(f"{dart.name}.") for word in words | beside)
 
     return next((dart for dart in darts if names(dart)), None)
