@@ -34,9 +34,9 @@ def mannequin(**keys):
 
 @pytest.fixture
 def far_apart(monkeypatch):
-    """Mannequins whose surfaces are 2.5 cm apart, each 16 cm thick: the way goes in three parts."""
+    """Mannequins whose surfaces are 4 cm apart, each 16 cm thick: the way goes in three parts."""
     body_path.stairs.cache_clear()
-    monkeypatch.setattr(body_path, "growth", lambda before, after: 0.025)
+    monkeypatch.setattr(body_path, "growth", lambda before, after: 0.04)
     monkeypatch.setattr(body_path, "size_of", lambda body: 0.08)
     monkeypatch.setattr(body_path, "reach_of", lambda form: 1.0)
     yield
@@ -88,9 +88,9 @@ def test_the_way_ends_where_sizes_change_next(far_apart):
         ends.append(path.farthest(ends[-1], x, np.zeros((3, 3))))
     assert ends == pytest.approx([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0])
     assert path.least(0.0, x, np.zeros((3, 3))) == pytest.approx(1.0 / 3.0)
-    # A change of sizes takes a third of 2.5 cm from the 2 cm that it may be in the cloth.
+    # A change of sizes takes a third of 4 cm from the 2 cm that it may be in the cloth.
     moved = BodyPath([mannequin(hip=0.9)], [mannequin(hip=0.99, move=[0, 0, 0.3])], Nothing())
-    assert moved.least(0.0, x, np.zeros((3, 3))) == pytest.approx((0.02 - 0.025 / 3.0) / 0.3)
+    assert moved.least(0.0, x, np.zeros((3, 3))) == pytest.approx((0.02 - 0.04 / 3.0) / 0.3)
 
 
 @pytest.mark.parametrize("begin", [0.0, 1.0 / 3.0, 0.4])

@@ -20,7 +20,7 @@ from restshape.scene.bodies import MEASURES, Body, numbers_of
 
 TUCKED = 0.25
 """How deep a body may get into the cloth before this follows, over the body's smallest size."""
-STAIR = 0.5
+STAIR = 0.75
 """Part of that depth by which one change of a mannequin's sizes takes its surface, at most: its motion has the rest."""
 ARRIVED = 0.05
 """Part of that depth at which a body is there."""
