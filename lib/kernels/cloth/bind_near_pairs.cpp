@@ -89,7 +89,8 @@ void bind_near_pairs(py::module_& m) {
             "Pairs without a common node, of edges (k, 2) and of a triangle and a node (l, 2), that are within a reach "
             "[m] of each other at x (n, 3) [m]; ordered.")
         .def("crossed", &crossed, "x"_a,
-             "Numbers (k,) of the triangles that edges without a common node, or sewn ones, pass through at x (n, 3) [m].")
+             "Numbers (k,) of the triangles that edges without a common node, or sewn ones, pass through at x (n, 3) "
+             "[m].")
         .def(
             "step_share", &step_share, "x"_a, "d"_a, "reach"_a = 0.0,
             "The share, at most 1, of the way from x (n, 3) along d (n, 3) [m] on which no such pair meets: each comes "
