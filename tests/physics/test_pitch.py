@@ -2,7 +2,8 @@
 
 import pytest
 
-from restshape.analysis.pitch import note, tuned
+from restshape.analysis.pitch import cents_between, frequency_of, note, tuned
+from restshape.errors import UserError
 from restshape.physics.elasticity.elasticity_declaration import QUANTITIES
 from restshape.physics.elasticity.tones import tone
 
@@ -60,3 +61,24 @@ def test_what_is_no_frequency_has_no_note():
     row = {"tone": ""}
     assert QUANTITIES["frequency"].said(440.0, row) == QUANTITIES["mode"].said(440.0, row) == "A4 +0 cents"
     assert QUANTITIES["stress"].said(440.0, row) == "" and QUANTITIES["mode"].said(None, row) == ""
+
+
+@pytest.mark.parametrize("name", ["C-1", "A0", "F#4", "C5", "G5", "B9"])
+def test_frequency_of_is_the_inverse_of_note(name):
+    found, cents = note(frequency_of(name, 442.0), 442.0)
+    assert found == name and abs(cents) < 1e-9
+
+
+def test_flats_sound_as_the_sharps_below():
+    assert frequency_of("Bb3") == frequency_of("A#3") and frequency_of("Cb4") == frequency_of("B3")
+    assert frequency_of("G5") == pytest.approx(783.99, abs=0.005)
+
+
+@pytest.mark.parametrize("name", ["H5", "C", "c5", "C55", "C##5", "", "C5 "])
+def test_other_names_are_refused_with_those_there_are(name):
+    with pytest.raises(UserError, match="C5, F#4, Bb3"):
+        frequency_of(name, where="--to")
+
+
+def test_an_octave_has_1200_cents():
+    assert cents_between(880.0, 440.0) == 1200.0 and cents_between(frequency_of("A#4"), 440.0) == pytest.approx(100.0)

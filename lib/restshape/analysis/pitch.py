@@ -1,12 +1,18 @@
 """Names of tones in equal temperament."""
 
+import re
 from math import isfinite, log2
+
+from restshape.errors import UserError
 
 NAMES = ("C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B")
 A4 = 440.0
 """Usual frequency of the tone A4 [Hz]."""
 A4_NUMBER = 69
 """Of the key A4 among all keys, from C of the octave -1 on (MIDI)."""
+
+_WRITTEN = re.compile(r"([A-G])([#\N{MUSIC SHARP SIGN}b\N{MUSIC FLAT SIGN}]?)(-1|[0-9])")
+_STEP = {"": 0, "#": 1, "\N{MUSIC SHARP SIGN}": 1, "b": -1, "\N{MUSIC FLAT SIGN}": -1}
 
 
 def note(frequency: float, a4: float = A4) -> tuple[str, float]:
@@ -21,6 +27,31 @@ def note(frequency: float, a4: float = A4) -> tuple[str, float]:
     keys = A4_NUMBER + 12.0 * log2(frequency / a4)
     key = round(keys)
     return f"{NAMES[key % 12]}{key // 12 - 1}", 100.0 * (keys - key)
+
+
+def frequency_of(name: str, a4: float = A4, where: str = "") -> float:
+    """The frequency [Hz] of a tone in equal temperament.
+
+    Args:
+        name: such as "C5", "F#4" or "Bb3"; octaves -1 to 9, C4 is the middle C.
+        a4: frequency of A4 [Hz].
+        where: the name is written, for the message.
+
+    Raises:
+        UserError: no tone has this name.
+    """
+    written = _WRITTEN.fullmatch(name)
+    if written is None:
+        remedy = "write a letter from A to G, # or b if need be, and an octave from -1 to 9: C5, F#4, Bb3"
+        raise UserError(f"no tone is named {name!r}", where, remedy)
+    letter, sign, octave = written.groups()
+    key = NAMES.index(letter) + _STEP[sign] + 12 * (int(octave) + 1)
+    return a4 * 2.0 ** ((key - A4_NUMBER) / 12.0)
+
+
+def cents_between(frequency: float, other: float) -> float:
+    """How many cents a frequency lies above another one; both of the same unit, and positive."""
+    return 1200.0 * log2(frequency / other)
 
 
 def tuned(frequency: float, name: str, cents: float) -> float:
