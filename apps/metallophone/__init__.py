@@ -21,5 +21,6 @@ application = Application(
         Command(
             "rates", "print the rates of tones with numbers and outline", "restshape_apps.metallophone.rates_command"
         ),
+        Command("tune", "change a bar so that it has a wanted tone", "restshape_apps.metallophone.tune_command"),
     ),
 )

@@ -1,0 +1,1 @@
+"""Rasping a bar towards its tone: material only comes off."""

@@ -1,0 +1,1 @@
+"""Tuning a bar: the smallest change of its shape that brings it to a tone."""
