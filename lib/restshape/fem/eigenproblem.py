@@ -46,6 +46,12 @@ class Eigenproblem(Problem, Protocol):
     def motion(self, plane_motion: np.ndarray) -> np.ndarray:
         """Velocities (k, n, d) of the nodes of `space` from those (k, n2, 2) of the plane nodes."""
 
+    def thickness_motion(self, rates: np.ndarray) -> np.ndarray:
+        """Velocities (n, d) of the nodes of `space` where the thickness over the plane nodes grows with rates (n2,)."""
+
+    def take_off(self, depth: np.ndarray) -> None:
+        """Take depths (n2,) [m] off underneath, over the plane nodes."""
+
     def by_plane_nodes(self, field: np.ndarray) -> np.ndarray:
         """A field (n, ...) of `space` by plane nodes: (n2, columns...)."""
 

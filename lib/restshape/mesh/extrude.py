@@ -11,7 +11,7 @@ from restshape import _kernels
 from restshape.mesh.lagrange_space import EdgeInterpolation, LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.over_mesh import OverMesh
-from restshape.mesh.thickness import Thickness
+from restshape.mesh.thickness import Thickness, require_material
 from restshape.scene.expressions import Value
 
 DATUMS = {"bottom": 0.0, "middle": 0.5, "top": 1.0}
@@ -38,6 +38,7 @@ class Extrusion(OverMesh):
     Attributes:
         X: (n, 3) rest positions [m]; cells: (ne, 4 or 10) tetrahedra, corners first, then the middles of the sides
             (0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3).
+        taken_off: (n2,) [m] at the plane nodes, by which the lower face lies above the place that the scene gives it.
         levels: nodes of a column; node_offsets: (ranks + 1,) nodes of rank r are node_offsets[r]:node_offsets[r + 1].
         geometry: version of the positions, another one in each body and after each `follow`.
         dim: of the cells; cell_type: their shape and order, as elements are named.
@@ -66,7 +67,7 @@ class Extrusion(OverMesh):
         self.node_offsets = (plane.node_offsets * self.levels).astype(np.int32)
         self.X = np.empty((len(plane.X) * self.levels, 3))
         self.cells = np.empty((3 * layers * len(plane.cells), 4 if self.order == 1 else 10), dtype=np.int32)
-        self._h = self.thickness.at(plane.X)
+        self._h, self.taken_off = self.thickness.at(plane.X), np.zeros(len(plane.X))
         _kernels.split_prisms(plane.cells, plane.places, layers, self.cells)
         self._place()
 
@@ -125,7 +126,9 @@ class Extrusion(OverMesh):
             ReplayProblem: the thickness is not positive somewhere; all is as before.
         """
         if self.thickness.varies:
-            self._h = self.thickness.at(self.plane.X)
+            h = self.thickness.at(self.plane.X)
+            require_material(self.plane.X, h - self.taken_off)
+            self._h = h
         self._place()
         if changed is None or not len(changed):
             return np.empty(0, dtype=np.int32)
@@ -144,6 +147,22 @@ class Extrusion(OverMesh):
             self._columns_at(rates, self.thickness.rate(self.plane.X, rates), out)
         return result
 
+    def take_off(self, depth: np.ndarray) -> None:
+        """Take depths (n2,) [m] off underneath: the lower face rises, the nodes above it share the way.
+
+        Raises:
+            ReplayProblem: nothing is left somewhere; all is as before.
+        """
+        require_material(self.plane.X, self._h - depth)
+        self.taken_off = np.array(depth, dtype=float)
+        self._place()
+
+    def thickness_motion(self, rates: np.ndarray) -> np.ndarray:
+        """Velocities (n, 3) of the nodes where the lower face goes down with rates (n2,), and the upper one stays."""
+        result = np.zeros_like(self.X)
+        result[:, 2] = np.outer(rates, -self._shares()).ravel()
+        return result
+
     def interpolate(self, field: np.ndarray, interpolations: tuple[EdgeInterpolation, ...]) -> np.ndarray:
         """A field (n, f) after flips: values of the old one where the columns in flipped edges now are.
 
@@ -160,7 +179,13 @@ class Extrusion(OverMesh):
 
     def _place(self) -> None:
         self._columns_at(self.plane.X, self._h, self.X)
+        if self.taken_off.any():
+            self.X[:, 2] += np.outer(self.taken_off, self._shares()).ravel()
         self.geometry = next(_geometries)
+
+    def _shares(self) -> np.ndarray:
+        """The share (levels,) that each node of a column has in what its lowest one does."""
+        return np.linspace(1.0, 0.0, self.levels)
 
     def _columns_at(self, plane: np.ndarray, thickness: np.ndarray, out: np.ndarray) -> None:
         _kernels.extrude_nodes(plane, thickness, self.levels, self.datum, out)

@@ -9,7 +9,7 @@ import numpy as np
 from restshape.mesh.lagrange_space import EdgeInterpolation
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.over_mesh import OverMesh
-from restshape.mesh.thickness import Thickness
+from restshape.mesh.thickness import Thickness, require_material
 from restshape.scene.expressions import Value
 
 _geometries = itertools.count(1)
@@ -24,6 +24,7 @@ class PlateMesh(OverMesh):
 
     Attributes:
         X: (n, 3) places in the plane and thickness there [m].
+        taken_off: (n,) [m] of the thickness that the scene gives, what has been taken off underneath.
         dim: of the cells; cell_type: their shape and order, as elements are named.
         geometry: version of `X`, another one in each plate and after each `follow`.
 
@@ -38,7 +39,8 @@ class PlateMesh(OverMesh):
         super().__init__(plane)
         self.plane, self.thickness = plane, Thickness(thickness, parameters or {})
         self.X = np.empty((len(plane.X), 3))
-        self.X[:, 2] = self.thickness.at(plane.X)
+        self.taken_off = np.zeros(len(plane.X))
+        self._h = self.thickness.at(plane.X)
         self._place()
 
     @property
@@ -92,7 +94,9 @@ class PlateMesh(OverMesh):
             ReplayProblem: the thickness is not positive somewhere; all is as before.
         """
         if self.thickness.varies:
-            self.X[:, 2] = self.thickness.at(self.plane.X)
+            h = self.thickness.at(self.plane.X)
+            require_material(self.plane.X, h - self.taken_off)
+            self._h = h
         self._place()
         return np.empty(0, dtype=np.int32) if changed is None else changed
 
@@ -109,6 +113,23 @@ class PlateMesh(OverMesh):
         rates = [self.thickness.rate(self.plane.X, dX) for dX in motion]
         return np.concatenate([motion, np.array(rates)[..., None]], axis=2)
 
+    def take_off(self, depth: np.ndarray) -> None:
+        """Make the plate thinner than the scene has it, by depths (n,) [m] at the nodes, which these keep.
+
+        Raises:
+            ReplayProblem: nothing is left somewhere; all is as before.
+        """
+        require_material(self.plane.X, self._h - depth)
+        self.taken_off = np.array(depth, dtype=float)
+        self._place()
+
+    def thickness_motion(self, rates: np.ndarray) -> np.ndarray:
+        """Velocities (n, 3) of `X` where the thickness at the nodes grows with rates (n,)."""
+        result = np.zeros_like(self.X)
+        result[:, 2] = rates
+        return result
+
     def _place(self) -> None:
         self.X[:, :2] = self.plane.X
+        self.X[:, 2] = self._h - self.taken_off
         self.geometry = next(_geometries)

@@ -32,10 +32,7 @@ class Thickness:
         if not self.varies:
             return np.full(len(X), float(self.value))
         result = self.value.evaluate(X[:, 0], X[:, 1], self.parameters)
-        bad = np.flatnonzero(~(np.isfinite(result) & (result > 0.0)))
-        if len(bad):
-            x, y = X[bad[0]]
-            raise ReplayProblem(f"the thickness is {result[bad[0]]:g} m at x = {x:g} m, y = {y:g} m")
+        require_material(X, result)
         return result
 
     def rate(self, X: np.ndarray, dX: np.ndarray) -> np.ndarray:
@@ -52,3 +49,15 @@ class Thickness:
             x, y = X[bad[0]]
             raise ReplayProblem(f"the thickness has no derivative at x = {x:g} m, y = {y:g} m")
         return result
+
+
+def require_material(X: np.ndarray, thickness: np.ndarray) -> None:
+    """Make sure that thicknesses (n,) [m] at places X (n, 2) [m] are positive numbers.
+
+    Raises:
+        ReplayProblem: one is not.
+    """
+    bad = np.flatnonzero(~(np.isfinite(thickness) & (thickness > 0.0)))
+    if len(bad):
+        x, y = X[bad[0]]
+        raise ReplayProblem(f"the thickness is {thickness[bad[0]]:g} m at x = {x:g} m, y = {y:g} m")

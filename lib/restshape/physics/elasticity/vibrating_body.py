@@ -111,6 +111,25 @@ class VibratingBody(ABC):
         """Velocities (k, n, d) of the nodes of `space` from those (k, n2, 2) of the plane nodes."""
         return plane_motion
 
+    def thickness_motion(self, rates: np.ndarray) -> np.ndarray:
+        """Velocities (n, d) of the nodes of `space` where the thickness over the plane nodes grows with rates (n2,).
+
+        A plate's third coordinate is its thickness; of a solid the lower face moves, and the upper one stays.
+
+        Raises:
+            UserError: the body is a plane one.
+        """
+        raise UserError("a plane solid has no face underneath", "effects.modal.model", 'use "plate" or "solid"')
+
+    def take_off(self, depth: np.ndarray) -> None:
+        """Take depths (n2,) [m] off underneath, over the plane nodes; what was taken off before does not count.
+
+        Raises:
+            ReplayProblem: nothing is left somewhere; all is as before.
+            UserError: the body is a plane one.
+        """
+        raise UserError("a plane solid has no face underneath", "effects.modal.model", 'use "plate" or "solid"')
+
     def by_plane_nodes(self, field: np.ndarray) -> np.ndarray:
         """A field (n, ...) of `space` by plane nodes: (n2, columns...)."""
         return field

@@ -44,6 +44,18 @@ class VibratingSolid(VibratingBody):
         """Velocities (k, n, 3) of the nodes from those (k, n2, 2) of the plane nodes."""
         return self.space.motion(plane_motion)
 
+    def thickness_motion(self, rates: np.ndarray) -> np.ndarray:
+        """Velocities (n, 3) of the nodes where the thickness over the plane nodes grows with rates (n2,)."""
+        return self.space.thickness_motion(rates)
+
+    def take_off(self, depth: np.ndarray) -> None:
+        """Take depths (n2,) [m] off underneath.
+
+        Raises:
+            ReplayProblem: nothing is left somewhere; all is as before.
+        """
+        self.space.take_off(depth)
+
     def by_plane_nodes(self, field: np.ndarray) -> np.ndarray:
         """A field (n, ...) by plane nodes: (n2, levels...)."""
         return field.reshape(len(self.plane.X), -1)

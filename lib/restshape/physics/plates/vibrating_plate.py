@@ -52,6 +52,18 @@ class VibratingPlate(VibratingBody):
         """Velocities (k, n, 3) of places and thickness from those (k, n, 2) of the plane nodes."""
         return self.space.motion(plane_motion)
 
+    def thickness_motion(self, rates: np.ndarray) -> np.ndarray:
+        """Velocities (n, 3) of places and thickness where the thickness over the plane nodes grows with rates (n2,)."""
+        return self.space.thickness_motion(rates)
+
+    def take_off(self, depth: np.ndarray) -> None:
+        """Take depths (n2,) [m] off underneath.
+
+        Raises:
+            ReplayProblem: nothing is left somewhere; all is as before.
+        """
+        self.space.take_off(depth)
+
     def all_rigid_motions(self) -> np.ndarray:
         """A translation along z and two turns (3, n f)."""
         x, y = (self.space.X[:, :2] - self.space.X[:, :2].mean(axis=0)).T
