@@ -242,7 +242,7 @@ LIST = (
     ),
     brought(
         "metallophone-fish.wav",
-        "restshape_apps.metallophone.sound",
+        "restshape_apps.metallophone.sounding.blow",
         f"sound {FISH} --out results/metallophone-fish.wav --seconds 1",
     ),
     Result(

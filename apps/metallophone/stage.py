@@ -12,6 +12,7 @@ from restshape.errors import UserError
 
 if TYPE_CHECKING:
     from restshape.analysis.modal import ModalAnalysis
+    from restshape.scene.model import Scene
 
 
 def add_frame(parser: argparse.ArgumentParser) -> None:
@@ -28,9 +29,19 @@ def analysed(args: argparse.Namespace) -> ModalAnalysis:
     Raises:
         UserError: the scene is not a metallophone's, or has no such frame.
     """
-    scene = read_scene(args)
-    if scene.app != "metallophone":
-        raise UserError(f"the scene is one of {scene.app!r}", str(args.scene), 'use a scene with app = "metallophone"')
+    scene = metallophone(args)
     from restshape.replay.first_frame import replayed_to
 
     return replayed_to(scene, args.edits, args.frame).analysis
+
+
+def metallophone(args: argparse.Namespace) -> Scene:
+    """The scene that the arguments name.
+
+    Raises:
+        UserError: it is not a metallophone's.
+    """
+    scene = read_scene(args)
+    if scene.app != "metallophone":
+        raise UserError(f"the scene is one of {scene.app!r}", str(args.scene), 'use a scene with app = "metallophone"')
+    return scene

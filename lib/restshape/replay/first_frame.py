@@ -32,6 +32,18 @@ def first_frame(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PE
     return replay
 
 
+def replay_of(scene: Scene, edits: Path | None) -> Replay:
+    """A replay of a scene's edits before its first frame; `frames` goes through them, `analysis` holds each result.
+
+    Args:
+        scene: where the edits start.
+        edits: script file; None: the first shape alone.
+    """
+    script = load_script(edits, scene) if edits else Script.empty(scene)
+    chosen = policy(scene.solve.policy)
+    return Replay(Request(scene, script, application_of(scene), chosen, Calibration.load()), PETSc.COMM_WORLD)
+
+
 def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
     """A replay of a scene's edits that stands at one of their frames; `analysis` holds its result.
 
@@ -43,9 +55,7 @@ def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
     Raises:
         UserError: there is no such frame.
     """
-    script = load_script(edits, scene) if edits else Script.empty(scene)
-    chosen = policy(scene.solve.policy)
-    replay = Replay(Request(scene, script, application_of(scene), chosen, Calibration.load()), PETSc.COMM_WORLD)
+    replay = replay_of(scene, edits)
     last = -1
     for last, _ in enumerate(replay.frames()):
         if last == frame:

@@ -4,7 +4,11 @@ from dataclasses import replace
 from typing import Literal
 
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN, LARGE, SOLID
-from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS, ElasticMaterial
+from restshape.physics.elasticity.elasticity_material_keys import (
+    ELASTIC_MATERIALS,
+    ElasticMaterial,
+    VibratingMaterial,
+)
 from restshape.physics.elasticity.elasticity_scene_checks import check_motion, check_solids, check_vibrations
 from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibration_plan
 from restshape.physics.elasticity.goal import Goal, goal_words
@@ -169,7 +173,7 @@ FREE_VIBRATIONS = Physics(
     name="free vibrations",
     summary="the lowest modes of elastic bodies, which nothing needs to hold",
     solver=vibration_plan,
-    material=ElasticMaterial,
+    material=VibratingMaterial,
     materials=ELASTIC_MATERIALS,
     boundary={"x": "length", "y": "length", "z": "length", "rx": "angle", "ry": "angle"},
     loads=LOADS,

@@ -86,3 +86,14 @@ class ElasticMaterial(Material):
         elif len(missing) < 2:
             raise UnitError("E and nu are of isotropic materials", "set orthotropic.E and orthotropic.nu instead")
         return self
+
+
+class VibratingMaterial(ElasticMaterial):
+    """As of `ElasticMaterial`, with what makes vibrations die away.
+
+    Args:
+        loss_factor: share of the strain energy that an oscillation loses, over 2 pi; modes and their frequencies do not
+            depend on it, their sound does.
+    """
+
+    loss_factor: Annotated[number_of("number"), Field(ge=0, lt=1)] | None = None
