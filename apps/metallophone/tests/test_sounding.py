@@ -170,7 +170,7 @@ def test_modes_of_two_materials_have_the_loss_of_where_they_bend():
     parts = found["0.02", "0"], found["0", "0.02"]
     np.testing.assert_allclose(sum(parts), 0.01, rtol=1e-9)
     np.testing.assert_allclose(found["0.02", "0.02"], 0.01, rtol=1e-9)
-    # Of a free beam's first mode 0.130 of the strain energy lies there, by cosh kx - cos kx - 0.9825 (sinh kx - sin kx).
+    # Of a free beam's first mode 0.130 of the strain energy lies there: cosh kx - cos kx - 0.9825 (sinh kx - sin kx).
     assert parts[1][0] / 0.01 == pytest.approx(0.130, rel=0.05)
 
 
