@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from restshape.analysis.modal import ModalAnalysis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.relocate import BoundaryNodes, extension
 
@@ -60,6 +61,28 @@ def followed_inside(mesh: Mesh, moved: np.ndarray) -> np.ndarray:
     """Displacements (n, 2) of all nodes where those of the boundary have `moved` (n, 2): harmonic inside."""
     nodes = BoundaryNodes(mesh).nodes
     return extension(mesh, nodes, "harmonic")(np.ascontiguousarray(moved[nodes]))
+
+
+def on_plane(analysis: ModalAnalysis, moved: np.ndarray) -> np.ndarray:
+    """Displacements (n2, 2) of all plane nodes from those (n, 2) of the corners: middles of sides follow their ends."""
+    space = analysis.state.space
+    still = np.zeros((2, *space.mesh.outline.points.shape))
+    return space.motion(np.stack([moved, np.zeros_like(moved)]), still)[0]
+
+
+def corner_cosines(mesh: Mesh, edge: int) -> np.ndarray:
+    """Cosines (2,) of the angles between an edge's normals at its ends and those of the edges that it meets there."""
+    own, found = edge_nodes(mesh, edge), np.ones(2)
+    normals = _normals(mesh.X[own], False)[[0, -1]]
+    for other in outer_edges(mesh):
+        nodes = edge_nodes(mesh, other)
+        if other == edge:
+            continue
+        ends = _normals(mesh.X[nodes], False)[[0, -1]]
+        for k, node in enumerate(own[[0, -1]]):
+            for normal in ends[nodes[[0, -1]] == node]:
+                found[k] = normals[k] @ normal
+    return found
 
 
 def _normals(X: np.ndarray, closed: bool) -> np.ndarray:

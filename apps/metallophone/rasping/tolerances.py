@@ -8,6 +8,7 @@ from restshape_apps.metallophone.rasping.outline_motion import (
     boundary_motion,
     edge_nodes,
     followed_inside,
+    on_plane,
     outer_edges,
 )
 
@@ -75,13 +76,6 @@ def tolerances(analysis: ModalAnalysis) -> Tolerances:
         thicker = np.full(len(f), np.nan)
     stiffness, density = _by_material(analysis)
     return Tolerances(f.copy(), kerf, TENTH * CENTS * thicker / f, stiffness, density)
-
-
-def on_plane(analysis: ModalAnalysis, moved: np.ndarray) -> np.ndarray:
-    """Displacements (n2, 2) of all plane nodes from those (n, 2) of the corners: middles of sides follow their ends."""
-    space = analysis.state.space
-    still = np.zeros((2, *space.mesh.outline.points.shape))
-    return space.motion(np.stack([moved, np.zeros_like(moved)]), still)[0]
 
 
 def print_tolerances(found: Tolerances) -> None:

@@ -1,0 +1,102 @@
+"""The picture of a rasping plan: what a tenth of a millimetre does, along the outline and underneath."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+from restshape_apps.metallophone.rasping.plan import RaspingPlan
+from restshape_apps.metallophone.rasping.tolerances import CENTS, TENTH
+
+from restshape.analysis.modal import ModalAnalysis
+from restshape.outputs.picture_files import save_picture
+from restshape.report.style import new_figure
+from restshape.sensitivity.outline_density import edge_densities, outline_density
+from restshape.sensitivity.thickness_density import thickness_density
+
+PER_CENTIMETRE = 1e-2
+"""Of outline [m], that a tenth of a millimetre comes off; its square underneath."""
+
+
+def draw_plan(path: Path, analysis: ModalAnalysis, plan: RaspingPlan, tone: str) -> None:
+    """Draw the maps, and the depths of the way that takes the least material at its places.
+
+    Args:
+        path: picture file.
+        analysis: of the bar before rasping.
+        plan: of it; tone: that it is to have.
+    """
+    X = 1e3 * analysis.state.space.mesh.X
+    width, height = np.ptp(X, axis=0)
+    figure = new_figure(8.5, 2.6 + 8.0 * min(1.2, height / width))
+    axes = figure.subplots()
+    rate = -CENTS * TENTH / float(analysis.frequencies[0])
+    if "z" in analysis.state.body.axes:
+        _draw_underneath(figure, axes, analysis, X, rate)
+    _draw_outline(figure, axes, analysis, X, rate)
+    _write_depths(axes, plan, X)
+    axes.set_aspect("equal")
+    axes.margins(0.1)
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("y [mm]")
+    axes.set_title(_title(plan, tone))
+    save_picture(figure, path)
+
+
+def _draw_underneath(figure: Figure, axes: Axes, analysis: ModalAnalysis, X: np.ndarray, rate: float) -> None:
+    mesh, mode = analysis.state.space.mesh, int(analysis.state.modes.chosen[0])
+    values = rate * PER_CENTIMETRE**2 * thickness_density(analysis, mode).density
+    size = float(np.percentile(np.abs(values), 98))
+    triangles = Triangulation(*X.T, mesh.cells)
+    face = axes.tripcolor(triangles, values, shading="gouraud", cmap="RdBu_r", clim=(-size, size))
+    label = "underneath: cents by 0.1 mm off each cm²"
+    figure.colorbar(face, ax=axes, orientation="horizontal", aspect=50, label=label)
+
+
+def _draw_outline(figure: Figure, axes: Axes, analysis: ModalAnalysis, X: np.ndarray, rate: float) -> None:
+    mesh, mode = analysis.state.space.mesh, int(analysis.state.modes.chosen[0])
+    densities = edge_densities(analysis, outline_density(analysis, mode))
+    segments, values = [], []
+    for number, edge in enumerate(mesh.outline.edges):
+        if edge.name in densities:
+            facets = mesh.facets[mesh.facet_edge == number]
+            of_node = dict(zip(np.unique(facets).tolist(), densities[edge.name].density.tolist()))
+            segments += list(X[facets])
+            values += [0.5 * (of_node[a] + of_node[b]) for a, b in facets.tolist()]
+    shown = rate * PER_CENTIMETRE * np.array(values)
+    size = float(np.percentile(np.abs(shown), 95))
+    lines = LineCollection(segments, array=shown, cmap="PuOr_r", clim=(-size, size), linewidths=7)
+    axes.add_collection(lines)
+    label = "outline: cents by 0.1 mm off each cm"
+    figure.colorbar(lines, ax=axes, orientation="horizontal", aspect=50, label=label)
+
+
+def _write_depths(axes: Axes, plan: RaspingPlan, X: np.ndarray) -> None:
+    """Write the depths of the first way beside its places, out of the bar where they are on the outline."""
+    way = plan.ways[0] if plan.ways else plan.nearest
+    if way is None:
+        return
+    beyond = 0.07 * float(np.ptp(X, axis=0).max())
+    for place, depth in zip(way.places, way.depths):
+        at, aside = 1e3 * place.ends.mean(axis=0), np.zeros(2)
+        if not place.underneath:
+            sizes = np.linalg.norm(place.motion, axis=1)
+            most = np.flatnonzero(sizes > 0.9 * sizes.max())
+            node = most[np.argmin(np.linalg.norm(X[most] - at, axis=1))]
+            at, aside = X[node], -beyond * place.motion[node] / sizes[node]
+        box = {"boxstyle": "round,pad=0.2", "fc": "white", "ec": "black", "lw": 0.6}
+        arrow = {"arrowstyle": "->", "lw": 0.8}
+        text = f"{1e3 * depth:.2f} mm"
+        axes.annotate(text, at, at + aside, ha="center", va="center", fontsize=8, bbox=box, arrowprops=arrow)
+
+
+def _title(plan: RaspingPlan, tone: str) -> str:
+    first = f"{plan.wish.measured:.1f} Hz measured, {tone} is {plan.wish.target:.2f} Hz: {plan.wish.cents:+.0f} cents"
+    if plan.in_tune:
+        return f"{first}\nin tune: nothing to rasp"
+    if not plan.ways:
+        return f"{first}\nout of reach; depths are of the nearest" if plan.nearest else f"{first}\nout of reach"
+    way = plan.ways[0]
+    return f"{first}\nrasping {way.name} takes {1e9 * way.volume:.0f} mm³, {way.solved[0]:+.1f} cents by a solve"

@@ -1,0 +1,71 @@
+"""Strips across a bar's lower face on which rasping moves the first tone one way."""
+
+import numpy as np
+from restshape_apps.metallophone.rasping.outline_places import corner_thickness
+from restshape_apps.metallophone.rasping.places import SHORTEST, Place, profile, profile_words, stretches
+from restshape_apps.metallophone.rasping.tolerances import CENTS
+
+from restshape.analysis.modal import ModalAnalysis
+from restshape.sensitivity.thickness_density import ThicknessDensity, thickness_density
+
+SHARE = 1.0 / 3.0
+"""Of the least thickness, which comes off underneath at most."""
+
+
+def underneath_places(analysis: ModalAnalysis, ranks: list[int]) -> list[Place]:
+    """Strips over the whole width, one after the other along the bar, and the whole face.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        ranks: of the modes whose cents are wanted, the first tone's at the head, from 0.
+
+    Raises:
+        UserError: the body is a plane one.
+    """
+    mesh, chosen = analysis.state.space.mesh, analysis.state.modes.chosen
+    densities = [thickness_density(analysis, int(chosen[rank])) for rank in ranks]
+    axis, middle = long_axis(mesh.X, densities[0].area)
+    u = (mesh.X - middle) @ axis
+    begin, end = float(u.min()), float(u.max())
+    # A strip is no shorter than the mesh shows.
+    size = 1.2 * float(np.sqrt(densities[0].area.mean()))
+    bounds = np.linspace(begin, end, max(4, int((end - begin) / size)) + 1)
+    strip = np.clip(np.searchsorted(bounds, u, side="right") - 1, 0, len(bounds) - 2)
+    sums = np.bincount(strip, densities[0].gradient, len(bounds) - 1)
+    middles = np.concatenate([[begin], 0.5 * (bounds[1:] + bounds[:-1])[1:-1], [end]])
+    spans = [span for span in stretches(middles, sums) if span[1] - span[0] >= SHORTEST * size]
+    if len(spans) != 1:
+        spans.append((begin, end))
+    found = []
+    for low, high in spans:
+        over = low == begin, high == end
+        off = profile(u, low, high, over)
+        ends = np.array([middle + low * axis, middle + high * axis])
+        found.append(_place(analysis, off, ends, profile_words(over), densities, ranks))
+    return found
+
+
+def long_axis(X: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The direction (2,) in which places X (n, 2) of weights (n,) extend most, and their mean (2,).
+
+    Of a body that extends alike in all directions x; the direction goes with x, or with y.
+    """
+    middle = weights @ X / weights.sum()
+    values, vectors = np.linalg.eigh((X - middle).T @ ((X - middle) * weights[:, None]))
+    axis = np.array([1.0, 0.0]) if values[0] > 0.99 * values[1] else vectors[:, 1]
+    return axis * (1.0 if axis[np.argmax(np.abs(axis))] > 0.0 else -1.0), middle
+
+
+def _place(
+    analysis: ModalAnalysis,
+    off: np.ndarray,
+    ends: np.ndarray,
+    words: str,
+    densities: list[ThicknessDensity],
+    ranks: list[int],
+) -> Place:
+    cents = -CENTS * np.array([one.gradient @ off for one in densities]) / analysis.frequencies[ranks]
+    volume, length = float(densities[0].area @ off), float(np.linalg.norm(ends[1] - ends[0]))
+    limit = SHARE * float(corner_thickness(analysis).min())
+    still = np.zeros_like(analysis.state.space.mesh.X)
+    return Place("underneath", True, ends, length, words, still, off, volume, cents, limit)
