@@ -196,7 +196,7 @@ class PredictedFrames:
         if kept:
             return
         self.made = self._estimate = None
-        if edit.gesture is None or edit.gesture is not gesture:
+        if edit.gesture is None or edit.gesture is not gesture or not gesture.linear:
             if edit.change == "move" and edit.gesture is not None and not edit.gesture.linear:
                 self.note = ARC
                 log.info("%4d Frames %s", edit.index, self.note)

@@ -48,7 +48,7 @@ def pull(
     if share < WEAKEST:
         raise UserError(
             f"{on} has no control point between its pins that could follow a pull there",
-            do="insert a vertex, or take a spline or a polyline with points there",
+            do="insert a vertex, take a spline or a polyline with points there, or make it an arc",
         )
     weights /= share
     chosen = np.zeros(len(weights), dtype=bool)

@@ -43,6 +43,7 @@ from restshape.scene.panels import panels_of
 from restshape.scene.plan import plan, refuse_switched
 from restshape.shape import gesture as gestures
 from restshape.shape import rigid_body_drag, topology_edits
+from restshape.shape.arc_grab import bent, grab_arc, is_arc
 from restshape.shape.both_halves import image_of, of_both_halves, reflected, twice
 from restshape.shape.build import outline_from_spec
 from restshape.shape.dart_drawing import with_drawn_dart, without_dart
@@ -59,7 +60,7 @@ from restshape.shape.pull import pull
 from restshape.shape.references import refuse_lost_names, without_lost_sizes
 from restshape.shape.script_frame import ScriptFrame
 from restshape.shape.script_session import STILL, GrabbedStep, ScriptSession, State, Step
-from restshape.shape.shape_grab import ShapeGrab
+from restshape.shape.shape_grab import Grab, ShapeGrab
 from restshape.shape.space_grab import SpaceGrab
 from restshape.shape.validity import MotionCheck, problem, too_far
 
@@ -101,7 +102,7 @@ class EditSession(ScriptSession[Outline]):
             raise with_bare_lengths(error, scene) from error
         refuse_lost_names(scene, self.outline)
         self._columns = self._application.own_columns(scene)
-        self._grab: ShapeGrab | SpaceGrab | None = None
+        self._grab: Grab | SpaceGrab | None = None
         self._mark()
 
     def _frame(self, when: tuple[int, float, int, str], step: Step, analysed: bool, last: bool) -> EditFrame:
@@ -174,6 +175,10 @@ class EditSession(ScriptSession[Outline]):
 
     def _do_pull(self, event: Pull) -> Iterator[Step]:
         try:
+            if event.pins is None and is_arc(self.outline, event.on):
+                self._grab = grab_arc(self.outline, self.scene, event.on, event.at)
+                yield Step("none", **self._grab.still())
+                return
             gesture, place = pull(self.outline, event.on, event.at, event.pins)
             gesture = of_both_halves(gesture, self.outline, self.scene, self.outline.entity(event.on))
         except UserError as error:
@@ -184,7 +189,8 @@ class EditSession(ScriptSession[Outline]):
     def _take(self, gesture: Gesture, origin: tuple[float, float], name: str) -> Step:
         """The hand takes hold, the cursor being at the origin."""
         check, before = MotionCheck(self.outline, gesture), (self.outline, self.scene)
-        self._grab = ShapeGrab(gesture, check, origin, origin, before, name=name, reach=REACH * self.outline.size)
+        reach = REACH * self.outline.size
+        self._grab = ShapeGrab(gesture, origin, origin, before, name=name, check=check, reach=reach)
         return Step("none", gesture=gesture)
 
     def _do_drag(self, event: Drag) -> Iterator[Step]:
@@ -290,7 +296,7 @@ class EditSession(ScriptSession[Outline]):
         gesture = gestures.bend(self.outline)
         for i in range(1, event.frames + 1):
             bulge = goal if i == event.frames else start + (goal - start) * i / event.frames
-            wanted = twice(self.outline, self.scene, event.on, partial(_bent, bulge=bulge))
+            wanted = twice(self.outline, self.scene, event.on, partial(bent, bulge=bulge))
             wrong = problem(wanted)
             change = "none"
             if wrong is None:
@@ -466,8 +472,3 @@ class EditSession(ScriptSession[Outline]):
 
     def _grabbed(self) -> GrabbedStep:
         return {} if self._grab is None else self._grab.still()
-
-
-def _bent(outline: Outline, on: str, image: bool, bulge: float) -> Outline:
-    """An outline with an edge as an arc; the image of one bends the other way."""
-    return topology_edits.as_arc(outline, outline.entity(on).edges[0], -bulge if image else bulge)

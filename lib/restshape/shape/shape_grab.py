@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,26 +17,27 @@ from restshape.shape.validity import MotionCheck, too_far
 
 
 @dataclass(slots=True)
-class ShapeGrab:
+class Grab(ABC):
     """What the hand holds, where it took hold, and the state before.
 
     Args:
-        gesture: that it goes along; check: what may come of it.
+        gesture: that it goes along.
         origin, cursor: where the hand took hold, and where it is [m].
         before: shape and scene before the press.
         c: way of the hand that has been gone [m].
         name: of what it holds.
-        reach: how far it may surely go [m].
     """
 
     gesture: Gesture
-    check: MotionCheck
     origin: tuple[float, float]
     cursor: tuple[float, float]
     before: tuple[Outline, Scene]
     c: tuple[float, float] = STILL
     name: str = ""
-    reach: float = 0.0
+
+    @abstractmethod
+    def taken(self, session: Draggable, c: tuple[float, float]) -> Outline | str:
+        """The shape when the hand has gone a way c [m], or why it cannot be."""
 
     def through(self, path: Sequence[tuple[float, ...]]) -> Sequence[tuple[float, ...]]:
         """Points [m] that the cursor goes through, in the plane.
@@ -58,10 +60,27 @@ class ShapeGrab:
         c = (point[0] - self.origin[0], point[1] - self.origin[1])
         if c == self.c:
             return Step("none", **self.still())
-        far = too_far(session.outline, c) if max(map(abs, c)) > self.reach else None
-        wrong = far or self.check.problem(c)
-        if wrong is not None:
-            return Step("none", wrong, **self.still())
+        found = self.taken(session, c)
+        if isinstance(found, str):
+            return Step("none", found, **self.still())
         self.c = c
-        session.outline = session.outline.moved(self.gesture.points(c))
+        session.outline = found
         return Step("move", **self.still())
+
+
+@dataclass(slots=True, kw_only=True)
+class ShapeGrab(Grab):
+    """What the hand holds, as of `Grab`, along a linear gesture.
+
+    Args:
+        check: what may come of it.
+        reach: how far it may surely go [m].
+    """
+
+    check: MotionCheck
+    reach: float
+
+    def taken(self, session: Draggable, c: tuple[float, float]) -> Outline | str:
+        """The shape when the hand has gone a way c [m], or why it cannot be."""
+        far = too_far(session.outline, c) if max(map(abs, c)) > self.reach else None
+        return far or self.check.problem(c) or session.outline.moved(self.gesture.points(c))
