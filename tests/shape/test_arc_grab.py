@@ -5,7 +5,7 @@ import pytest
 from petsc4py import PETSc
 from shape_scenes import scene_and_script
 
-from restshape.application import application
+from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
@@ -17,7 +17,7 @@ from restshape.shape.topology_edits import bulge_of
 SCENE = """
 format = "restshape-scene"
 version = 1
-app = "metallophone"
+app = "modes"
 title = "lens"
 shape.outline = ["low", "bc", "cd", "da"]
 shape.vertices = {a = [0, 0], b = [2, 0], c = [2, 1], d = [0, 1]}
@@ -93,7 +93,7 @@ def test_nodes_follow_a_pulled_arc_and_its_tones_are_those_of_the_shape(tmp_path
     events = [{"do": "pull", "on": "low"}, {"do": "drag", "to": [1.0, -0.4], "frames": 8}, {"do": "release"}]
     scene, script = scene_and_script(tmp_path, events, SCENE)
     chosen = policy(scene.solve.policy)
-    request = Request(scene, script, application("metallophone"), chosen, Calibration.load(), predict=predict)
+    request = Request(scene, script, application_of(scene), chosen, Calibration.load(), predict=predict)
     replay = Replay(request, PETSc.COMM_SELF)
     rows = list(replay.frames())
     assert [row["level"] for row in rows[2:10]] == [1] * 8 and not any(row["predicted"] for row in rows)
