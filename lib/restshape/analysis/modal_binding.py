@@ -60,10 +60,10 @@ def bound(
     interpolated = np.where(free, interpolated, 0.0)
     solver.restart(interpolated if len(interpolated) and context.policy.transfer else None)
     solver.history += [np.where(free, block, 0.0) for block in older if solver.history]
-    modes = modal_settings(plan).modes
-    found = observer(frame.scene.quantities, frame.mesh, modes)
+    settings = modal_settings(plan)
+    found = observer(frame.scene.quantities, frame.mesh, settings)
     body_bound = BoundBody(body, matrices, found)
-    return replace(state, plan=plan, bound=body_bound, count=max(state.count, modes)), interpolated
+    return replace(state, plan=plan, bound=body_bound, count=max(state.count, settings.modes)), interpolated
 
 
 def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stages) -> np.ndarray:

@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes
+from restshape.analysis.tone_quantities import TONES, tone_error
 from restshape.fem.eigenproblem import ModeEstimate
 
 
@@ -39,12 +40,15 @@ class FrequencyEstimate:
         return found
 
     def of_quantities(self, state: ModalState, names: Iterable[str]) -> dict[str, float]:
-        """The estimated errors [Hz] of quantities that are frequencies; not numbers of a prediction, and of others."""
+        """The estimated errors of quantities, in their units; not numbers of a prediction, and of areas."""
         if state.predicted:
             return dict.fromkeys(names, np.nan)
-        errors, quantities = self(state) * state.frequencies, state.scene.quantities
-        found = {}
+        relative, quantities = self(state), state.scene.quantities
+        errors, found = relative * state.frequencies, {}
         for name in names:
+            if quantities[name].kind in TONES:
+                found[name] = tone_error(quantities[name], relative, state.frequencies, state.ids)
+                continue
             rank, mode = quantities[name].number("frequency"), quantities[name].number("mode")
             known = errors[rank - 1 : rank] if rank is not None else errors[state.ids == mode]
             found[name] = float(next(iter(known), np.nan))

@@ -1,13 +1,16 @@
 """What is shown of modes: quantities of interest, columns of a row, fields that are not known yet."""
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
 from restshape.analysis.analysis import RowValues
+from restshape.analysis.hanging import hanging_row
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.pitch import note
-from restshape.analysis.settings import modal_settings
+from restshape.analysis.settings import ModalSettings, modal_settings
+from restshape.analysis.tone_quantities import TONES, frequency_of_mode, named_mode, tone_value
 from restshape.errors import UserError
 from restshape.fem.observer import Function, Observer, area_at
 from restshape.fem.problem import Fields
@@ -16,32 +19,36 @@ from restshape.outputs.si_numbers import counted_are
 from restshape.scene.model import Quantity
 
 
-def observer(quantities: Mapping[str, Quantity], space: Space, modes: int) -> Observer:
+def observer(quantities: Mapping[str, Quantity], space: Space, settings: ModalSettings) -> Observer:
     """What evaluates quantities of frequencies (modes,) [Hz], ascending, and the ids (modes,) of their modes.
 
     Args:
         quantities: of the scene, by name.
         space: the plane mesh.
-        modes: how many the plan asks for.
+        settings: of the plan.
 
     Raises:
         UserError: so many modes are not computed, or modes have no such quantity.
     """
-    return Observer({name: _function(name, quantity, space, modes) for name, quantity in quantities.items()})
+    return Observer({name: _function(name, quantity, space, settings) for name, quantity in quantities.items()})
 
 
 def row(state: ModalState) -> RowValues:
     """Columns of a frame's row that only modes have."""
     frequencies, settings = state.frequencies, modal_settings(state.plan)
-    tone, cents = note(float(frequencies[0]), settings.a4)
+    heard = [note(float(f), settings.a4) for f in frequencies]
+    tone, cents = heard[0]
     return {
-        **{f"f_{k + 1}": float(f) for k, f in enumerate(frequencies)},
+        **{f"f_{k}": float(f) for k, f in enumerate(frequencies, 1)},
         "tone": tone,
         "cents": cents,
+        **{f"tone_{k}": tone for k, (tone, _) in enumerate(heard, 1)},
+        **{f"cents_{k}": cents for k, (_, cents) in enumerate(heard, 1)},
         "mode_ids": " ".join(map(str, state.ids)),
         "inertia_checked": int(state.report.inertia_checked),
         "missed_modes": state.report.missed_modes,
         "elements": len(state.body.space.cells),
+        **(hanging_row(state, settings.hanging, settings.modes) if settings.hanging else {}),
     }
 
 
@@ -51,24 +58,29 @@ def blank_fields(space: Space, count: int) -> Fields:
     return blank, {"size_of_mode_1": np.full(len(space.cells), np.nan)}
 
 
-def _function(name: str, quantity: Quantity, space: Space, modes: int) -> Function:
+def _function(name: str, quantity: Quantity, space: Space, settings: ModalSettings) -> Function:
     """The function of frequencies and ids that a quantity is; not a number of a mode that is not among those found."""
     if quantity.area:
         return area_at(space, name, quantity)
     frequency, mode = quantity.number("frequency"), quantity.number("mode")
+    if quantity.kind in TONES:
+        _refuse_beyond(settings.modes, f"quantities.{name}", quantity.number("ratio") or named_mode(quantity))
+        return partial(tone_value, quantity, settings.a4)
     if frequency is not None:
-        if frequency > modes:
-            raise UserError(
-                f"only {counted_are(modes, 'mode')} computed",
-                f"quantities.{name}.frequency",
-                f"set effects.modal.modes to {frequency} or more",
-            )
+        _refuse_beyond(settings.modes, f"quantities.{name}.frequency", frequency)
         rank = frequency - 1
         return lambda frequencies, ids: frequencies[rank] if rank < len(frequencies) else np.nan
     if mode is not None:
-        return lambda frequencies, ids: next(iter(frequencies[ids == mode]), np.nan)
+        return partial(frequency_of_mode, mode)
     raise UserError(
         f"modes have no {quantity.kind}: their size means nothing",
         f"quantities.{name}.{quantity.kind}",
-        "ask for frequency = 1, mode = 1 or area = true",
+        'ask for frequency = 1, mode = 1, cents = "C5", ratio = 2 or area = true',
     )
+
+
+def _refuse_beyond(modes: int, where: str, wanted: int) -> None:
+    """Refuses a quantity of a mode beyond those that are computed."""
+    if wanted > modes:
+        do = f"set effects.modal.modes to {wanted} or more"
+        raise UserError(f"only {counted_are(modes, 'mode')} computed", where, do)

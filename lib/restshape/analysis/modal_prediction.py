@@ -16,6 +16,7 @@ from restshape.analysis.modal_matrices import products
 from restshape.analysis.modal_state import ModalState, Modes, frequencies
 from restshape.analysis.mode_search import ModeSearch
 from restshape.analysis.settings import modal_settings
+from restshape.analysis.tone_quantities import TONES, tone_error
 from restshape.first_use import made
 from restshape.sensitivity.frequency_derivative import SolvedModes, known_modes, modal_derivative
 from restshape.sensitivity.mode_alignment import turning
@@ -75,8 +76,13 @@ class ModalPrediction:
         return largest_difference(predicted, self.analysis.state.frequencies)
 
     def quantity_distances(self) -> dict[str, float]:
-        """None: all of them are eigenvalues, whose distance `distance` is."""
-        return {}
+        """Those of cents and ratios from the `distance` of frequencies, which it is of all others."""
+        state = self.analysis.state
+        tones = {name: one for name, one in state.scene.quantities.items() if one.kind in TONES}
+        if not tones:
+            return {}
+        shares = np.full(len(state.ids), self.distance())
+        return {name: tone_error(one, shares, state.frequencies, state.ids) for name, one in tones.items()}
 
     def compare_cold(self) -> float:
         """The largest relative difference of the predicted frequencies from those of a cold solve."""

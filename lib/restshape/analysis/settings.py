@@ -1,8 +1,22 @@
 """What analyses read of the settings of effects, whichever application declares them."""
 
+from collections.abc import Sequence
 from typing import Protocol, cast
 
 from restshape.scene.plan import Plan
+
+
+class HangingSettings(Protocol):
+    """Of hanging points; attributes as of `analysis.hanging.Hanging`."""
+
+    @property
+    def weights(self) -> Sequence[float]: ...
+    @property
+    def mode(self) -> int: ...
+    @property
+    def at(self) -> Sequence[str]: ...
+    @property
+    def apart(self) -> float | None: ...
 
 
 class ModalSettings(Protocol):
@@ -11,11 +25,15 @@ class ModalSettings(Protocol):
     Attributes:
         modes: how many are wanted; in_plane: those mostly in the plane count too.
         a4: frequency of the tone A4 [Hz].
+        hanging: what is asked of hanging points; None: nothing.
     """
 
     modes: int
     in_plane: bool
     a4: float
+
+    @property
+    def hanging(self) -> HangingSettings | None: ...
 
 
 class BucklingSettings(Protocol):

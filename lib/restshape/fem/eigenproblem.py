@@ -55,6 +55,9 @@ class Eigenproblem(Problem, Protocol):
     def by_plane_nodes(self, field: np.ndarray) -> np.ndarray:
         """A field (n, ...) of `space` by plane nodes: (n2, columns...)."""
 
+    def shapes(self, modes: np.ndarray) -> np.ndarray:
+        """Displacements (k, n2, 3) of the plane nodes in modes (k, n f), those of the middle surface of bodies."""
+
     def taken_over(self, modes: np.ndarray, before: Eigenproblem) -> np.ndarray:
         """Modes (k, n f) of a body before on the same nodes, as near to modes of this one as its values alone tell."""
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import ceil, floor, isfinite, log10
 
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-UNPREFIXED = ("1", "m²", "m^2", "m³", "m^3", "kg", "K", "deg", "°")
+UNPREFIXED = ("1", "m²", "m^2", "m³", "m^3", "kg", "K", "deg", "°", "cent")
 """Beginnings of units whose prefix would be read for another one, or is not used."""
 
 

@@ -9,6 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
+from restshape.analysis.nodal_lines import linear_triangles
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.report.outlines import border, chains
@@ -18,8 +19,6 @@ ACROSS = 3
 """Most pictures side by side."""
 LABELLED, BAR = 3.9, 0.6
 """Height of a figure with room for the label of a bar beside its pictures, and of a bar below them [inch]."""
-QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
-"""Nodes of the four triangles that a second-order one is drawn as."""
 
 
 def draw_modes(
@@ -30,6 +29,7 @@ def draw_modes(
     names: Sequence[str],
     title: str,
     bend: float = 0.0,
+    marks: np.ndarray | None = None,
 ) -> None:
     """Draw the deflection of each mode in colour and, in black, the lines where it is still.
 
@@ -42,8 +42,9 @@ def draw_modes(
         shapes: (k, n, 3) displacements of the nodes.
         names: (k,) captions; title: of the whole.
         bend: displacement [m] of the largest motion in the plane with which bodies are drawn; 0: as they rest.
+        marks: (m, 2) [m] places marked by rings in each picture, such as those at which a plate is hung.
     """
-    triangles = cells if cells.shape[1] == 3 else np.concatenate([cells[:, part] for part in QUARTERS])
+    triangles = linear_triangles(cells)
     across = min(ACROSS, len(shapes))
     down = -(-len(shapes) // across)
     width, height = np.ptp(X, axis=0)
@@ -61,6 +62,8 @@ def draw_modes(
         normal = _bent(shape)
         drawn[normal] = _draw_mode(axes, factor * X, factor * bend, triangles, shape)
         axes.add_collection(LineCollection(rest, colors=INK, linewidths=0.7, linestyles="--"))
+        if marks is not None:
+            axes.plot(*(factor * marks).T, "o", ms=7, mfc="white", mec=INK, mew=1.4)
         axes.set(title=name, aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
     for normal, picture in drawn.items():
         way = {"fraction": 0.05, "aspect": 30} if beside else {"location": "bottom", "shrink": 0.5, "aspect": 40}

@@ -34,6 +34,7 @@ class QuantityKind:
         on: kinds of entities of which one must be named; empty: any may be, or none.
         beside: path ``module:attribute`` of the function of a value and the row of its frame, by column, that gives
             what tables say beside it, such as the note of a frequency; empty: they say nothing.
+        takes: other kinds whose key may stand beside it and says of what it is, such as the `mode` of `cents`.
     """
 
     value: object
@@ -45,6 +46,7 @@ class QuantityKind:
     renamed: str = ""
     on: tuple[str, ...] = ()
     beside: str = ""
+    takes: tuple[str, ...] = ()
 
     def said(self, value: float | None, row: Mapping[str, object]) -> str:
         """What tables say beside a value of a frame with this row; empty where there is none."""
@@ -159,8 +161,14 @@ class Quantity(Strict):
 
     @property
     def kind(self) -> str:
-        """Which of the kinds this quantity is."""
-        return only_one(self, self.kinds)
+        """Which of the kinds this quantity is: not one that another takes beside it.
+
+        Raises:
+            UnitError: it is none of them, or more than one.
+        """
+        present = [key for key in self.kinds if getattr(self, key) is not None]
+        taken = {other for key in present for other in self.kinds[key].takes}
+        return only_one(self, [key for key in self.kinds if key not in taken])
 
     @property
     def dimension(self) -> str:
@@ -194,7 +202,7 @@ class Quantity(Strict):
 
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
-        kind = only_one(self, self.kinds)
+        kind = self.kind
         if self.error and kind in CORE:
             raise UnitError(f"{article(kind)} has no error estimate", "leave error = true out")
         if self.max is not None and self.min is not None and self.min > self.max:

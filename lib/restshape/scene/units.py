@@ -121,6 +121,7 @@ PLAIN: dict[str, tuple[float, Powers]] = {
     "°": (math.pi / 180, DIMENSIONS["angle"]),
     "K": (1.0, DIMENSIONS["temperature"]),
     "%": (0.01, DIMENSIONS["number"]),
+    "cent": (1.0, DIMENSIONS["number"]),
 }
 
 ZEROS = {"degC": 273.15, "°C": 273.15}

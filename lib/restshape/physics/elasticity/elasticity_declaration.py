@@ -14,6 +14,7 @@ from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibr
 from restshape.physics.elasticity.goal import Goal, goal_words
 from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
 from restshape.physics.elasticity.motion_effects import IN_MOTION, motion_columns
+from restshape.physics.elasticity.named_tones import COMPARED_TONES
 from restshape.physics.elasticity.solid_effects import STATIC, buckling_columns
 from restshape.scene.derived_effects import REGIONS
 from restshape.scene.load_kind import AREAS, CURVES, ENTITIES, POINTS, LoadKind
@@ -71,6 +72,8 @@ QUANTITIES = {
         "the edges of their distance from the goal plus half the mean along the goal of its distance from them",
     ),
     "frequency": QuantityKind(Ordinal, "frequency", "sum", True, "2: the second lowest frequency", beside=TONE),
+    # Before `mode`, which may stand beside it.
+    **COMPARED_TONES,
     "mode": QuantityKind(
         Ordinal,
         "frequency",

@@ -7,7 +7,10 @@ from restshape.scene.expressions import Expression
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.source import Source, suggestion
 
+NO_TONES = ("only free vibrations have tones", "use an application that has [effects.modal]")
 ELSEWHERE = {
+    "cents": NO_TONES,
+    "ratio": NO_TONES,
     "frequency": (
         "without modes there are no frequencies",
         "add [effects.modal], in an application that has it",
@@ -109,6 +112,7 @@ def check_vibrations(scene: Scene, source: Source) -> None:
         UserError: the first thing that makes no sense.
     """
     check_goals(scene, source)
+    _check_hanging(scene, source)
     model = scene.effects.get("modal", {}).get("model", "solid")
     # Recordings of scenes from before this was refused are still read.
     for name, support in () if source.recorded or model not in COMPONENTS else scene.supports.items():
@@ -116,6 +120,33 @@ def check_vibrations(scene: Scene, source: Source) -> None:
             if axis not in COMPONENTS[model]:
                 what = f"a body of effects.modal.model = {model!r} has no component {axis!r} that could be fixed"
                 raise source.error(("supports", name, "fix"), what, f"fix some of {', '.join(COMPONENTS[model])}")
+
+
+def _check_hanging(scene: Scene, source: Source) -> None:
+    """Refuses hanging points of what has none, and names of what is no place.
+
+    Raises:
+        UserError: the first thing that makes no sense.
+    """
+    modal = scene.effects.get("modal", {})
+    asked = modal.get("hanging")
+    if asked is None or source.recorded:
+        return
+    key, model, modes = ("effects", "modal", "hanging"), modal.get("model", "solid"), modal.get("modes", 5)
+    if model in ("plane_stress", "plane_strain"):
+        what = f'model = "{model}" has motion in the plane only, which has no nodal lines'
+        raise source.error(key, what, 'use model = "plate" or "solid", or leave hanging out')
+    if scene.supports:
+        raise source.error(key, "what supports hold is not hung", "leave the supports out, or hanging")
+    for name, wanted in (("mode", asked.get("mode", 1)), ("weights", len(asked.get("weights", ())))):
+        if wanted > modes:
+            do = f"set effects.modal.modes to {wanted} or more"
+            raise source.error((*key, name), f"only {counted_are(modes, 'mode')} computed", do)
+    places = [*scene.shape.points, *scene.shape.holes]
+    for name in asked.get("at", ()):
+        if scene.shape.file is None and name not in places:
+            what = f"{name!r} is neither a point of [shape.points] nor a hole"
+            raise source.error((*key, "at"), what, suggestion(name, sorted(places)))
 
 
 def check_goals(scene: Scene, source: Source) -> None:

@@ -5,11 +5,32 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ConfigDict, Field
 
+from restshape.analysis.hanging_columns import NOTE, PLACES, loss_columns
 from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table, table_in, tables_in
-from restshape.scene.values import Strict, Whole, number_of
+from restshape.scene.values import Length, Ordinal, Strict, Whole, number_of
+
+MOST_MODES = 40
+"""That may be wanted."""
+
+
+class HangingKeys(Strict):
+    """Keys of ``effects.modal.hanging``: the two places at which the plate is hung, as columns.
+
+    Args:
+        weights: of the modes by rank, those without one count nothing; left out, all count alike.
+        mode: the one on whose nodal lines the places lie: the one that had this rank at the start.
+        at: names of two points of ``[shape.points]``, or of holes, that are judged instead; of a hole its rim is.
+        apart: the least distance between the two; left out, the radius of gyration.
+    """
+
+    model_config = ConfigDict(title="Hanging")
+    weights: Annotated[tuple[Annotated[float, Field(ge=0)], ...], Field(max_length=MOST_MODES)] = ()
+    mode: Annotated[Ordinal, Field(le=MOST_MODES)] = 1
+    at: tuple[()] | tuple[str, str] = ()
+    apart: Annotated[Length, Field(gt=0)] | None = None
 
 
 class ModalKeys(Strict):
@@ -21,13 +42,15 @@ class ModalKeys(Strict):
         modes: how many are wanted.
         in_plane: those whose motion is mostly in the plane count too; a mallet hardly sounds them.
         a4: frequency of the tone A4 [Hz].
+        hanging: where the plate is hung: columns of two places on nodal lines and of what they take from each mode.
     """
 
     model_config = ConfigDict(title="Modal")
     model: Literal["solid", "plate", "plane_stress", "plane_strain"] = "solid"
-    modes: Annotated[Whole, Field(ge=1, le=40)] = 5
+    modes: Annotated[Whole, Field(ge=1, le=MOST_MODES)] = 5
     in_plane: bool = False
     a4: Annotated[number_of("frequency"), Field(gt=0)] = 440.0
+    hanging: HangingKeys | None = None
 
     def resolve(self, scene: Scene) -> ResolvedSettings:
         """The order of the elements: the second, where the scene names none, for the first is far too stiff in bending.
@@ -55,14 +78,19 @@ def modal_keys(scene: Scene) -> ModalKeys:
 
 def modal_columns(scene: Scene) -> dict[str, Any]:
     """The columns that a replay of modes has besides: frequencies, the tone of the first, numbers of the modes."""
-    modes = modal_keys(scene).modes
+    keys = modal_keys(scene)
+    modes = keys.modes
+    hung = {**dict.fromkeys((*PLACES, *loss_columns(modes)), np.float64), NOTE: "S100"} if keys.hanging else {}
     return {
         **{f"f_{k + 1}": np.float64 for k in range(modes)},
         "tone": "S8",
         "cents": np.float64,
+        **{f"tone_{k + 1}": "S8" for k in range(modes)},
+        **{f"cents_{k + 1}": np.float64 for k in range(modes)},
         "mode_ids": "S160",
         "inertia_checked": np.int64,
         "missed_modes": np.int64,
+        **hung,
     }
 
 
