@@ -12,7 +12,7 @@ from restshape.outputs.kinds import PictureFile
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_frame(parser)
-    parser.add_argument("--out", type=PictureFile, metavar="FILE", help="modes and nodal lines (.png)")
+    parser.add_argument("--out", type=PictureFile, metavar="FILE", help="modes, nodal lines, hanging points (.png)")
     parser.add_argument(
         "--rasp", type=PictureFile, metavar="FILE", help="what rasping the outline does to the first tone (.png)"
     )
@@ -24,6 +24,7 @@ def run(args: argparse.Namespace) -> int:
     if not (args.out or args.rasp or args.json):
         raise UserError("nothing is asked for", "--out", "--out modes.png, --rasp rasp.png, or --json modes.json")
     analysis = analysed(args)
+    from restshape_apps.metallophone.hung import hung, hung_data, hung_words
     from restshape_apps.metallophone.picture import draw, draw_rasp, tones
 
     for path, drawn in ((args.out, draw), (args.rasp, draw_rasp)):
@@ -31,5 +32,9 @@ def run(args: argparse.Namespace) -> int:
             drawn(analysis, path)
             print(f"wrote {one_line(path)}")
     names, cents = zip(*tones(analysis))
-    write_json(args, {"frequencies": analysis.frequencies.tolist(), "tones": names, "cents": cents})
+    found = {"frequencies": analysis.frequencies.tolist(), "tones": names, "cents": cents}
+    if points := hung(analysis):
+        print(hung_words(points))
+        found["hanging"] = hung_data(points)
+    write_json(args, found)
     return 0

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from restshape_apps.metallophone.hung import hung
 from restshape_apps.metallophone.rasp import draw_outline_density
 
 from restshape.analysis.modal import ModalAnalysis
@@ -18,9 +19,11 @@ def draw(analysis: ModalAnalysis, path: Path) -> None:
     """Draw the modes that the scene asks for, each with its frequency and tone."""
     pairs = enumerate(zip(analysis.frequencies, tones(analysis)), 1)
     names = [f"mode {k}: {f:.1f} Hz, {tone} {cents:+.0f} cents" for k, (f, (tone, cents)) in pairs]
-    fields, _ = analysis.fields()
+    fields, title = analysis.fields()[0], analysis.state.scene.title
     shapes = np.stack(list(fields.values()))
-    draw_modes(path, analysis.space.X, analysis.space.cells, shapes, names, analysis.state.scene.title)
+    points = hung(analysis)
+    marks, title = (points.places, f"{title}\nrings: where to hang it") if points and points.found else (None, title)
+    draw_modes(path, analysis.space.X, analysis.space.cells, shapes, names, title, marks=marks)
 
 
 def tones(analysis: ModalAnalysis) -> list[tuple[str, float]]:

@@ -213,15 +213,16 @@ class _OnLines:
     def smooth(self, segment: int) -> tuple[np.ndarray, np.ndarray]:
         """The same by displacements that are quadratic around it; the linear ones where these have no least place."""
         place, motion, nodes = self.places[segment], self.motion, self.lines.sides[segment].ravel()
-        fields = np.moveaxis(motion.shapes, 0, 1).reshape(len(motion.X), -1)
-        others = np.where(np.arange(len(self.weights)) == self.own, 0.0, self.weights)
-        patch = quadratic_patch(motion.X, self.triangles, fields, place, nodes) if others.any() else None
+        count, shapes = len(self.weights), np.moveaxis(motion.shapes, 0, 1).reshape(len(motion.X), -1)
+        fields = np.column_stack([shapes, motion.X - motion.centre])
+        patch = quadratic_patch(motion.X, self.triangles, fields, place, nodes)
         if patch is None:
             return self.linear(segment)
-        least = line_minimum(patch, 3 * self.own + 2, np.repeat(others, 3))
+        spread = SPREAD / (motion.mass * motion.gyration**2)
+        least = line_minimum(patch, 3 * self.own + 2, np.append(np.repeat(self.weights, 3), [spread, spread]))
         if least is None or not inside(motion.X[self.triangles], least):
             return self.linear(segment)
-        return least, patch.values(least)[0].reshape(-1, 3)
+        return least, patch.values(least)[0][: 3 * count].reshape(count, 3)
 
 
 def _by_rank(weights: Sequence[float], count: int) -> np.ndarray:
