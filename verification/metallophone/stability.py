@@ -10,6 +10,7 @@ import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, true, valid
 from restshape_studies.stability.known_bounds import ENTRIES, LAPACK, TONES
 from restshape_studies.stability.scenery import across, drag, rows_of
+from restshape_verification.metallophone.stability_hanging import CASES as HANGING
 from scipy.linalg import eigh
 
 from restshape.application import application
@@ -290,4 +291,5 @@ CASES: dict[str, Case] = {
     "three_triangles": Case(three_triangles),
     "long_replay": Case(long_replay, share=0.01),
     "rounding": Case(rounding, exempt=ENDLESS),
+    **HANGING,
 }

@@ -7,6 +7,7 @@ from petsc4py import PETSc
 from restshape_studies.each_week import each_week
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, PROGRAM, PUBLISHED, ROUNDING, Case, Check, Kind
 from restshape_verification.metallophone.exactness import discrete, norms, rates, remainders
+from restshape_verification.metallophone.hanging import hanging
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved, timoshenko
 
 from restshape.algebra.clusters import CLUSTER
@@ -228,4 +229,5 @@ CASES: dict[str, Case] = {
     "rates": rates,
     "norms": norms,
     "remainders": remainders,
+    "hanging": hanging,
 }

@@ -22,8 +22,9 @@ from restshape.sensitivity.frequency_derivative import SolvedModes
 
 OUT_OF_PLANE = 0.5
 """Share of its kinetic energy from which on a mode moves out of the plane."""
-SPREAD = 1e-6
-"""Weight of distances from the centre of mass, which choose among places that are as still as others."""
+SPREAD, LEVEL = 1e-3, 0.1
+"""Weights of the squared distances, over that of gyration, of the places from the centre of mass and of that from the
+line through both: they choose among places that are as still as others."""
 
 
 @dataclass(frozen=True)
@@ -175,7 +176,7 @@ def _best(motion: _Motion, rank: int, asked: HangingSettings) -> HangingPoints:
     """The best two places on the nodal lines of a mode by its rank."""
     on_lines = _OnLines(motion, int(motion.own[rank]), _by_rank(asked.weights, motion.modes) @ motion.average)
     apart = motion.gyration if asked.apart is None else asked.apart
-    pair = best_pair(on_lines.away, on_lines.cost, apart)
+    pair = best_pair(on_lines.away, on_lines.cost, apart, LEVEL / motion.gyration**2)
     if pair is None:
         return _nothing(motion, f"no two places on the lines of mode {asked.mode} have the centre of mass between them")
     found = [on_lines.smooth(k) for k in pair]
