@@ -35,6 +35,9 @@ Row = dict[str, Any]
 TIGHT = (1e-3, 1e-2, 1e-1)
 """Shares of a point's tolerance that its tight replays are tried with, the next where a frame has no solution."""
 
+FOLLOWED = ("mode", "cents", "ratio")
+"""Kinds of quantities of modes by their ids."""
+
 FARTHER = 0.1
 """Share of the tolerance to which what is solved from where it is goes on."""
 
@@ -275,10 +278,10 @@ class Afresh:
         row = {f"q_{name}": value for name, value in analysis.observe().items()}
         before, now = kept.solution(), analysis.solution()
         for name, quantity in scene.quantities.items():
-            if quantity.kind == "mode":
+            if quantity.kind in FOLLOWED:
                 # The number that a mode was followed by is not known from nothing, its place among the others is.
-                place = np.flatnonzero(before.ids == quantity.mode)
-                row[f"q_{name}"] = now.values[place[0]] if len(place) else np.nan
+                count = min(len(now.values), len(before.ids))
+                row[f"q_{name}"] = kept.state.observer.functions[name](now.values[:count], before.ids[:count])
         self.states[replay.row["index"]] = state_of(analysis, replay.session.outline.points, row)
         del analysis
         clean_up(replay.comm)

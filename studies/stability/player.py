@@ -39,7 +39,7 @@ ENDLESS = ("mu_", "q_critical")
 """Beginnings of columns that may be infinite: nothing buckles."""
 OWN = {"restshape", "apps", "restshape_apps", "studies", "restshape_studies"}
 """Folders of our own code, in a checkout and installed."""
-UNDEFINED = ("mode", "strouhal", "nusselt", "bulk_temperature")
+UNDEFINED = ("mode", "cents", "ratio", "strouhal", "nusselt", "bulk_temperature")
 """Kinds of quantities that may have no number: of a mode that is gone, without a swing, a difference, or a stream."""
 BLANK = "buckling_mode"
 """Beginning of fields that have no numbers where there are fewer modes than wanted."""

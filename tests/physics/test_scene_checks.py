@@ -12,6 +12,8 @@ from restshape.scene.load import load_scene
     [
         ("{ frequency = 1 }", "quantities.tone", "without modes there are no frequencies"),
         ("{ mode = 2 }", "quantities.tone", "only free vibrations have frequencies"),
+        ('{ cents = "C5", mode = 2 }', "quantities.tone", "only free vibrations have tones"),
+        ("{ ratio = 2 }", "quantities.tone", "only free vibrations have tones"),
         ("{ load_factor = 1 }", "quantities.tone.load_factor", "without buckling there are no load factors"),
     ],
 )

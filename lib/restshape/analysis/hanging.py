@@ -18,6 +18,7 @@ from restshape.analysis.row_values import RowValues
 from restshape.analysis.settings import HangingSettings
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import MASS
+from restshape.outputs.si_numbers import si
 from restshape.sensitivity.frequency_derivative import SolvedModes
 
 OUT_OF_PLANE = 0.5
@@ -178,7 +179,8 @@ def _best(motion: _Motion, rank: int, asked: HangingSettings) -> HangingPoints:
     apart = motion.gyration if asked.apart is None else asked.apart
     pair = best_pair(on_lines.away, on_lines.cost, apart, LEVEL / motion.gyration**2)
     if pair is None:
-        return _nothing(motion, f"no two places on the lines of mode {asked.mode} have the centre of mass between them")
+        which = f"no two places on the lines of mode {asked.mode}, {si(apart, 'm')} apart or more,"
+        return _nothing(motion, f"{which} have the centre of mass between them")
     found = [on_lines.smooth(k) for k in pair]
     if not hold(found[0][0] - motion.centre, found[1][0] - motion.centre, apart):
         found = [on_lines.linear(k) for k in pair]

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from restshape.application import Application
 from restshape.bounds import FILE_NAME_BYTES
 from restshape.scene.bodies import bodies_of
+from restshape.scene.effect_places import effect_places
 from restshape.scene.expressions import CONSTANTS, COORDINATES, FUNCTIONS, Expression
 from restshape.scene.formula_checks import check_formulas, check_units
 from restshape.scene.load_kind import ENTITIES, any_of
@@ -196,6 +197,7 @@ def _check_references(scene: Scene, source: Source) -> None:
     places |= {("supports", name, "on"): support.on for name, support in scene.supports.items()}
     places |= {("loads", name, "on"): load.on for name, load in scene.loads.items()}
     places |= {("quantities", name, "at"): [q.at] for name, q in scene.quantities.items() if q.at is not None}
+    places |= {key: list(names) for key, names in effect_places(scene)}
     places |= {("mesh", "near", name): [name] for name in scene.mesh.near}
     for place, names in places.items():
         for name in names:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from restshape.errors import UserError
+from restshape.scene.effect_places import effect_places
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
@@ -18,6 +19,8 @@ def uses(scene: Scene) -> Iterator[tuple[str, str]]:
     for name, quantity in scene.quantities.items():
         if quantity.at is not None:
             yield f"quantities.{name}", quantity.at
+    for key, entities in effect_places(scene):
+        yield from ((".".join(key), entity) for entity in entities)
     for name, material in scene.material.items():
         yield from ((f"material.{name}", region) for region in material.region or ())
 

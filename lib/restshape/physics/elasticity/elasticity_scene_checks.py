@@ -123,7 +123,7 @@ def check_vibrations(scene: Scene, source: Source) -> None:
 
 
 def _check_hanging(scene: Scene, source: Source) -> None:
-    """Refuses hanging points of what has none, and names of what is no place.
+    """Refuses hanging points of what has none, and those of modes that are not computed.
 
     Raises:
         UserError: the first thing that makes no sense.
@@ -142,11 +142,6 @@ def _check_hanging(scene: Scene, source: Source) -> None:
         if wanted > modes:
             do = f"set effects.modal.modes to {wanted} or more"
             raise source.error((*key, name), f"only {counted_are(modes, 'mode')} computed", do)
-    places = [*scene.shape.points, *scene.shape.holes]
-    for name in asked.get("at", ()):
-        if scene.shape.file is None and name not in places:
-            what = f"{name!r} is neither a point of [shape.points] nor a hole"
-            raise source.error((*key, "at"), what, suggestion(name, sorted(places)))
 
 
 def check_goals(scene: Scene, source: Source) -> None:

@@ -3,10 +3,10 @@
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field
 
 from restshape.analysis.hanging_columns import NOTE, PLACES, loss_columns
-from restshape.errors import UserError
+from restshape.errors import UserError, ValueProblem
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table, table_in, tables_in
@@ -14,6 +14,17 @@ from restshape.scene.values import Length, Ordinal, Strict, Whole, number_of
 
 MOST_MODES = 40
 """That may be wanted."""
+
+
+def _two_places(names: tuple[str, ...]) -> tuple[str, ...]:
+    """The names of two places, or none.
+
+    Raises:
+        ValueProblem: there are one or more than two, or one twice.
+    """
+    if names and (len(names) != 2 or names[0] == names[1]):
+        raise ValueProblem("a plate is hung at two places", 'name two points or holes: at = ["left", "right"]')
+    return names
 
 
 class HangingKeys(Strict):
@@ -29,7 +40,7 @@ class HangingKeys(Strict):
     model_config = ConfigDict(title="Hanging")
     weights: Annotated[tuple[Annotated[float, Field(ge=0)], ...], Field(max_length=MOST_MODES)] = ()
     mode: Annotated[Ordinal, Field(le=MOST_MODES)] = 1
-    at: tuple[()] | tuple[str, str] = ()
+    at: Annotated[tuple[str, ...], AfterValidator(_two_places)] = ()
     apart: Annotated[Length, Field(gt=0)] | None = None
 
 
@@ -80,7 +91,7 @@ def modal_columns(scene: Scene) -> dict[str, Any]:
     """The columns that a replay of modes has besides: frequencies, the tone of the first, numbers of the modes."""
     keys = modal_keys(scene)
     modes = keys.modes
-    hung = {**dict.fromkeys((*PLACES, *loss_columns(modes)), np.float64), NOTE: "S100"} if keys.hanging else {}
+    hung = {**dict.fromkeys((*PLACES, *loss_columns(modes)), np.float64), NOTE: "S120"} if keys.hanging else {}
     return {
         **{f"f_{k + 1}": np.float64 for k in range(modes)},
         "tone": "S8",
