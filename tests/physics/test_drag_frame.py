@@ -14,6 +14,7 @@ from restshape.physics.cloth.membrane import stretching
 from restshape.physics.cloth.relaxation import binding
 from restshape.physics.cloth.relaxation.equilibrium import Tries
 from restshape.physics.cloth.relaxation.mixed_newton import MixedNewton
+from restshape.physics.cloth.tunnelling import penetrations
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -80,6 +81,15 @@ def test_small_drags_take_few_steps_of_newton_to_the_rest_that_descents_find(
         assert other.report.steps > 10
         assert energy == pytest.approx(expected, rel=near)
         assert state.x == pytest.approx(other.x, abs=100.0 * near)
+
+
+def test_a_body_that_rests_deeper_than_contact_is_thick_is_dragged_by_newton(tmp_path, monkeypatch):
+    soft = f"{CONTACT}stiffness = 1e4\nthickness = '0.05 mm'\n"
+    back = {**PUSH, "value": -0.1398, "frames": 1}
+    ((state, _),) = rests(tmp_path, monkeypatch, UPRIGHT, soft, PUSHED, first={**TOUCH, "frames": 1}, then=back)
+    depths = penetrations(state.problem.contact, state.problem.corners(state.x))
+    assert max(depths) > 1.2 * state.problem.contact.thickness
+    assert state.report.converged and state.report.steps == state.report.newton <= 4
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from restshape.physics.cloth.relaxation.mixed_newton import FEW, MOST, MixedNewt
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import kernel_body
-from restshape.physics.cloth.tunnelling import penetrations
+from restshape.physics.cloth.tunnelling import deepened, penetrations
 from restshape.scene.bodies import Body
 
 log = logging.getLogger("restshape.physics")
@@ -133,9 +133,17 @@ def _first_step(
     x = x if rests else newton.go(x, d)
     if path and moves and path.farthest(0.0, begin, problem.corners(x) - begin) < 1.0:
         return None, expected
-    if path and max(penetrations(contact, problem.corners(x)), default=0.0) > contact.thickness:
-        return None, expected
-    return x, expected
+    return (None if path and _comes_deep(state, last, x) else x), expected
+
+
+def _comes_deep(state: RelaxationState, last: LastRest, x: np.ndarray) -> bool:
+    """Whether a body is deeper in cloth at x (n, 3) [m] than contact is thick, and than it was at the last rest."""
+    problem, contact = state.problem, state.problem.contact
+    depths = penetrations(contact, problem.corners(x))
+    if max(depths, default=0.0) <= contact.thickness:
+        return False
+    bodies = [kernel_body(body) for body in last.bodies]
+    return deepened(penetrations(contact, problem.corners(last.x), bodies), depths, contact.thickness)
 
 
 def _first_order(state: RelaxationState, last: LastRest) -> Expected:
