@@ -120,6 +120,31 @@ def test_backends_agree_and_repeat_bit_for_bit():
     assert np.array_equal(results["bcsr"], results["csr"].T)
 
 
+@pytest.mark.parametrize("odd", [False, True])
+def test_products_of_pairs_are_those_of_petsc(odd):
+    """To the last bit where PETSc rounds each product, as the distribution's does."""
+    X, cells, _ = unit_box(2, 7)
+    rng = np.random.default_rng(3)
+    # Rows of other lengths, from one pair on, whose numbers differ by much.
+    cells = cells[rng.permutation(len(cells))[: len(cells) // 2]] if odd else cells
+    op = operator(len(X), 2)
+    op.set_topology([cells])
+    filled(op, "linear_elastic_tri3", X, np.zeros_like(X), HOOKE)
+    own = PETSc.Mat().createAIJ(op.mat.getSizes(), csr=op.mat.getValuesCSR(), comm=PETSc.COMM_SELF)
+    x, added = (op.mat.createVecRight() for _ in "xa")
+    for vector in (x, added):
+        vector.setArray(rng.standard_normal(vector.size) * 10.0 ** rng.integers(-4, 4, vector.size))
+    found, wanted = [], []
+    for mat, values in ((op.mat, found), (own, wanted)):
+        sums = added.copy()
+        mat.multAdd(x, sums, sums)
+        values += [(mat * x).array, sums.array]
+        mat.multAdd(x, added, sums)
+        values.append(sums.array)
+    sizes = abs(entries(op)) @ abs(x.array) + abs(added.array)
+    assert np.all(np.abs(np.subtract(found, wanted)) <= 4.0 * np.finfo(float).eps * sizes)
+
+
 def test_relaxation_in_blocks_takes_in_new_values():
     """PETSc keeps the inverses of diagonal blocks, and must be notified that they are of another matrix."""
     X, cells, _ = unit_box(2, 6)

@@ -61,7 +61,8 @@ class BlockFactor {
     double make(const StoredBlocks& a, const BlockRows& u) {
         const PetscInt n = a.count;
         group(u);
-        row_.assign(static_cast<std::size_t>(n) * size * most_lanes, 0.0);
+        // Each group leaves its columns as zeros.
+        row_.resize(static_cast<std::size_t>(n) * size * most_lanes, 0.0);
         next_.assign(n, -1);
         first_.assign(n, -1);
         at_.resize(n);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "algebra/pair_product.hpp"
 #include "fem/operator.hpp"
 
 namespace restshape {
@@ -164,6 +165,7 @@ class CsrOperator final : public Operator {
                                  reinterpret_cast<PetscObject>(container)),
               "PetscObjectCompose");
         check(PetscContainerDestroy(&container), "PetscContainerDestroy");
+        if (fields_ == 2) check(multiply_by_pairs(mat), "MatSetOperation");
         replace_matrix(mat);
     }
 

