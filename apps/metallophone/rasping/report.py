@@ -42,6 +42,8 @@ def directions(plan: RaspingPlan) -> list[str]:
         up, down = (plan.goes(underneath, way) for way in (True, False))
         if up != down:
             found.append(f"{name} rasping can only {'raise' if up else 'lower'} the tone")
+        elif not up:
+            found.append(f"{name} there is no place to rasp: supports keep it, or --most is less than the mesh shows")
     up, down = (any(plan.goes(face, way) for face, _ in FACES) for way in (True, False))
     wanted_up = plan.wish.cents > 0.0
     if not plan.in_tune and not (up if wanted_up else down):

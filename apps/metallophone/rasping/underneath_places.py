@@ -1,5 +1,7 @@
 """Strips across a bar's lower face on which rasping moves the first tone one way."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from restshape_apps.metallophone.rasping.outline_places import corner_thickness
 from restshape_apps.metallophone.rasping.places import SHORTEST, Place, profile, profile_words, stretches
@@ -13,7 +15,9 @@ SHARE = 1.0 / 3.0
 
 
 def underneath_places(analysis: ModalAnalysis, ranks: list[int]) -> list[Place]:
-    """Strips over the whole width, one after the other along the bar, and the whole face.
+    """Strips over the whole width, one after the other along the bar, and the whole face; or spots.
+
+    Spots are where the density has a sign that no strip has as a whole: deepest where it is strongest.
 
     Args:
         analysis: solved on the mesh as it lies.
@@ -36,12 +40,17 @@ def underneath_places(analysis: ModalAnalysis, ranks: list[int]) -> list[Place]:
     spans = [span for span in stretches(middles, sums) if span[1] - span[0] >= SHORTEST * size]
     if len(spans) != 1:
         spans.append((begin, end))
-    found = []
+    bar, found = _Underside(analysis, densities, ranks), []
     for low, high in spans:
         over = low == begin, high == end
-        off = profile(u, low, high, over)
         ends = np.array([middle + low * axis, middle + high * axis])
-        found.append(_place(analysis, off, ends, profile_words(over), densities, ranks))
+        found.append(bar.place("underneath", profile(u, low, high, over), ends, profile_words(over)))
+    for sign in (1.0, -1.0):
+        off = np.maximum(sign * densities[0].density, 0.0)
+        if off.any() and not any(place.cents[0] * sign < 0.0 for place in found):
+            along = u[off > 0.0]
+            ends = np.array([middle + along.min() * axis, middle + along.max() * axis])
+            found.append(bar.place("spots underneath", off / off.max(), ends, "as the map"))
     return found
 
 
@@ -56,16 +65,19 @@ def long_axis(X: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return axis * (1.0 if axis[np.argmax(np.abs(axis))] > 0.0 else -1.0), middle
 
 
-def _place(
-    analysis: ModalAnalysis,
-    off: np.ndarray,
-    ends: np.ndarray,
-    words: str,
-    densities: list[ThicknessDensity],
-    ranks: list[int],
-) -> Place:
-    cents = -CENTS * np.array([one.gradient @ off for one in densities]) / analysis.frequencies[ranks]
-    volume, length = float(densities[0].area @ off), float(np.linalg.norm(ends[1] - ends[0]))
-    limit = SHARE * float(corner_thickness(analysis).min())
-    still = np.zeros_like(analysis.state.space.mesh.X)
-    return Place("underneath", True, ends, length, words, still, off, volume, cents, limit)
+@dataclass(frozen=True, eq=False)
+class _Underside:
+    """The lower face of a bar, with the densities (modes,) of the modes that have `ranks`."""
+
+    analysis: ModalAnalysis
+    densities: list[ThicknessDensity]
+    ranks: list[int]
+
+    def place(self, where: str, off: np.ndarray, ends: np.ndarray, words: str) -> Place:
+        """A place with depths `off` (n,) at the corners of the mesh a unit of its own; others as of `Place`."""
+        f = self.analysis.frequencies[self.ranks]
+        cents = -CENTS * np.array([one.gradient @ off for one in self.densities]) / f
+        volume, length = float(self.densities[0].area @ off), float(np.linalg.norm(ends[1] - ends[0]))
+        limit = SHARE * float(corner_thickness(self.analysis).min())
+        still = np.zeros_like(self.analysis.state.space.mesh.X)
+        return Place(where, True, ends, length, words, still, off, volume, cents, limit)
