@@ -75,6 +75,17 @@ def test_flat_cloth_has_no_crossings_and_no_numbers_none():
     assert len(CollisionSurface(X, cells).crossed(x * np.nan)) == 0
 
 
+def test_flat_cloth_that_is_turned_has_none_for_rounding():
+    """Its triangles lie in one plane to rounding alone: an edge beside one of them does not pass through it."""
+    X, cells = grid(20)
+    surface = CollisionSurface(X, cells)
+    for seed in range(5):
+        random = np.random.default_rng(seed)
+        x = np.column_stack([X, np.zeros(len(X))]) + np.pad(random.uniform(-0.01, 0.01, X.shape), ((0, 0), (0, 1)))
+        turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+        assert len(surface.crossed(0.1 * x @ turn.T)) == 0
+
+
 def test_what_crosses_does_so_no_more_where_a_place_is_no_number():
     surface, x = two_triangles([[0.2, 0.2, -1.0], [0.2, 0.2, 1.0]])
     assert surface.crosses(x)

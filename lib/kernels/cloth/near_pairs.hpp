@@ -52,14 +52,15 @@ inline double triangle_distance(const Point3& p, const Point3& a, const Point3& 
     return std::min({segment_distance(p, p, a, b), segment_distance(p, p, b, c), segment_distance(p, p, c, a)});
 }
 
-// Whether the segment from p to q passes through the triangle a b c, by more than a 1e9th of either.
+// Whether the segment from p to q passes through the triangle a b c, by more than a 1e9th of either. One that lies in
+// the triangle's plane, but for rounding, does not.
 // Source: Möller and Trumbore, Journal of Graphics Tools 2(1), 1997, 21.
 inline bool passes_through(const Point3& p, const Point3& q, const Point3& a, const Point3& b, const Point3& c) {
-    constexpr double slack = 1e-9;
+    constexpr double slack = 1e-9, flat = 1e-12;
     const Point3 way = q - p, first = b - a, second = c - a, offset = p - a;
     const Point3 normal = way.cross(second), turned = offset.cross(first);
     const double volume = first.dot(normal);
-    if (volume == 0) return false;
+    if (!(std::abs(volume) > flat * way.norm() * first.cross(second).norm())) return false;
     const double u = offset.dot(normal) / volume, v = way.dot(turned) / volume, t = second.dot(turned) / volume;
     return std::min({u, v, 1 - u - v, t, 1 - t}) > slack;
 }
