@@ -9,8 +9,10 @@ import numpy as np
 
 from restshape.analysis.frame import Frame
 from restshape.errors import ReplayProblem, UserError
+from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative
+from restshape.physics.cloth.sensitivity.pattern_numbers import pattern_motion
 from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber, number_keys
 
 MOTION = 1e-5
@@ -88,11 +90,21 @@ def _row(analysis: RelaxationAnalysis, number: ChangingNumber, found: DrapeDeriv
 def _rest(analysis: RelaxationAnalysis, kept: Any, number: ChangingNumber, step: float) -> np.ndarray | None:
     """The unknowns (n, 3) at rest with a number larger by a step, from the same anchors; None: it does not rest."""
     mesh, scene = analysis.space, number.scene
-    none = np.empty(0, dtype=np.int32)
+    none, X = np.empty(0, dtype=np.int32), mesh.X.copy()
+    moved = pattern_motion(mesh, number)
+    _lie(mesh, X if moved is None else X + step * moved)
     analysis.solve(Frame(mesh, none, None, number.scene_with(number.value + step), (None, (0.0, 0.0))))
     found = analysis.x.copy() if analysis.state.report.converged else None
+    _lie(mesh, X)
     analysis.restore(kept, Frame(mesh, none, None, scene, (None, (0.0, 0.0))))
     return found
+
+
+def _lie(mesh: Mesh, X: np.ndarray) -> None:
+    """Let the nodes of a mesh lie at X (n, 2) in the material [m]."""
+    if not np.array_equal(mesh.X, X):
+        mesh.X[...] = X
+        mesh.geometry += 1
 
 
 def _order(lost: Sequence[np.ndarray | None], there: np.ndarray, least: float) -> float | None:

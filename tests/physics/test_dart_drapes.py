@@ -7,35 +7,71 @@ import pytest
 from drape_designs import HELD, DrapeDesign, sheet
 from small_scenes import make_replay, rows_of, write_scene, write_script
 
+from restshape.errors import UserError
+from restshape.mesh.relocate import BoundaryNodes, motion
+from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
 from restshape.replay.parity import Parity
-from restshape.scene.load import revise
-from restshape.shape.build import outline_from_spec
+from restshape.scene.model import Scene
+from restshape.shape.build import unchecked_outline
 
 DART = '[darts.dart]\nedge = "right"\nlength = 0.08\nwidth = 0.03\n'
 QUANTITIES = '[quantities]\nlowest = { position = "z", reduce = "min" }\npotential = { energy = "potential" }\n'
 WIDER = [{"t": 0, "do": "set", "key": "darts.dart.width", "value": 0.04, "frames": 2}]
 
 
-def moved_by_width(design: DrapeDesign) -> np.ndarray:
-    """Rates (n, 2) of the mesh's nodes as the dart gets wider: on edges those of the outline, inside none."""
-    mesh, width, h = design.analysis.space, design.scene.darts["dart"].width, 1e-5
-    ends = [outline_from_spec(revise(design.scene, "darts.dart.width", width + s * h).shape).points for s in (1, -1)]
-    rates, out = (ends[0] - ends[1]) / (2 * h), np.zeros_like(mesh.X)
-    for edge in range(len(mesh.outline.edges)):
-        on = np.unique(mesh.facets[mesh.facet_edge == edge])
-        way = mesh.outline.point(edge, np.array([0.0, 1.0]))
-        share = (mesh.X[on] - way[0]) @ (way[1] - way[0]) / np.sum((way[1] - way[0]) ** 2)
-        out[on] = mesh.outline.point(edge, share, rates)
-    return out
+TWO = """
+[parameters]
+k = 0.03
+[darts.dart]
+edge = "right"
+at = 0.45
+length = 0.08
+width = "k"
+[darts.inner]
+line = [[0.05, 0.05], [0.05, 0.15]]
+width = 0.02
+"""
 
 
-def test_the_remainder_of_the_derivative_by_the_width_is_of_second_order(tmp_path):
-    design = DrapeDesign(tmp_path, sheet("hinge", HELD, DART, size=0.06))
-    dX = moved_by_width(design)
-    assert np.abs(dX).max() == pytest.approx(0.5, rel=1e-6)
-    first, second = design.remainders(dX, 1e-3)
-    assert second > 1e-10, "nothing to compare with"
-    assert 1.8 < np.log2(first / second) < 2.2
+@pytest.mark.parametrize(
+    ("tables", "keys"),
+    [
+        (TWO, ("parameters.k", "darts.dart.at", "darts.inner.line.0.1")),
+        (DART + "folded = true\n", ("darts.dart.width",)),
+        ("", ("shape.vertices.b.0",)),
+    ],
+    ids=["cut", "folded", "corner"],
+)
+def test_remainders_of_derivatives_by_numbers_of_the_pattern_are_of_second_order(tmp_path, tables, keys):
+    """The drape of the pattern that the scene has a step on, which the derivative knows nothing of."""
+    design = DrapeDesign(tmp_path, sheet("hinge", HELD, tables, size=0.1))
+    for key in keys:
+        number = ChangingNumber(design.scene, design.analysis.state.plan, key)
+        s, found = design.analysis.number_derivatives([key], 1e-10).s[0], []
+        for h in (1e-3, 5e-4):
+            there = number.scene_with(number.value + h)
+            found.append(float(np.linalg.norm(design.move(motion_to(design, there), there) - design.x - h * s)))
+        assert 1e-10 < found[0] < 0.05 * 1e-3 * np.linalg.norm(s), f"{key}: {found}"
+        assert 1.8 < np.log2(found[0] / found[1]) < 2.2, f"{key}: {found}"
+
+
+def motion_to(design: DrapeDesign, scene: Scene) -> np.ndarray:
+    """How (n, 2) [m] the mesh's nodes move as the outline becomes that of another scene, harmonically inside."""
+    mesh = design.analysis.space
+    step = unchecked_outline(scene.shape).points - mesh.outline.points
+    basis = np.stack([step, np.zeros_like(step)])
+    return motion(mesh, BoundaryNodes(mesh).basis(mesh.outline, basis), "harmonic")[0]
+
+
+@pytest.mark.parametrize(
+    ("at", "key"),
+    [("1", "darts.dart.at"), ('"min(k, 1)"', "parameters.k")],
+)
+def test_a_dart_that_comes_to_a_corner_has_no_derivative_there(tmp_path, at, key):
+    dart = f'[parameters]\nk = 1\n{DART}at = {at}\nangle = "45 deg"\n'
+    design = DrapeDesign(tmp_path, sheet("hinge", HELD, dart, size=0.1))
+    with pytest.raises(UserError, match="at an end of what it may be"):
+        design.analysis.number_derivatives([key], 1e-8)
 
 
 def test_a_wider_dart_keeps_the_mesh_and_rests_as_when_solved_again(tmp_path):

@@ -9,9 +9,10 @@ from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.relocate import BoundaryNodes, motion
 from restshape.scene.model import Scene
+from restshape.scene.panels import frames_of
 from restshape.shape.build import unchecked_outline
 from restshape.shape.gesture import other_curves
-from restshape.shape.given_shape import followed
+from restshape.shape.given_shape import followed, in_frames, same_layout
 
 
 def outline_velocity(
@@ -27,14 +28,20 @@ def outline_velocity(
         step: of the number.
 
     Raises:
-        UserError: the number changes how arcs or splines bend, which nodes do not follow linearly.
+        UserError: the number changes how arcs or splines bend, which nodes do not follow linearly, or which edges
+            there are.
     """
     if all(end.shape == scene.shape for end in ends):
         return None
     mesh = space.mesh
     outline, before = mesh.outline, unchecked_outline(scene.shape, scene.folder)
-    moved = [followed(outline, before, unchecked_outline(end.shape, end.folder)) for end in ends]
-    if any(end.topology != outline.topology or other_curves(outline, end) for end in moved):
+    # Where panels are laid, such as in rows, changes nothing of them.
+    targets = [in_frames(unchecked_outline(end.shape, end.folder), frames_of(end), frames_of(scene)) for end in ends]
+    if any(not same_layout(target.layout, before.layout) for target in targets):
+        what = "as this number changes the shape gets other edges, and so another mesh"
+        raise UserError(what, do="choose another value of it, or name another number")
+    moved = [followed(outline, before, target) for target in targets]
+    if any(other_curves(outline, end) for end in moved):
         what = "this number changes how edges of the shape bend, and derivatives are by what moves their points alone"
         raise UserError(what, do="give arcs by their bulge, and splines by their knots")
     along = (moved[0].points - moved[1].points) / (2.0 * step)

@@ -91,7 +91,7 @@ class ShapeFollower:
     def _outline(self, scene: Scene) -> Outline:
         before, after = (unchecked_outline(one.shape, one.folder) for one in (self._scene, scene))
         frames = frames_of(self._scene), frames_of(scene)
-        start, before = _in_frames(self._start, *frames), _in_frames(before, *frames)
+        start, before = in_frames(self._start, *frames), in_frames(before, *frames)
         known = self._scene.shape.darts
         if scene.shape.darts[: len(known)] == known and not np.array_equal(start.points, before.points):
             # What edits have moved has its new darts where it is.
@@ -100,7 +100,7 @@ class ShapeFollower:
         return followed(start, before, after)
 
 
-def _in_frames(outline: Outline, now: Mapping[str, PanelFrame], wanted: Mapping[str, PanelFrame]) -> Outline:
+def in_frames(outline: Outline, now: Mapping[str, PanelFrame], wanted: Mapping[str, PanelFrame]) -> Outline:
     """An outline whose panels lie in other frames, so that what edits have moved in a panel stays there."""
     if now == wanted or now.keys() != wanted.keys():
         return outline

@@ -20,6 +20,8 @@ from restshape.scene.plan import Plan
 
 TABLES = ("material", "bodies", "supports", "seams", "start", "effects", "parameters")
 """Whose numbers drapes have derivatives by."""
+PATTERN = ("shape", "panels", "darts")
+"""Those whose numbers draw or lay the pattern."""
 EFFECTS = ("gravity", "contact")
 """Those whose numbers drapes have derivatives by."""
 SILENT = ("slope", "scatter", "seed", "ease", "unit", "spacing", "band")
@@ -45,9 +47,9 @@ class ChangingNumber:
         if parts[0] == "effects":
             here = value_below(plan.settings(parts[1]), tuple(parts[2:])) if len(parts) > 2 else None
         else:
-            here = value_below(_with_start(scene), tuple(parts)) if parts[0] in TABLES else None
+            here = value_below(_with_start(scene), tuple(parts)) if parts[0] in (*TABLES, *PATTERN) else None
         if isinstance(here, bool) or not isinstance(here, int | float):
-            tables = ", ".join(TABLES)
+            tables = ", ".join((*TABLES, *PATTERN))
             raise UserError(
                 f"{key!r} is no number of this scene in {tables}", "--by", "name one like material.cotton.E"
             )

@@ -22,6 +22,8 @@ from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.agreed_contact import BodyChange, ContactChange
 from restshape.physics.cloth.sensitivity.agreed_layers import AgreedLayers
 from restshape.physics.cloth.sensitivity.fabric_rates import fabric_rates
+from restshape.physics.cloth.sensitivity.hand_rates import hand_rates
+from restshape.physics.cloth.sensitivity.pattern_numbers import draws, lays, pattern_motion
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
 from restshape.physics.cloth.sensitivity.scene_numbers import SILENT, TABLES, ChangingNumber, is_measure
 from restshape.physics.cloth.thin_bodies import borne
@@ -36,9 +38,6 @@ from restshape.shape.placement import rotation, rotation_rates
 
 CHANGING = (*(table for table in TABLES if table != "parameters"), "mesh")
 """Tables whose numbers change a drape: one that a formula gives must be a formula still for its rate to count."""
-
-PATTERN = {"shape": "shapes the cloth", "panels": "places or shapes a panel", "darts": "cuts or folds the pattern"}
-"""What numbers of the tables do that draw the pattern."""
 
 
 def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple[np.ndarray, np.ndarray]:
@@ -58,7 +57,6 @@ def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple
 
     Source: docs/theory/design-derivative.md.
     """
-    _require_no_pattern(key)
     number = ChangingNumber(state.scene, state.plan, key)
     _require_known(state, number)
     problem, x = state.problem, state.x
@@ -72,15 +70,10 @@ def scene_rates(state: RelaxationState, tangent: RestTangent, key: str) -> tuple
         out += tangent.contact.rates(change=_contact_change(state, number))
     if problem.self_contact and problem.self_contact.active:
         out += _layer_forces(state, tangent.layers, number, fabric)
+    if (moved := pattern_motion(problem.mesh, number)) is not None:
+        forces, places = hand_rates(state, tangent, moved)
+        return out + forces, prescribed + places
     return out, prescribed
-
-
-def _require_no_pattern(key: str) -> None:
-    """Refuse numbers that draw the pattern: its mesh moves with them."""
-    table = key.partition(".")[0]
-    if table in PATTERN:
-        what = f"drapes have no derivative by {key}, which {PATTERN[table]}"
-        raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
 
 
 def _require_known(state: RelaxationState, number: ChangingNumber) -> None:
@@ -88,6 +81,8 @@ def _require_known(state: RelaxationState, number: ChangingNumber) -> None:
     parts = number.key.split(".")
     if number.key == "effects.contact.self_thickness" or parts[:2] in (["effects", "cloth"], ["effects", "drape"]):
         raise UserError(f"drapes have no derivative by {number.key}", "--by", "name another number")
+    if lays(parts):
+        raise UserError(f"drapes have no derivative by {number.key}, which lays a panel", "--by", "name another number")
     if is_measure(parts):
         raise UserError(*_resizes(number.key, ".".join(parts)))
     if _places_supported(state, tuple(parts)):
@@ -127,9 +122,11 @@ def _require_formulas(state: RelaxationState, number: ChangingNumber) -> None:
             raise UserError(*_resizes(number.key, where))
         if _places_supported(state, given.key):
             raise UserError(*_wraps(number.key, given.key[1]))
-        if table in PATTERN:
-            what = f"{number.key} gives {where}: the pattern, which a hand differentiates by"
-            raise UserError(what, "--by", "take hold of the pattern instead, or name another number")
+        if lays(given.key):
+            what = f"{number.key} gives {where}, by which drapes have no derivative: it lays a panel"
+            raise UserError(what, "--by", "name another number")
+        if draws(given.key):
+            continue
         now = value_below(effects if table == "effects" else scene, given.key[table == "effects" :])
         if table in CHANGING and given.key[-1] not in SILENT and not isinstance(now, Expression):
             what = f"drapes have no derivative by {number.key}, of which the formula of {where} is made"
