@@ -182,7 +182,7 @@ def test_check_shows_seams_by_the_keys_of_the_scene(tmp_path, capsys):
     assert check(path, "--json", tmp_path / "check.json") == 0
     assert "from (left), to (right), ease 0.02" in capsys.readouterr().out
     found = json.loads((tmp_path / "check.json").read_text())
-    assert found["seams"] == {"side": {"from": ["left"], "to": ["right"], "ease": 0.02, "slack": 0.0}}
+    assert found["seams"] == {"side": {"from": ["left"], "to": ["right"], "ease": 0.02, "slack": 0.0, "pleats": {}}}
 
 
 def test_the_schema_takes_gravity_in_the_plane_and_in_space():

@@ -247,10 +247,12 @@ def hung_energy() -> float:
 def gathered(comm: PETSc.Comm) -> list[Check]:
     """A frill sewn to a side that is held: its edge, a fifth longer, has the length of that side; with slack its own.
 
-    Without slack all of its nodes are on the line of the side, evenly: it is shorter in its plane. With it, it folds.
+    Without slack all of its nodes are on the line of the side, evenly: it is shorter in its plane. With it, it folds. A
+    pleat takes in what is too long: three layers lie on the line, and none of them is shorter.
     """
     tied, taut = edge_of_frill("", comm)
     free, folded = edge_of_frill('slack = "8 mm"\n', comm)
+    sewn, pleated = edge_of_frill("pleats.middle = { at = 0.5, depth = 0.01 }\n", comm)
     source, own = "the side that it is sewn to", "cloth that folds keeps its length"
     share = SHORT / LONG
     return [
@@ -259,13 +261,16 @@ def gathered(comm: PETSc.Comm) -> list[Check]:
         Check("largest part", float((tied / taut).max()), share, 2e-3, source, CLOSED_FORM),
         Check("slack of 8 mm: length of the edge [m]", float(free.sum()), LONG, 5e-3, own, CLOSED_FORM),
         Check("slack of 8 mm: least part", float((free / folded).min()), 1.0, 5e-3, own, CLOSED_FORM),
+        Check("a pleat of 10 mm: length of the edge [m]", float(sewn.sum()), LONG, 1e-4, own, CLOSED_FORM),
+        Check("a pleat of 10 mm: least part", float((sewn / pleated).min()), 1.0, 1e-3, own, CLOSED_FORM),
+        Check("a pleat of 10 mm: largest part", float((sewn / pleated).max()), 1.0, 1e-3, own, CLOSED_FORM),
     ]
 
 
-def edge_of_frill(slack: str, comm: PETSc.Comm) -> tuple[np.ndarray, np.ndarray]:
+def edge_of_frill(keys: str, comm: PETSc.Comm) -> tuple[np.ndarray, np.ndarray]:
     """Lengths (k,) [m] of the mesh's edges along its sewn side, at rest and in the pattern."""
     panels = rectangle("band", (0, SHORT), (0, 0.02), MEMBRANE) + rectangle("frill", (0, LONG), (-0.04, 0), MEMBRANE)
-    seam = f'[seams.gather]\nfrom = "frill.top"\nto = "band.bottom"\nease = 0.2\n{slack}'
+    seam = f'[seams.gather]\nfrom = "frill.top"\nto = "band.bottom"\nease = 0.2\n{keys}'
     pins = '[supports.pins]\non = "band"\nfix = ["x", "y", "z"]\n[start]\nscatter = "1 mm"\n[effects.gravity]\n'
     analysis = frame_of(HEAD + panels + seam + pins + '[mesh]\nsize = "10 mm"\n', comm)
     problem = analysis.problem

@@ -10,7 +10,7 @@ from restshape.errors import UserError
 from restshape.scene.dart_keys import END, IMAGE, Dart, Pair, PlacedDart
 from restshape.scene.panels import frames_of, panels_of
 from restshape.scene.plain_values import Table, table_in
-from restshape.scene.seam_keys import Seam
+from restshape.scene.seam_keys import Seam, placed_pleats
 from restshape.scene.unfolding import reflection
 
 if TYPE_CHECKING:
@@ -29,12 +29,15 @@ def darts_of(scene: Scene) -> Mapping[str, Dart]:
 
 
 def with_darts(scene: Scene) -> Scene:
-    """The scene whose shape has its darts, and whose seams are those of the darts, too.
+    """The scene whose shape has its darts and pleats, and whose seams are those of the darts, too.
 
     Raises:
-        UserError: a dart has no place in the shape, or a seam has its name.
+        UserError: a dart has no place in the shape, a seam has its name, or a pleat has no edge.
     """
     darts = darts_of(scene)
+    pleats = placed_pleats(getattr(scene, scene.tables[Seam])) if Seam in scene.tables else ()
+    if pleats:
+        scene = scene.model_copy(update={"shape": scene.shape.with_pleats(pleats)})
     if not darts:
         return scene
     placed = [one for name, dart in darts.items() for one in _placed(scene, name, dart)]

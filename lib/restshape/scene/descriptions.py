@@ -85,7 +85,10 @@ def _keys(model: BaseModel, prefix: str, parameters: Mapping[str, float] | None)
         value = getattr(model, key)
         if isinstance(value, BaseModel):
             found += _keys(value, f"{prefix}{info.alias or key}.", parameters)
-        elif value is not None and not isinstance(value, Mapping):
+        elif isinstance(value, Mapping):
+            tables = [(name, one) for name, one in value.items() if isinstance(one, BaseModel)]
+            found += [row for name, one in tables for row in _keys(one, f"{prefix}{key}.{name}.", parameters)]
+        elif value is not None:
             found.append(
                 (f"{prefix}{info.alias or key}", with_symbol(value, dimension_of(annotation_of(info)), parameters))
             )

@@ -20,6 +20,7 @@ from restshape.scene.expressions import Value
 from restshape.scene.load_kind import LoadKind
 from restshape.scene.materials import named
 from restshape.scene.plain_values import Table
+from restshape.scene.pleat_keys import PlacedPleat
 from restshape.scene.quantity import Quantity
 from restshape.scene.shape_edges import EdgeSpec, tag_by_key
 from restshape.scene.source import Source, split_key
@@ -137,6 +138,7 @@ class ShapeSpec(Strict):
     points: dict[PartName, Point] = {}
     groups: dict[PartName, Annotated[list[str], Field(min_length=1)]] = {}
     _darts: tuple[PlacedDart, ...] = PrivateAttr(())
+    _pleats: tuple[PlacedPleat, ...] = PrivateAttr(())
 
     @model_validator(mode="after")
     def _reads_a_file(self) -> Self:
@@ -154,6 +156,17 @@ class ShapeSpec(Strict):
         """This shape with darts, whose parts have names in it."""
         found = self.model_copy()
         found._darts = darts
+        return found
+
+    @property
+    def pleats(self) -> tuple[PlacedPleat, ...]:
+        """Where its edges are folded as they are sewn."""
+        return self._pleats
+
+    def with_pleats(self, pleats: tuple[PlacedPleat, ...]) -> Self:
+        """This shape with pleats, whose folds are vertices of it."""
+        found = self.model_copy()
+        found._pleats = pleats
         return found
 
     @property
@@ -175,6 +188,7 @@ class ShapeSpec(Strict):
         former = {edge.part_of: "edge" for edge in self.edges.values() if edge.part_of is not None}
         for dart in self._darts:
             kinds |= dart.kinds()
+        kinds |= {fold: "vertex" for pleat in self._pleats for fold in pleat.folds}
         return former | kinds | {"outline": "outline", "all": "all"}
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from restshape.errors import UserError
 from restshape.scene.plain_values import Table
+from restshape.scene.pleat_keys import PlacedPleat, Pleat
 from restshape.scene.units import UnitError
 from restshape.scene.values import Entities, Length, Number, Pressure, Strict
 
@@ -26,6 +28,7 @@ class Seam(Strict):
         stitched: "flat", the cloth bends across the seam as if it went on; left out, it turns there freely.
         stiffness: of the springs by length [N/m^2]; left out, 100 times the membrane's over the mesh size.
         slack: distance [m] between both sides up to which the seam does not pull: what is gathered folds within it.
+        pleats: folds of the first side, by name.
     """
 
     start: Annotated[Entities, Field(alias="from", description="the edges of the first side")]
@@ -35,6 +38,7 @@ class Seam(Strict):
     stitched: Literal["flat"] | None = None
     stiffness: Annotated[Pressure, Field(gt=0)] | None = None
     slack: Annotated[Length, Field(ge=0)] = 0.0
+    pleats: dict[str, Pleat] = Field(default_factory=dict)
 
     @property
     def sides(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -53,9 +57,31 @@ class Seam(Strict):
         twice = next((name for name in both if both.count(name) > 1), None)
         if twice is not None:
             raise UnitError(f"the edge {twice!r} would be sewn to itself", "name each edge once in a seam")
+        if self.pleats and self.stitched is not None:
+            raise UnitError("nothing bends across a seam with pleats, of three layers", "leave `stitched` out")
         return self
 
 
 def edges_of(names: str | Sequence[str]) -> tuple[str, ...]:
     """One name, or several, as a tuple."""
     return (names,) if isinstance(names, str) else tuple(names)
+
+
+def placed_pleats(seams: Mapping[str, Seam]) -> tuple[PlacedPleat, ...]:
+    """All pleats of a scene's seams.
+
+    Raises:
+        UserError: one does not say on which of several edges it is, or names one that is not of its seam.
+    """
+    found = []
+    for name, seam in seams.items():
+        edges, _ = seam.sides
+        for key, pleat in seam.pleats.items():
+            edge = edges[0] if pleat.edge is None and len(edges) == 1 else pleat.edge
+            if edge not in edges:
+                what = (
+                    "the pleat does not say on which edge it is" if edge is None else f"{edge!r} is no edge of `from`"
+                )
+                raise UserError(what, f"seams.{name}.pleats.{key}.edge", f"name one of {', '.join(edges)}")
+            found.append(PlacedPleat(name, key, pleat, edge))
+    return tuple(found)

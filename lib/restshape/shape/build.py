@@ -1,5 +1,7 @@
 """Outlines from what a scene says about its shape."""
 
+# More than 15 modules: all that draws a shape enters here.
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -22,6 +24,7 @@ from restshape.shape.dart_corners import dart_named, with_darts
 from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_polygon
 from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
+from restshape.shape.pleat_folds import with_pleats
 from restshape.shape.validity import problem
 
 Arguments = ParamSpec("Arguments")
@@ -58,7 +61,7 @@ def unchecked_outline(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     draft.groups = {name: tuple(parts) for name, parts in spec.groups.items()}
     outline = _located("shape", draft.outline)
     _check_groups(outline)
-    return with_darts(outline, spec.darts)
+    return with_pleats(with_darts(outline, spec.darts), spec.pleats)
 
 
 def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
@@ -105,7 +108,7 @@ def with_file(spec: ShapeSpec, scene_dir: Path) -> ShapeSpec:
     for key in ("vertices", "edges", "holes", "regions", "groups"):
         merged[key] = {**table_in(read, key), **table_in(own, key)}
     try:
-        return type(spec).model_validate(merged).with_darts(spec.darts)
+        return type(spec).model_validate(merged).with_darts(spec.darts).with_pleats(spec.pleats)
     except ValidationError as error:
         raise user_error(error, Source(scene_dir / spec.file), type(spec), ("shape",)) from error
 

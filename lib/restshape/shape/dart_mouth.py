@@ -231,13 +231,25 @@ def _place(outline: Outline, entity: Entity, placed: PlacedDart) -> tuple[int, f
     if placed.line is not None:
         return nearest(outline, entity, np.array(placed.line[0]))
     assert placed.at is not None, "without a line there is a place"
-    pieces, begins, total = _along(outline, entity)
-    wanted = placed.at * total
+    edge, s = place_along(outline, entity, placed.at * length_along(outline, entity))
+    if edge is None:
+        what = f"another dart is at that place of the edge {placed.edge!r}"
+        raise UserError(what, f"{placed.where}.at", "move one of them along the edge")
+    return edge, s
+
+
+def length_along(outline: Outline, entity: Entity) -> float:
+    """The length [m] of an edge, mouths of darts counted."""
+    return _along(outline, entity)[2]
+
+
+def place_along(outline: Outline, entity: Entity, wanted: float) -> tuple[int | None, float]:
+    """The edge, or piece of one, and the parameter on it at a length [m] along it; None in the mouth of a dart."""
+    pieces, begins, _ = _along(outline, entity)
     k = max(int(np.searchsorted(begins, wanted, side="right")) - 1, 0)
     piece, along = pieces[k], wanted - begins[k]
     if along > piece.room * (1.0 + END):
-        what = f"another dart is at that place of the edge {placed.edge!r}"
-        raise UserError(what, f"{placed.where}.at", "move one of them along the edge")
+        return None, 0.0
     return piece.edge, float(np.interp(along, piece.lengths, piece.params))
 
 

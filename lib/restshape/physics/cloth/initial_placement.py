@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.seam_lines import pleated_lines
 from restshape.scene.model import Scene
 from restshape.shape.panel_placement import PatternPlacement
 
 ALL = slice(None)
 SLOPE = 0.2
-"""Of the cloth in folded darts at first: behind the rest, over the distance from the nearer leg."""
+"""Of the cloth in folded darts at first: behind the rest, over the distance from the nearer leg; and in pleats."""
+FAR = 4.0
+"""How far pleats are begun away from their seam, over their depth."""
 
 
 class InitialPlacement:
@@ -22,7 +25,7 @@ class InitialPlacement:
 
     def __init__(self, scene: Scene) -> None:
         self._pattern = PatternPlacement(scene)
-        self.start = self._pattern.start
+        self.start, self._scene = self._pattern.start, scene
         self._darts = [dart for dart in scene.shape.darts if dart.dart.folded]
 
     def coordinates(self, mesh: Mesh, nodes: np.ndarray | slice = ALL) -> np.ndarray:
@@ -47,14 +50,32 @@ class InitialPlacement:
             inside = np.setdiff1d(mesh.nodes_of(dart.name), legs)
             if not len(inside):
                 continue
-            away = _distances(mesh.X[inside], mesh.X[legs])
+            away, _, _ = _nearest(mesh.X[inside], mesh.X[legs])
             x, y = (self.directions(mesh, inside, np.tile(axis, (len(inside), 1))) for axis in np.eye(2))
             places[inside] -= SLOPE * away[:, None] * np.cross(x, y)
+
+    def _begin_pleats(self, mesh: Mesh, places: np.ndarray) -> None:
+        """Let cloth, at places (n, 3) that are changed, begin in waves that fold to pleats as their seams close."""
+        if not any(seam.pleats for seam in self._scene.seams.values()):
+            return
+        for line, pleats in pleated_lines(self._scene, mesh, places):
+            lengths = line.lengths(mesh.X)
+            edges = np.flatnonzero(line.along)
+            ends = np.stack([mesh.X[line.nodes[edges]], mesh.X[line.nodes[edges + 1]]], axis=1)
+            piece = mesh.node_piece[line.nodes[0]]
+            own = np.flatnonzero(mesh.node_piece == piece)
+            away, nearest, share = _nearest(mesh.X[own], ends)
+            along = lengths[edges[nearest]] + share * np.diff(lengths)[edges[nearest]]
+            fades = np.clip(1.0 - away / (FAR * np.max(lengths[pleats.second] - lengths[pleats.first])), 0.0, None)
+            height = SLOPE * fades * pleats.heights(along, lengths)
+            x, y = (self.directions(mesh, own, np.tile(axis, (len(own), 1))) for axis in np.eye(2))
+            places[own] += height[:, None] * np.cross(x, y)
 
     def scattered(self, mesh: Mesh) -> np.ndarray:
         """Places (n, 3) [m] of a mesh's nodes, with the scatter of the start."""
         places = self.places(mesh)
         self._begin_folds(mesh, places)
+        self._begin_pleats(mesh, places)
         if self.start.scatter:
             random = np.random.default_rng(self.start.seed).uniform(-1.0, 1.0, places.shape)
             # In an order that does not hang on the number of ranks.
@@ -62,9 +83,12 @@ class InitialPlacement:
         return places
 
 
-def _distances(points: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Distances (k,) of points (k, 2) from the nearest of segments (m, 2, 2)."""
+def _nearest(points: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of points (k, 2): distances (k,) from the nearest of segments (m, 2, 2), which, and where on it (0 to 1)."""
     along = ends[:, 1] - ends[:, 0]
     off = points[:, None] - ends[:, 0]
     share = np.clip(np.einsum("kmi,mi->km", off, along) / np.einsum("mi,mi->m", along, along), 0.0, 1.0)
-    return np.linalg.norm(off - share[..., None] * along, axis=2).min(axis=1)
+    far = np.linalg.norm(off - share[..., None] * along, axis=2)
+    nearest = far.argmin(axis=1)
+    every = np.arange(len(points))
+    return far[every, nearest], nearest, share[every, nearest]

@@ -56,6 +56,9 @@ def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
         if seam.stitched == "flat" and inner is not None:
             what = f"the edge {inner!r} lies inside a panel, where the cloth goes on: nothing bends across a seam there"
             raise source.error(("seams", name, "stitched"), what, "take out stitched")
+        if seam.pleats and (inner := next((edge for edge in seam.sides[0] if edge in inside), None)) is not None:
+            what = f"the edge {inner!r} lies inside a panel, where the cloth goes on: it has no pleats there"
+            raise source.error(("seams", name, "pleats"), what, "take out the pleats, or let the seam begin at an edge")
         for other in scene.seams:
             if other == name:
                 break

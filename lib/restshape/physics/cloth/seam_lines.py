@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.pleats import Pleats
 from restshape.scene.model import Scene
 from restshape.scene.seam_keys import Seam
 
@@ -61,6 +63,7 @@ class SeamPair:
         size: of the mesh [m], where it is given; else of its edges there.
         flat: the cloth bends across it.
         slack: distance across it up to which its springs do not pull [m].
+        pleats: of the first side, as it is in this order; None: it has none.
     """
 
     name: str
@@ -71,6 +74,7 @@ class SeamPair:
     size: float
     flat: bool = False
     slack: float = 0.0
+    pleats: Pleats | None = None
 
     def joins_the_same(self, other: SeamPair) -> bool:
         """Whether the other one joins the same nodes of the mesh in the same order, and bends alike."""
@@ -100,7 +104,40 @@ def _pair(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float, name: s
     second = second.reversed if turned else second
     size = scene.mesh.size or float(np.mean([np.diff(line.lengths(mesh.X)).mean() for line in (first, second)]))
     stiffness, flat = seam.stiffness or STIFFER * stiffest / size, seam.stitched == "flat"
-    return SeamPair(name, first, second, stiffness, seam.ease, size, flat, seam.slack)
+    pleats = _pleats(scene, mesh, name, first) if seam.pleats else None
+    return SeamPair(name, first, second, stiffness, seam.ease, size, flat, seam.slack, pleats)
+
+
+def pleated_lines(scene: Scene, mesh: Mesh, placed: np.ndarray) -> Iterator[tuple[SeamLine, Pleats]]:
+    """The sides of seams that have pleats, and these; arguments as of `seam_pairs`."""
+    for name, seam in scene.seams.items():
+        if seam.pleats:
+            line = _line(mesh, placed, seam.sides[0], f"seams.{name}.from")
+            yield line, _pleats(scene, mesh, name, line)
+
+
+def _pleats(scene: Scene, mesh: Mesh, name: str, line: SeamLine) -> Pleats:
+    """The pleats of a seam along its first side.
+
+    Raises:
+        UserError: two lie on each other, or one reaches beyond an end of the seam as it is laid.
+    """
+    place = {node: k for k, node in enumerate(line.nodes.tolist())}
+    placed = [one for one in scene.shape.pleats if one.seam == name]
+    folds = np.array([[place[int(mesh.nodes_of(fold)[0])] for fold in one.folds] for one in placed])
+    rise = np.where(folds[:, 0] < folds[:, 1], 1.0, -1.0) * [
+        1.0 if one.pleat.toward == "end" else -1.0 for one in placed
+    ]
+    order = np.argsort(folds.min(axis=1))
+    found = Pleats(folds.min(axis=1)[order], folds.max(axis=1)[order], rise[order])
+    if (found.first[1:] < found.second[:-1]).any():
+        raise UserError("two pleats overlap", f"seams.{name}.pleats", "move one of them, or make one less deep")
+    places = found.places(line.lengths(mesh.X))
+    beyond = max(float(-places.min()), float((places - places[-1]).max()))
+    if beyond > 0.0:
+        what = f"a pleat, as it is laid, reaches {1e3 * beyond:.3g} mm beyond an end of the seam"
+        raise UserError(what, f"seams.{name}.pleats", "move it away from that end, or make it less deep")
+    return found
 
 
 def turned_round(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine) -> bool:

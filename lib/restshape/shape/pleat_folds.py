@@ -1,0 +1,43 @@
+"""Outlines with vertices at the folds of pleats, so that meshes have nodes there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from restshape.errors import UserError
+from restshape.scene.pleat_keys import PlacedPleat
+from restshape.shape.dart_mouth import length_along, place_along
+from restshape.shape.outline import Outline
+from restshape.shape.topology_edits import insert
+
+
+def with_pleats(outline: Outline, pleats: Sequence[PlacedPleat]) -> Outline:
+    """The outline with both folds of each pleat; those whose vertices are there already stay.
+
+    Raises:
+        UserError: a pleat has no place on its edge.
+    """
+    for one in pleats:
+        entity = outline.entity(one.edge)
+        if not entity.edges or entity.vertices or entity.loops:
+            raise UserError(f"the pleat is to be on {one.edge!r}, which is no edge", one.where, "name an edge")
+        length = length_along(outline, entity)
+        middle, half = one.pleat.at * length, 0.5 * one.pleat.depth
+        if middle - half <= 0.0 or middle + half >= length:
+            what = f"the pleat reaches beyond an end of {one.edge!r}, which is {1e3 * length:.4g} mm long"
+            raise UserError(what, one.where, "change `at`, or make it less deep")
+        for name, place in zip(one.folds, (middle - half, middle + half)):
+            if name not in outline.vertex_names:
+                outline = _with_fold(outline, one, name, place)
+    return outline
+
+
+def _with_fold(outline: Outline, one: PlacedPleat, name: str, place: float) -> Outline:
+    """The outline with a vertex at a length [m] along the edge of a pleat."""
+    edge, s = place_along(outline, outline.entity(one.edge), place)
+    if edge is None:
+        raise UserError(f"a dart is where the pleat folds {one.edge!r}", one.where, "move one of them along the edge")
+    try:
+        return insert(outline, outline.edges[edge].name, name, s=s)
+    except UserError as error:
+        raise UserError(f"the pleat has no fold there: {error.what}", one.where, "move it along the edge") from None
