@@ -131,7 +131,7 @@ def _write(pattern: Pattern, path: Path, title: str, allowance: float, paper: st
         from restshape.export.seam_allowance import holes_noted
 
         sheets = write_tiles(pattern, path, paper, allowance, title)
-        holes = holes_noted(pattern) if allowance else []
+        holes = holes_noted(pattern, allowance) if allowance else []
         return [f"{counted(sheets, 'sheet')} of {paper}, after a page with their places and a square of 100 mm", *holes]
     if kind == ".toml":
         from restshape.export.pattern_scene import write_pattern_scene

@@ -11,10 +11,10 @@ import pytest
 from restshape.export.pattern_drawings import write_pattern_dxf
 from restshape.export.pattern_scene import pattern_of_scene
 from restshape.export.pattern_svg_file import write_pattern_svg
-from restshape.export.seam_allowance import cut_lines
+from restshape.export.seam_allowance import cut_lines, hole_cut_lines
 from restshape.scene.load import load_scene
 from restshape.shape.pattern import Pattern, PatternPiece, Stitch
-from restshape.shape.pattern_drawing import CUT, INTERNAL, NOTCH, read_pattern_dxf
+from restshape.shape.pattern_drawing import CUT, CUTOUT, INTERNAL, NOTCH, SEW, read_pattern_dxf
 from restshape.shape.pattern_notes import kept
 from restshape.shape.pattern_pieces import is_in
 from restshape.shape.pattern_svg import read_pattern_svg
@@ -148,12 +148,43 @@ def test_a_region_at_the_border_is_drawn_as_lines_and_noted(tmp_path, write, rea
     assert any("the seam 'inner', whose edge front.m is not there" in note for note in found.notes)
 
 
-@BOTH
-def test_sewn_holes_have_no_allowance_which_a_note_says(tmp_path, write, read, name):
-    hole = {"holes": {"eye": {"circle": {"center": [0.1, 0.1], "radius": 0.02}}}}
+def with_eye(radius: float) -> Pattern:
+    """The pattern with a round hole in front, sewn on one of its four edges."""
+    hole = {"holes": {"eye": {"circle": {"center": [0.1, 0.1], "radius": radius}}}}
     pieces = (replace(TWO.pieces[0], shape=TWO.pieces[0].shape | hole), TWO.pieces[1])
-    sewn = replace(TWO, pieces=pieces, stitches=(Stitch(("front.eye.1",), ("back.e3",), name="s"),))
-    note = "no allowance at sewn holes, whose lines are those of their seams: front.eye"
-    assert write(sewn, tmp_path / name, 0.01) == [note]
-    assert write(sewn, tmp_path / name) == []
-    assert write(replace(TWO, pieces=pieces), tmp_path / name, 0.01) == []
+    return replace(TWO, pieces=pieces, stitches=(Stitch(("front.eye.1",), ("back.e3",), name="s"),))
+
+
+@BOTH
+def test_a_sewn_hole_comes_back_as_its_seam_with_and_without_an_allowance(tmp_path, write, read, name):
+    narrow = "no cut line in sewn holes narrower than two allowances: front.eye"
+    for allowance, notes in ((0.0, []), (0.01, []), (0.025, [narrow])):
+        assert write(with_eye(0.02), tmp_path / name, allowance) == notes
+        found = read(tmp_path / name)
+        assert [one.name for one in found.pieces] == ["front", "back"] and found.notes == ()
+        assert found.piece("front").outline().area() == pytest.approx(0.09 - math.pi * 0.02**2)
+        assert [one.name for one in found.stitches] == ["s"]
+
+
+def test_the_cut_line_of_a_sewn_hole_lies_inside_at_the_allowance(tmp_path):
+    write_pattern_dxf(with_eye(0.02), tmp_path / "p.dxf", 0.008)
+    block = list(ezdxf.readfile(tmp_path / "p.dxf").blocks.get("front"))
+    (cut,) = [one for one in block if one.dxf.layer == CUTOUT]
+    away = np.array(cut.get_points("xy")) - (100.0, 100.0)
+    assert np.hypot(*away.T) == pytest.approx(12.0, abs=0.02)
+    assert len([one for one in block if one.dxf.layer == SEW]) == 8
+    outline = with_eye(0.02).pieces[0].outline()
+    (hole,) = [loop for loop in outline.loops if loop.kind == "hole"]
+    assert len(hole_cut_lines(outline, hole, 0.0185, "front")) == 1
+    assert hole_cut_lines(outline, hole, 0.02, "front") == []
+
+
+def test_a_dxf_has_no_error_and_its_pieces_are_on_the_standard_s_layers(tmp_path):
+    """By ezdxf's audit; numbers of layers as ASTM D6673 has them."""
+    write_pattern_dxf(with_eye(0.02), tmp_path / "p.dxf", 0.008)
+    drawing = ezdxf.readfile(tmp_path / "p.dxf")
+    audit = drawing.audit()
+    assert not audit.errors and not audit.fixes
+    used = {one.dxf.layer for block in ("front", "back") for one in drawing.blocks.get(block)}
+    assert used == {"1", "4", "7", "11", "14", "15"} <= {one.dxf.name for one in drawing.layers}
+    assert all(one.dxftype() in ("INSERT", "TEXT") for one in drawing.modelspace())

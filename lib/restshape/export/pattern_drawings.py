@@ -13,7 +13,7 @@ from ezdxf import units
 from restshape.arrays import Reals
 from restshape.export.dxf_drawing import MM, draw_edge
 from restshape.export.pattern_marks import edge_labels, grain_line, notches
-from restshape.export.seam_allowance import cut_lines, holes_noted
+from restshape.export.seam_allowance import cut_lines, hole_cut_lines, holes_noted, sewn_holes
 from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.shape.outline import Outline
@@ -35,11 +35,12 @@ def write_pattern_dxf(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
     """Writes a pattern, a block a piece; what it leaves out.
 
     Layer 1 has the cut line, layer 14 the line of the seams: the same border without an allowance. Layer 4 has notches
-    at the ends of seams and points of the shape, 7 the grain, 8 regions, 11 holes, 15 the names of seams. Curves are
-    as they are: LINE, ARC, SPLINE, LWPOLYLINE. Names of edges, seams, and where pieces lie in space are extended data.
+    at the ends of seams and points of the shape, 7 the grain, 8 regions, 11 holes, 15 the names of seams. With an
+    allowance the seams of sewn holes are on layer 14, too, and their cut lines on 11. Curves stay what they are: LINE,
+    ARC, SPLINE, LWPOLYLINE. Names of edges, seams, and where pieces lie in space are extended data.
 
     Args:
-        pattern: to write; path: of the file; allowance: outside of pieces [m]; holes have none.
+        pattern: to write; path: of the file; allowance: outside of pieces, and inside of sewn holes [m].
 
     Raises:
         UserError: an allowance cannot be made.
@@ -65,19 +66,24 @@ def write_pattern_dxf(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
             keep(insert, where)
     with replacing(path) as part:
         drawing.saveas(part)
-    return [*left_out(pattern, outlines), *(holes_noted(pattern) if allowance else [])]
+    return [*left_out(pattern, outlines), *(holes_noted(pattern, allowance) if allowance else [])]
 
 
 def _draw_piece(block: Any, piece: PatternPiece, outline: Outline, parts: Parts, allowance: float) -> None:
     cut = cut_lines(outline, allowance, piece.name) if allowance else []
     for line in cut:
         block.add_lwpolyline((MM * line).tolist(), close=True, dxfattribs={"layer": CUT})
+    sewn = sewn_holes(outline, piece.name, parts) if cut else []
+    for loop in sewn:
+        for line in hole_cut_lines(outline, loop, allowance, piece.name):
+            block.add_lwpolyline((MM * line).tolist(), close=True, dxfattribs={"layer": CUTOUT})
     drawn: set[int] = set()
     for loop in outline.loops:
         own = [e for e, _ in loop.edges if e not in drawn]
         drawn.update(own)
         border = (SEW,) if cut else (CUT, SEW)
-        for layer in border if loop.kind == "outline" else (LAYER_OF[loop.kind],):
+        inside = SEW if loop in sewn else LAYER_OF.get(loop.kind, SEW)
+        for layer in border if loop.kind == "outline" else (inside,):
             for e in own:
                 draw_edge(block, outline, e, {"layer": layer})
                 edge = f"{piece.name}.{outline.edges[e].name}"

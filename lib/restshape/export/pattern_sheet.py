@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from restshape.arrays import Reals
 from restshape.export.pattern_marks import edge_labels, grain_line, notches
-from restshape.export.seam_allowance import cut_lines
+from restshape.export.seam_allowance import cut_lines, hole_cut_lines, sewn_holes
 from restshape.scene.pattern_packing import PanelBounds, Where, packed
-from restshape.shape.outline import Outline
+from restshape.shape.outline import Loop, Outline
 from restshape.shape.pattern import Pattern, PatternPiece
 from restshape.shape.seam_parts import SeamPart, seam_colours, seam_names, seam_parts
 
@@ -70,7 +70,7 @@ def pattern_sheet(pattern: Pattern, allowance: float) -> PatternSheet:
     Lines of seams are dashed inside of the cut line of an allowance, and have the colours of their seams.
 
     Args:
-        pattern: to draw; allowance: outside of pieces [m], or 0; holes have none.
+        pattern: to draw; allowance: outside of pieces, and inside of sewn holes [m], or 0.
 
     Raises:
         UserError: an allowance cannot be made.
@@ -103,7 +103,12 @@ def _draw(
     """Adds a piece, moved by a shift (2,) [m]."""
     for line in cut_lines(outline, allowance, piece.name) if allowance else []:
         sheet.lines.append(SheetLine(MM * (np.vstack([line, line[:1]]) + shift), 1.0))
-    _draw_edges(sheet, piece.name, outline, shift, parts, allowance)
+    sewn = sewn_holes(outline, piece.name, parts) if allowance else []
+    for loop in sewn:
+        for line in hole_cut_lines(outline, loop, allowance, piece.name):
+            sheet.lines.append(SheetLine(MM * (np.vstack([line, line[:1]]) + shift), 1.0))
+    dashed = {"outline", *(loop.name for loop in sewn)} if allowance else ()
+    _draw_edges(sheet, piece.name, outline, shift, parts, dashed)
     for notch in notches(outline, piece.name, parts):
         start, length = MM * (notch.place + shift), MM * allowance or NOTCH
         ends = np.array([start, start + length * notch.outward])
@@ -127,9 +132,9 @@ def _draw_edges(
     outline: Outline,
     shift: Reals,
     parts: Mapping[str, Sequence[SeamPart]],
-    allowance: float,
+    dashed: Collection[str],
 ) -> None:
-    """Adds the edges of a piece: its border, holes and regions."""
+    """Adds the edges of a piece: its border, holes and regions; dashed are those of "outline", or of holes by name."""
     drawn: set[int] = set()
     for loop in outline.loops:
         for e, _ in loop.edges:
@@ -137,7 +142,7 @@ def _draw_edges(
                 continue
             drawn.add(e)
             sewn = parts.get(f"{name}.{outline.edges[e].name}", ())
-            dashes = DOTTED if loop.kind == "region" else DASHED if allowance and loop.kind == "outline" else SOLID
+            dashes = DOTTED if loop.kind == "region" else DASHED if _within(loop, dashed) else SOLID
             colour = sheet.seams[sewn[0].seam] if sewn else INK
             points = MM * (outline.polyline(e, CHORD) + shift)
             sheet.lines.append(SheetLine(points, 0.5 if loop.kind == "region" else 0.8, colour, dashes))
@@ -145,6 +150,11 @@ def _draw_edges(
         place = MM * (outline.points[vertex] + shift)
         for way in ((2.0, 0.0), (0.0, 2.0)):
             sheet.lines.append(SheetLine(np.array([place - way, place + way]), 0.5))
+
+
+def _within(loop: Loop, names: Collection[str]) -> bool:
+    """Whether a loop is in a set of names, the border of a piece as "outline"."""
+    return ("outline" if loop.kind == "outline" else loop.name) in names
 
 
 def _arrow(ends: Reals) -> list[SheetLine]:

@@ -13,7 +13,7 @@ from restshape.arrays import Reals
 from restshape.export.dxf_drawing import MM
 from restshape.export.pattern_drawings import LETTERS, Parts, left_out, side_by_side
 from restshape.export.pattern_marks import edge_labels, grain_line, notches
-from restshape.export.seam_allowance import cut_lines, holes_noted
+from restshape.export.seam_allowance import cut_lines, hole_cut_lines, holes_noted, sewn_holes
 from restshape.export.svg_drawing import path_of, svg_head
 from restshape.outputs.atomic_files import write_whole
 from restshape.shape.outline import Outline
@@ -56,7 +56,7 @@ def write_pattern_svg(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
         lines += [*_loops(piece.name, outline, parts, colours), *_marks(piece, outline, parts, colours, allowance)]
         lines.append("</g>")
     write_whole(path, "\n".join([*lines, "</svg>", ""]))
-    return [*left_out(pattern, outlines), *(holes_noted(pattern) if allowance else [])]
+    return [*left_out(pattern, outlines), *(holes_noted(pattern, allowance) if allowance else [])]
 
 
 def _metadata(pattern: Pattern) -> dict[str, object]:
@@ -99,7 +99,10 @@ def _marks(
 ) -> list[str]:
     """The group of all that is no part of the shape: cut lines, notches, the grain, names of seams."""
     lines = [f'<g class="{NO_SHAPE}">']
-    for line in cut_lines(outline, allowance, piece.name) if allowance else []:
+    cut = cut_lines(outline, allowance, piece.name) if allowance else []
+    for loop in sewn_holes(outline, piece.name, parts) if allowance else []:
+        cut += hole_cut_lines(outline, loop, allowance, piece.name)
+    for line in cut:
         lines.append(f"<path d={quoteattr(f'M {_pairs(line)} Z')}/>")
     for notch in notches(outline, piece.name, parts):
         ends = np.array([notch.place, notch.place + (allowance or NOTCH_LENGTH) * notch.outward])

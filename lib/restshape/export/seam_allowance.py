@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,15 +13,18 @@ from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.mesh.regions import signed_area
 from restshape.shape.geo_model import gmsh_model
-from restshape.shape.outline import Outline
+from restshape.shape.outline import Loop, Outline
 from restshape.shape.pattern import Pattern
-from restshape.shape.seam_parts import seam_parts
+from restshape.shape.pattern_pieces import is_in
+from restshape.shape.seam_parts import SeamPart, seam_parts
 
 MM = 1e3
 CHORD = 1e-5
 """Most distance of the line from what it stands for [m]."""
 NEAR = 1e-6
 """Distance [mm] at which ends of curves are one."""
+FINE = 0.05
+"""Of an allowance: spacing of places along a hole, from which its depth is found."""
 MOST = 0.5
 """Allowance over the smaller side of a piece, above which it is none."""
 
@@ -56,23 +60,71 @@ def cut_lines(outline: Outline, allowance: float, name: str) -> list[Reals]:
     return [line / MM for line in found]
 
 
-def holes_noted(pattern: Pattern) -> list[str]:
-    """A note of sewn holes, which have no allowance; none without such holes."""
+def hole_cut_lines(outline: Outline, loop: Loop, allowance: float, name: str) -> list[Reals]:
+    """Closed lines (m, 2) [m] inside of a hole, at the allowance from the line of its seam; none where it has no room.
+
+    Args:
+        outline: of a piece; loop: one of its holes; allowance: [m], above 0; name: of the piece, for messages.
+
+    Raises:
+        UserError: OpenCASCADE cannot make it.
+    """
+    border = MM * _border(outline, loop)
+    area, inside = signed_area(border), MM * allowance
+    # OpenCASCADE has no empty result.
+    if _depth(border, inside) <= (1.0 + FINE) * inside:
+        return []
+    with gmsh_model(Path("allowance")) as gmsh:
+        try:
+            found = _moved(gmsh.model, border, -inside)
+        # As above.
+        except Exception as error:
+            what = f"OpenCASCADE cannot move the line of the hole {name}.{loop.name} in by {inside:g} mm: {error}"
+            raise UserError(what, "--allowance", "give less, or leave it out") from error
+    return [line / MM for line in found if abs(signed_area(line)) < abs(area)]
+
+
+def sewn_holes(outline: Outline, name: str, parts: Mapping[str, Sequence[SeamPart]]) -> list[Loop]:
+    """The holes of a piece of this name that seams are on, by the parts of all edges ``PIECE.EDGE`` that are sewn."""
+    return [
+        loop
+        for loop in outline.loops
+        if loop.kind == "hole" and any(f"{name}.{outline.edges[e].name}" in parts for e, _ in loop.edges)
+    ]
+
+
+def holes_noted(pattern: Pattern, allowance: float) -> list[str]:
+    """A note of sewn holes that are too narrow for an allowance [m]; none without such holes."""
     parts = seam_parts(pattern)
     found = [
         f"{piece.name}.{loop.name}"
         for piece in pattern.pieces
         for outline in [piece.outline()]
-        for loop in outline.loops
-        if loop.kind == "hole" and any(f"{piece.name}.{outline.edges[e].name}" in parts for e, _ in loop.edges)
+        for loop in sewn_holes(outline, piece.name, parts)
+        if not hole_cut_lines(outline, loop, allowance, piece.name)
     ]
-    return [f"no allowance at sewn holes, whose lines are those of their seams: {', '.join(found)}"] if found else []
+    return [f"no cut line in sewn holes narrower than two allowances: {', '.join(found)}"] if found else []
 
 
-def _border(outline: Outline) -> Reals:
-    """Corners (m, 2) [m] of the border of a piece, counter-clockwise."""
+def _depth(border: Reals, distance: float) -> float:
+    """How far the deepest place inside a closed line (m, 2) is from it, to some parts in a hundred of a distance.
+
+    Such places are vertices of the Voronoi diagram of places along the line.
+    """
+    from scipy.spatial import Voronoi, cKDTree
+
+    closed = np.vstack([border, border[:1]])
+    counts = np.ceil(np.hypot(*np.diff(closed, axis=0).T) / (FINE * distance)).astype(int)
+    ways = zip(pairwise(closed), counts)
+    places = np.concatenate([a + np.linspace(0.0, 1.0, n, endpoint=False)[:, None] * (b - a) for (a, b), n in ways])
+    inside = np.array([one for one in Voronoi(places).vertices if is_in(one, [closed])]).reshape(-1, 2)
+    return float(cKDTree(places).query(inside)[0].max()) if len(inside) else 0.0
+
+
+def _border(outline: Outline, loop: Loop | None = None) -> Reals:
+    """Corners (m, 2) [m] of the border of a piece, or of another loop of it, counter-clockwise."""
     parts = []
-    for e, forward in outline.loops[0].edges:
+    for e, forward in (loop or outline.loops[0]).edges:
         points = outline.polyline(e, CHORD)
         parts.append((points if forward else points[::-1])[:-1])
     border = np.concatenate(parts)

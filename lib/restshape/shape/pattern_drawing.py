@@ -135,7 +135,7 @@ class _PieceSheet:
 
     def pieces(self) -> list[PatternPiece]:
         """The pieces of these entities."""
-        loops = loops_of([*self._borders(), *self._curves(CUTOUT), *self._regions()])
+        loops = loops_of([*self._borders(), *self._cutouts(), *self._regions()])
         for curve in loops.open:
             self.unread[f"{curve.source} that closes no loop"] += 1
         own = [kept(one).get("vertex") for one in self.layers.get(NOTCH, [])]
@@ -155,6 +155,18 @@ class _PieceSheet:
         for group, around in zip(cut.groups, cut.around):
             border = _chains(group[:around])
             if not any(_lies_within(line, border) for line in inner):
+                found += group
+        return found
+
+    def _cutouts(self) -> list[Curve]:
+        """The curves of openings, but cut lines inside of a sewn one."""
+        sewn, cut = loops_of(self._curves(SEW)), loops_of(self._curves(CUTOUT))
+        inside = [group[around:] for group, around in zip(sewn.groups, sewn.around)]
+        inner = [_chains(curves) for curves in _loops([curve for group in inside for curve in group])]
+        found = list(cut.open)
+        for group, around in zip(cut.groups, cut.around):
+            line = _chains(group[:around])
+            if not any(_lies_within(line, border) for border in inner):
                 found += group
         return found
 
@@ -230,6 +242,12 @@ def _polyline(lines: list[Curve]) -> Curve:
         return lines[0]
     points = np.array([lines[0].points[0], *(line.points[-1] for line in lines)])
     return replace(lines[0], points=points, kind="polyline")
+
+
+def _loops(curves: list[Curve]) -> list[list[Curve]]:
+    """The closed loops of curves, none of which is inside another one."""
+    loops = loops_of(curves)
+    return [group[:around] for group, around in zip(loops.groups, loops.around)]
 
 
 def _chains(curves: list[Curve]) -> list[Reals]:
