@@ -5,7 +5,10 @@ import json
 
 import numpy as np
 import pytest
+from body_meshes import ball, write
 from cloths import BALL, CONTACT, write_cloth
+
+from restshape import _kernels
 
 pytestmark = pytest.mark.mpi
 CLAMP = '[supports.clamp]\non = "left"\nfix = ["x", "y", "z", "slope"]\n'
@@ -50,3 +53,24 @@ def test_on_a_ball_residual_and_energy(tmp_path, on_ranks):
     assert b == pytest.approx(a, rel=1e-4)
     again = found(tmp_path, on_ranks, scene, 2, *words)
     assert again["quantities"] == two["quantities"]
+
+
+@pytest.mark.skipif(not _kernels.has_cgal, reason="bodies of triangles need CGAL")
+@pytest.mark.parametrize("size", [0.25, pytest.param(0.12, marks=pytest.mark.weekly)])
+def test_on_a_body_of_triangles(tmp_path, on_ranks, size):
+    """Contact and energies of one rank; weekly the rest comes back from perturbed positions, too."""
+    write(tmp_path / "ball.obj", ball(6, 0.25))
+    mesh = 'file = "ball.obj", unit = "m", move = [0.5, 0.5, -0.3], spacing = 0.05, band = 0.06'
+    own = '[quantities]\nlowest = { displacement = "z", reduce = "min" }\npotential = { energy = "potential" }\n'
+    scene = write_cloth(tmp_path, f"[bodies.ball]\nmesh = {{ {mesh} }}\nfriction = 0.3\n", CONTACT, own)
+    words = (
+        "--set",
+        f"mesh.size={size}",
+        "--set",
+        "effects.cloth.bending=hinge",
+        *(["--parity"] if size < 0.2 else []),
+    )
+    one, two = (found(tmp_path, on_ranks, scene, ranks, *words) for ranks in (1, 2))
+    assert size > 0.2 or (one["parity"]["holds"] and two["parity"]["holds"])
+    for name in ("lowest", "potential"):
+        np.testing.assert_allclose(two["quantities"][name], one["quantities"][name], rtol=1e-3)
