@@ -151,6 +151,19 @@ class FittedFile(OutputFile):
         return head.startswith(FITTED_MARK.encode())
 
 
+TUNED_MARK = "# written by restshape tune\n"
+
+
+class TunedFile(OutputFile):
+    """A scene that `restshape tune` made."""
+
+    what = "a scene that restshape tune wrote"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it says so in its first line."""
+        return head.startswith(TUNED_MARK.encode())
+
+
 EXPORT_MARK = "written by restshape export"
 """In the first bytes of every exported file, but for tables."""
 EXPORT_HEADS = "node,x,y"

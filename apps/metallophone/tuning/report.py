@@ -1,0 +1,122 @@
+"""What a tuning came to, for people and for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from restshape_apps.metallophone.tuning.descent import IN_TUNE, TuningStep
+from restshape_apps.metallophone.tuning.tuning import Tuning
+
+from restshape.analysis.pitch import note
+
+Rows = tuple[list[str], list[Sequence[Any]]]
+
+
+class TuningReport:
+    """Tables and plain values of a tuning.
+
+    Args:
+        tuning: that is told of; a4: frequency of A4 [Hz].
+    """
+
+    def __init__(self, tuning: Tuning, a4: float) -> None:
+        self.tuning, self.found, self.a4 = tuning, tuning.found, a4
+
+    def steps(self) -> Rows:
+        """A row a state that was kept."""
+        tones = range(1, len(self.tuning.wanted.ratios) + 1)
+        heads = ["solves", "mesh", "part", *(f"f_{k} [Hz]" for k in tones), *(f"off_{k} [cents]" for k in tones)]
+        rows = [
+            (
+                step.solves,
+                "new" if step.level > 2 else f"level {step.level}",
+                "" if step is self.found.steps[0] or not step.part else f"{step.part:g}",
+                *(f"{f:.2f}" for f in step.frequencies),
+                *(f"{c:+.2f}" for c in step.cents),
+                f"{1e3 * step.moved:.4f}",
+                f"{1e3 * step.thickened:.4f}",
+            )
+            for step in self.found.steps
+        ]
+        return [*heads, "outline [mm]", "thickness [mm]"], rows
+
+    def freedoms(self) -> Rows:
+        """A row a freedom."""
+        bounds = dict(self.found.at_bounds())
+        tones = range(1, len(self.tuning.wanted.ratios) + 1)
+        rows = [
+            (
+                freedom.name,
+                f"{freedom.start:.7g}",
+                f"{value:.7g}",
+                f"{low:.5g}",
+                f"{high:.5g}",
+                *(f"{1e-3 * one:+.4g}" for one in rates),
+                bounds.get(k, ""),
+            )
+            for k, (freedom, value, low, high, rates) in enumerate(self._freedoms())
+        ]
+        return ["freedom (SI)", "before", "tuned", "low", "high", *(f"cents_{k} by 0.001" for k in tones), "held"], rows
+
+    def verdict(self) -> str:
+        """One sentence: what was reached."""
+        last, wanted = self.found.last, self.tuning.wanted
+        tones = ", ".join(
+            f"{f:.2f} Hz ({'%s %+.1f cents' % note(float(f), self.a4)})" for f in last.frequencies
+        )
+        if self.found.in_tune:
+            return f"in tune with {self._wanted()}: {tones}, after {self.tuning.solves} solves"
+        held = [f"{self.tuning.freedoms[k].name} is at its {end} bound" for k, end in self.found.at_bounds()]
+        why = f": {'; '.join(held)}" if held else ": no step within the solves leads nearer"
+        away = ", ".join(f"{c:+.1f}" for c in last.cents)
+        return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}" if wanted else ""
+
+    def _wanted(self) -> str:
+        wanted = self.tuning.wanted
+        ratios = " with " + ":".join(f"{ratio:g}" for ratio in wanted.ratios) if len(wanted.ratios) > 1 else ""
+        return f"{wanted.tone} ({wanted.frequencies[0]:.2f} Hz){ratios}"
+
+    def plain(self) -> dict[str, Any]:
+        """For programs."""
+        wanted, bounds = self.tuning.wanted, dict(self.found.at_bounds())
+        return {
+            "to": wanted.tone,
+            "ratios": list(wanted.ratios),
+            "wanted": list(wanted.frequencies),
+            "modes": list(self.tuning.ranks),
+            "in_tune": self.found.in_tune,
+            "within": IN_TUNE,
+            "solves": self.tuning.solves,
+            "frequencies": self.found.last.frequencies.tolist(),
+            "cents": self.found.last.cents.tolist(),
+            "steps": [_plain(step) for step in self.found.steps],
+            "freedoms": {
+                freedom.name: {
+                    "before": freedom.start,
+                    "tuned": float(value),
+                    "low": float(low),
+                    "high": float(high),
+                    "cents": rates,
+                    "held": bounds.get(k),
+                }
+                for k, (freedom, value, low, high, rates) in enumerate(self._freedoms())
+            },
+        }
+
+    def _freedoms(self):
+        found = self.found
+        return zip(self.tuning.freedoms, found.last.values, found.low, found.high, found.derivatives.T.tolist())
+
+
+def _plain(step: TuningStep) -> dict[str, Any]:
+    return {
+        "solves": step.solves,
+        "level": step.level,
+        "part": step.part,
+        "frequencies": step.frequencies.tolist(),
+        "cents": step.cents.tolist(),
+        "moved": step.moved,
+        "thickened": step.thickened,
+        "values": step.values.tolist(),
+    }

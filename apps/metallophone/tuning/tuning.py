@@ -1,0 +1,145 @@
+"""A scene tuned to a tone: its freedoms, its modes, the descent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from restshape_apps.metallophone.tuning.bar import Bar
+from restshape_apps.metallophone.tuning.bending import bending_modes
+from restshape_apps.metallophone.tuning.descent import Descent, Tuned, TuningStep
+from restshape_apps.metallophone.tuning.freedoms import Freedom, freedoms_of, held_curves, with_held_curves
+from restshape_apps.metallophone.tuning.wanted import Wanted
+
+from restshape.analysis.settings import modal_settings
+from restshape.application import application_of
+from restshape.errors import UserError
+from restshape.scene.given_numbers import value_below
+from restshape.scene.load import revise
+from restshape.scene.model import Scene
+from restshape.scene.plan import plan
+from restshape.scene.units import UnitError, quantity
+
+SOLVES = 12
+"""Most solves for one tone."""
+SOLVES_OF_RATIOS = 25
+"""Most solves for ratios."""
+ABOVE = 3
+"""Modes beyond the tuned one that are computed at least: it may rise across them."""
+MOST_MODES = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Tuning:
+    """A tuned scene.
+
+    Args:
+        scene: as it was; wanted: tones; freedoms: that changed; found: what came of it.
+        ranks: of the tuned modes at the start, from 1.
+        solves: of eigenproblems in all.
+    """
+
+    scene: Scene
+    wanted: Wanted
+    freedoms: tuple[Freedom, ...]
+    found: Tuned
+    ranks: tuple[int, ...]
+    solves: int
+
+    def changes(self) -> list[tuple[tuple[str, ...], object]]:
+        """Keys of the scene's file with their new values; curves of edges are written out where the outline moves."""
+        moves = any(freedom.key[0] in ("shape", "parameters") for freedom in self.freedoms)
+        held = held_curves(self.scene) if moves else []
+        return [*held, *((freedom.key, float(value)) for freedom, value in zip(self.freedoms, self.found.last.values))]
+
+
+def tuned(
+    scene: Scene,
+    wanted: Wanted,
+    by: Sequence[str] = (),
+    bounds: Sequence[str] = (),
+    ranks: Sequence[int] = (),
+    most: int | None = None,
+    on_step: Callable[[TuningStep], None] = lambda step: None,
+) -> Tuning:
+    """Tune a scene.
+
+    Args:
+        scene: of a bar; wanted: tones.
+        by: words for freedoms; none: all points of the outline.
+        bounds: "KEY=LOW:HIGH".
+        ranks: of the modes that are tuned, from 1; none: the first, and bending modes for overtones.
+        most: solves; None: as many as the kind of tuning is given.
+        on_step: called with each step.
+
+    Raises:
+        UserError: see `freedoms_of`, `Descent`; or the scene has not so many bending modes.
+    """
+    held = with_held_curves(scene)
+    freedoms = freedoms_of(held, by)
+    given = _bounds(freedoms, bounds, held)
+    bar, indices = _started(held, freedoms, wanted, ranks)
+    ids = [int(bar.analysis.state.modes.ids.ids[index]) for index in indices]
+    most = most or (SOLVES if len(ids) == 1 else SOLVES_OF_RATIOS)
+    found = Descent(bar, ids, np.array(wanted.frequencies), given, most, on_step).run()
+    return Tuning(scene, wanted, tuple(freedoms), found, tuple(int(index) + 1 for index in indices), bar.solves)
+
+
+def _started(
+    scene: Scene, freedoms: Sequence[Freedom], wanted: Wanted, ranks: Sequence[int]
+) -> tuple[Bar, list[int]]:
+    """The bar with enough modes, and the indices of those that are tuned."""
+    count = len(wanted.ratios)
+    asked = modal_settings(plan(scene, application_of(scene))).modes
+    if ranks and len(ranks) != count:
+        raise UserError(f"{len(ranks)} modes for {count} tones", "--modes", "name a mode for each tone")
+    modes = max(asked, max(ranks, default=1) + ABOVE, 1 if count == 1 else 3 * count + ABOVE)
+    while True:
+        bar = Bar(revise(scene, "effects.modal.modes", min(modes, MOST_MODES)), freedoms)
+        chosen = bar.analysis.state.modes.chosen
+        if ranks:
+            return bar, [int(chosen[rank - 1]) for rank in ranks]
+        if count == 1:
+            return bar, [int(chosen[0])]
+        bending = [index for index in bending_modes(bar.analysis) if index in chosen]
+        if len(bending) > count or (len(bending) == count and bending[-1] < chosen[-ABOVE]):
+            return bar, bending[:count]
+        if modes >= MOST_MODES:
+            what = f"only {len(bending)} of the {MOST_MODES} lowest modes bend the bar along its length"
+            raise UserError(what, "--overtones", "say which modes are tuned, by rank: --modes 1:3:6")
+        modes = min(2 * modes, MOST_MODES)
+
+
+def _bounds(freedoms: Sequence[Freedom], words: Sequence[str], scene: Scene) -> np.ndarray:
+    """The bounds (k, 2) that are given; not a number elsewhere.
+
+    Raises:
+        UserError: one cannot be read, crosses, or is of no freedom.
+    """
+    found = np.full((len(freedoms), 2), np.nan)
+    for word in words:
+        where = f"--bound {word}"
+        name, _, interval = word.partition("=")
+        ends = interval.split(":")
+        places = [k for k, one in enumerate(freedoms) if one.name == name or one.name.startswith(f"{name}.")]
+        if name in scene.parameters:
+            places = [k for k, one in enumerate(freedoms) if one.key == ("parameters", name)]
+        if len(ends) != 2 or not places:
+            what = "this is no bound" if len(ends) != 2 else f"{name!r} is no freedom of this tuning"
+            names = ", ".join(one.name for one in freedoms[:6])
+            raise UserError(what, where, f"write KEY=LOW:HIGH, with a key such as {names}")
+        try:
+            dimension = "length" if freedoms[places[0]].key[0] in ("shape", "material") else None
+            low, high = (quantity(end, dimension) for end in ends)
+        except UnitError as error:
+            raise UserError(str(error), where, "write KEY=LOW:HIGH, such as 2 mm:5 mm") from error
+        if low >= high:
+            raise UserError(f"the bounds cross: {ends[0]} is not below {ends[1]}", where, "write the lower one first")
+        found[places] = low, high
+    return found
+
+
+def value_of(scene: Scene, freedom: Freedom) -> object:
+    """What the scene holds at the key of a freedom."""
+    return value_below(scene, freedom.key)
