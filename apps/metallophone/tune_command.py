@@ -24,7 +24,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--to", required=True, metavar="TONE", help="wanted tone of the first mode, such as C5")
     parser.add_argument("--overtones", metavar="RATIOS", help="wanted frequencies of bending modes, such as 1:4:10")
     parser.add_argument("--modes", metavar="RANKS", help="modes that are tuned, by rank, instead: such as 1:3:6")
-    what = "what may change: a vertex, spline, hole, parameter or key (may be given several times; default: the outline)"
+    what = "what may change: a vertex, spline, hole, parameter or key (several times; default: the outline)"
     parser.add_argument("--by", action="append", default=[], metavar="KEY", help=what)
     what = "least and most that a freedom may become (may be given several times)"
     parser.add_argument("--bound", action="append", default=[], metavar="KEY=LOW:HIGH", help=what)
@@ -64,7 +64,7 @@ def _tune(scene: Scene, args: argparse.Namespace) -> int:
     report = TuningReport(tuning, a4)
     for title, (heads, rows) in (("steps", report.steps()), ("freedoms", report.freedoms())):
         print_table(title, heads, rows, right=heads[1:])
-    print(report.verdict())
+    print(report.summary())
     if args.out:
         _write(scene, tuning, args)
     write_json(args, report.plain())

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from restshape_apps.metallophone.tuning.bar import Bar, HeldModes
+from restshape_apps.metallophone.tuning.bar import Bar
+from restshape_apps.metallophone.tuning.bounds import bounded, refuse_idle
+from restshape_apps.metallophone.tuning.followed_modes import FollowedModes, followed, gradients
 from restshape_apps.metallophone.tuning.motions import Motions, motions_of
 from restshape_apps.metallophone.tuning.smallest_change import smallest_change
-
-from restshape.errors import UserError
 
 IN_TUNE = 0.5
 """Distance [cents] within which a tone is the wanted one."""
@@ -26,8 +26,6 @@ DIGITS = 7
 """Of the numbers that are tried and written."""
 CENTS = 1200.0 / np.log(2.0)
 """A factor e of a frequency [cents]."""
-IDLE = 1e-9
-"""Share of the largest derivative below which a freedom changes no tone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,12 +114,11 @@ class Descent:
     ) -> None:
         self.bar, self.wanted, self.most, self.on_step = bar, wanted, most, on_step
         self.start = np.array([freedom.start for freedom in bar.freedoms])
-        self.values, self.held = self.start.copy(), bar.held(ids)
-        self._ids, self._shapes = ids, bar.vectors(self.held)
+        self.values, self.modes = self.start.copy(), followed(bar, ids)
         self.found = Tuned()
         self._motions = motions_of(bar, self.values)
         self.found.low, self.found.high = bounded(bar, self._motions, self.start, bounds)
-        _refuse_idle(bar, self._motions)
+        refuse_idle(bar, self._motions)
 
     def run(self) -> Tuned:
         """The tuned bar, confirmed on a new mesh of its outline where that has moved."""
@@ -163,60 +160,56 @@ class Descent:
         now, part = np.linalg.norm(missing), 1.0
         for _ in range(HALVINGS + 1):
             values = rounded(np.clip(self.values + part * step, self.found.low, self.found.high))
-            held = self._solved(values)
-            if held is not None:
-                there = np.linalg.norm(self._cents(held))
+            modes = self._solved(values)
+            if modes is not None:
+                there = np.linalg.norm(self._cents(modes))
                 if there <= max(now - 0.1 * part * (now - left), 2.0 * CLOSE):
-                    self._keep(values, held, part)
+                    self._keep(values, modes, part)
                     return True
             if self.bar.solves >= self.most - 1:
                 return False
             part *= 0.5
         return False
 
-    def _solved(self, values: np.ndarray) -> HeldModes | None:
-        """The held modes at values; None where there is no solution, or a mode is lost."""
-        return self.bar.held(self._ids, self._shapes) if self.bar.at(values) else None
+    def _solved(self, values: np.ndarray) -> FollowedModes | None:
+        """The modes at values; None where there is no solution, or one of them is lost."""
+        return followed(self.bar, self.modes.ids, self.modes.shapes) if self.bar.at(values) else None
 
     def _renewed(self) -> bool:
         """Solve the result on a new mesh, which a replay of the tuned scene has; whether that can be done."""
-        if not self.bar.at(self.values, anew=True):
-            return False
-        held = self.bar.held(self._ids, self._shapes)
-        if held is None:
-            return False
-        self._keep(self.values, held, 0.0)
-        return True
+        modes = followed(self.bar, self.modes.ids) if self.bar.at(self.values, new_mesh=True) else None
+        if modes is not None:
+            self._keep(self.values, modes, 0.0)
+        return modes is not None
 
-    def _keep(self, values: np.ndarray, held: HeldModes, part: float) -> None:
-        self.values, self.held = values, held
-        self._ids, self._shapes = self.bar.ids(held), self.bar.vectors(held)
+    def _keep(self, values: np.ndarray, modes: FollowedModes, part: float) -> None:
+        self.values, self.modes = values, modes
         self._note(part)
 
     def _note(self, part: float) -> None:
         change = self.values - self.start
         moved, thickened = self._motions.moved(change), self._motions.thickened(change)
-        frequencies, cents = self.held.frequencies, self._cents()
+        frequencies, cents = self.modes.frequencies, self._cents()
         step = TuningStep(self.bar.solves, self.bar.level, part, self.values, frequencies, cents, moved, thickened)
         self.found.steps.append(step)
         self.on_step(step)
 
-    def _cents(self, held: HeldModes | None = None) -> np.ndarray:
-        """How many cents (m,) held modes lie above the wanted tones."""
-        return CENTS * np.log((held or self.held).frequencies / self.wanted)
+    def _cents(self, modes: FollowedModes | None = None) -> np.ndarray:
+        """How many cents (m,) the modes lie above the wanted tones."""
+        return CENTS * np.log((modes or self.modes).frequencies / self.wanted)
 
     def _derivatives(self, motions: Motions) -> np.ndarray:
         """Derivatives (m, k) of the tones by the freedoms [cents a unit]."""
         body = self.bar.analysis.state.body
         J = np.zeros((len(self.wanted), len(self.values)))
-        gradients = self.bar.gradients(self.held)
+        by_nodes = gradients(self.bar, self.modes)
         moving = motions.plane.any(axis=(1, 2))
         by_outline = body.motion(motions.plane)
         for k, thicker in enumerate(motions.thickness):
             velocity = by_outline[k] if moving[k] else 0.0
             if thicker.any():
                 velocity = velocity + body.thickness_motion(thicker)
-            J[:, k] = [CENTS * (gradient * velocity).sum() for gradient in gradients]
+            J[:, k] = [CENTS * (gradient * velocity).sum() for gradient in by_nodes]
         return J
 
 
@@ -227,36 +220,3 @@ def _size(motions: Motions, change: np.ndarray) -> float:
 def rounded(values: np.ndarray) -> np.ndarray:
     """Values with as many digits as are written."""
     return np.array([float(f"{value:.{DIGITS}g}") for value in values])
-
-
-REACH = 0.15
-"""Share of the size of the shape that a freedom may move the outline by, where no bound is given."""
-THINNER = 0.5
-"""Share of the thickness that a freedom may change it by, likewise."""
-
-
-def bounded(bar: Bar, motions: Motions, start: np.ndarray, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (k,) of the freedoms: those that are given, else by how far a freedom moves what.
-
-    Raises:
-        UserError: a freedom starts beyond a bound that is given.
-    """
-    tiny = np.finfo(float).tiny
-    most = np.minimum(
-        REACH * bar.outline.size / np.maximum(motions.reach, tiny), THINNER / np.maximum(motions.thinning, tiny)
-    )
-    low = np.where(np.isnan(given[:, 0]), start - most, given[:, 0])
-    high = np.where(np.isnan(given[:, 1]), start + most, given[:, 1])
-    for freedom, a, b in zip(bar.freedoms, low, high):
-        if not a <= freedom.start <= b:
-            what = f"{freedom.name} is {freedom.start:g}, which lies beyond its bounds {a:g} and {b:g}"
-            raise UserError(what, "--bound", "widen the bound, or begin at another value (--set)")
-    return low, high
-
-
-def _refuse_idle(bar: Bar, motions: Motions) -> None:
-    """Refuses a freedom that moves neither the outline nor the thickness."""
-    for freedom, size in zip(bar.freedoms, np.diag(motions.metric)):
-        if not size > 0.0:
-            what = f"{freedom.name} changes neither the outline nor the thickness"
-            raise UserError(what, "--by", "leave it out, or name a freedom that does")

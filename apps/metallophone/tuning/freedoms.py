@@ -40,7 +40,7 @@ class Freedom:
         return ".".join(self.key)
 
 
-def with_held_curves(scene: Scene) -> Scene:
+def with_fixed_curves(scene: Scene) -> Scene:
     """The scene with the knots of its splines and the bulges of its arcs written out, so that points alone move them.
 
     The shape stays as it is.
@@ -48,18 +48,18 @@ def with_held_curves(scene: Scene) -> Scene:
     drawn = unchecked_outline(scene.shape, scene.folder)
     there = {edge.name: k for k, edge in enumerate(drawn.edges)}
     raw = deepcopy(scene.raw)
-    for key, value in _held(scene, drawn, there):
+    for key, value in _fixed(scene, drawn, there):
         put(raw, key, value, ".".join(key))
     return remade(scene, raw)
 
 
-def held_curves(scene: Scene) -> list[tuple[Key, object]]:
-    """Keys that `with_held_curves` sets, with their values; those of a scene that has been through it as well."""
+def fixed_curves(scene: Scene) -> list[tuple[Key, object]]:
+    """Keys that `with_fixed_curves` sets, with their values; those of a scene that has been through it as well."""
     drawn = unchecked_outline(scene.shape, scene.folder)
-    return list(_held(scene, drawn, {edge.name: k for k, edge in enumerate(drawn.edges)}))
+    return list(_fixed(scene, drawn, {edge.name: k for k, edge in enumerate(drawn.edges)}))
 
 
-def _held(scene: Scene, drawn, there):
+def _fixed(scene: Scene, drawn, there):
     for name, edge in scene.shape.edges.items():
         if name not in there or name not in scene.raw.get("shape", {}).get("edges", {}):
             continue
@@ -78,7 +78,7 @@ def freedoms_of(scene: Scene, words: Sequence[str]) -> list[Freedom]:
     """The numbers that words name, or by default all points of the outline.
 
     Args:
-        scene: whose curves are held.
+        scene: whose curves are fixed.
         words: keys, or names of vertices, edges and holes; "outline" stands for all points of it.
 
     Raises:

@@ -69,7 +69,7 @@ def motions_of(bar: Bar, values: np.ndarray) -> Motions:
             basis = np.stack([points, np.zeros_like(points)])
             both = motion(mesh, boundary.basis(mesh.outline, basis), "harmonic", boundary.nodes)
             corners[k], plane[k] = both[0], space.motion(both, basis)[0]
-    return _measured(mesh, space, plane, thickness, corners, _thickness(bar._now))
+    return _measured(mesh, space, plane, thickness, corners, _thickness(bar.now))
 
 
 def _rates(bar: Bar, values: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
@@ -122,18 +122,20 @@ def _measured(mesh: Mesh, space, plane, thickness, corners, now: Thickness) -> M
     # Simpson's rule is exact on facets along which velocities are linear.
     ends = [corners[:, facets[:, i]] for i in (0, 1)]
     middle = 0.5 * (ends[0] + ends[1])
-    outline = sum(
-        share * np.einsum("f,ifd,jfd->ij", weights, one, one)
-        for share, one in zip((1 / 6, 1 / 6, 4 / 6), (*ends, middle))
-    ) if count else np.zeros((0, 0))
+    outline = (
+        sum(
+            share * np.einsum("f,ifd,jfd->ij", weights, one, one)
+            for share, one in zip((1 / 6, 1 / 6, 4 / 6), (*ends, middle))
+        )
+        if count
+        else np.zeros((0, 0))
+    )
     on_cells = thickness[:, space.cells].mean(axis=2)
     face = np.einsum("c,ic,jc->ij", areas, on_cells, on_cells)
     known = now.at(space.X)
     reach = np.linalg.norm(corners[:, np.unique(facets)], axis=2).max(axis=1)
     thinning = np.abs(thickness / known).max(axis=1)
-    return Motions(
-        plane, thickness, outline + face, float(weights.sum()), float(areas.sum()), reach, thinning, outline
-    )
+    return Motions(plane, thickness, outline + face, float(weights.sum()), float(areas.sum()), reach, thinning, outline)
 
 
 def _outer(mesh: Mesh) -> np.ndarray:

@@ -57,20 +57,26 @@ class TuningReport:
             )
             for k, (freedom, value, low, high, rates) in enumerate(self._freedoms())
         ]
-        return ["freedom (SI)", "before", "tuned", "low", "high", *(f"cents_{k} by 0.001" for k in tones), "held"], rows
+        return [
+            "freedom (SI)",
+            "before",
+            "tuned",
+            "low",
+            "high",
+            *(f"cents_{k} by 0.001" for k in tones),
+            "bound",
+        ], rows
 
-    def verdict(self) -> str:
+    def summary(self) -> str:
         """One sentence: what was reached."""
-        last, wanted = self.found.last, self.tuning.wanted
-        tones = ", ".join(
-            f"{f:.2f} Hz ({'%s %+.1f cents' % note(float(f), self.a4)})" for f in last.frequencies
-        )
+        last = self.found.last
+        tones = ", ".join(f"{f:.2f} Hz ({_named(float(f), self.a4)})" for f in last.frequencies)
         if self.found.in_tune:
             return f"in tune with {self._wanted()}: {tones}, after {self.tuning.solves} solves"
-        held = [f"{self.tuning.freedoms[k].name} is at its {end} bound" for k, end in self.found.at_bounds()]
-        why = f": {'; '.join(held)}" if held else ": no step within the solves leads nearer"
+        bounds = [f"{self.tuning.freedoms[k].name} is at its {end} bound" for k, end in self.found.at_bounds()]
+        why = f": {'; '.join(bounds)}" if bounds else ": no step within the solves leads nearer"
         away = ", ".join(f"{c:+.1f}" for c in last.cents)
-        return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}" if wanted else ""
+        return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}"
 
     def _wanted(self) -> str:
         wanted = self.tuning.wanted
@@ -98,7 +104,7 @@ class TuningReport:
                     "low": float(low),
                     "high": float(high),
                     "cents": rates,
-                    "held": bounds.get(k),
+                    "bound": bounds.get(k),
                 }
                 for k, (freedom, value, low, high, rates) in enumerate(self._freedoms())
             },
@@ -107,6 +113,12 @@ class TuningReport:
     def _freedoms(self):
         found = self.found
         return zip(self.tuning.freedoms, found.last.values, found.low, found.high, found.derivatives.T.tolist())
+
+
+def _named(frequency: float, a4: float) -> str:
+    """The nearest tone of a frequency [Hz] and the distance from it."""
+    tone, cents = note(frequency, a4)
+    return f"{tone} {cents:+.1f} cents"
 
 
 def _plain(step: TuningStep) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 from restshape_apps.metallophone.tuning.bar import Bar
 from restshape_apps.metallophone.tuning.bending import bending_modes
 from restshape_apps.metallophone.tuning.descent import Descent, Tuned, TuningStep
-from restshape_apps.metallophone.tuning.freedoms import Freedom, freedoms_of, held_curves, with_held_curves
+from restshape_apps.metallophone.tuning.freedoms import Freedom, fixed_curves, freedoms_of, with_fixed_curves
 from restshape_apps.metallophone.tuning.wanted import Wanted
 
 from restshape.analysis.settings import modal_settings
@@ -50,8 +50,11 @@ class Tuning:
     def changes(self) -> list[tuple[tuple[str, ...], object]]:
         """Keys of the scene's file with their new values; curves of edges are written out where the outline moves."""
         moves = any(freedom.key[0] in ("shape", "parameters") for freedom in self.freedoms)
-        held = held_curves(self.scene) if moves else []
-        return [*held, *((freedom.key, float(value)) for freedom, value in zip(self.freedoms, self.found.last.values))]
+        curves = fixed_curves(self.scene) if moves else []
+        return [
+            *curves,
+            *((freedom.key, float(value)) for freedom, value in zip(self.freedoms, self.found.last.values)),
+        ]
 
 
 def tuned(
@@ -76,19 +79,17 @@ def tuned(
     Raises:
         UserError: see `freedoms_of`, `Descent`; or the scene has not so many bending modes.
     """
-    held = with_held_curves(scene)
-    freedoms = freedoms_of(held, by)
-    given = _bounds(freedoms, bounds, held)
-    bar, indices = _started(held, freedoms, wanted, ranks)
+    fixed = with_fixed_curves(scene)
+    freedoms = freedoms_of(fixed, by)
+    given = _bounds(freedoms, bounds, fixed)
+    bar, indices = _started(fixed, freedoms, wanted, ranks)
     ids = [int(bar.analysis.state.modes.ids.ids[index]) for index in indices]
     most = most or (SOLVES if len(ids) == 1 else SOLVES_OF_RATIOS)
     found = Descent(bar, ids, np.array(wanted.frequencies), given, most, on_step).run()
     return Tuning(scene, wanted, tuple(freedoms), found, tuple(int(index) + 1 for index in indices), bar.solves)
 
 
-def _started(
-    scene: Scene, freedoms: Sequence[Freedom], wanted: Wanted, ranks: Sequence[int]
-) -> tuple[Bar, list[int]]:
+def _started(scene: Scene, freedoms: Sequence[Freedom], wanted: Wanted, ranks: Sequence[int]) -> tuple[Bar, list[int]]:
     """The bar with enough modes, and the indices of those that are tuned."""
     count = len(wanted.ratios)
     asked = modal_settings(plan(scene, application_of(scene))).modes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import isfinite
 
 from restshape.analysis.pitch import frequency_of
@@ -53,7 +54,7 @@ def _ratios(text: str) -> tuple[float, ...]:
         raise UserError("the ratios do not begin with 1, that of the first tone to itself", where, do)
     if any(ratio < 1.0 for ratio in ratios):
         raise UserError("a ratio is below 1: no mode lies below the first one", where, do)
-    if any(b <= a for a, b in zip(ratios, ratios[1:])):
+    if any(b <= a for a, b in pairwise(ratios)):
         raise UserError("the ratios do not ascend", where, do)
     if len(ratios) > MOST_OVERTONES:
         raise UserError(f"there are more than {MOST_OVERTONES} ratios", where, do)
