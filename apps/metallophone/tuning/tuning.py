@@ -11,11 +11,11 @@ from restshape_apps.metallophone.tuning.bending import bending_modes
 from restshape_apps.metallophone.tuning.descent import Descent, Tuned, TuningStep
 from restshape_apps.metallophone.tuning.freedoms import Freedom, fixed_curves, freedoms_of, with_fixed_curves
 from restshape_apps.metallophone.tuning.wanted import Wanted
+from restshape_apps.metallophone.tuning.written import written
 
 from restshape.analysis.settings import modal_settings
 from restshape.application import application_of
 from restshape.errors import UserError
-from restshape.scene.given_numbers import value_below
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
@@ -51,10 +51,8 @@ class Tuning:
         """Keys of the scene's file with their new values; curves of edges are written out where the outline moves."""
         moves = any(freedom.key[0] in ("shape", "parameters") for freedom in self.freedoms)
         curves = fixed_curves(self.scene) if moves else []
-        return [
-            *curves,
-            *((freedom.key, float(value)) for freedom, value in zip(self.freedoms, self.found.last.values)),
-        ]
+        values = zip(self.freedoms, self.found.last.values)
+        return [*curves, *((one.key, written(self.scene, one.key, float(value))) for one, value in values)]
 
 
 def tuned(
@@ -139,8 +137,3 @@ def _bounds(freedoms: Sequence[Freedom], words: Sequence[str], scene: Scene) -> 
             raise UserError(f"the bounds cross: {ends[0]} is not below {ends[1]}", where, "write the lower one first")
         found[places] = low, high
     return found
-
-
-def value_of(scene: Scene, freedom: Freedom) -> object:
-    """What the scene holds at the key of a freedom."""
-    return value_below(scene, freedom.key)
