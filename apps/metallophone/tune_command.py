@@ -44,6 +44,9 @@ def run(args: argparse.Namespace) -> int:
         raise UserError(f"the scene is one of {scene.app!r}", str(args.scene), 'use a scene with app = "metallophone"')
     if args.rasp:
         return rasping.run(scene, args)
+    if args.measured or args.keep or args.picture:
+        option = "--measured" if args.measured else "--keep" if args.keep else "--picture"
+        raise UserError(f"{option} is of a bar that is there, and rasped", option, "add --rasp, or leave it out")
     if args.out and args.out.suffix.lower() != ".toml":
         raise UserError(f"{one_line(args.out.name)} is no .toml file", "--out", "--out tuned.toml")
     return _tune(scene, args)
@@ -65,6 +68,8 @@ def _tune(scene: Scene, args: argparse.Namespace) -> int:
     for title, (heads, rows) in (("steps", report.steps()), ("freedoms", report.freedoms())):
         print_table(title, heads, rows, right=heads[1:])
     print(report.summary())
+    for note in report.notes():
+        print(f"note: {note}")
     if args.out:
         _write(scene, tuning, args)
     write_json(args, report.plain())

@@ -61,12 +61,14 @@ class Tuned:
         steps: in their order, the last the result.
         derivatives: (m, k) cents a unit of each freedom at the end of the last descent.
         low, high: (k,) bounds.
+        clusters: of each tuned mode the frequencies [Hz] of its cluster, itself first.
     """
 
     steps: list[TuningStep] = field(default_factory=list)
     derivatives: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     low: np.ndarray = field(default_factory=lambda: np.zeros(0))
     high: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    clusters: list[np.ndarray] = field(default_factory=list)
 
     @property
     def last(self) -> TuningStep:
@@ -123,14 +125,16 @@ class Descent:
     def run(self) -> Tuned:
         """The tuned bar, confirmed on a new mesh of its outline where that has moved."""
         self._note(1.0)
-        self._first = True
+        self._first, kept = True, 0
         while True:
             self._descend()
-            self._first = False
-            if self.bar.solves >= self.most or not self._moved():
+            kept, before = len(self.found.steps), kept
+            if self.bar.solves >= self.most or not self._moved() or (kept == before and not self._first):
                 return self.found
+            self._first = False
             if not self._renewed() or self.found.in_tune or self._nearest:
                 return self.found
+            kept += 1
 
     def _moved(self) -> bool:
         return self.found.last.moved > 0.0
@@ -158,12 +162,13 @@ class Descent:
     def _search(self, step: np.ndarray, missing: np.ndarray, left: float) -> bool:
         """Take the longest part of a step, 1, 1/2, ..., that leads nearer; whether one does."""
         now, part = np.linalg.norm(missing), 1.0
-        for _ in range(HALVINGS + 1):
+        halvings = 1 if self.found.last.worst <= IN_TUNE else HALVINGS
+        for _ in range(halvings + 1):
             values = rounded(np.clip(self.values + part * step, self.found.low, self.found.high))
             modes = self._solved(values)
             if modes is not None:
                 there = np.linalg.norm(self._cents(modes))
-                if there <= max(now - 0.1 * part * (now - left), 2.0 * CLOSE):
+                if there <= max(now - 0.1 * part * (now - left), CLOSE):
                     self._keep(values, modes, part)
                     return True
             if self.bar.solves >= self.most - 1:
@@ -192,6 +197,8 @@ class Descent:
         frequencies, cents = self.modes.frequencies, self._cents()
         step = TuningStep(self.bar.solves, self.bar.level, part, self.values, frequencies, cents, moved, thickened)
         self.found.steps.append(step)
+        values = self.bar.analysis.state.modes.values
+        self.found.clusters = [np.sqrt(values[group]) / (2.0 * np.pi) for group in self.modes.groups]
         self.on_step(step)
 
     def _cents(self, modes: FollowedModes | None = None) -> np.ndarray:

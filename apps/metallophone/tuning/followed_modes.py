@@ -42,6 +42,9 @@ def followed(bar: Bar, ids: Sequence[int] | np.ndarray, shapes: np.ndarray | Non
     modes = bar.analysis.state.modes
     groups, found = clusters(modes.values), []
     same = shapes is not None and bar.level < 3 and shapes.shape[1] == modes.mass_products.shape[1]
+    if same:
+        # Of another thickness they are not of unit mass any more.
+        shapes = shapes / np.sqrt(bar.analysis.solver.pencil.norms(shapes))[:, None]
     for k, number in enumerate(ids):
         group = _like(bar, shapes[k], groups) if same else _of_id(bar, number, groups)
         if group is None:

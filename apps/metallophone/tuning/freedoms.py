@@ -14,7 +14,7 @@ from restshape.scene.given_numbers import given_number, value_below
 from restshape.scene.load import remade
 from restshape.scene.model import CircleLoop, PolygonLoop, Scene
 from restshape.scene.overrides import put
-from restshape.scene.shape_edges import ArcSpec, SplineSpec
+from restshape.scene.shape_edges import ArcSpec, PolylineSpec, SplineSpec
 from restshape.scene.source import split_key, suggestion
 from restshape.shape.build import unchecked_outline
 from restshape.shape.outline import Outline
@@ -84,7 +84,7 @@ def freedoms_of(scene: Scene, words: Sequence[str]) -> list[Freedom]:
     Raises:
         UserError: there is no such freedom, or one is given by a formula or named twice.
     """
-    keys = [key for word in words or ["outline"] for key in _keys(scene, word)]
+    keys = [key for word in words or ["outline"] for key in keys_of(scene, word)]
     if not words:
         keys = [key for key in keys if given_number(scene, key) is None]
         if not keys:
@@ -96,12 +96,16 @@ def freedoms_of(scene: Scene, words: Sequence[str]) -> list[Freedom]:
     return [Freedom(key, _number(scene, key)) for key in keys]
 
 
-def _keys(scene: Scene, word: str) -> list[Key]:
-    """The keys of the numbers that a word stands for."""
+def keys_of(scene: Scene, word: str) -> list[Key]:
+    """The keys of the numbers that a word stands for.
+
+    Raises:
+        UserError: it stands for none, or for what no tool changes.
+    """
     shape = scene.shape
     if word == "outline":
-        names = [*shape.vertices, *(name for name, edge in shape.edges.items() if hasattr(edge, "through"))]
-        return [key for name in names for key in _keys(scene, name)]
+        bent = [name for name, edge in shape.edges.items() if isinstance(edge, SplineSpec | PolylineSpec)]
+        return [key for name in [*shape.vertices, *bent] for key in keys_of(scene, name)]
     key = split_key(word)
     if len(key) == 1 and key[0] in shape.vertices:
         key = ("shape", "vertices", key[0])

@@ -78,6 +78,14 @@ class TuningReport:
         away = ", ".join(f"{c:+.1f}" for c in last.cents)
         return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}"
 
+    def notes(self) -> list[str]:
+        """What there is to note of modes that lie together."""
+        return [
+            f"{' and '.join(f'{f:.3f}' for f in sorted(own))} Hz lie together: what is tuned is their mean"
+            for own in self.found.clusters
+            if len(own) > 1
+        ]
+
     def _wanted(self) -> str:
         wanted = self.tuning.wanted
         ratios = " with " + ":".join(f"{ratio:g}" for ratio in wanted.ratios) if len(wanted.ratios) > 1 else ""
@@ -96,6 +104,8 @@ class TuningReport:
             "solves": self.tuning.solves,
             "frequencies": self.found.last.frequencies.tolist(),
             "cents": self.found.last.cents.tolist(),
+            "clusters": [own.tolist() for own in self.found.clusters],
+            "notes": self.notes(),
             "steps": [_plain(step) for step in self.found.steps],
             "freedoms": {
                 freedom.name: {

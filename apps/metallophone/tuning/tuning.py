@@ -9,7 +9,13 @@ import numpy as np
 from restshape_apps.metallophone.tuning.bar import Bar
 from restshape_apps.metallophone.tuning.bending import bending_modes
 from restshape_apps.metallophone.tuning.descent import Descent, Tuned, TuningStep
-from restshape_apps.metallophone.tuning.freedoms import Freedom, fixed_curves, freedoms_of, with_fixed_curves
+from restshape_apps.metallophone.tuning.freedoms import (
+    Freedom,
+    fixed_curves,
+    freedoms_of,
+    keys_of,
+    with_fixed_curves,
+)
 from restshape_apps.metallophone.tuning.wanted import Wanted
 from restshape_apps.metallophone.tuning.written import written
 
@@ -121,11 +127,10 @@ def _bounds(freedoms: Sequence[Freedom], words: Sequence[str], scene: Scene) -> 
         where = f"--bound {word}"
         name, _, interval = word.partition("=")
         ends = interval.split(":")
-        places = [k for k, one in enumerate(freedoms) if one.name == name or one.name.startswith(f"{name}.")]
-        if name in scene.parameters:
-            places = [k for k, one in enumerate(freedoms) if one.key == ("parameters", name)]
-        if len(ends) != 2 or not places:
-            what = "this is no bound" if len(ends) != 2 else f"{name!r} is no freedom of this tuning"
+        keys = keys_of(scene, name) if len(ends) == 2 else []
+        places = [k for k, one in enumerate(freedoms) if one.key in keys]
+        if not places:
+            what = f"{name!r} is no freedom of this tuning" if keys else "this is no bound"
             names = ", ".join(one.name for one in freedoms[:6])
             raise UserError(what, where, f"write KEY=LOW:HIGH, with a key such as {names}")
         try:
