@@ -11,6 +11,7 @@ from restshape_studies.stability.case import Case, Row, Statement, Trial, above,
 from restshape_studies.stability.known_bounds import ENTRIES, LAPACK, TONES
 from restshape_studies.stability.scenery import across, drag, rows_of
 from restshape_verification.metallophone.stability_hanging import CASES as HANGING
+from restshape_verification.metallophone import stability_tuning
 from scipy.linalg import eigh
 
 from restshape.application import application
@@ -292,4 +293,5 @@ CASES: dict[str, Case] = {
     "long_replay": Case(long_replay, share=0.01),
     "rounding": Case(rounding, exempt=ENDLESS),
     **HANGING,
+    **stability_tuning.CASES,
 }

@@ -9,6 +9,7 @@ from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, PROGRAM, PU
 from restshape_verification.metallophone.exactness import discrete, norms, rates, remainders
 from restshape_verification.metallophone.hanging import hanging
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved, timoshenko
+from restshape_verification.metallophone.tuned import tuned_bars
 
 from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.modal import ModalAnalysis
@@ -230,4 +231,5 @@ CASES: dict[str, Case] = {
     "norms": norms,
     "remainders": remainders,
     "hanging": hanging,
+    "tuned": tuned_bars,
 }

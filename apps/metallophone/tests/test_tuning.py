@@ -1,4 +1,4 @@
-"""restshape tune: bars brought to tones, the smallest change, modes that cross and pair, and what a user can get wrong."""
+"""restshape tune: bars brought to tones, the smallest change, modes that cross and pair, and bad input."""
 
 import json
 from pathlib import Path
