@@ -12,6 +12,7 @@ from restshape_apps.metallophone.tuning.tuning import SOLVES, Tuning, tuned
 from restshape_apps.metallophone.tuning.wanted import Wanted
 from restshape_studies.stability.case import Case, Statement, Trial, below, near, true, valid
 from restshape_studies.stability.scenery import across, drag, rows_of
+from restshape_verification.metallophone.tines import kalimba
 
 from restshape.application import application
 from restshape.replay.first_frame import first_frame
@@ -62,16 +63,9 @@ def tuned_pairs(trial: Trial) -> Iterator[Statement]:
     found, _ = brought(trial, SCENES / "square.toml", 4.3, [], ["mesh.size=0.7"], 4)
     yield from in_tune("square", found)
     yield true("the square has a pair", [len(group) for group in found.found.clusters] == [2])
-    found, _ = brought(trial, fork(trial.folder), 900.0, [], [])
+    found, _ = brought(trial, kalimba(trial.folder, [0.030, 0.030], gap=0.006, root=0.002), 900.0, [], [])
     yield from in_tune("fork", found)
     yield true("the fork has a pair", [len(group) for group in found.found.clusters] == [2])
-
-
-def fork(folder: Path) -> Path:
-    """Two equal tines on one root, which is constrained up to their feet."""
-    from restshape_verification.metallophone.stability import kalimba
-
-    return kalimba(folder, [0.030, 0.030], gap=0.006, root=0.002)
 
 
 def tone_out_of_reach(trial: Trial) -> Iterator[Statement]:

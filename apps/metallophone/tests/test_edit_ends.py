@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from modal import replay
-from restshape_verification.metallophone.stability import kalimba
+from restshape_verification.metallophone.tines import kalimba
 from scipy.linalg import eigh
 from small_scenes import across, drag, write_script
 
