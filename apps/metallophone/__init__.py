@@ -13,6 +13,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:FREE_VIBRATIONS"),
     analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
+    costs="restshape_apps.metallophone.tuning.cost:tuning_cost",
     commands=(
         Command("modes", "draw modes with their tones and nodal lines", "restshape_apps.metallophone.modes_command"),
         Command(

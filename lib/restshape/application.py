@@ -262,6 +262,8 @@ class Application:
         lines: what `restshape script` understands; None: what it understands of shapes.
         report: None: nothing but what all have.
         explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
+        costs: path ``module:attribute`` of a function of a scene that gives lines of `restshape explain`, each what,
+            which, why: what commands of the application cost.
         takes: names of the effects of its physics that its scenes may name; None: all of them.
         needs: those among them without which it makes no sense, besides those that its physics require.
         commands: that it adds to `restshape`.
@@ -277,6 +279,7 @@ class Application:
     lines: ScriptLines | None = None
     report: Reporting | None = None
     explain: str = ""
+    costs: str = ""
     takes: tuple[str, ...] | None = None
     needs: tuple[str, ...] = ()
     commands: tuple[Command, ...] = ()
@@ -348,6 +351,10 @@ class Application:
     def frame_parts(self, usual: Mapping[str, str]) -> Mapping[str, str]:
         """What each part of a frame is, by its name."""
         return cast("Mapping[str, str]", declared(self.explain)) if self.explain else usual
+
+    def command_costs(self, scene: Scene) -> Sequence[tuple[str, str, str]]:
+        """What commands of this application cost in a scene, for `restshape explain`: what, which, why."""
+        return cast("Sequence[tuple[str, str, str]]", _function(self.costs)(scene)) if self.costs else ()
 
     def make_analysis(self) -> Callable[..., object]:
         """The factory of this application's analysis, imported now.

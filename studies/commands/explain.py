@@ -74,7 +74,8 @@ def run(args: argparse.Namespace) -> int:
     measured = f"{counted(first['runs'], 'run')}, policy {scene.solve.policy}"
     print(f"shares of {total:.4g} ms of processor time, the mean of {of}; {measured}\n")
     core = next(row for row in rows if "solver" in row)
-    print_table("solvers", ("what", "choice", "why"), [*solvers(core["solver"]), prediction(scene, script)])
+    lines = [*solvers(core["solver"]), prediction(scene, script), *application_of(scene).command_costs(scene)]
+    print_table("solvers", ("what", "choice", "why"), lines)
     if called := kernels(rows):
         print()
         print_table("kernels called, a frame", ("effect", "kernels: calls, elements in each"), called)
