@@ -10,8 +10,8 @@ import numpy as np
 from restshape_studies.stability.case import Case, Row, Statement, Trial, above, below, near, true, valid
 from restshape_studies.stability.known_bounds import ENTRIES, LAPACK, TONES
 from restshape_studies.stability.scenery import across, drag, rows_of
-from restshape_verification.metallophone.stability_hanging import CASES as HANGING
 from restshape_verification.metallophone import stability_tuning
+from restshape_verification.metallophone.stability_hanging import CASES as HANGING
 from restshape_verification.metallophone.tines import kalimba
 from scipy.linalg import eigh
 
