@@ -241,6 +241,11 @@ LIST = (
         ("restshape_apps.metallophone.picture",),
     ),
     brought(
+        "metallophone-rasping.png",
+        "restshape_apps.metallophone.rasping.map_picture",
+        f"tune {FISH} --to C5 --measured 506 --rasp --picture results/metallophone-rasping.png",
+    ),
+    brought(
         "metallophone-fish.wav",
         "restshape_apps.metallophone.sounding.blow",
         f"sound {FISH} --out results/metallophone-fish.wav --seconds 1",

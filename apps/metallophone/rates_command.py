@@ -14,13 +14,20 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_frame(parser)
     parser.add_argument("--by", action="append", default=[], metavar="KEY", help="a number of the scene (default: all)")
     parser.add_argument("--outline", action="store_true", help="also by the outline, as a density along each edge")
+    parser.add_argument("--underneath", action="store_true", help="also by the thickness at each place")
     add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Print, and write for programs; 0."""
     analysis = analysed(args)
-    from restshape_apps.metallophone.derivative import along_outline, keys_of, print_outline
+    from restshape_apps.metallophone.derivative import (
+        along_outline,
+        keys_of,
+        print_outline,
+        print_underneath,
+        underneath,
+    )
 
     from restshape.sensitivity.parameter_derivative import number_at, parameter_derivatives
 
@@ -47,5 +54,8 @@ def run(args: argparse.Namespace) -> int:
     if args.outline:
         derivatives_found["outline"] = along_outline(analysis)
         print_outline(derivatives_found["outline"])
+    if args.underneath:
+        derivatives_found["underneath"] = underneath(analysis)
+        print_underneath(derivatives_found["underneath"])
     write_json(args, derivatives_found)
     return 0

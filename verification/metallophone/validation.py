@@ -10,6 +10,7 @@ from restshape_verification.metallophone.exactness import discrete, norms, rates
 from restshape_verification.metallophone.hanging import hanging
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved, timoshenko
 from restshape_verification.metallophone.tuned import tuned_bars
+from restshape_verification.metallophone.validation_rasping import rasping
 
 from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.modal import ModalAnalysis
@@ -232,4 +233,5 @@ CASES: dict[str, Case] = {
     "remainders": remainders,
     "hanging": hanging,
     "tuned": tuned_bars,
+    "rasping": rasping,
 }

@@ -10,7 +10,7 @@ from restshape.errors import ReplayProblem
 
 REACHED = 0.5
 """Cents that a tone, and a ratio that is kept, may be off at most."""
-AIMED = 0.1
+AIMED = 0.02
 """Cents within which solves go no further."""
 MOST_SOLVES = 8
 HOPE = 1.5

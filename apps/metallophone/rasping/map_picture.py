@@ -18,6 +18,8 @@ from restshape.sensitivity.thickness_density import thickness_density
 
 PER_CENTIMETRE = 1e-2
 """Of outline [m], that a tenth of a millimetre comes off; its square underneath."""
+MARGIN = 0.13
+"""Of the larger side of the bar, around it: depths are written there."""
 
 
 def draw_plan(path: Path, analysis: ModalAnalysis, plan: RaspingPlan, tone: str) -> None:
@@ -30,7 +32,7 @@ def draw_plan(path: Path, analysis: ModalAnalysis, plan: RaspingPlan, tone: str)
     """
     X = 1e3 * analysis.state.space.mesh.X
     width, height = np.ptp(X, axis=0)
-    figure = new_figure(8.5, 2.6 + 8.0 * min(1.2, height / width))
+    figure = new_figure(8.5, 2.6 + 6.5 * min(1.2, height / width + 2.0 * MARGIN))
     axes = figure.subplots()
     rate = -CENTS * TENTH / float(analysis.frequencies[0])
     if "z" in analysis.state.body.axes:
@@ -38,7 +40,9 @@ def draw_plan(path: Path, analysis: ModalAnalysis, plan: RaspingPlan, tone: str)
     _draw_outline(figure, axes, analysis, X, rate)
     _write_depths(axes, plan, X)
     axes.set_aspect("equal")
-    axes.margins(0.1)
+    beyond = MARGIN * max(width, height)
+    axes.set_xlim(X[:, 0].min() - beyond, X[:, 0].max() + beyond)
+    axes.set_ylim(X[:, 1].min() - beyond, X[:, 1].max() + beyond)
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("y [mm]")
     axes.set_title(_title(plan, tone))
@@ -78,18 +82,13 @@ def _write_depths(axes: Axes, plan: RaspingPlan, X: np.ndarray) -> None:
     way = plan.ways[0] if plan.ways else plan.nearest
     if way is None:
         return
-    beyond = 0.07 * float(np.ptp(X, axis=0).max())
+    beyond = 0.6 * MARGIN * float(np.ptp(X, axis=0).max())
     for place, depth in zip(way.places, way.depths):
-        at, aside = 1e3 * place.ends.mean(axis=0), np.zeros(2)
-        if not place.underneath:
-            sizes = np.linalg.norm(place.motion, axis=1)
-            most = np.flatnonzero(sizes > 0.9 * sizes.max())
-            node = most[np.argmin(np.linalg.norm(X[most] - at, axis=1))]
-            at, aside = X[node], -beyond * place.motion[node] / sizes[node]
+        at, out = place.mark * ((1e3,), (1.0,))
         box = {"boxstyle": "round,pad=0.2", "fc": "white", "ec": "black", "lw": 0.6}
         arrow = {"arrowstyle": "->", "lw": 0.8}
         text = f"{1e3 * depth:.2f} mm"
-        axes.annotate(text, at, at + aside, ha="center", va="center", fontsize=8, bbox=box, arrowprops=arrow)
+        axes.annotate(text, at, at + beyond * out, ha="center", va="center", fontsize=8, bbox=box, arrowprops=arrow)
 
 
 def _title(plan: RaspingPlan, tone: str) -> str:
@@ -99,4 +98,4 @@ def _title(plan: RaspingPlan, tone: str) -> str:
     if not plan.ways:
         return f"{first}\nout of reach; depths are of the nearest" if plan.nearest else f"{first}\nout of reach"
     way = plan.ways[0]
-    return f"{first}\nrasping {way.name} takes {1e9 * way.volume:.0f} mm³, {way.solved[0]:+.1f} cents by a solve"
+    return f"{first}\n{way.name}: {1e9 * way.volume:.0f} mm³ off, {way.solved[0]:+.1f} cents by a solve"

@@ -78,8 +78,11 @@ def _on_edge(
         volume = float(np.sum(0.5 * np.diff(s) * ((depth * thickness)[1:] + (depth * thickness)[:-1])))
         limit = largest_depth(mesh, motion, most)
         name = f"edge {mesh.outline.edges[edge].name}"
+        most_off = int(np.argmax(depth - 1e-3 * np.abs(s - 0.5 * (begin + end)) / s[-1]))
+        outward = -moved[nodes[most_off]] / np.linalg.norm(moved[nodes[most_off]])
+        mark = np.array([mesh.X[nodes[most_off]], outward])
         words, none = profile_words(over), np.zeros(len(mesh.X))
-        found.append(Place(name, False, ends, end - begin, words, motion, none, volume, cents, limit))
+        found.append(Place(name, False, ends, mark, end - begin, words, motion, none, volume, cents, limit))
     return found
 
 

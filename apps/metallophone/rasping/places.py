@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 NEGLIGIBLE = 0.02
-"""Places are left out that do less, by the same depth, than this share of what the strongest does to the first tone."""
+"""Places are left out that do less to the first tone than this share of what the strongest of their face does."""
 SHORTEST = 3.0
 """Facets that a stretch or a strip is long at least: the mesh shows no shorter one."""
 
@@ -21,6 +21,7 @@ class Place:
         where: in words, such as "edge top" or "underneath".
         underneath: it is on the lower face, else on the outline.
         ends: (2, 2) [m] where it begins and ends in the plane.
+        mark: (2, 2) where the depth is largest, the middle of what is underneath [m], and the direction out of the bar.
         length: [m] of the stretch, or of the strip along the bar.
         profile: in words, how the depth goes from one end to the other.
         motion: (n, 2) displacements of the corners of the plane mesh a unit of depth; 0 of what is underneath.
@@ -33,6 +34,7 @@ class Place:
     where: str
     underneath: bool
     ends: np.ndarray
+    mark: np.ndarray
     length: float
     profile: str
     motion: np.ndarray
@@ -94,9 +96,12 @@ def profile_words(over: tuple[bool, bool]) -> str:
 
 
 def worth_it(places: list[Place]) -> list[Place]:
-    """The places that do something, the strongest first."""
-    most = max((abs(float(place.cents[0])) for place in places), default=0.0)
-    kept = [place for place in places if abs(float(place.cents[0])) >= NEGLIGIBLE * most and place.limit > 0.0]
+    """The places that do something beside others of their face, the strongest first."""
+    kept = []
+    for underneath in (False, True):
+        own = [place for place in places if place.underneath == underneath]
+        most = max((abs(float(place.cents[0])) for place in own), default=0.0)
+        kept += [place for place in own if abs(float(place.cents[0])) >= NEGLIGIBLE * most and place.limit > 0.0]
     return sorted(kept, key=lambda place: -abs(float(place.cents[0])))
 
 

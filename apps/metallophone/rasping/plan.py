@@ -8,7 +8,7 @@ from restshape_apps.metallophone.rasping.outline_places import outline_places
 from restshape_apps.metallophone.rasping.places import Place, alike, worth_it
 from restshape_apps.metallophone.rasping.rasped_bar import RaspedBar
 from restshape_apps.metallophone.rasping.tolerances import Tolerances, tolerances
-from restshape_apps.metallophone.rasping.underneath_places import underneath_places
+from restshape_apps.metallophone.rasping.underneath_places import WHOLE, underneath_places
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.pitch import cents_between
@@ -138,7 +138,7 @@ def _ways(aim: Aim, places: list[Place]) -> list[Way]:
     if len(aim.wanted) == 1:
         found += [same_depth(aim, _words(group), group) for group in alike(right)]
         for underneath, name in ((False, "all along the outline, alike"), (True, "all strips underneath, alike")):
-            together = [place for place in right if place.underneath == underneath]
+            together = [place for place in right if place.underneath == underneath and place.where != WHOLE]
             if len(alike(together)) > 1:
                 found.append(same_depth(aim, name, together))
     name = "least material" if len(aim.wanted) == 1 else "least material, ratios kept"

@@ -12,6 +12,8 @@ from restshape.sensitivity.thickness_density import ThicknessDensity, thickness_
 
 SHARE = 1.0 / 3.0
 """Of the least thickness, which comes off underneath at most."""
+WHOLE = "whole face underneath"
+"""What strips are part of."""
 
 
 def underneath_places(analysis: ModalAnalysis, ranks: list[int]) -> list[Place]:
@@ -44,7 +46,9 @@ def underneath_places(analysis: ModalAnalysis, ranks: list[int]) -> list[Place]:
     for low, high in spans:
         over = low == begin, high == end
         ends = np.array([middle + low * axis, middle + high * axis])
-        found.append(bar.place("underneath", profile(u, low, high, over), ends, profile_words(over)))
+        found.append(
+            bar.place(WHOLE if all(over) else "underneath", profile(u, low, high, over), ends, profile_words(over))
+        )
     for sign in (1.0, -1.0):
         off = np.maximum(sign * densities[0].density, 0.0)
         if off.any() and not any(place.cents[0] * sign < 0.0 for place in found):
@@ -80,4 +84,6 @@ class _Underside:
         volume, length = float(self.densities[0].area @ off), float(np.linalg.norm(ends[1] - ends[0]))
         limit = SHARE * float(corner_thickness(self.analysis).min())
         still = np.zeros_like(self.analysis.state.space.mesh.X)
-        return Place(where, True, ends, length, words, still, off, volume, cents, limit)
+        mass = off * self.densities[0].area
+        mark = np.array([mass @ self.analysis.state.space.mesh.X / mass.sum(), np.zeros(2)])
+        return Place(where, True, ends, mark, length, words, still, off, volume, cents, limit)

@@ -22,6 +22,7 @@ from restshape.replay.first_frame import first_frame
 SCENES = application.folder / "scenes"
 PLATE = ["effects.modal.model=plate", "mesh.order=1", "solve.tolerance=1e-6"]
 FISH = [*PLATE, "effects.modal.modes=3"]
+COARSE = 'mesh.size="12 mm"'
 BAR = [*PLATE, "effects.modal.modes=3", 'mesh.size="5 mm"']
 
 
@@ -65,12 +66,14 @@ def test_advice_for_the_bars_of_the_thesis_leads_to_the_tone(tone, measured):
         assert measured * 2.0 ** (carried_out(analysis, way)[0] / 1200.0) == pytest.approx(target, rel=3e-4)
 
 
-def test_advice_for_tetrahedra_leads_to_the_tone():
-    settings = ["effects.modal.modes=2", 'mesh.size="12 mm"', "mesh.order=2", "mesh.layers=1", "solve.tolerance=1e-6"]
-    analysis = modes_of("fish", *settings)
-    plan = rasping_plan(analysis, Wish(604.0, frequency_of("D5")))
-    underneath = next(way for way in plan.ways if way.places[0].underneath)
-    assert carried_out(analysis, underneath)[0] == pytest.approx(plan.wish.cents, abs=0.5)
+def test_tetrahedra_want_the_depth_that_a_plate_wants():
+    """Two models of one bar; that of the tetrahedra is carried out besides."""
+    solid = modes_of("fish", "effects.modal.modes=2", COARSE, "mesh.layers=1", "solve.tolerance=1e-6")
+    wish = Wish(604.0, frequency_of("D5"))
+    by_solid, by_plate = (rasping_plan(analysis, wish) for analysis in (solid, modes_of("fish", *FISH, COARSE)))
+    way, other = (next(way for way in plan.ways if way.places[0].underneath) for plan in (by_solid, by_plate))
+    assert carried_out(solid, way)[0] == pytest.approx(wish.cents, abs=0.5)
+    assert way.name == other.name and way.depths == pytest.approx(other.depths, rel=0.02)
 
 
 def test_shorter_bar_of_another_mesh_has_the_tone():
@@ -192,6 +195,18 @@ def test_command_writes_the_plan_and_its_picture(tmp_path, capsys):
     assert "+58.0 cents" in printed and "all along the outline" in printed and picture.stat().st_size > 10_000
     assert plan["reached"] and abs(plan["ways"][0]["off"][0]) <= 0.5
     assert np.divide(plan["adjusted"], plan["model"]) == pytest.approx(plan["factor"])
+
+
+def test_rates_underneath(tmp_path, capsys):
+    out, settings = tmp_path / "rates.json", [word for override in BAR for word in ("--set", override)]
+    bar = str(SCENES / "bar_100.toml")
+    assert main(["rates", bar, *settings, "--underneath", "--json", str(out)]) == 0
+    first = json.loads(out.read_text())["underneath"]["modes"][0]
+    # f ~ h of a thin plate: 0.1 mm of 4 mm is a fortieth.
+    assert first["rate"] * 0.004 == pytest.approx(first["frequency"], rel=0.02)
+    printed = capsys.readouterr().out
+    rows = [line.split() for line in printed.splitlines() if " to " in line]
+    assert len(rows) == 10 and float(rows[0][3]) > 0.0 > float(rows[4][3])
 
 
 @pytest.mark.parametrize(
