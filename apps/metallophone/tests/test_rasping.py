@@ -34,7 +34,7 @@ def cents(f, g):
     return 1200.0 * np.log2(f / g)
 
 
-def carried_out(analysis, way):
+def followed(analysis, way):
     """Cents (modes,) by a cold solve of a body that has never been solved with anything else."""
     before = cold_frequencies(analysis.state, analysis.context, analysis.make)
     space, mesh = analysis.space, analysis.space.mesh
@@ -63,7 +63,7 @@ def test_advice_for_the_bars_of_the_thesis_leads_to_the_tone(tone, measured):
     assert plan.ways and plan.factor * plan.model[0] == pytest.approx(measured, rel=1e-12)
     for way in plan.ways:
         assert np.all(way.depths > 0.0)
-        assert measured * 2.0 ** (carried_out(analysis, way)[0] / 1200.0) == pytest.approx(target, rel=3e-4)
+        assert measured * 2.0 ** (followed(analysis, way)[0] / 1200.0) == pytest.approx(target, rel=3e-4)
 
 
 def test_tetrahedra_want_the_depth_that_a_plate_wants():
@@ -72,7 +72,7 @@ def test_tetrahedra_want_the_depth_that_a_plate_wants():
     wish = Wish(604.0, frequency_of("D5"))
     by_solid, by_plate = (rasping_plan(analysis, wish) for analysis in (solid, modes_of("fish", *FISH, COARSE)))
     way, other = (next(way for way in plan.ways if way.places[0].underneath) for plan in (by_solid, by_plate))
-    assert carried_out(solid, way)[0] == pytest.approx(wish.cents, abs=0.5)
+    assert followed(solid, way)[0] == pytest.approx(wish.cents, abs=0.5)
     assert way.name == other.name and way.depths == pytest.approx(other.depths, rel=0.02)
 
 
@@ -105,7 +105,7 @@ def test_ratios_that_are_to_stay_do():
     analysis = modes_of("fish", *FISH)
     plan = rasping_plan(analysis, Wish(506.0, frequency_of("C5"), keep=(2,)))
     (way,) = plan.ways
-    found = carried_out(analysis, way)
+    found = followed(analysis, way)
     assert found[0] == pytest.approx(plan.wish.cents, abs=0.5)
     assert found[1] - found[0] == pytest.approx(0.0, abs=0.5)
     mirrored = [group for group in alike(way.places) if len(group) == 2]
