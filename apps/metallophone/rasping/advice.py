@@ -131,15 +131,10 @@ def least_material(aim: Aim, name: str, places: list[Place]) -> Way | None:
     """
     if not places:
         return None
-    groups = alike(places)
-    # Which group (g, m) a place is in.
-    member = np.array([[any(place is one for one in group) for place in places] for group in groups], dtype=float)
-    rates = aim.rates(places)[: len(aim.wanted)] @ member.T
-    volumes = member @ [place.volume for place in places]
-    limits, goal = np.array([min(place.limit for place in group) for group in groups]), aim.wanted.copy()
-    best, last = None, np.full(len(places), np.nan)
+    programme, best, last = _Programme(aim.rates(places)[: len(aim.wanted)], places), None, np.full(len(places), np.nan)
+    goal = aim.wanted.copy()
     for _ in range(MOST_SOLVES):
-        depths = _programme(rates, volumes, limits, goal) @ member
+        depths = programme.depths(goal)
         used = np.flatnonzero(depths > THINNEST)
         if not len(used) or np.allclose(depths, last, rtol=0.0, atol=THINNEST):
             break
@@ -148,30 +143,59 @@ def least_material(aim: Aim, name: str, places: list[Place]) -> Way | None:
         try:
             way = aim.way(name, chosen, depths[used], aim.solved(chosen, depths[used]))
         except ReplayProblem:
-            limits = 0.7 * limits
+            programme.limits *= 0.7
             continue
         miss = way.off[: len(goal)]
         if best is None or np.abs(miss).max() < np.abs(best.off[: len(goal)]).max():
             best = way
         if np.abs(miss).max() <= AIMED:
             break
-        goal = goal - miss
+        # The tone by chords, for the thinner a bar is the more a tenth does; ratios by what they miss.
+        if way.solved[0] * way.linear[0] > 0.0:
+            goal[0] = aim.wanted[0] * way.linear[0] / way.solved[0]
+        goal[1:] -= miss[1:]
     return best
 
 
-def _programme(rates: np.ndarray, volumes: np.ndarray, limits: np.ndarray, goal: np.ndarray) -> np.ndarray:
-    """Depths (m,) of least volume with rates (k, m) @ depths nearest to a goal (k,)."""
-    from scipy.optimize import linprog
+class _Programme:
+    """The linear programme for depths: the least material, each group of places that mirror each other alike.
 
-    # In units of the limits and of the volume at these, so that numbers are near 1.
-    scale = np.maximum(np.abs(goal).max(), 1.0)
-    steps, costs = rates * limits / scale, volumes * limits / (volumes @ limits)
-    price = MISSED * float((costs / np.maximum(np.abs(steps).max(axis=0), 1e-9)).max())
-    count = len(goal)
-    found = linprog(
-        np.concatenate([costs, np.full(2 * count, price)]),
-        A_eq=np.hstack([steps, np.eye(count), -np.eye(count)]),
-        b_eq=goal / scale,
-        bounds=[(0.0, 1.0)] * len(volumes) + [(0.0, None)] * (2 * count),
-    )
-    return limits * found.x[: len(volumes)]
+    Args:
+        rates: (k, m) cents a metre of depth off each place.
+        places: (m,) of them.
+
+    Attributes:
+        limits: (g,) [m] largest depths of the groups.
+    """
+
+    def __init__(self, rates: np.ndarray, places: list[Place]) -> None:
+        groups, below = alike(places), [place for place in places if place.underneath]
+        # Which group (m, g) a place is in.
+        self._member = np.array([[float(any(place is one for one in group)) for group in groups] for place in places])
+        self._rates = rates @ self._member
+        self._volumes = np.array([place.volume for place in places]) @ self._member
+        self.limits = np.array([min(place.limit for place in group) for group in groups])
+        # What lies over each other underneath, where one of them is deepest, takes no more than one of them may.
+        off = np.array([[other.off[np.argmax(place.off)] for other in places] for place in below])
+        self._over = off.reshape(len(below), len(places)) @ self._member
+        self._most = np.array([place.limit for place in below])
+
+    def depths(self, goal: np.ndarray) -> np.ndarray:
+        """Depths (m,) [m] off the places that reach a goal (k,) [cents] by the rates, or come as near as they can."""
+        from scipy.optimize import linprog
+
+        # In units of the limits and of the volume at these, so that numbers are near 1.
+        scale = max(float(np.abs(goal).max()), 1.0)
+        steps, costs = self._rates * self.limits / scale, self._volumes * self.limits / (self._volumes @ self.limits)
+        price = MISSED * float((costs / np.maximum(np.abs(steps).max(axis=0), 1e-9)).max())
+        count = len(goal)
+        missing = np.zeros((len(self._over), 2 * count))
+        found = linprog(
+            np.concatenate([costs, np.full(2 * count, price)]),
+            A_ub=np.hstack([self._over * self.limits, missing]),
+            b_ub=self._most,
+            A_eq=np.hstack([steps, np.eye(count), -np.eye(count)]),
+            b_eq=goal / scale,
+            bounds=[(0.0, 1.0)] * len(costs) + [(0.0, None)] * (2 * count),
+        )
+        return self._member @ (self.limits * found.x[: len(costs)])
