@@ -7,14 +7,15 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
+from restshape_apps.metallophone.rasping.densities import Densities
 from restshape_apps.metallophone.rasping.plan import RaspingPlan
 from restshape_apps.metallophone.rasping.tolerances import CENTS, TENTH
 
 from restshape.analysis.modal import ModalAnalysis
+from restshape.mesh.mesh import Mesh
 from restshape.outputs.picture_files import save_picture
 from restshape.report.style import new_figure
-from restshape.sensitivity.outline_density import edge_densities, outline_density
-from restshape.sensitivity.thickness_density import thickness_density
+from restshape.sensitivity.outline_density import OutlineDensity, edge_densities
 
 PER_CENTIMETRE = 1e-2
 """Of outline [m], that a tenth of a millimetre comes off; its square underneath."""
@@ -34,10 +35,7 @@ def draw_plan(path: Path, analysis: ModalAnalysis, plan: RaspingPlan, tone: str)
     width, height = np.ptp(X, axis=0)
     figure = new_figure(8.5, 2.6 + 6.5 * min(1.2, height / width + 2.0 * MARGIN))
     axes = figure.subplots()
-    rate = -CENTS * TENTH / float(analysis.frequencies[0])
-    if "z" in analysis.state.body.axes:
-        _draw_underneath(figure, axes, analysis, X, rate)
-    _draw_outline(figure, axes, analysis, X, rate)
+    draw_maps(figure, axes, analysis, plan.densities)
     _write_depths(axes, plan, X)
     axes.set_aspect("equal")
     beyond = MARGIN * max(width, height)
@@ -49,27 +47,32 @@ def draw_plan(path: Path, analysis: ModalAnalysis, plan: RaspingPlan, tone: str)
     save_picture(figure, path)
 
 
-def _draw_underneath(figure: Figure, axes: Axes, analysis: ModalAnalysis, X: np.ndarray, rate: float) -> None:
-    mesh, mode = analysis.state.space.mesh, int(analysis.state.modes.chosen[0])
-    values = rate * PER_CENTIMETRE**2 * thickness_density(analysis, mode).density
+def draw_maps(figure: Figure, axes: Axes, analysis: ModalAnalysis, densities: Densities) -> None:
+    """Draw in millimetres what 0.1 mm off does to the first tone: underneath, and as the colour of the outline."""
+    rate = -CENTS * TENTH / float(analysis.frequencies[0])
+    for thickness in densities.underneath[:1]:
+        _draw_underneath(figure, axes, analysis.state.space.mesh, rate * PER_CENTIMETRE**2 * thickness.density)
+    _draw_outline(figure, axes, analysis, densities.outline[0], rate * PER_CENTIMETRE)
+
+
+def _draw_underneath(figure: Figure, axes: Axes, mesh: Mesh, values: np.ndarray) -> None:
     size = float(np.percentile(np.abs(values), 98))
-    triangles = Triangulation(*X.T, mesh.cells)
+    triangles = Triangulation(*(1e3 * mesh.X).T, mesh.cells)
     face = axes.tripcolor(triangles, values, shading="gouraud", cmap="RdBu_r", clim=(-size, size))
     label = "underneath: cents by 0.1 mm off each cm²"
     figure.colorbar(face, ax=axes, orientation="horizontal", aspect=50, label=label)
 
 
-def _draw_outline(figure: Figure, axes: Axes, analysis: ModalAnalysis, X: np.ndarray, rate: float) -> None:
-    mesh, mode = analysis.state.space.mesh, int(analysis.state.modes.chosen[0])
-    densities = edge_densities(analysis, outline_density(analysis, mode))
+def _draw_outline(figure: Figure, axes: Axes, analysis: ModalAnalysis, found: OutlineDensity, rate: float) -> None:
+    mesh, densities = analysis.state.space.mesh, edge_densities(analysis, found)
     segments, values = [], []
     for number, edge in enumerate(mesh.outline.edges):
         if edge.name in densities:
             facets = mesh.facets[mesh.facet_edge == number]
             of_node = dict(zip(np.unique(facets).tolist(), densities[edge.name].density.tolist()))
-            segments += list(X[facets])
+            segments += list(1e3 * mesh.X[facets])
             values += [0.5 * (of_node[a] + of_node[b]) for a, b in facets.tolist()]
-    shown = rate * PER_CENTIMETRE * np.array(values)
+    shown = rate * np.array(values)
     size = float(np.percentile(np.abs(shown), 95))
     lines = LineCollection(segments, array=shown, cmap="PuOr_r", clim=(-size, size), linewidths=7)
     axes.add_collection(lines)

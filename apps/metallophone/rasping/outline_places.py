@@ -1,6 +1,7 @@
 """Stretches of a bar's outline along which rasping moves the first tone one way."""
 
 import numpy as np
+from restshape_apps.metallophone.rasping.densities import Densities
 from restshape_apps.metallophone.rasping.outline_motion import (
     boundary_motion,
     corner_cosines,
@@ -15,7 +16,7 @@ from restshape_apps.metallophone.rasping.tolerances import CENTS
 from restshape.analysis.modal import ModalAnalysis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.quality import areas
-from restshape.sensitivity.outline_density import OutlineDensity, outline_density
+from restshape.sensitivity.outline_density import OutlineDensity
 
 SMOOTH = 0.9
 """Cosine of the angle between two edges beyond which their joint is no corner that a rasp would go over."""
@@ -23,21 +24,20 @@ LEAST_AREA = 0.35
 """Share of its area that each triangle keeps at least: deeper, the mesh would be too poor to judge by."""
 
 
-def outline_places(analysis: ModalAnalysis, ranks: list[int], most: float) -> list[Place]:
+def outline_places(analysis: ModalAnalysis, densities: Densities, most: float) -> list[Place]:
     """The stretches of the edges that no support holds, none of a hole's.
 
     Args:
         analysis: solved on the mesh as it lies.
-        ranks: of the modes whose cents are wanted, the first tone's at the head, from 0.
+        densities: of the modes whose cents are wanted.
         most: largest depth [m].
     """
-    mesh, chosen = analysis.state.space.mesh, analysis.state.modes.chosen
-    densities = [outline_density(analysis, int(chosen[rank])) for rank in ranks]
+    mesh = analysis.state.space.mesh
     free, found = ~constrained_corners(analysis), []
     for edge in outer_edges(mesh, ("outline",)):
         nodes = edge_nodes(mesh, edge)
         if free[nodes].any():
-            found += _on_edge(analysis, edge, nodes, densities, ranks, most)
+            found += _on_edge(analysis, edge, nodes, densities, most)
     return found
 
 
@@ -48,18 +48,11 @@ def constrained_corners(analysis: ModalAnalysis) -> np.ndarray:
     return fixed if space is space.mesh else fixed[space.corner_number]
 
 
-def _on_edge(
-    analysis: ModalAnalysis,
-    edge: int,
-    nodes: np.ndarray,
-    densities: list[OutlineDensity],
-    ranks: list[int],
-    most: float,
-) -> list[Place]:
+def _on_edge(analysis: ModalAnalysis, edge: int, nodes: np.ndarray, densities: Densities, most: float) -> list[Place]:
     mesh = analysis.state.space.mesh
     s = lengths_along(mesh, nodes)
     # By a unit of depth at each node of the edge alone, as the rasp would do it.
-    first = [_change(mesh, {edge: row}, densities[0]) for row in np.eye(len(nodes))]
+    first = [_change(mesh, {edge: row}, densities.outline[0]) for row in np.eye(len(nodes))]
     facet, found = s[-1] / (len(nodes) - 1), []
     sharp = np.abs(corner_cosines(mesh, edge)) < SMOOTH
     widths = np.gradient(s)
@@ -72,7 +65,9 @@ def _on_edge(
             continue
         moved = boundary_motion(mesh, {edge: depth})
         motion = followed_inside(mesh, moved)
-        cents = CENTS * np.array([_along(moved, one) for one in densities]) / analysis.frequencies[ranks]
+        cents = (
+            CENTS * np.array([_along(moved, one) for one in densities.outline]) / analysis.frequencies[densities.ranks]
+        )
         ends = np.column_stack([np.interp([begin, end], s, mesh.X[nodes, axis]) for axis in range(2)])
         thickness = corner_thickness(analysis)[nodes]
         volume = float(np.sum(0.5 * np.diff(s) * ((depth * thickness)[1:] + (depth * thickness)[:-1])))

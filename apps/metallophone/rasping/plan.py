@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from restshape_apps.metallophone.rasping.advice import REACHED, Aim, Way, least_material, same_depth
+from restshape_apps.metallophone.rasping.densities import Densities, densities_of
 from restshape_apps.metallophone.rasping.outline_places import outline_places
 from restshape_apps.metallophone.rasping.places import Place, alike, worth_it
 from restshape_apps.metallophone.rasping.rasped_bar import RaspedBar
@@ -50,6 +51,7 @@ class RaspingPlan:
         wish: the question.
         model: (modes,) frequencies [Hz] of the model; factor: on all of them, so that the first one is as measured.
         ranks: of the modes that places and ways have cents of, from 0: the first, those to keep, and the second.
+        densities: of these modes.
         places: the strongest first; ways: those that reach the tone, the least material first.
         nearest: the nearest that the limits allow, where no way reaches the tone.
         tolerances: of the bar.
@@ -60,6 +62,7 @@ class RaspingPlan:
     model: np.ndarray
     factor: float
     ranks: list[int]
+    densities: Densities
     places: list[Place]
     ways: list[Way]
     nearest: Way | None
@@ -95,17 +98,16 @@ def rasping_plan(analysis: ModalAnalysis, wish: Wish) -> RaspingPlan:
             "look at the scene's thickness and material, and at its unit",
         )
     ranks = _ranks(analysis, wish.keep)
-    places = outline_places(analysis, ranks, wish.most)
-    if "z" in analysis.state.body.axes:
-        places += underneath_places(analysis, ranks)
-    places = worth_it(places)
+    densities = densities_of(analysis, ranks)
+    places = worth_it([*outline_places(analysis, densities, wish.most), *underneath_places(analysis, densities)])
     found = tolerances(analysis)
     wanted = np.array([wish.cents, *np.zeros(len(wish.keep))])
     with RaspedBar(analysis, ranks) as bar:
         ways = _ways(Aim(bar, f[ranks], wanted), places) if abs(wish.cents) > REACHED else []
     reached = sorted((way for way in ways if way.reached(len(wish.keep))), key=lambda way: way.volume)
     nearest = min(ways, key=lambda way: abs(float(way.off[0])), default=None) if not reached else None
-    return RaspingPlan(wish, f, wish.measured / float(f[0]), ranks, places, reached, nearest, found, bar.solves)
+    factor = wish.measured / float(f[0])
+    return RaspingPlan(wish, f, factor, ranks, densities, places, reached, nearest, found, bar.solves)
 
 
 def _ranks(analysis: ModalAnalysis, keep: tuple[int, ...]) -> list[int]:

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from restshape_apps.metallophone.rasping.densities import Densities
 from restshape_apps.metallophone.rasping.outline_places import corner_thickness
 from restshape_apps.metallophone.rasping.places import SHORTEST, Place, profile, profile_words, stretches
 from restshape_apps.metallophone.rasping.tolerances import CENTS
 
 from restshape.analysis.modal import ModalAnalysis
-from restshape.sensitivity.thickness_density import ThicknessDensity, thickness_density
 
 SHARE = 1.0 / 3.0
 """Of the least thickness, which comes off underneath at most."""
@@ -16,33 +16,31 @@ WHOLE = "whole face underneath"
 """What strips are part of."""
 
 
-def underneath_places(analysis: ModalAnalysis, ranks: list[int]) -> list[Place]:
+def underneath_places(analysis: ModalAnalysis, densities: Densities) -> list[Place]:
     """Strips over the whole width, one after the other along the bar, and the whole face; or spots.
 
     Spots are where the density has a sign that no strip has as a whole: deepest where it is strongest.
 
     Args:
         analysis: solved on the mesh as it lies.
-        ranks: of the modes whose cents are wanted, the first tone's at the head, from 0.
-
-    Raises:
-        UserError: the body is a plane one.
+        densities: of the modes whose cents are wanted; of a plane solid there is no place.
     """
-    mesh, chosen = analysis.state.space.mesh, analysis.state.modes.chosen
-    densities = [thickness_density(analysis, int(chosen[rank])) for rank in ranks]
-    axis, middle = long_axis(mesh.X, densities[0].area)
+    if not densities.underneath:
+        return []
+    mesh, first = analysis.state.space.mesh, densities.underneath[0]
+    axis, middle = long_axis(mesh.X, first.area)
     u = (mesh.X - middle) @ axis
     begin, end = float(u.min()), float(u.max())
     # A strip is no shorter than the mesh shows.
-    size = 1.2 * float(np.sqrt(densities[0].area.mean()))
+    size = 1.2 * float(np.sqrt(first.area.mean()))
     bounds = np.linspace(begin, end, max(4, int((end - begin) / size)) + 1)
     strip = np.clip(np.searchsorted(bounds, u, side="right") - 1, 0, len(bounds) - 2)
-    sums = np.bincount(strip, densities[0].gradient, len(bounds) - 1)
+    sums = np.bincount(strip, first.gradient, len(bounds) - 1)
     middles = np.concatenate([[begin], 0.5 * (bounds[1:] + bounds[:-1])[1:-1], [end]])
     spans = [span for span in stretches(middles, sums) if span[1] - span[0] >= SHORTEST * size]
     if len(spans) != 1:
         spans.append((begin, end))
-    bar, found = _Underside(analysis, densities, ranks), []
+    bar, found = _Underside(analysis, densities), []
     for low, high in spans:
         over = low == begin, high == end
         ends = np.array([middle + low * axis, middle + high * axis])
@@ -50,7 +48,7 @@ def underneath_places(analysis: ModalAnalysis, ranks: list[int]) -> list[Place]:
             bar.place(WHOLE if all(over) else "underneath", profile(u, low, high, over), ends, profile_words(over))
         )
     for sign in (1.0, -1.0):
-        off = np.maximum(sign * densities[0].density, 0.0)
+        off = np.maximum(sign * first.density, 0.0)
         if off.any() and not any(place.cents[0] * sign < 0.0 for place in found):
             along = u[off > 0.0]
             ends = np.array([middle + along.min() * axis, middle + along.max() * axis])
@@ -71,19 +69,18 @@ def long_axis(X: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 @dataclass(frozen=True, eq=False)
 class _Underside:
-    """The lower face of a bar, with the densities (modes,) of the modes that have `ranks`."""
+    """The lower face of a bar, with densities of modes."""
 
     analysis: ModalAnalysis
-    densities: list[ThicknessDensity]
-    ranks: list[int]
+    densities: Densities
 
     def place(self, where: str, off: np.ndarray, ends: np.ndarray, words: str) -> Place:
         """A place with depths `off` (n,) at the corners of the mesh a unit of its own; others as of `Place`."""
-        f = self.analysis.frequencies[self.ranks]
-        cents = -CENTS * np.array([one.gradient @ off for one in self.densities]) / f
-        volume, length = float(self.densities[0].area @ off), float(np.linalg.norm(ends[1] - ends[0]))
+        f = self.analysis.frequencies[self.densities.ranks]
+        cents = -CENTS * np.array([one.gradient @ off for one in self.densities.underneath]) / f
+        volume, length = float(self.densities.underneath[0].area @ off), float(np.linalg.norm(ends[1] - ends[0]))
         limit = SHARE * float(corner_thickness(self.analysis).min())
         still = np.zeros_like(self.analysis.state.space.mesh.X)
-        mass = off * self.densities[0].area
+        mass = off * self.densities.underneath[0].area
         mark = np.array([mass @ self.analysis.state.space.mesh.X / mass.sum(), np.zeros(2)])
         return Place(where, True, ends, mark, length, words, still, off, volume, cents, limit)

@@ -30,7 +30,7 @@ class OutlineDensity:
     edge: np.ndarray
 
 
-def plane_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
+def plane_gradient(analysis: SolvedModes, mode: int, by_nodes: np.ndarray | None = None) -> np.ndarray:
     """The gradient (n2, 2) [Hz/m] of a frequency by the places of the corners of the plane mesh.
 
     Nodes in the middle of sides follow their ends, columns of nodes their foot, and the thickness is that of the place.
@@ -38,10 +38,11 @@ def plane_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
     Args:
         analysis: solved on the mesh as it lies.
         mode: index among the modes; its eigenvalue stands alone.
+        by_nodes: (n, d) its `nodal_gradient`, where that is known.
     """
     body, plane = analysis.state.body, analysis.state.space
     scale = 1.0 / (4.0 * np.pi * np.sqrt(analysis.state.modes.values[mode]))
-    gradient = scale * nodal_gradient(analysis, mode)
+    gradient = scale * (nodal_gradient(analysis, mode) if by_nodes is None else by_nodes)
     on_plane = np.empty((len(plane.X), 2))
     for axis in range(2):
         unit = np.zeros((1, *plane.X.shape))
@@ -52,7 +53,7 @@ def plane_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
     return plane.on_corners(on_plane)
 
 
-def outline_density(analysis: SolvedModes, mode: int) -> OutlineDensity:
+def outline_density(analysis: SolvedModes, mode: int, by_nodes: np.ndarray | None = None) -> OutlineDensity:
     """The density of a frequency's derivative along the outline; arguments as in `plane_gradient`.
 
     Source: docs/theory/free-vibrations.md.
@@ -60,7 +61,7 @@ def outline_density(analysis: SolvedModes, mode: int) -> OutlineDensity:
     mesh = analysis.state.space.mesh
     nodes = BoundaryNodes(mesh).nodes
     inside = extension(mesh, nodes, "harmonic")(np.eye(len(nodes)))
-    gradient = inside.T @ plane_gradient(analysis, mode)
+    gradient = inside.T @ plane_gradient(analysis, mode, by_nodes)
     row = np.full(len(mesh.X), -1)
     row[nodes] = np.arange(len(nodes))
     # Facets between regions have material on both sides: they are no boundary.

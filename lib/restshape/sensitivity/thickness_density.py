@@ -22,7 +22,7 @@ class ThicknessDensity:
     density: np.ndarray
 
 
-def thickness_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
+def thickness_gradient(analysis: SolvedModes, mode: int, by_nodes: np.ndarray | None = None) -> np.ndarray:
     """The gradient (n,) [Hz/m] of a frequency by the thickness at the corners of the plane mesh.
 
     A plate's third coordinate is its thickness; of a solid the lower face moves, and the nodes above share the way.
@@ -30,6 +30,7 @@ def thickness_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
     Args:
         analysis: solved on the mesh as it lies.
         mode: index among the modes; its eigenvalue stands alone.
+        by_nodes: (n, d) its `nodal_gradient`, where that is known.
 
     Raises:
         UserError: the body is a plane one.
@@ -37,11 +38,12 @@ def thickness_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
     body, plane = analysis.state.body, analysis.state.space
     scale = 1.0 / (4.0 * np.pi * np.sqrt(analysis.state.modes.values[mode]))
     thicker = body.thickness_motion(np.ones(len(plane.X)))
-    pulled = scale * (thicker * nodal_gradient(analysis, mode)).sum(axis=1)
+    gradient = nodal_gradient(analysis, mode) if by_nodes is None else by_nodes
+    pulled = scale * (thicker * gradient).sum(axis=1)
     return plane.on_corners(body.by_plane_nodes(pulled).reshape(len(plane.X), -1).sum(axis=1)[:, None])[:, 0]
 
 
-def thickness_density(analysis: SolvedModes, mode: int) -> ThicknessDensity:
+def thickness_density(analysis: SolvedModes, mode: int, by_nodes: np.ndarray | None = None) -> ThicknessDensity:
     """The density of a frequency's derivative by the thickness; arguments as in `thickness_gradient`.
 
     Raises:
@@ -50,7 +52,7 @@ def thickness_density(analysis: SolvedModes, mode: int) -> ThicknessDensity:
     Source: docs/theory/free-vibrations.md.
     """
     mesh = analysis.state.space.mesh
-    gradient, area = thickness_gradient(analysis, mode), nodal_areas(mesh.X, mesh.cells)
+    gradient, area = thickness_gradient(analysis, mode, by_nodes), nodal_areas(mesh.X, mesh.cells)
     return ThicknessDensity(gradient, area, gradient / area)
 
 
