@@ -81,7 +81,7 @@ class RaspedBar:
         if mesh is not space:
             mesh.X[...] = X[space.corner_number]
         mesh.geometry += 1
-        if off.any() or body.space.taken_off.any():
+        if "z" in body.axes:
             body.take_off(off)
 
     def _solve(self) -> None:

@@ -10,7 +10,7 @@ from restshape_apps.metallophone.rasping import command
 from restshape_apps.metallophone.rasping.outline_motion import boundary_motion, edge_nodes, followed_inside, on_plane
 from restshape_apps.metallophone.rasping.places import alike, profile, stretches
 from restshape_apps.metallophone.rasping.plan import Wish, rasping_plan
-from restshape_apps.metallophone.rasping.report import directions
+from restshape_apps.metallophone.rasping.report import directions, plan_as_json
 from restshape_apps.metallophone.rasping.tolerances import tolerances
 
 from restshape.analysis.modal_comparison import cold_frequencies
@@ -43,7 +43,8 @@ def followed(analysis, way):
 
     def rasped(scene, plan, plane, lumped):
         body = analysis.make(scene, plan, plane, lumped)
-        body.take_off(on_plane(analysis, np.column_stack([off, off]))[:, 0])
+        if np.any(off):
+            body.take_off(on_plane(analysis, np.column_stack([off, off]))[:, 0])
         return body
 
     X = space.X.copy()
@@ -142,6 +143,17 @@ def test_plate_on_fixed_sides_can_only_be_lowered():
     assert not plan.ways and plan.nearest is None and not any(place.cents[0] > 0.0 for place in plan.places)
     assert any("can only lower" in sentence for sentence in directions(plan))
     assert rasping_plan(plate, Wish(1.02 * f, f)).ways
+
+
+def test_plane_solid_is_rasped_along_its_outline_alone():
+    sides = ["shape.vertices.c=[1, 0.05]", "shape.vertices.d=[0, 0.05]"]
+    bar = modes_of("slender", "effects.modal.modes=2", 'mesh.size="20 mm"', *sides)
+    f = float(bar.frequencies[0])
+    plan = rasping_plan(bar, Wish(f, 1.005 * f))
+    assert plan.ways and not any(place.underneath for place in plan.places)
+    assert followed(bar, plan.ways[0])[0] == pytest.approx(plan.wish.cents, abs=0.5)
+    assert np.isnan(plan.tolerances.thickness).all()
+    assert plan_as_json(plan, "a tone")["tolerances"]["thickness_0.1_mm"] == [None, None]
 
 
 def test_tolerances_are_what_other_scenes_have():
