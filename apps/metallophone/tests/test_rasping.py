@@ -126,6 +126,29 @@ def test_the_bar_is_as_before_and_what_is_measured_changes_no_derivative():
     assert {place.cents[0] > 0.0 for place in second.ways[0].places} == {False}
 
 
+def test_bending_is_followed_across_torsion():
+    """Off the ends bending rises by 40 cents and torsion by half of that, from 8 cents above: they change places."""
+    wide = ['mesh.size="6 mm"', "shape.vertices.c=[0.1, 0.06]", "shape.vertices.d=[0, 0.06]"]
+    bar = modes_of("bar_100", *BAR, *wide)
+    bending, torsion = bar.frequencies[:2].copy()
+    assert 1.0 < torsion / bending < 1.01
+    plan = rasping_plan(bar, Wish(bending, bending * 2.0 ** (40.0 / 1200.0)))
+    ends = next(way for way in plan.ways if {place.where for place in way.places} == {"edge left", "edge right"})
+    assert ends.depths == pytest.approx(0.05 * (1.0 - 2.0 ** (-40.0 / 2400.0)), rel=0.03)
+    assert ends.solved[1] < -cents(torsion, bending)
+
+
+def test_sheet_of_half_a_millimetre():
+    """Frequencies and depths underneath are nearly those of the thick bar, times the thickness."""
+    depths = []
+    for thickness in (0.0005, 0.003):
+        fish = modes_of("fish", *FISH, f"material.brass.thickness={thickness}")
+        f = float(fish.frequencies[0])
+        plan = rasping_plan(fish, Wish(f, f * 2.0 ** (-50.0 / 1200.0)))
+        depths.append(next(way for way in plan.ways if way.places[0].profile == "most midway").depths[0] / thickness)
+    assert depths[0] == pytest.approx(depths[1], rel=0.01)
+
+
 def test_out_of_reach_has_the_nearest_at_its_limits():
     plan = rasping_plan(modes_of("fish", *FISH), Wish(540.0, frequency_of("C6"), most=2e-4))
     assert not plan.ways and plan.nearest is not None and plan.nearest.off[0] < -100.0
