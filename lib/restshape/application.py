@@ -187,6 +187,42 @@ class Reporting:
         return cast("list[Path]", _function(self.pictures)(recording, folder, options))
 
 
+@dataclass(frozen=True)
+class Exporting:
+    """What `restshape export` does of its scenes besides what it does of all; paths ``module:attribute`` of functions.
+
+    Args:
+        arguments: adds options to the parser of `restshape export`.
+        check: raises a `UserError` of options that make no sense for a format.
+        formats: of files that its scenes alone are written as; each is given a frame, the options and the file to
+            write, and returns what there is to note.
+        engraved: of a frame and the options, the `export.cut_drawing.Engraving` of a drawing for a workshop.
+        layers: what layers of drawings are where nothing says so, "names" or "cut".
+    """
+
+    arguments: str
+    check: str
+    formats: Mapping[str, str]
+    engraved: str
+    layers: str = "names"
+
+    def add_arguments(self, parser: ArgumentParser) -> None:
+        """Adds options to `restshape export`."""
+        _function(self.arguments)(parser)
+
+    def check_arguments(self, options: Namespace) -> None:
+        """Makes sure that the options make sense."""
+        _function(self.check)(options)
+
+    def write(self, kind: str, frame: object, options: Namespace, path: Path) -> list[str]:
+        """Writes a frame in a format of its own; what there is to note."""
+        return cast("list[str]", _function(self.formats[kind])(frame, options, path))
+
+    def engraving(self, frame: object, options: Namespace) -> object:
+        """What is engraved and drilled besides what the shape says."""
+        return _function(self.engraved)(frame, options)
+
+
 class Declared(Sequence["Physics"]):
     """Physics by paths ``module:attribute``, imported where somebody first looks at them: lists and helps do not.
 
@@ -261,6 +297,7 @@ class Application:
         editing: what its scripts edit.
         lines: what `restshape script` understands; None: what it understands of shapes.
         report: None: nothing but what all have.
+        exports: likewise.
         explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
         costs: path ``module:attribute`` of a function of a scene that gives lines of `restshape explain`, each what,
             which, why: what commands of the application cost.
@@ -278,6 +315,7 @@ class Application:
     editing: Editing = SHAPES
     lines: ScriptLines | None = None
     report: Reporting | None = None
+    exports: Exporting | None = None
     explain: str = ""
     costs: str = ""
     takes: tuple[str, ...] | None = None

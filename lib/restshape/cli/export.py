@@ -6,6 +6,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from restshape.cli.export_for_workshop import (
+    add_workshop,
+    check_workshop,
+    engraving_of,
+    for_workshop,
+    own_formats,
+    refuse_format,
+    write_own,
+)
 from restshape.cli.options import add_json, add_set, refuse_files_of_scene, write_json
 from restshape.cli.parser import add_edits
 from restshape.errors import UserError, one_line
@@ -27,7 +36,9 @@ RECORDING = ".vtkhdf"
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what this command takes."""
     parser.add_argument("source", metavar="RECORDING|SCENE", type=Path, help="recording (.vtkhdf), or scene (.toml)")
-    parser.add_argument("--as", dest="kind", choices=KINDS, required=True, help="format of the file to write")
+    parser.add_argument(
+        "--as", dest="kind", choices=(*KINDS, *own_formats()), required=True, help="format of the file to write"
+    )
     add_edits(parser, "edit script (.jsonl) of a scene")
     parser.add_argument(
         "--frame", metavar="N", type=int, default=-1, help="from 0, or from -1 backwards (default: the last one)"
@@ -35,12 +46,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", metavar="FILE", type=ExportFile, help="file to write (default: the scene's name, beside the input)"
     )
+    add_workshop(parser)
     add_set(parser)
     add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Writes the file and says what it shows; the exit code."""
+    check_workshop(args)
     result = (_of_recording if args.source.suffix == RECORDING else _of_scene)(args)
     row, count, t = result["frame"], result["frames"], result["t"]
     print(f"wrote {one_line(result['file'])}: frame {row} of {count} (0 to {count - 1}), t = {t:.3f} s")
@@ -134,12 +147,22 @@ def _out(args: argparse.Namespace, scene: str) -> ExportFile:
 
 
 def _written(args: argparse.Namespace, frame: EditedFrame, mesh: FrameMesh | None, out: Path) -> dict[str, Any]:
-    """Writes a shape, or its surface; what has been written."""
-    from restshape.export.formats import write_shape
+    """Writes a shape, its surface, or what its application makes of it; what has been written."""
+    from restshape.export.formats import write_cut, write_shape
 
-    notes = _writing(out, lambda: write_shape(args.kind, frame, mesh, out))
-    result = _result(args, out, (frame.row, frame.count, frame.t), frame.refused, notes)
-    return result | {"area": frame.outline.area()}
+    refuse_format(args.kind, frame.scene)
+    area = frame.outline.area()
+    if args.kind in own_formats():
+        notes = _writing(out, lambda: write_own(args, frame, out))
+    elif for_workshop(args, frame.scene):
+        engraving = engraving_of(args, frame)
+        drawn: tuple[list[str], float] = _writing(
+            out, lambda: write_cut(args.kind, frame.outline, args.kerf, engraving, args.unit or "mm", out)
+        )
+        notes, area = drawn
+    else:
+        notes = _writing(out, lambda: write_shape(args.kind, frame, mesh, out))
+    return _result(args, out, (frame.row, frame.count, frame.t), frame.refused, notes) | {"area": area}
 
 
 def _write_mesh(kind: str, mesh: FrameMesh, out: Path) -> list[str]:
@@ -149,7 +172,7 @@ def _write_mesh(kind: str, mesh: FrameMesh, out: Path) -> list[str]:
     return _writing(out, lambda: write_mesh(kind, mesh, out))
 
 
-def _writing(out: Path, write: Any) -> list[str]:
+def _writing(out: Path, write: Any) -> Any:
     """What a writer notes.
 
     Raises:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from restshape.export.cut_drawing import Engraving, cut_drawing
+from restshape.export.cut_files import write_cut_dxf, write_cut_svg
 from restshape.export.dxf_drawing import write_dxf
 from restshape.export.edited_frame import EditedFrame, thickness_of
 from restshape.export.frame_mesh import FrameMesh
@@ -47,6 +49,28 @@ def write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path
         assert mesh is not None, "a surface is that of a mesh"
         return write_mesh(kind, mesh, out, thickness_of(frame.scene))
     return []
+
+
+def write_cut(
+    kind: str, outline: Outline, kerf: float, engraving: Engraving, unit: str, out: Path
+) -> tuple[list[str], float]:
+    """Writes a shape for a workshop as "dxf" or "svg"; what there is to note, and the area [m^2].
+
+    Args:
+        kind: of both; outline: the shape; kerf: width of the cut [m], or 0; engraving: of its application.
+        unit: of lengths in a "dxf"; out: the file.
+
+    Raises:
+        UserError: the cut, or a hole that is drilled besides, does not fit into the shape.
+        OSError: it cannot be written.
+    """
+    drawing = cut_drawing(outline, kerf, engraving)
+    if kind == "dxf":
+        write_cut_dxf(drawing, out, unit)
+    else:
+        write_cut_svg(drawing, out)
+    length, path = 1e3 * drawing.path_length(), f", {500.0 * kerf:g} mm outside of the shape," if kerf else ""
+    return [f"the path of the tool{path} is {length:.5g} mm long", *engraving.notes], drawing.shape.area()
 
 
 def _points_left_out(outline: Outline, what: str) -> list[str]:

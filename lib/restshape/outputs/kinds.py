@@ -170,14 +170,29 @@ EXPORT_HEADS = "node,x,y"
 """First columns of an exported table."""
 
 
+SHEET_MARK = "restshape export"
+"""The program that a PDF of a sheet says it was made by."""
+
+
 class ExportFile(OutputFile):
-    """A shape, a scene, a mesh or a table that `restshape export` wrote."""
+    """A shape, a scene, a mesh, a table, a sheet or a sound that `restshape export` wrote."""
 
     what = "a file that restshape export wrote"
+    maker = SHEET_MARK
 
     def known(self, head: bytes) -> bool:
         """Whether it has the mark of exports, or the columns of an exported table."""
         return EXPORT_MARK.encode() in head or head.startswith(EXPORT_HEADS.encode())
+
+    def ours(self) -> bool:
+        """As of other files; a PDF and a sound say at their ends who made them."""
+        if not self.is_file():
+            return super().ours()
+        with self.open("rb") as file:
+            head = file.read(5)
+            if head == b"%PDF-":
+                return f"/Creator ({self.maker})".encode() in file.read()
+            return SoundFile(self).ours() if head.startswith(b"RIFF") else super().ours()
 
 
 PATTERN_MARK = "restshape pattern"
@@ -188,15 +203,7 @@ class PatternFile(ExportFile):
     """A pattern: a drawing, a scene or a file of another program, or a PDF in true size."""
 
     what = "a pattern that restshape wrote"
-
-    def ours(self) -> bool:
-        """As of other exports; a PDF says at its end who made it."""
-        if not self.is_file():
-            return super().ours()
-        with self.open("rb") as file:
-            if file.read(5) == b"%PDF-":
-                return f"/Creator ({PATTERN_MARK})".encode() in file.read()
-        return super().ours()
+    maker = PATTERN_MARK
 
 
 BODY_MARK = "written by restshape mannequin"
