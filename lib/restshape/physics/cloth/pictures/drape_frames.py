@@ -22,6 +22,7 @@ from matplotlib.text import Text
 from restshape.outputs.picture_files import save_picture
 from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, drape_scenery, places
 from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
+from restshape.physics.cloth.pictures.text_room import set_apart_alike
 from restshape.replay.recording import Recording
 from restshape.report.animation import animated_frames, even, pause, write_animation
 from restshape.report.camera import Camera
@@ -119,8 +120,9 @@ class DrapeDrawing:
         """Put the names of panels onto them in the flat pattern."""
         for name, place in self.scenery.names.get(i, {}).items():
             if name not in self.names:
-                self.names[name] = self.pattern.text(0, 0, name, fontsize=6.5, ha="center", va="center", color=INK)
-            self.names[name].set_position((float(place[0]), float(place[1])))
+                self.names[name] = self.pattern.text(0, 0, name, ha="center", va="center", color=INK)
+            self.names[name].set(position=(float(place[0]), float(place[1])), fontsize=6.5)
+        set_apart_alike(list(self.names.values()))
 
     def _mark_pins(self, recording: Recording, i: int) -> None:
         """Put marks on the nodes that supports hold in frame i, in each of the views."""

@@ -15,6 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from restshape.outputs.picture_files import save_picture
 from restshape.physics.cloth.pictures.drape import DrapeScenery, drape_scenery
@@ -22,6 +23,7 @@ from restshape.physics.cloth.pictures.drape_frames import convergence_words
 from restshape.physics.cloth.pictures.drape_image import DrapeImage
 from restshape.physics.cloth.pictures.drawn_seams import DrawnSeam, drawn_seams
 from restshape.physics.cloth.pictures.membrane_stretch import recorded_stretches, trusted_strain
+from restshape.physics.cloth.pictures.text_room import set_apart, set_apart_alike
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.outlines import border, lines, polygons
@@ -114,11 +116,16 @@ def draw_beside(recording: Recording, i: int, what: str, width: int, path: Path)
     figure, grid = _figure(scenery, len(rows), width / DPI, what == "strain")
     for (space, pattern), shown in zip(grid, rows):
         _draw_space(space, recording, i, scenery, shown, seams)
-        _draw_pattern(pattern, recording, i, shown, seams)
+        seam_names = _draw_pattern(pattern, recording, i, shown, seams)
         top = space.get_position().y1 + 0.02 / figure.get_size_inches()[1]
         figure.text(0.01, top, shown.words, fontsize=8.5, va="bottom", color=INK)
-        for name, place in scenery.names.get(i, {}).items():
+        panels = [
             pattern.text(*place, name, fontsize=LETTERS + 1.0, ha="center", va="center", color=INK)
+            for name, place in scenery.names.get(i, {}).items()
+        ]
+        set_apart_alike(panels)
+        along = [np.deg2rad(text.get_rotation()) for text in seam_names]
+        set_apart(seam_names, [np.array([np.cos(angle), np.sin(angle)]) for angle in along], panels)
     words, colour = convergence_words(recording, i)
     below = 1.0 - 0.4 / figure.get_size_inches()[1]
     figure.text(
@@ -168,8 +175,8 @@ def _draw_space(
     _SeamedImage(axes, scenery, shown, seams).show(recording, i)
 
 
-def _draw_pattern(axes: Axes, recording: Recording, i: int, shown: _Shown, seams: Sequence[DrawnSeam]) -> None:
-    """The flat pattern in the colours of the drape; triangles beyond the bound are outlined."""
+def _draw_pattern(axes: Axes, recording: Recording, i: int, shown: _Shown, seams: Sequence[DrawnSeam]) -> list[Text]:
+    """The flat pattern in the colours of the drape, with triangles beyond the bound outlined; the names of seams."""
     X, cells = recording.mesh(i)
     low, high = X.min(axis=0), X.max(axis=0)
     room = 0.03 * float(max(high - low))
@@ -180,12 +187,14 @@ def _draw_pattern(axes: Axes, recording: Recording, i: int, shown: _Shown, seams
         beyond = polygons(X, cells[np.abs(shown.strains) > shown.bound])
         axes.add_collection(PolyCollection(beyond, facecolors="none", edgecolors=INK, linewidths=0.4))
     axes.add_collection(LineCollection(lines(X, border(cells)), colors=INK, linewidths=EDGE))
+    names = []
     for seam in seams:
         axes.add_collection(LineCollection(seam.edges, colors=seam.colour, linewidths=SEAM))
         for name in seam.names:
             look = {"rotation": np.degrees(name.angle), "rotation_mode": "anchor", "ha": "center", "va": "center"}
             place = name.place + 0.45 * room * name.outward
-            axes.text(*place, seam.name, fontsize=LETTERS, color=seam.colour, **look)
+            names.append(axes.text(*place, seam.name, fontsize=LETTERS, color=seam.colour, **look))
+    return names
 
 
 def _bar(figure: Figure, shown: _Shown) -> None:
