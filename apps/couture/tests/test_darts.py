@@ -327,3 +327,37 @@ def test_a_line_from_beyond_an_edge_opens_there_and_one_inside_is_a_diamond(tmp_
     assert darts["e"].edge is None
     assert "meets 'bottom' and 'top'" in frames[3].refused
     assert "meets the dart 'd'" in frames[4].refused
+
+
+WAIST = {"edge": "bottom", "at": 0.25, "width": "3 cm", "length": "9 cm"}
+
+
+@pytest.mark.parametrize("on", ["top", "bottom"])
+def test_a_dart_is_deleted_after_a_vertex_was_inserted_and_dragged(tmp_path, on):
+    """The vertex stays where the hand has left it, on another edge and on that of the dart."""
+    at = {"top": [0.1, 0.3], "bottom": [0.3, 0.0]}[on]
+    there = {"top": [0.1, 0.32], "bottom": [0.3, -0.02]}[on]
+    edits = [
+        {"do": "insert", "on": on, "name": "own", "at": at},
+        {"do": "press", "on": "own"},
+        {"do": "drag", "to": there},
+        {"do": "release"},
+        {"do": "delete", "on": "waist"},
+    ]
+    frames = frames_of(tmp_path, sheet(tmp_path, waist=WAIST), *edits)
+    assert not any(frame.refused for frame in frames)
+    outline = frames[-1].outline
+    assert sorted(outline.vertex_names) == ["ne", "nw", "own", "se", "sw"]
+    assert outline.points[outline.vertex_names.index("own")] == pytest.approx(there)
+    assert len(outline.entity(on).edges) == 2
+    # The sheet, and the triangle that the hand has pulled out of one side.
+    assert outline.area() == pytest.approx(0.12 + 0.5 * 0.4 * 0.02)
+
+
+def test_a_dart_is_not_deleted_after_a_hole_was_cut_which_a_message_says(tmp_path):
+    edits = [
+        {"do": "hole", "name": "eye", "center": [0.3, 0.2], "radius": 0.02},
+        {"do": "delete", "on": "waist"},
+    ]
+    last = frames_of(tmp_path, sheet(tmp_path, waist=WAIST), *edits)[-1]
+    assert "edits by hand have changed those before" in last.refused and "undo these edits" in last.refused

@@ -17,6 +17,7 @@ from restshape.shape.build import unchecked_outline
 from restshape.shape.dart_corners import with_darts
 from restshape.shape.gesture import Gesture, other_curves, towards
 from restshape.shape.outline import Edge, Layout, Outline
+from restshape.shape.reinserted_vertices import arranged_as, reinserted
 from restshape.shape.panel_placement import plane_axes
 from restshape.shape.script_session import STILL
 from restshape.shape.validity import problem
@@ -136,7 +137,7 @@ def followed(outline: Outline, before: Outline, after: Outline) -> Outline:
     """The outline that edits have left, after the shape that the scene gives has changed.
 
     What edits have moved keeps its distance from where the scene has it. Vertices that edits have inserted, and holes
-    that they have cut, stay where they are.
+    that they have cut, stay where they are. Where the scene gives other edges inserted vertices go on theirs.
 
     Args:
         outline: as edits have left it.
@@ -148,8 +149,10 @@ def followed(outline: Outline, before: Outline, after: Outline) -> Outline:
     if not same_layout(before.layout, after.layout):
         if same_layout(outline.layout, before.layout):
             return _redrawn(outline, before, after)
+        if (both := reinserted(outline, before, after)) is not None:
+            return _redrawn(arranged_as(outline, both[0]), *both)
         what = "the scene gives the shape other edges now, and edits by hand have changed those before"
-        raise UserError(what, do="set it before the shape is edited")
+        raise UserError(what, do="undo these edits, or set it before the shape is edited")
     points, bulges = outline.points.copy(), outline.bulges.copy()
     knots = [edge.knots for edge in outline.edges]
     for place, old in _vertices(outline, before):
