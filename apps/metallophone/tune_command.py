@@ -53,6 +53,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _tune(scene: Scene, args: argparse.Namespace) -> int:
+    from restshape_apps.metallophone.rasping.tolerances import print_tolerances
     from restshape_apps.metallophone.tuning.report import TuningReport
     from restshape_apps.metallophone.tuning.tuning import tuned
     from restshape_apps.metallophone.tuning.wanted import wanted_tones
@@ -67,6 +68,7 @@ def _tune(scene: Scene, args: argparse.Namespace) -> int:
     report = TuningReport(tuning, a4)
     for title, (heads, rows) in (("steps", report.steps()), ("freedoms", report.freedoms())):
         print_table(title, heads, rows, right=heads[1:])
+    print_tolerances(tuning.tolerances)
     print(report.summary())
     for note in report.notes():
         print(f"note: {note}")

@@ -14,7 +14,7 @@ from restshape.outputs.kinds import PictureFile
 if TYPE_CHECKING:
     from restshape.scene.model import Scene
 
-ADDING = {"by": "--by", "bound": "--bound", "overtones": "--overtones", "out": "--out"}
+ADDING = {"by": "--by", "bound": "--bound", "overtones": "--overtones", "modes": "--modes", "out": "--out"}
 """What tunes by freedoms, by the argument."""
 
 

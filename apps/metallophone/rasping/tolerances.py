@@ -1,5 +1,6 @@
 """What tolerances of a bar do to its tones: of its outline, its thickness and its material."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log, log2
 
@@ -28,12 +29,14 @@ class Tolerances:
     """By how many cents tones go up.
 
     Args:
-        frequencies: (modes,) [Hz] of the modes that the scene asks for.
+        modes: ranks of the modes, from 1.
+        frequencies: (modes,) [Hz] of them.
         kerf: (modes,) for a tenth of a millimetre that the cut takes off all around, holes included.
         thickness: (modes,) for a tenth of a millimetre more of thickness everywhere; not a number of plane solids.
         stiffness, density: by material, (modes,) for a per cent more of all its moduli, and of its density.
     """
 
+    modes: tuple[int, ...]
     frequencies: np.ndarray
     kerf: np.ndarray
     thickness: np.ndarray
@@ -48,9 +51,19 @@ class Tolerances:
             found += [(f"1 % more {what}" + ("" if single else f", {name}"), own) for name, own in by_material.items()]
         return found
 
+    def of(self, ranks: Sequence[int]) -> "Tolerances":
+        """Those of some of the modes alone, by rank from 1."""
+        chosen = [self.modes.index(rank) for rank in ranks]
+        stiffness, density = (
+            {name: own[chosen] for name, own in by_material.items()} for by_material in (self.stiffness, self.density)
+        )
+        columns = (own[chosen] for own in (self.frequencies, self.kerf, self.thickness))
+        return Tolerances(tuple(ranks), *columns, stiffness, density)
+
     def as_json(self) -> dict[str, object]:
         """The same for programs."""
         return {
+            "modes": list(self.modes),
             "frequencies": self.frequencies.tolist(),
             "kerf_0.1_mm": self.kerf.tolist(),
             "thickness_0.1_mm": [None if np.isnan(own) else own for own in self.thickness.tolist()],
@@ -75,12 +88,12 @@ def tolerances(analysis: ModalAnalysis) -> Tolerances:
     except UserError:
         thicker = np.full(len(f), np.nan)
     stiffness, density = _by_material(analysis)
-    return Tolerances(f.copy(), kerf, TENTH * CENTS * thicker / f, stiffness, density)
+    return Tolerances(tuple(range(1, len(f) + 1)), f.copy(), kerf, TENTH * CENTS * thicker / f, stiffness, density)
 
 
 def print_tolerances(found: Tolerances) -> None:
     """Print the table of tolerances."""
-    heads = ("tolerance", *(f"mode {k}: [cents]" for k in range(1, len(found.frequencies) + 1)))
+    heads = ("tolerance", *(f"mode {k}: [cents]" for k in found.modes))
     rows = [(what, *(f"{cents:+.1f}" if np.isfinite(cents) else "–" for cents in own)) for what, own in found.rows()]
     print_table("what tolerances do to the tones", heads, rows, right=heads[1:])
 

@@ -11,7 +11,7 @@ from restshape_apps.metallophone.rasping.outline_motion import boundary_motion, 
 from restshape_apps.metallophone.rasping.places import alike, profile, stretches
 from restshape_apps.metallophone.rasping.plan import Wish, rasping_plan
 from restshape_apps.metallophone.rasping.report import directions, plan_as_json
-from restshape_apps.metallophone.rasping.tolerances import tolerances
+from restshape_apps.metallophone.rasping.tolerances import CENTS, tolerances
 
 from restshape.analysis.modal_comparison import cold_frequencies
 from restshape.analysis.pitch import frequency_of
@@ -200,6 +200,16 @@ def test_tolerances_are_what_other_scenes_have():
     modulus = bar.state.scene.material[name].E
     stiffer = modes_of("bar_100", *BAR, 'mesh.size="3 mm"', f"material.{name}.E={1.01 * modulus}")
     assert cents(stiffer.frequencies, bar.frequencies) == pytest.approx(found.stiffness[name], abs=1e-3)
+
+
+def test_tuning_has_the_tolerances_of_the_tuned_bar(tmp_path, capsys):
+    out, settings = tmp_path / "tuned.json", [word for override in FISH for word in ("--set", override)]
+    assert main(["tune", str(SCENES / "fish.toml"), "--to", "D5", *settings, "--json", str(out)]) == 0
+    found = json.loads(out.read_text())["tolerances"]
+    assert found["modes"] == [1] and found["frequencies"] == pytest.approx([frequency_of("D5")], rel=3e-4)
+    # f ~ h of a thin plate, less its shear.
+    assert found["thickness_0.1_mm"] == pytest.approx([CENTS * 0.1 / 3.0], rel=0.02)
+    assert "0.1 mm of kerf" in capsys.readouterr().out
 
 
 def test_corners_slide_along_the_sides_that_stay():

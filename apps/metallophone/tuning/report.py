@@ -106,6 +106,7 @@ class TuningReport:
             "cents": self.found.last.cents.tolist(),
             "clusters": [own.tolist() for own in self.found.clusters],
             "notes": self.notes(),
+            "tolerances": self.tuning.tolerances.as_json(),
             "steps": [_plain(step) for step in self.found.steps],
             "freedoms": {
                 freedom.name: {

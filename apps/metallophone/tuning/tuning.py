@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from restshape_apps.metallophone.rasping.tolerances import Tolerances, tolerances
 from restshape_apps.metallophone.tuning.bar import Bar
 from restshape_apps.metallophone.tuning.bending import bending_modes
 from restshape_apps.metallophone.tuning.descent import Descent, Tuned, TuningStep
@@ -15,6 +16,7 @@ from restshape_apps.metallophone.tuning.freedoms import (
     freedoms_of,
     keys_of,
     with_fixed_curves,
+    with_values,
 )
 from restshape_apps.metallophone.tuning.wanted import Wanted
 from restshape_apps.metallophone.tuning.written import written
@@ -44,6 +46,7 @@ class Tuning:
         scene: as it was; wanted: tones; freedoms: that changed; found: what came of it.
         ranks: of the tuned modes at the start, from 1.
         solves: of eigenproblems in all.
+        tolerances: of the tuned bar, for these modes.
     """
 
     scene: Scene
@@ -52,6 +55,7 @@ class Tuning:
     found: Tuned
     ranks: tuple[int, ...]
     solves: int
+    tolerances: Tolerances
 
     def changes(self) -> list[tuple[tuple[str, ...], object]]:
         """Keys of the scene's file with their new values; curves of edges are written out where the outline moves."""
@@ -90,7 +94,16 @@ def tuned(
     ids = [int(bar.analysis.state.modes.ids.ids[index]) for index in indices]
     most = most or (SOLVES if len(ids) == 1 else SOLVES_OF_RATIOS)
     found = Descent(bar, ids, np.array(wanted.frequencies), given, most, on_step).run()
-    return Tuning(scene, wanted, tuple(freedoms), found, tuple(int(index) + 1 for index in indices), bar.solves)
+    started, solves = tuple(int(index) + 1 for index in indices), bar.solves
+    return Tuning(scene, wanted, tuple(freedoms), found, started, solves, _tolerances(bar, ids, found.last.values))
+
+
+def _tolerances(bar: Bar, ids: Sequence[int], values: np.ndarray) -> Tolerances:
+    """The tolerances at values (k,) of the freedoms, of the modes with these ids."""
+    if bar.now != with_values(bar.scene, bar.freedoms, values):
+        bar.at(values)
+    order = bar.analysis.state.ids.tolist()
+    return tolerances(bar.analysis).of([order.index(one) + 1 for one in ids if one in order])
 
 
 def _started(scene: Scene, freedoms: Sequence[Freedom], wanted: Wanted, ranks: Sequence[int]) -> tuple[Bar, list[int]]:
