@@ -17,8 +17,8 @@ from restshape.shape.build import unchecked_outline
 from restshape.shape.dart_corners import with_darts
 from restshape.shape.gesture import Gesture, other_curves, towards
 from restshape.shape.outline import Edge, Layout, Outline
-from restshape.shape.reinserted_vertices import arranged_as, reinserted
 from restshape.shape.panel_placement import plane_axes
+from restshape.shape.reinserted_vertices import arranged_as, reinserted
 from restshape.shape.script_session import STILL
 from restshape.shape.validity import problem
 

@@ -47,7 +47,8 @@ def arranged_as(outline: Outline, other: Outline) -> Outline:
 def _parts(outline: Outline) -> set[tuple[object, ...]]:
     """What edges an outline has, by names."""
     names = outline.vertex_names
-    return {
+    edges = {
         (edge.name, edge.parent, edge.kind, names[edge.start], names[edge.end], len(edge.inner))
         for edge in outline.edges
-    } | {(loop.kind, loop.name, len(loop.edges)) for loop in outline.loops}
+    }
+    return edges | {(loop.kind, loop.name, len(loop.edges)) for loop in outline.loops}
