@@ -5,7 +5,9 @@ After section 4.4 of the thesis. Quantities of interest: frequencies, by rank or
 
 from pathlib import Path
 
-from restshape.application import Application, Command, Declared
+from restshape.application import Application, Command, Declared, Exporting
+
+WORKSHOP = "restshape_apps.metallophone.workshop"
 
 application = Application(
     name="metallophone",
@@ -14,6 +16,13 @@ application = Application(
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:FREE_VIBRATIONS"),
     analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
     costs="restshape_apps.metallophone.tuning.cost:tuning_cost",
+    exports=Exporting(
+        arguments=f"{WORKSHOP}.options:arguments",
+        check=f"{WORKSHOP}.options:check",
+        formats={"pdf": f"{WORKSHOP}.sheet:write_sheet", "wav": f"{WORKSHOP}.blow_file:write_blow"},
+        engraved=f"{WORKSHOP}.engraving:engraving",
+        layers="cut",
+    ),
     commands=(
         Command("modes", "draw modes with their tones and nodal lines", "restshape_apps.metallophone.modes_command"),
         Command(

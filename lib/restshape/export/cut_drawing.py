@@ -115,20 +115,25 @@ def with_holes(outline: Outline, holes: Mapping[str, tuple[Reals, float]]) -> Ou
     Raises:
         UserError: one of them crosses an edge, leaves the outline, or has a name that is used already.
     """
-    return outline_from_spec(ShapeSpec.model_validate(tables_with_holes(outline, holes)))
+    return outline_from_spec(ShapeSpec.model_validate(tables_with_circles(outline, holes)))
 
 
-def tables_with_holes(outline: Outline, holes: Mapping[str, tuple[Reals, float]]) -> Table:
-    """The plain tables of a ``[shape]`` with round holes besides; arguments as of `with_holes`."""
+def tables_with_circles(outline: Outline, circles: Mapping[str, tuple[Reals, float]], kind: str = "holes") -> Table:
+    """The plain tables of a ``[shape]`` with circles besides, as "holes" or as "regions"; arguments as of `with_holes`.
+
+    Points that lie in a hole are left out.
+    """
     tables = shape_tables(outline)
-    circles = {
+    added = {
         name: {"circle": {"center": [float(x) for x in centre], "radius": float(radius)}}
-        for name, (centre, radius) in holes.items()
+        for name, (centre, radius) in circles.items()
     }
-    # A point that is drilled away is a point no more.
-    points = {
-        name: place
-        for name, place in table_in(tables, "points").items()
-        if all(np.hypot(*(np.array(place) - centre)) > radius for centre, radius in holes.values())
-    }
-    return {**tables, "holes": table_in(tables, "holes") | circles, "points": points}
+    if kind == "holes":
+        points = table_in(tables, "points").items()
+        tables["points"] = {name: place for name, place in points if not _inside(np.array(place), circles)}
+    return {**tables, kind: table_in(tables, kind) | added}
+
+
+def _inside(place: Reals, circles: Mapping[str, tuple[Reals, float]]) -> bool:
+    """Whether a place (2,) [m] lies in one of some circles."""
+    return any(float(np.hypot(*(place - centre))) <= radius for centre, radius in circles.values())

@@ -6,13 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from restshape.application import application_of
-from restshape.errors import UserError
+from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.importer import read_mesh
+from restshape.mesh.thickness import Thickness
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.scene.darts import without_darts
 from restshape.scene.edit_script import Script, read_script
+from restshape.scene.expressions import Expression
 from restshape.scene.load import recorded_scene
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table, table_in
@@ -145,6 +149,26 @@ def thickness_of(scene: Scene) -> float | None:
         given = getattr(material, "thickness", None) if "thickness" in material.model_fields_set else None
         found.add(given if isinstance(given, float) else None)
     return found.pop() if len(found) == 1 else None
+
+
+def thickness_over(scene: Scene, X: np.ndarray) -> float | np.ndarray | None:
+    """The thickness of a body over a plane mesh: a number [m], or (n,) at its nodes X (n, 2) [m] by a formula.
+
+    None where a material leaves it out, or where materials differ.
+
+    Raises:
+        UserError: it is not positive somewhere.
+    """
+    number = thickness_of(scene)
+    formulas = [
+        value for one in scene.material.values() if isinstance(value := getattr(one, "thickness", 0.0), Expression)
+    ]
+    if number is not None or len(formulas) != len(scene.material) or len({one.text for one in formulas}) != 1:
+        return number
+    try:
+        return Thickness(formulas[0], scene.parameters).at(X)
+    except ReplayProblem as problem:
+        raise UserError(str(problem), "material", "mend the formula of its thickness") from problem
 
 
 def plain_scene(frame: EditedFrame, shape: Table) -> Table:

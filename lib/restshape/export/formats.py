@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from restshape.export.cut_drawing import Engraving, cut_drawing
 from restshape.export.cut_files import write_cut_dxf, write_cut_svg
 from restshape.export.dxf_drawing import write_dxf
-from restshape.export.edited_frame import EditedFrame, thickness_of
+from restshape.export.edited_frame import EditedFrame, thickness_of, thickness_over
 from restshape.export.frame_mesh import FrameMesh
 from restshape.export.mesh_files import write_csv, write_vtu
 from restshape.export.step_body import write_step
@@ -47,7 +49,7 @@ def write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path
         return ([f"a face {FLAT}"] if thickness is None else []) + left
     else:
         assert mesh is not None, "a surface is that of a mesh"
-        return write_mesh(kind, mesh, out, thickness_of(frame.scene))
+        return write_mesh(kind, mesh, out, thickness_over(frame.scene, mesh.X) if mesh.flat else None)
     return []
 
 
@@ -87,12 +89,12 @@ def _cells_left_out(mesh: FrameMesh) -> list[str]:
     )
 
 
-def write_mesh(kind: str, mesh: FrameMesh, out: Path, thickness: float | None = None) -> list[str]:
+def write_mesh(kind: str, mesh: FrameMesh, out: Path, thickness: float | np.ndarray | None = None) -> list[str]:
     """Writes a mesh with its fields as "vtu" or "csv", or its surface as "stl" or "obj"; what there is to note.
 
     Args:
         kind: of the four; mesh: of a frame; out: the file.
-        thickness: of the body over a plane mesh [m]; None: unknown, or there is none.
+        thickness: of the body over a plane mesh [m], of all of it or (n,) at its nodes; None: unknown, or none.
 
     Raises:
         UserError: a body is to be an "obj".
@@ -108,4 +110,6 @@ def write_mesh(kind: str, mesh: FrameMesh, out: Path, thickness: float | None = 
     write_stl(mesh, thickness, out)
     if mesh.placed is not None:
         return ["the cloth in space: a surface without thickness"]
+    if isinstance(thickness, np.ndarray):
+        return ["the lower face is flat, the upper one has the formula of the thickness"]
     return [f"a surface {FLAT}"] if mesh.flat and thickness is None else []

@@ -20,7 +20,7 @@ FACES = {"tetra": TETRAHEDRON, "tetra10": TETRAHEDRON, "hexahedron": HEXAHEDRON}
 """Faces of cells, seen from outside."""
 
 
-def write_stl(mesh: FrameMesh, thickness: float | None, path: Path) -> None:
+def write_stl(mesh: FrameMesh, thickness: float | np.ndarray | None, path: Path) -> None:
     """Writes the surface of a mesh.
 
     Of tetrahedra and hexahedra it is their border; of cloth in space the cloth; of a plane mesh the closed surface of
@@ -28,7 +28,8 @@ def write_stl(mesh: FrameMesh, thickness: float | None, path: Path) -> None:
 
     Args:
         mesh: in the plane or in space.
-        thickness: of the body over a plane mesh [m]; None: the plane mesh itself, which is not closed.
+        thickness: of the body over a plane mesh [m], of all of it or (n,) at its nodes; None: the plane mesh itself,
+            which is not closed.
         path: of the file.
 
     Raises:
@@ -45,7 +46,7 @@ def write_stl(mesh: FrameMesh, thickness: float | None, path: Path) -> None:
         file.write(rows.tobytes())
 
 
-def surface(mesh: FrameMesh, thickness: float | None) -> np.ndarray:
+def surface(mesh: FrameMesh, thickness: float | np.ndarray | None) -> np.ndarray:
     """The triangles (m, 3, 3) [m] of the surface, counter-clockwise seen from outside; see `write_stl`."""
     if mesh.cell_type in FACES:
         return mesh.X[_border_faces(mesh.cells, FACES[mesh.cell_type])]
@@ -55,10 +56,10 @@ def surface(mesh: FrameMesh, thickness: float | None) -> np.ndarray:
     flat = np.column_stack([mesh.X, np.zeros(len(mesh.X))])
     if thickness is None:
         return flat[cells]
-    up = np.array([0.0, 0.0, thickness])
+    top = np.column_stack([mesh.X, np.broadcast_to(thickness, len(mesh.X))])
     a, b = _border_sides(cells).T
-    walls = [np.stack([flat[a], flat[b], flat[b] + up], 1), np.stack([flat[a], flat[b] + up, flat[a] + up], 1)]
-    return np.concatenate([flat[cells] + up, flat[cells[:, ::-1]], *walls])
+    walls = [np.stack([flat[a], flat[b], top[b]], 1), np.stack([flat[a], top[b], top[a]], 1)]
+    return np.concatenate([top[cells], flat[cells[:, ::-1]], *walls])
 
 
 def _border_sides(cells: np.ndarray) -> np.ndarray:

@@ -1,0 +1,54 @@
+"""What is engraved on a bar: its tone, and crosses where it is hung and where it is struck."""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+from restshape_apps.metallophone.workshop.bar import Bar, bar_of
+
+from restshape.arrays import Reals
+from restshape.export.cut_drawing import EngravedText, Engraving
+from restshape.export.edited_frame import EditedFrame
+from restshape.shape.nearness import distances
+
+ARM = 1.5e-3
+"""Half the length of the lines of a cross [m]."""
+LOW, HIGH = 1.5e-3, 8e-3
+"""Least and largest height of letters [m]."""
+SHARE = 0.6
+"""Height of letters over the distance of their middle from what is nearest."""
+
+
+def engraving(frame: EditedFrame, args: argparse.Namespace) -> Engraving:
+    """The holes for the cord, and what is engraved on the bar of a frame.
+
+    Raises:
+        UserError: as of `bar_of`.
+    """
+    bar = bar_of(frame, args)
+    hung = bar.hanging.places if bar.hanging.found and not bar.holes else np.zeros((0, 2))
+    strike = bar.strike
+    return Engraving(bar.holes, np.vstack([hung, strike]), ARM, (_tone(bar, strike),), _notes(bar))
+
+
+def _tone(bar: Bar, strike: Reals) -> EngravedText:
+    """The name of the tone, where there is most room for it."""
+    space, outline = bar.analysis.state.space, bar.outline
+    chains = [outline.polyline(e) for loop in outline.loops if loop.kind != "region" for e, _ in loop.edges]
+    starts, ends = (np.concatenate([chain[part] for chain in chains]) for part in (slice(-1), slice(1, None)))
+    room = distances(space.X, starts, ends)
+    for cross in (strike, *(bar.hanging.places if bar.hanging.found else ())):
+        room = np.minimum(room, np.hypot(*(space.X - cross).T) - ARM)
+    best = int(room.argmax())
+    return EngravedText(bar.target, space.X[best].copy(), float(np.clip(SHARE * room[best], LOW, HIGH)))
+
+
+def _notes(bar: Bar) -> list[str]:
+    f = float(bar.analysis.frequencies[0])
+    found = [f"{f:.2f} Hz on a mesh of its own, {bar.cents:+.1f} cents from {bar.target}"]
+    if bar.holes:
+        found.append(f"the holes for the cord move the first tone by {bar.drilled_cents:+.2f} cents")
+    if not bar.hanging.found:
+        found.append(f"no hanging points: {bar.hanging.why}")
+    return found
