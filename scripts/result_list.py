@@ -251,6 +251,14 @@ LIST = (
         f"sound {FISH} --out results/metallophone-fish.wav --seconds 1",
     ),
     Result(
+        ("metallophone-artist.png",),
+        (
+            recorded("artist", "apps/metallophone/scenes/artist.toml", "apps/metallophone/edits/artist.jsonl"),
+            "restshape pitches results/artist.vtkhdf --out results/metallophone-artist.png",
+        ),
+        (*REPLAY, "restshape_apps.metallophone.pitches_command", "restshape_apps.metallophone.pitches_picture"),
+    ),
+    Result(
         ("metallophone-accuracy.png",),
         ("restshape bar-accuracy --picture results/metallophone-accuracy.png",),
         ("restshape_verification.metallophone.accuracy",),

@@ -31,6 +31,7 @@ application = Application(
         Command(
             "rates", "print the rates of tones with numbers and outline", "restshape_apps.metallophone.rates_command"
         ),
+        Command("pitches", "draw the tone of a recorded edit", "restshape_apps.metallophone.pitches_command"),
         Command("tune", "change a bar so that it has a wanted tone", "restshape_apps.metallophone.tune_command"),
     ),
 )
