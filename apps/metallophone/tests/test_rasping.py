@@ -17,6 +17,7 @@ from restshape.analysis.modal_comparison import cold_frequencies
 from restshape.analysis.pitch import frequency_of
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.mesh.quality import areas
 from restshape.replay.first_frame import first_frame
 
 SCENES = application.folder / "scenes"
@@ -147,6 +148,20 @@ def test_sheet_of_half_a_millimetre():
         plan = rasping_plan(fish, Wish(f, f * 2.0 ** (-50.0 / 1200.0)))
         depths.append(next(way for way in plan.ways if way.places[0].profile == "most midway").depths[0] / thickness)
     assert depths[0] == pytest.approx(depths[1], rel=0.01)
+
+
+def test_every_place_takes_off_what_it_says():
+    fish, depth = modes_of("fish", *FISH), 1e-6
+    mesh, f = fish.space.mesh, float(fish.frequencies[0])
+    plan = rasping_plan(fish, Wish(f, f))
+    assert plan.in_tune and not plan.ways and len({place.where for place in plan.places}) >= 7
+    before = areas(mesh.X, mesh.cells)
+    for place in plan.places:
+        after = areas(mesh.X + depth * place.motion, mesh.cells)
+        outline = 0.003 * float((before - after).sum()) / depth
+        face = float((before * place.off[mesh.cells].mean(axis=1)).sum())
+        assert outline + face == pytest.approx(place.volume, rel=0.02), place.words
+        assert place.off.min() >= 0.0
 
 
 def test_out_of_reach_has_the_nearest_at_its_limits():
