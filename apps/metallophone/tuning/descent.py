@@ -20,6 +20,9 @@ ROUGH = 1.0
 """The same [cents] on the first mesh, where the outline moves: a new mesh of it then has frequencies of its own."""
 SLIGHT = 0.02
 """Of the whole change: a step below that changes nothing that counts."""
+NEAR, SLOW = 50.0, 0.2
+"""Distance [cents], and share of the one before, between which a step shows that the least change turns as it is
+approached: from then on steps are the least themselves, which end in tune at once and hardly beside the least change."""
 HALVINGS = 4
 """Of a step that does not lead nearer."""
 DIGITS = 7
@@ -125,7 +128,7 @@ class Descent:
     def run(self) -> Tuned:
         """The tuned bar, confirmed on a new mesh of its outline where that has moved."""
         self._note(1.0)
-        self._first, kept = True, 0
+        self._first, self._slow, kept = True, False, 0
         while True:
             self._descend()
             kept, before = len(self.found.steps), kept
@@ -150,10 +153,13 @@ class Descent:
             low, high = self.found.low - self.start, self.found.high - self.start
             change = smallest_change(motions.metric, J, missing + J @ done, low, high)
             step = change - done
+            if self._slow:
+                step = smallest_change(motions.metric, J, missing, low - done, high - done)
             left = np.linalg.norm(missing - J @ step)
             close = ROUGH if self._first and self._moved() else CLOSE
             stuck = left > 0.5 * np.linalg.norm(missing)
-            if _size(motions, step) <= SLIGHT * _size(motions, change) and (self.found.last.worst <= close or stuck):
+            slight = self._slow or _size(motions, step) <= SLIGHT * _size(motions, change)
+            if slight and (self.found.last.worst <= close or stuck):
                 self._nearest = self.found.last.worst > close
                 return
             if self.bar.solves >= self.most - 1 or not self._search(step, missing, left):
@@ -170,6 +176,7 @@ class Descent:
                 there = np.linalg.norm(self._cents(modes))
                 if there <= max(now - 0.1 * part * (now - left), CLOSE):
                     self._keep(values, modes, part)
+                    self._slow = self._slow or (NEAR > there > SLOW * now)
                     return True
             if self.bar.solves >= self.most - 1:
                 return False
