@@ -42,6 +42,8 @@ def directions(plan: RaspingPlan) -> list[str]:
         up, down = (plan.goes(underneath, way) for way in (True, False))
         if up != down:
             found.append(f"{name} rasping can only {'raise' if up else 'lower'} the tone")
+        elif underneath and not plan.densities.underneath:
+            found.append("a plane solid has no face underneath")
         elif not up:
             found.append(f"{name} there is no place to rasp: supports keep it, or --most is less than the mesh shows")
     up, down = (any(plan.goes(face, way) for face, _ in FACES) for way in (True, False))

@@ -190,7 +190,7 @@ def test_plane_solid_is_rasped_along_its_outline_alone():
     plan = rasping_plan(bar, Wish(f, 1.005 * f))
     assert plan.ways and not any(place.underneath for place in plan.places)
     assert followed(bar, plan.ways[0])[0] == pytest.approx(plan.wish.cents, abs=0.5)
-    assert np.isnan(plan.tolerances.thickness).all()
+    assert np.isnan(plan.tolerances.thickness).all() and directions(plan) == ["a plane solid has no face underneath"]
     assert plan_as_json(plan, "a tone")["tolerances"]["thickness_0.1_mm"] == [None, None]
 
 
