@@ -59,7 +59,7 @@ def test_options_that_name_a_file_to_write_say_so_by_their_type():
 
 def test_the_library_opens_no_file_for_writing_past_the_module_of_outputs():
     writing = (".write_text(", ".write_bytes(", ".savefig(", ".print_png(", '"wb")', "np.savetxt(")
-    own = {"atomic_files.py", "picture_files.py", "geo_process.py", "sound.py"}
+    own = {"atomic_files.py", "picture_files.py", "geo_process.py", "wav.py"}
     for path in (*(ROOT / "lib" / "restshape").rglob("*.py"), *(ROOT / "apps").rglob("*.py")):
         if "tests" not in path.parts and path.name not in own:
             assert not [word for word in writing if word in path.read_text(encoding="utf-8")], path

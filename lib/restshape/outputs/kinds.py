@@ -246,6 +246,17 @@ class PictureFile(OutputFile):
         return head.startswith(b"\x89PNG\r\n\x1a\n") and b"tEXtSoftware\0" + PICTURE_MARK.encode() in head
 
 
+class PeriodFile(OutputFile):
+    """An animation (GIF) of a mode that says in its comment which program drew it."""
+
+    what = "an animation of a mode that restshape drew"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it has the comment of such animations."""
+        comment = PICTURE_MARK.encode()
+        return head.startswith(b"GIF89a") and b"\x21\xfe" + bytes([len(comment)]) + comment + b"\0" in head
+
+
 class AnimationFile(OutputFile):
     """An animation in a folder of a report."""
 

@@ -80,7 +80,9 @@ def draw_animation(
     )
 
 
-def write_animation(pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, seconds: float) -> None:
+def write_animation(
+    pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, seconds: float, comment: str = ""
+) -> None:
     """Writes pictures as a GIF or an MP4; the suffix of the path says which.
 
     Args:
@@ -88,6 +90,7 @@ def write_animation(pictures: Iterator[np.ndarray], palette: np.ndarray, path: P
         palette: (256, 3) uint8 colours of a GIF, for all pictures, so that nothing flickers.
         path: ``.gif`` or ``.mp4``.
         seconds: a picture.
+        comment: that a GIF has in it.
 
     Raises:
         UserError: MP4 without ffmpeg, or ffmpeg failed.
@@ -96,7 +99,7 @@ def write_animation(pictures: Iterator[np.ndarray], palette: np.ndarray, path: P
     if path.suffix == ".mp4":
         _write_mp4(counted, path, seconds)
     else:
-        _write_gif(counted, palette, path, seconds)
+        _write_gif(counted, palette, path, seconds, comment)
 
 
 def _counted(pictures: Iterator[np.ndarray]) -> Iterator[np.ndarray]:
@@ -182,7 +185,9 @@ def even(canvas: FigureCanvasAgg) -> np.ndarray:
     return np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
 
 
-def _write_gif(pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, seconds: float) -> None:
+def _write_gif(
+    pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, seconds: float, comment: str = ""
+) -> None:
     frames: list[Image.Image] = []
     nearest = _nearest(palette)
     for picture in pictures:
@@ -190,7 +195,8 @@ def _write_gif(pictures: Iterator[np.ndarray], palette: np.ndarray, path: Path, 
         image = Image.fromarray(nearest[red << 10 | green << 5 | blue])
         image.putpalette(palette.tobytes())
         frames.append(image)
-    frames[0].save(path, save_all=True, append_images=frames[1:], duration=round(1000 * seconds), loop=0)
+    said = {"comment": comment.encode()} if comment else {}
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=round(1000 * seconds), loop=0, **said)
 
 
 def _palette(colours: Colormap) -> np.ndarray:

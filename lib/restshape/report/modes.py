@@ -77,8 +77,8 @@ def draw_modes(
 
 
 def _bent(shape: np.ndarray) -> bool:
-    """Whether a mode (n, 3) moves out of the plane."""
-    return bool(np.abs(shape[:, 2]).max() > 0.0)
+    """Whether a mode (n, 3) moves out of the plane more than in it."""
+    return bool(np.linalg.norm(shape[:, 2]) > np.linalg.norm(shape[:, :2]))
 
 
 def _draw_mode(axes: Axes, X: np.ndarray, bend: float, triangles: np.ndarray, shape: np.ndarray) -> ScalarMappable:

@@ -72,6 +72,7 @@ class SpaceDrawing:
         smooth: float | None = None,
         within: tuple[np.ndarray, np.ndarray] | None = None,
         layer: int = SOLID,
+        at_places: bool = False,
     ) -> None:
         """Add a surface, which is lit.
 
@@ -83,10 +84,11 @@ class SpaceDrawing:
             smooth: lit as a curved surface, but for edges sharper than this angle [degrees]; None: as flat faces.
             within: corners (3,) of a box beyond which it is cut off [m].
             layer: SOLID, GHOST, HALO, MARK or TOP.
+            at_places: colours are (n, 3), of each place, and blend in between.
         """
         if not len(faces):
             return
-        data = _coloured(_poly_data(places, faces=faces), colours)
+        data = _coloured(_poly_data(places, faces=faces), colours, at_places)
         actor = _actor(data if smooth is None else _smoothed(data, smooth), colours)
         look = actor.GetProperty()
         look.SetAmbient(AMBIENT)
@@ -278,10 +280,11 @@ def _renderer(layer: int) -> vtkRenderer:
     return found
 
 
-def _coloured(data: vtkPolyData, colours: Any) -> vtkPolyData:
-    """The same with the colours (m, 3) of its cells, if they are of each."""
+def _coloured(data: vtkPolyData, colours: Any, at_places: bool = False) -> vtkPolyData:
+    """The same with the colours (m, 3) of its cells, or of its places, if they are of each."""
     if np.ndim(colours) == 2:
-        data.GetCellData().SetScalars(_vtk(np.round(255.0 * np.asarray(colours)).astype(np.uint8)))
+        coloured = data.GetPointData() if at_places else data.GetCellData()
+        coloured.SetScalars(_vtk(np.round(255.0 * np.asarray(colours)).astype(np.uint8)))
     return data
 
 
