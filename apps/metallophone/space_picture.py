@@ -10,7 +10,8 @@ from restshape.mesh.thickness import Thickness
 from restshape.outputs.si_numbers import counted_are
 from restshape.physics.elasticity.vibrating_materials import common_thickness
 from restshape.report.bent_plate import FlatBody
-from restshape.report.space_modes import SpaceMode, draw_period, draw_space_modes
+from restshape.report.mode_period import draw_period
+from restshape.report.space_modes import SpaceMode, draw_space_modes
 
 
 def draw_in_space(analysis: ModalAnalysis, path: Path) -> None:

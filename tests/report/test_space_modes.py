@@ -6,10 +6,11 @@ from matplotlib.colors import to_hex
 from PIL import Image
 
 from restshape.outputs.kinds import PeriodFile
-from restshape.report import space_modes
+from restshape.report import mode_period
 from restshape.report.bent_plate import LARGEST, FlatBody
+from restshape.report.mode_period import draw_period
 from restshape.report.modes import QUARTERS
-from restshape.report.space_modes import SpaceMode, body_drawing, draw_period, draw_space_modes
+from restshape.report.space_modes import ModeView, SpaceMode, body_drawing, draw_space_modes
 from restshape.report.style import UNTRUSTED
 
 
@@ -99,7 +100,7 @@ def test_modes_in_the_plane_have_other_colours_and_words(tmp_path, monkeypatch):
 def test_all_that_is_drawn_is_in_sight():
     body = ring()
     one = mode(body, 2, 1.0)
-    view = space_modes._View.of(body, [one], (1.0, -1.0))
+    view = ModeView.of(body, [one], (1.0, -1.0))
     left, right, bottom, top = view.window
     for part in (1.0, -1.0):
         seen = view.camera.project(body.surface(part * body.drawn(one.shape))[0])
@@ -112,7 +113,7 @@ def test_all_that_is_drawn_is_in_sight():
 
 
 def test_a_period_moves_there_and_back(tmp_path, monkeypatch):
-    monkeypatch.setattr(space_modes, "PICTURES", 4)
+    monkeypatch.setattr(mode_period, "PICTURES", 4)
     body, path = ring(6), tmp_path / "mode.gif"
     draw_period(path, body, mode(body, 2, 1.0), 440.0, "ring")
     with Image.open(path) as moving:

@@ -18,7 +18,7 @@ def settings(overrides):
 
 
 def test_modes_in_space_are_drawn(tmp_path, monkeypatch):
-    monkeypatch.setattr("restshape.report.space_modes.PICTURES", 2)
+    monkeypatch.setattr("restshape.report.mode_period.PICTURES", 2)
     out, period, found = (tmp_path / name for name in ("space.png", "mode.gif", "modes.json"))
     words = [*settings(FISH), "--space", str(out), "--period", str(period), "--mode", "2", "--json", str(found)]
     assert main(["modes", str(SCENES / "fish.toml"), *words]) == 0

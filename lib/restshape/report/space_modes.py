@@ -1,24 +1,19 @@
-"""Pictures of modes in space: shaded, larger than life, over the outline at rest; or moving through a period."""
+"""Pictures of modes in space: shaded, larger than life, over the outline at rest."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from PIL import Image
 
-from restshape.outputs.atomic_files import replacing
-from restshape.outputs.kinds import PICTURE_MARK
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
-from restshape.report.animation import even, write_animation
 from restshape.report.bent_plate import FlatBody
 from restshape.report.camera import Camera
 from restshape.report.space_scene import SpaceDrawing, SpaceImage
@@ -33,9 +28,6 @@ WORDS, TITLE, BAR = 0.5, 0.55, 0.65
 """Height of the words over each picture, of the title, and of the colour bars [inch]."""
 SHARP = 50.0
 """Edges that are sharper are drawn as edges [degrees]."""
-PICTURES, SECONDS = 24, 0.06
-"""Of a period that moves, and how long each is shown [s]."""
-DPI = 90
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +75,7 @@ def draw_space_modes(path: Path, body: FlatBody, modes: Sequence[SpaceMode], tit
     """
     across = min(ACROSS, len(modes))
     down = -(-len(modes) // across)
-    view = _View.of(body, modes)
+    view = ModeView.of(body, modes)
     each = min(WIDTH / across, WIDEST)
     wide = each * across
     tall = each * view.slenderness
@@ -107,27 +99,10 @@ def draw_space_modes(path: Path, body: FlatBody, modes: Sequence[SpaceMode], tit
         middle = 0.5 if len(kinds) == 1 else 0.26 + 0.48 * k
         length = min(0.8, 4.0 / wide)
         bar = figure.add_axes((middle - 0.5 * length, 0.42 / high, length, 0.11 / high))
-        _add_bar(bar, perpendicular)
+        add_mode_bar(bar, perpendicular)
     figure.text(0.01, 1.0 - 0.08 / high, title, fontsize=11, va="top")
-    figure.text(0.01, 1.0 - 0.33 / high, _scale_words(body), fontsize=8, va="top")
+    figure.text(0.01, 1.0 - 0.33 / high, scale_words(body), fontsize=8, va="top")
     save_picture(figure, path)
-
-
-def draw_period(path: Path, body: FlatBody, mode: SpaceMode, frequency: float, title: str) -> None:
-    """Draw one period of a mode as an animation, which begins again and again.
-
-    Args:
-        path: of a GIF.
-        body: at rest; mode: of it.
-        frequency: [Hz], for the words; title: of the whole.
-    """
-    pictures = list(_period(body, mode, frequency, title))
-    sample = Image.fromarray(np.concatenate(pictures[:: max(1, len(pictures) // 4)]))
-    colours = np.array(sample.quantize(256, dither=Image.Dither.NONE).getpalette(), dtype=np.uint8).reshape(-1, 3)
-    palette = np.zeros((256, 3), dtype=np.uint8)
-    palette[: len(colours)] = colours
-    with replacing(path) as part:
-        write_animation(iter(pictures), palette, part, SECONDS, PICTURE_MARK)
 
 
 def body_drawing(body: FlatBody, mode: SpaceMode, part: float = 1.0) -> SpaceDrawing:
@@ -141,14 +116,14 @@ def body_drawing(body: FlatBody, mode: SpaceMode, part: float = 1.0) -> SpaceDra
 
 
 @dataclass(frozen=True, eq=False)
-class _View:
+class ModeView:
     """A camera, and what it has in sight: left, right, bottom and top [m]."""
 
     camera: Camera
     window: tuple[float, float, float, float]
 
     @classmethod
-    def of(cls, body: FlatBody, modes: Sequence[SpaceMode], parts: Sequence[float] = (1.0,)) -> _View:
+    def of(cls, body: FlatBody, modes: Sequence[SpaceMode], parts: Sequence[float] = (1.0,)) -> ModeView:
         """What holds modes when they have reached each of some parts of their largest displacements."""
         drawn = [body.surface(part * body.drawn(mode.shape))[0] for mode in modes for part in parts]
         places = np.concatenate([body.outline().reshape(-1, 3), *drawn])
@@ -171,32 +146,7 @@ class _View:
         axes.set_axis_off()
 
 
-def _period(body: FlatBody, mode: SpaceMode, frequency: float, title: str) -> Iterator[np.ndarray]:
-    view = _View.of(body, [mode], (1.0, -1.0))
-    wide = 6.0
-    tall = wide * view.slenderness
-    high = TITLE + WORDS + tall + BAR
-    figure = new_figure(wide, high)
-    figure.set(dpi=DPI, layout_engine="none")
-    axes = figure.add_axes((0.0, BAR / high, 1.0, tall / high))
-    view.frame(axes)
-    image = SpaceImage(axes, view.camera)
-    slower = PICTURES * SECONDS * frequency
-    words = f"{mode.name}; shown {float(f'{slower:.2g}'):,.10g} times slower"
-    figure.text(0.015, 1.0 - 0.08 / high, title, fontsize=11, va="top")
-    figure.text(0.015, 1.0 - 0.32 / high, words, fontsize=9, va="top")
-    colour = INK if mode.perpendicular else UNTRUSTED
-    figure.text(0.015, 1.0 - 0.52 / high, mode.kind, fontsize=8, color=colour, va="top")
-    figure.text(0.015, 1.0 - 0.72 / high, _scale_words(body), fontsize=8, va="top")
-    _add_bar(figure.add_axes((0.2, 0.42 / high, 0.6, 0.11 / high)), mode.perpendicular)
-    canvas = FigureCanvasAgg(figure)
-    for k in range(PICTURES):
-        image.scene = body_drawing(body, mode, float(np.cos(2.0 * np.pi * k / PICTURES)))
-        canvas.draw()
-        yield even(canvas)
-
-
-def _add_bar(axes: Axes, perpendicular: bool) -> None:
+def add_mode_bar(axes: Axes, perpendicular: bool) -> None:
     """Draw the colours of one kind of modes."""
     look = (Normalize(-1.0, 1.0), SIGNED) if perpendicular else (Normalize(0.0, 1.0), COLOURS)
     bar = axes.figure.colorbar(ScalarMappable(*look), cax=axes, orientation="horizontal")
@@ -206,7 +156,7 @@ def _add_bar(axes: Axes, perpendicular: bool) -> None:
     bar.outline.set_visible(False)
 
 
-def _scale_words(body: FlatBody) -> str:
+def scale_words(body: FlatBody) -> str:
     """How large the body is, and how far it is drawn to move."""
     wide, high = np.ptp(body.X, axis=0)
     factor, unit = length_unit(float(max(wide, high)))
