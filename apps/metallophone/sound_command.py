@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 from restshape_apps.metallophone.stage import add_frame, analysed, metallophone
@@ -109,11 +110,13 @@ def _drag(args: argparse.Namespace) -> int:
     if not _contact(args) < every:
         raise UserError("the mallet touches until the next blow", "--contact, --every", "give a shorter contact")
     known: list[ModesAt] = []
+    times: list[float] = []
     for row in replay.frames():
-        # Frames that were not analysed, or refused at once, have no frequency of their own.
-        if row["f_1"] == row["f_1"]:
-            known.append(drag.modes_at(replay.analysis, float(row["t"]), args.at, args.damping))
-    frames = drag.in_order(known)
+        times.append(float(row["t"]))
+        # Frames that are not analysed have no frequency of their own.
+        if row.get("f_1", nan) > 0.0:
+            known.append(drag.modes_at(replay.analysis, times[-1], args.at, args.damping))
+    frames = drag.in_order(known, times[0], times[-1])
     length = frames[-1].t - frames[0].t
     if length > LONGEST:
         raise UserError(f"the edits last {length:g} s, a sound at most {LONGEST:g} s", "--drag", "shorten the script")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from restshape_apps.metallophone.sounding.damping import damping_of
@@ -49,16 +49,25 @@ def modes_at(analysis: ModalAnalysis, t: float, at: Sequence[float] | None, damp
     return ModesAt(t, analysis.state.ids.copy(), analysis.frequencies.copy(), deflections, shares)
 
 
-def in_order(frames: Iterable[ModesAt]) -> list[ModesAt]:
-    """Frames by their edit time; of several at one time the last.
+def in_order(frames: Iterable[ModesAt], begin: float, end: float) -> list[ModesAt]:
+    """Frames by their edit time, of several at one time the last; the first and the last one hold to both ends.
+
+    Args:
+        frames: those that have modes.
+        begin, end: of the edits [s].
 
     Raises:
-        UserError: they have no duration.
+        UserError: no frame has modes, or the edits have no duration.
     """
     by_time = {frame.t: frame for frame in frames}
-    if len(by_time) < 2:
+    if not by_time:
+        raise UserError("no frame of the edits has modes", "--drag", "add an event analyse to the script")
+    if not begin < end:
         what = "the edits have no duration, so that their tone has none"
         raise UserError(what, "--drag", "name a script whose events have different times, or leave --drag out")
+    known = [by_time[t] for t in sorted(by_time)]
+    ends = {begin: known[0], end: known[-1]}
+    by_time |= {t: replace(frame, t=t) for t, frame in ends.items() if t not in by_time}
     return [by_time[t] for t in sorted(by_time)]
 
 

@@ -112,11 +112,13 @@ def test_a_mode_of_one_frame_is_heard_until_the_next():
     assert np.isfinite(found).all() and np.abs(found[round(0.6 * RATE) : round(0.7 * RATE)]).max() > 0.1
 
 
-def test_edits_without_a_duration_have_no_tone():
+def test_frames_are_in_order_from_end_to_end():
+    kept = in_order([frame(1.0, [500.0]), frame(0.5, [490.0]), frame(1.0, [510.0])], 0.0, 2.0)
+    assert [(one.t, one.frequencies[0]) for one in kept] == [(0.0, 490.0), (0.5, 490.0), (1.0, 510.0), (2.0, 510.0)]
     with pytest.raises(UserError, match="no duration"):
-        in_order([frame(1.0, [500.0]), frame(1.0, [510.0])])
-    kept = in_order([frame(1.0, [500.0]), frame(0.0, [490.0]), frame(1.0, [510.0])])
-    assert [(one.t, one.frequencies[0]) for one in kept] == [(0.0, 490.0), (1.0, 510.0)]
+        in_order([frame(1.0, [500.0]), frame(1.0, [510.0])], 1.0, 1.0)
+    with pytest.raises(UserError, match="no frame of the edits has modes"):
+        in_order([], 0.0, 1.0)
 
 
 def test_a_sine_glides_with_the_frames():
@@ -152,6 +154,22 @@ def test_the_tone_of_a_drag_follows_its_frames(tmp_path):
         samples = np.frombuffer(file.readframes(file.getnframes()), dtype="<i2").astype(float)
     assert len(samples) == round(0.6 * RATE) + 1 and found["seconds"] == pytest.approx(0.6)
     assert deviation(samples, np.array(times) - times[0], first) < 2e-3
+
+
+def test_frames_that_are_not_analysed_glide_to_those_that_are(tmp_path):
+    script, out, found = (tmp_path / name for name in ("demand.jsonl", "demand.wav", "demand.json"))
+    head = {"format": "restshape-edits", "version": 1, "scene": str(SCENES / "bar_150.toml"), "analysis": "on demand"}
+    lines = [head, {"t": 0.0, "do": "press", "on": "right", "at": [0.15, 0.015]}]
+    lines += [{"t": 0.1, "do": "drag", "to": [0.14, 0.015], "frames": 4}, {"t": 0.2, "do": "analyse"}]
+    # Beyond the left end, which is refused.
+    lines += [{"t": 0.3, "do": "drag", "to": [-0.1, 0.015]}, {"t": 0.4, "do": "release"}]
+    script.write_text("\n".join(map(json.dumps, lines)))
+    words = [*(word for one in PLATE for word in ("--set", one)), "--drag", "--out", str(out), "--json", str(found)]
+    assert main(["sound", str(SCENES / "bar_150.toml"), str(script), *words]) == 0
+    times, first = zip(*((one["t"], one["frequencies"][0]) for one in json.loads(found.read_text())["frames"]))
+    # The first frame is analysed in any case; the last is refused, so that the tone stays.
+    assert times == pytest.approx((0.0, 0.2, 0.4))
+    assert first[1] / first[0] == pytest.approx((150.0 / 140.0) ** 2, rel=5e-3) and first[2] == first[1]
 
 
 def two_parts(body: str, tip: str) -> list[str]:
