@@ -76,7 +76,7 @@ def sine(frames: Sequence[ModesAt], rate: int = RATE) -> np.ndarray:
     times = np.array([frame.t for frame in frames])
     glide = Glide(times, np.array([frame.frequencies[0] for frame in frames]), np.zeros(len(times)))
     t = _sample_times(times, rate)
-    edge = np.minimum(1.0, np.minimum(t - t[0], t[-1] - t) / EDGE)
+    edge = np.minimum(1.0, np.minimum(t - times[0], times[-1] - t) / EDGE)
     return normalised(edge * np.imag(np.exp(glide(t))))
 
 
@@ -200,5 +200,5 @@ def _runs(there: Sequence[bool]) -> Iterator[tuple[int, int]]:
 
 
 def _sample_times(times: np.ndarray, rate: int) -> np.ndarray:
-    """The times (n,) [s] of samples from the first frame to the last."""
-    return times[0] + np.arange(int((times[-1] - times[0]) * rate) + 1) / rate
+    """The times (n,) [s] of samples from the first frame to the last, which has none of its own."""
+    return times[0] + np.arange(round((times[-1] - times[0]) * rate)) / rate
