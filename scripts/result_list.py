@@ -246,6 +246,11 @@ LIST = (
         f"tune {FISH} --to C5 --measured 506 --rasp --picture results/metallophone-rasping.png",
     ),
     brought(
+        "metallophone-space.png",
+        "restshape_apps.metallophone.space_picture",
+        f"modes {FISH} --set effects.modal.in_plane=true --set effects.modal.modes=7 --space results/metallophone-space.png",
+    ),
+    brought(
         "metallophone-fish.wav",
         "restshape_apps.metallophone.sounding.blow",
         f"sound {FISH} --out results/metallophone-fish.wav --seconds 1",
