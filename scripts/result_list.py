@@ -248,7 +248,8 @@ LIST = (
     brought(
         "metallophone-space.png",
         "restshape_apps.metallophone.space_picture",
-        f"modes {FISH} --set effects.modal.in_plane=true --set effects.modal.modes=7 --space results/metallophone-space.png",
+        f"modes {FISH} --set effects.modal.in_plane=true --set effects.modal.modes=7"
+        " --space results/metallophone-space.png",
     ),
     brought(
         "metallophone-fish.wav",
