@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from math import nan
+from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
 from restshape_apps.metallophone.stage import add_frame, analysed, metallophone
@@ -90,11 +90,16 @@ def _blow(args: argparse.Namespace) -> int:
     decays = damping.decay_times(frequencies)
     found = {"frequencies": frequencies, "deflections": deflections, "damping": damping.shares, "decay_times": decays}
     lists: dict[str, Any] = {name: values.tolist() for name, values in found.items()}
-    lists["decay_times"] = [one if one < float("inf") else None for one in lists["decay_times"]]
+    lists["decay_times"] = [one if one < inf else None for one in lists["decay_times"]]
     write_json(args, {"at": place.tolist(), **lists, "contact": _contact(args)})
     tones = ", ".join(f"{f:.1f}" for f in frequencies)
     print(f"wrote {one_line(args.out)}: struck at ({place[0]:.4g}, {place[1]:.4g}) m, {tones} Hz")
-    print(f"damping: {damping.source}; -60 dB after {', '.join(f'{time:.3g}' for time in decays)} s")
+    if _contact(args) > 0.0:
+        print(
+            f"mallet: touches for {_contact(args):.3g} s; modes above {1.0 / _contact(args):.0f} Hz lose half or more"
+        )
+    times = ", ".join(f"{time:.3g} s" if time < inf else "never" for time in decays)
+    print(f"damping: {damping.source}; -60 dB after: {times}")
     return 0
 
 

@@ -45,6 +45,19 @@ def test_a_mode_out_of_the_plane_has_a_bar_of_both_signs(tmp_path, monkeypatch):
     assert not any(len(one.get_segments()) for one in figure.axes[0].collections if type(one) is LineCollection)
 
 
+def test_modes_in_the_plane_are_named_beside_others(tmp_path, monkeypatch):
+    """Of solids the mean over the thickness leaves a rest of motion out of the plane, of no meaning."""
+    out = np.array([[0, 0, -3.0], [0, 0, 0], [0, 0, 1.5], [0, 0, 0]])
+    within = np.array([[1.0, 0, 1e-9], [0, 0, 0], [1.0, 1.0, 0], [0, 0, -1e-9]])
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    for shapes in ([out, within], [within, within]):
+        draw_modes(tmp_path / "a.png", X, CELLS, np.array(shapes), ["one", "two"], "plate")
+    titles = [[axes.get_title() for axes in figure.axes[:2]] for figure in figures]
+    assert titles == [["one", "two, in the plane"], ["one", "two"]]
+    assert [len(figure.axes) for figure in figures] == [4, 3]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("high", [0.05, 0.1, 0.3, 0.6, 1.0, 1.4, 3.0])
 def test_the_label_of_the_bar_is_not_cut_off(tmp_path, monkeypatch, high):

@@ -64,7 +64,9 @@ def draw_modes(
         axes.add_collection(LineCollection(rest, colors=INK, linewidths=0.7, linestyles="--"))
         if marks is not None:
             axes.plot(*(factor * marks).T, "o", ms=7, mfc="white", mec=INK, mew=1.4)
-        axes.set(title=name, aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
+        # Beside modes out of the plane, those in it are named: other colours alone would say that to few.
+        named = f"{name}, in the plane" if not normal and len(kinds) > 1 else name
+        axes.set(title=named, aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
     for normal, picture in drawn.items():
         way = {"fraction": 0.05, "aspect": 30} if beside else {"location": "bottom", "shrink": 0.5, "aspect": 40}
         bar = figure.colorbar(picture, ax=list(grid), **way)
