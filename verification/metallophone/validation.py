@@ -8,6 +8,7 @@ from restshape_studies.each_week import each_week
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, PROGRAM, PUBLISHED, ROUNDING, Case, Check, Kind
 from restshape_verification.metallophone.exactness import discrete, norms, rates, remainders
 from restshape_verification.metallophone.hanging import hanging
+from restshape_verification.metallophone.heard import heard
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved, timoshenko
 from restshape_verification.metallophone.tuned import tuned_bars
 from restshape_verification.metallophone.validation_rasping import rasping
@@ -227,6 +228,7 @@ CASES: dict[str, Case] = {
     "identities": identities,
     "pair": pair,
     "crossing": crossing,
+    "heard": heard,
     "discrete": discrete,
     "rates": rates,
     "norms": norms,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from restshape_apps.metallophone.sounding.damping import damping_of
@@ -13,7 +14,10 @@ from restshape_apps.metallophone.sounding.wav import RATE, normalised
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.errors import UserError
+from restshape.shape.script_session import FRAME_TIME
 
+REST = 0.05
+"""Time [s] between frames beyond which the hand rests: tones stay, but for the time of one frame before the next."""
 EDGE = 5e-3
 """Time [s] over which a sine sets in and dies away: no sound begins with a jump."""
 
@@ -50,7 +54,10 @@ def modes_at(analysis: ModalAnalysis, t: float, at: Sequence[float] | None, damp
 
 
 def in_order(frames: Iterable[ModesAt], begin: float, end: float) -> list[ModesAt]:
-    """Frames by their edit time, of several at one time the last; the first and the last one hold to both ends.
+    """Frames by their edit time, of several at one time the last, with more of them where tones stay as they are.
+
+    Tones of frames that follow each other glide. Before the first and after the last frame, and while the hand rests,
+    they stay.
 
     Args:
         frames: those that have modes.
@@ -68,7 +75,9 @@ def in_order(frames: Iterable[ModesAt], begin: float, end: float) -> list[ModesA
     known = [by_time[t] for t in sorted(by_time)]
     ends = {begin: known[0], end: known[-1]}
     by_time |= {t: replace(frame, t=t) for t, frame in ends.items() if t not in by_time}
-    return [by_time[t] for t in sorted(by_time)]
+    found = [by_time[t] for t in sorted(by_time)]
+    rests = [(one, next_one.t - FRAME_TIME) for one, next_one in pairwise(found) if next_one.t - one.t > REST]
+    return sorted([*found, *(replace(one, t=until) for one, until in rests)], key=lambda frame: frame.t)
 
 
 def sine(frames: Sequence[ModesAt], rate: int = RATE) -> np.ndarray:

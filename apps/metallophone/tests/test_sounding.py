@@ -113,8 +113,12 @@ def test_a_mode_of_one_frame_is_heard_until_the_next():
 
 
 def test_frames_are_in_order_from_end_to_end():
-    kept = in_order([frame(1.0, [500.0]), frame(0.5, [490.0]), frame(1.0, [510.0])], 0.0, 2.0)
-    assert [(one.t, one.frequencies[0]) for one in kept] == [(0.0, 490.0), (0.5, 490.0), (1.0, 510.0), (2.0, 510.0)]
+    kept = in_order([frame(1.0, [500.0]), frame(0.98, [490.0]), frame(1.0, [510.0])], 0.98, 1.04)
+    assert [(one.t, one.frequencies[0]) for one in kept] == [(0.98, 490.0), (1.0, 510.0), (1.04, 510.0)]
+    # While the hand rests tones stay until a sixtieth of a second before the next frame.
+    rested = in_order([frame(0.0, [500.0]), frame(0.5, [600.0])], 0.0, 0.5)
+    assert [one.t for one in rested] == pytest.approx([0.0, 0.5 - 1.0 / 60.0, 0.5])
+    assert [one.frequencies[0] for one in rested] == [500.0, 500.0, 600.0]
     with pytest.raises(UserError, match="no duration"):
         in_order([frame(1.0, [500.0]), frame(1.0, [510.0])], 1.0, 1.0)
     with pytest.raises(UserError, match="no frame of the edits has modes"):
@@ -168,8 +172,10 @@ def test_frames_that_are_not_analysed_glide_to_those_that_are(tmp_path):
     assert main(["sound", str(SCENES / "bar_150.toml"), str(script), *words]) == 0
     times, first = zip(*((one["t"], one["frequencies"][0]) for one in json.loads(found.read_text())["frames"]))
     # The first frame is analysed in any case; the last is refused, so that the tone stays.
-    assert times == pytest.approx((0.0, 0.2, 0.4))
-    assert first[1] / first[0] == pytest.approx((150.0 / 140.0) ** 2, rel=5e-3) and first[2] == first[1]
+    step = 1.0 / 60.0
+    assert times == pytest.approx((0.0, 0.2 - step, 0.2, 0.4 - step, 0.4))
+    assert first[2] / first[0] == pytest.approx((150.0 / 140.0) ** 2, rel=5e-3)
+    assert first[1] == first[0] and first[2:] == (first[2],) * 3
 
 
 def two_parts(body: str, tip: str) -> list[str]:
