@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from restshape.report.modes import QUARTERS
+from restshape.analysis.nodal_lines import linear_triangles
 
 LARGEST = 0.12
 """The largest displacement that is drawn, in parts of the body's size."""
@@ -34,8 +34,7 @@ class FlatBody:
     @cached_property
     def triangles(self) -> np.ndarray:
         """Flat triangles (m, 3) that stand for the cells, in the order that shows z up."""
-        wanted = [self.cells[:, part] for part in QUARTERS] if self.cells.shape[1] == 6 else [self.cells]
-        found = np.concatenate(wanted).astype(np.int64)
+        found = linear_triangles(self.cells).astype(np.int64)
         u, v = (self.X[found[:, k]] - self.X[found[:, 0]] for k in (1, 2))
         turned = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] < 0.0
         found[turned] = found[turned][:, ::-1]
