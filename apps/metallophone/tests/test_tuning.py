@@ -8,6 +8,7 @@ import pytest
 from restshape_apps.metallophone import application
 from restshape_apps.metallophone.tuning.bar import Bar
 from restshape_apps.metallophone.tuning.bending import bending_modes
+from restshape_apps.metallophone.tuning.cost import tuning_cost
 from restshape_apps.metallophone.tuning.descent import CENTS, Descent
 from restshape_apps.metallophone.tuning.followed_modes import followed
 from restshape_apps.metallophone.tuning.freedoms import freedoms_of, with_fixed_curves
@@ -99,6 +100,11 @@ def test_scenes_of_others_and_recordings_are_refused(tmp_path, capsys):
     assert "the scene is one of 'solid'" in capsys.readouterr().err
     assert main(["tune", str(tmp_path / "bar.vtkhdf"), "--to", "C5"]) == 2
     assert "name the scene that it was made from" in capsys.readouterr().err
+
+
+def test_what_tuning_costs_is_measured_for_explain():
+    ((what, cost, why),) = tuning_cost(load_scene(TEMPLATE / "scene.toml"))
+    assert what == "restshape tune" and "8 freedoms" in cost and "12 solves" in why
 
 
 # --- the smallest change ----------------------------------------------------------------------------------------------

@@ -21,8 +21,8 @@ ROUGH = 1.0
 SLIGHT = 0.02
 """Of the whole change: a step below that changes nothing that counts."""
 NEAR, SLOW = 50.0, 0.2
-"""Distance [cents], and share of the one before, between which a step shows that the least change turns as it is
-approached: from then on steps are the least themselves, which end in tune at once and hardly beside the least change."""
+"""Distance [cents], and share of the one before, between which a step shows that gradients turn on the way: then steps
+are the least themselves, which end in tune at once and hardly beside the least change."""
 HALVINGS = 4
 """Of a step that does not lead nearer."""
 DIGITS = 7
