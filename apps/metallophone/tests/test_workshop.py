@@ -74,6 +74,21 @@ def test_holes_for_a_cord_move_the_tone_as_their_area():
     assert large.undrilled[0] == pytest.approx(bar(0.0).analysis.frequencies[0], rel=2e-3)
 
 
+@pytest.mark.weekly
+def test_holes_for_a_cord_do_the_same_in_tetrahedra_as_in_plates():
+    solid = bar(4e-3, "effects.modal.model=solid", "mesh.order=2", "effects.modal.modes=1")
+    assert solid.drilled_cents == pytest.approx(bar(4e-3).drilled_cents, rel=0.02)
+
+
+def test_a_bar_is_struck_in_its_middle_and_a_square_where_it_moves():
+    assert bar(4e-3).strike == pytest.approx((0.085, 0.015), abs=2e-4)
+    # The line between the hanging points of a square is still: its first mode is a saddle.
+    square = "shape.vertices={ a = [0, 0], b = [0.17, 0], c = [0.17, 0.17], d = [0, 0.17] }"
+    found = bar(0.0, square)
+    place = np.abs(found.strike - 0.085)
+    assert found.hanging.found and place.min() > 0.06
+
+
 def test_the_sheet_has_dimensions_tones_places_and_tolerances(tmp_path, monkeypatch):
     pages = []
     monkeypatch.setattr(sheet, "save_pages", lambda figures, *_: pages.extend(figures))

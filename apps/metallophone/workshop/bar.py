@@ -27,6 +27,8 @@ Holes = Mapping[str, tuple[Reals, float]]
 """Centre (2,) and radius [m] of each, by name."""
 SAMPLES = 97
 """Places between the hanging points that are looked at."""
+FAINT = 0.2
+"""Share of the largest deflection of a bar below which a place is still."""
 ALMOST = 0.9
 """Share of the largest deflection from which on a place counts as near it."""
 
@@ -79,15 +81,18 @@ class Bar:
     def strike(self) -> Reals:
         """The place (2,) [m] that is struck: of those between both hanging points where the first mode moves most.
 
-        Without hanging points, or where the way from one to the other leaves the bar, it is that of `struck_place`.
+        Without hanging points, or where the way from one to the other leaves the bar or is still, it is that of
+        `struck_place`.
         """
         space, (start, end) = self.analysis.space, self.hanging.places
         between = start + np.linspace(0.2, 0.8, SAMPLES)[:, None] * (end - start)
         corners = space.X[space.cells[:, :3]]
         if not (self.hanging.found and all(on_plate(corners, place) for place in between)):
             return struck_place(self.analysis, None)[0]
-        moved = Transfer(space, between)(np.ascontiguousarray(mode_shapes(self.analysis)[0]))
-        size, share = np.linalg.norm(moved, axis=1), np.linspace(0.0, 1.0, SAMPLES)
+        shape = np.ascontiguousarray(mode_shapes(self.analysis)[0])
+        size, share = np.linalg.norm(Transfer(space, between)(shape), axis=1), np.linspace(0.0, 1.0, SAMPLES)
+        if size.max() < FAINT * np.linalg.norm(shape, axis=1).max():
+            return struck_place(self.analysis, None)[0]
         near = np.flatnonzero(size >= ALMOST * size.max())
         # The deflection is linear on each triangle: the top of a parabola through it depends less on the mesh.
         bend, slope, _ = np.polyfit(share[near], size[near], 2)

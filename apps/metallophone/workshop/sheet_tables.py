@@ -49,7 +49,7 @@ def places(bar: Bar) -> list[list[str]]:
     for k, place in enumerate(bar.hanging.places if bar.hanging.found else (), 1):
         x, y = MM * (place - low)
         hole = bar.holes.get(f"hang_{k}")
-        rows.append([f"H{k}, hole of {2.0 * MM * hole[1]:g}" if hole else f"H{k}, hang", f"{x:.1f}", f"{y:.1f}"])
+        rows.append([f"H{k}, hole of {2.0 * MM * hole[1]:g} mm" if hole else f"H{k}, hang", f"{x:.1f}", f"{y:.1f}"])
     x, y = MM * (bar.strike - low)
     return [*rows, ["strike", f"{x:.0f}", f"{y:.0f}"]]
 
