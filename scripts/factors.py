@@ -1,20 +1,24 @@
-"""Complete factors of a plate's stiffness: restshape's beside those that PETSc offers, in turns.
+"""Complete factors and products of a plate's stiffness: restshape's beside those that PETSc offers, in turns.
 
 OMP_NUM_THREADS=1 python scripts/factors.py [SIDE ...]
 
 Each SIDE is one of a square plate of SIDE x SIDE nodes, two unknowns a node; without any, 32 and 100. Times are the
-least of several, in ms: of a factor on a new pattern with its ordering, of one on the same pattern, of a solve. PETSc's
-own blocks take no order: they are given the nodes in elimination order, the time of which is left out.
+least of several, in ms: of a factor on a new pattern with its ordering, of one on the same pattern, of a solve; and of
+a product with a vector. PETSc's own blocks take no order: they are given the nodes in elimination order, the time of
+which is left out.
 """
 
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
+import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
+from restshape.algebra.operator import Operator
 from restshape.algebra.preconditioner import order_factor
 from restshape.measurement import plate, stiffness
 
@@ -88,6 +92,22 @@ def times(way: Way, mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> list[float]:
     return found
 
 
+def products(X: np.ndarray, cells: np.ndarray) -> dict[str, float]:
+    """Seconds of a product by rows of single numbers, as PETSc makes it, and by the two rows of a node at once."""
+    operator = Operator(PETSc.COMM_SELF, 2, np.array([0, len(X)], dtype=np.int32))
+    operator.set_topology([cells], np.zeros(2 * len(X), dtype=np.uint8))
+    element = _kernels.Element("linear_elastic_tri3")
+    mat = operator.assemble([(0, element, X, np.zeros_like(X), np.array([1.3, 0.7, 0.8, 0.0, 0.0]), 1.0)], None)
+    own = PETSc.Mat().createAIJ(mat.getSizes(), csr=mat.getValuesCSR(), comm=PETSc.COMM_SELF)
+    ways, (x, b) = {"PETSc": own, "both rows of a node": mat}, mat.createVecs()
+    b.set(1.0)
+    least = dict.fromkeys(ways, float("inf"))
+    for _ in range(100 * ROUNDS):
+        for name, matrix in ways.items():
+            least[name] = min(least[name], seconds(partial(matrix.mult, b, x)))
+    return least
+
+
 def main(sides: list[int]) -> None:
     """Print a table a size."""
     for side in sides:
@@ -100,6 +120,9 @@ def main(sides: list[int]) -> None:
         print(f"\n{mat.getSize()[0]} unknowns: new pattern, new values, solve [ms]")
         for way, found in least.items():
             print(f"{way.name:24}" + "".join(f"{1e3 * value:10.3g}" for value in found))
+        print("product [ms]")
+        for name, taken in products(*plate(side)).items():
+            print(f"{name:24}{1e3 * taken:10.3g}")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,8 @@
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.row_products import combined, row_products
+
 KEPT = 3
 RIDGE = 1e-10
 
@@ -28,11 +30,10 @@ class IncrementProjection:
     def __call__(self, force: np.ndarray) -> np.ndarray:
         """The guess (size,) for this rank's rows of a force g; collective."""
         self.forces[KEPT] = force
-        # So few long rows BLAS multiplies in three times as long.
-        products = np.einsum("ij,j->i", self.forces, force)
+        products = row_products(self.forces, self.forces[KEPT:])[:, 0]
         self.products = products if self.world is None else self.world.allreduce(products)
-        weights = combined(self.gram.tolist(), self.products[:KEPT].tolist())
-        return np.einsum("i,ij->j", weights, self.steps)
+        weights = weights_of(self.gram.tolist(), self.products[:KEPT].tolist())
+        return combined(np.array([weights]), self.steps)[0]
 
     def keep(self, step: np.ndarray) -> None:
         """Remember the increment (size,) that the last force led to."""
@@ -43,7 +44,7 @@ class IncrementProjection:
         self.count += 1
 
 
-def combined(gram: list[list[float]], products: list[float]) -> list[float]:
+def weights_of(gram: list[list[float]], products: list[float]) -> list[float]:
     """The weights w of gram w = products, slightly regularised; 0 without any history.
 
     Args:
