@@ -21,6 +21,7 @@ application = Application(
         check=f"{WORKSHOP}.options:check",
         formats={"pdf": f"{WORKSHOP}.sheet:write_sheet", "wav": f"{WORKSHOP}.blow_file:write_blow"},
         engraved=f"{WORKSHOP}.engraving:engraving",
+        shaped=f"{WORKSHOP}.engraving:drilled",
         layers="cut",
     ),
     commands=(

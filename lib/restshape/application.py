@@ -197,6 +197,8 @@ class Exporting:
         formats: of files that its scenes alone are written as; each is given a frame, the options and the file to
             write, and returns what there is to note.
         engraved: of a frame and the options, the `export.cut_drawing.Engraving` of a drawing for a workshop.
+        shaped: of a frame and the options, the frame whose shape is written in formats of all scenes, the same where
+            the options change nothing, and what there is to note.
         layers: what layers of drawings are where nothing says so, "names" or "cut".
     """
 
@@ -204,6 +206,7 @@ class Exporting:
     check: str
     formats: Mapping[str, str]
     engraved: str
+    shaped: str
     layers: str = "names"
 
     def add_arguments(self, parser: ArgumentParser) -> None:
@@ -221,6 +224,10 @@ class Exporting:
     def engraving(self, frame: object, options: Namespace) -> object:
         """What is engraved and drilled besides what the shape says."""
         return _function(self.engraved)(frame, options)
+
+    def shape(self, frame: object, options: Namespace) -> tuple[object, list[str]]:
+        """The frame whose shape is written in formats of all scenes, and what there is to note."""
+        return cast("tuple[object, list[str]]", _function(self.shaped)(frame, options))
 
 
 class Declared(Sequence["Physics"]):

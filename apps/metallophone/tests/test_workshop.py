@@ -19,6 +19,8 @@ from restshape.export.edited_frame import EditedFrame, frame_of_script
 from restshape.outputs.kinds import ExportFile
 from restshape.scene.edit_script import Script
 from restshape.scene.load import load_scene
+from restshape.scene.model import ShapeSpec
+from restshape.shape.build import outline_from_spec
 
 TEMPLATE = Path(metallophone.__file__).parent / "template" / "scene.toml"
 LENGTH, WIDTH = 170.0, 30.0
@@ -72,6 +74,28 @@ def test_holes_for_a_cord_move_the_tone_as_their_area():
     assert small.drilled_cents < 0.0
     assert large.drilled_cents / small.drilled_cents == pytest.approx(4.0, rel=0.25)
     assert large.undrilled[0] == pytest.approx(bar(0.0).analysis.frequencies[0], rel=2e-3)
+
+
+def test_a_scene_goes_on_with_the_holes_for_its_cord(tmp_path):
+    out, surface = tmp_path / "bored.toml", tmp_path / "bored.stl"
+    assert main(["export", str(TEMPLATE), "--as", "toml", "--cord", "4mm", "--out", str(out)]) == 0
+    scene = load_scene(out)
+    bored = frame_of_script(scene, Script.empty(scene), 0)
+    assert bored.outline.names("hole") == ["hang_1", "hang_2"]
+    found = bar_of(bored, Namespace(to=None, cord=0.0)).analysis.frequencies[0]
+    assert found == pytest.approx(bar(4e-3).analysis.frequencies[0], rel=1e-6)
+    assert main(["export", str(TEMPLATE), "--as", "stl", "--cord", "4mm", "--out", str(surface)]) == 0
+    count = int.from_bytes(surface.read_bytes()[80:84], "little")
+    assert main(["export", str(TEMPLATE), "--as", "stl", "--out", str(surface)]) == 0
+    assert count > int.from_bytes(surface.read_bytes()[80:84], "little")
+
+
+def test_a_drawing_for_a_workshop_is_read_back_by_its_layers(tmp_path):
+    out = tmp_path / "bar.dxf"
+    assert main(["export", str(TEMPLATE), "--as", "dxf", "--cord", "4mm", "--out", str(out)]) == 0
+    back = outline_from_spec(ShapeSpec(file="bar.dxf", layers={"CUT": "rim", "HOLES": "cord"}), tmp_path)
+    assert back.area() == pytest.approx(1e-6 * (LENGTH * WIDTH - 2 * np.pi * 2.0**2), rel=1e-9)
+    assert len(back.names("hole")) == 2
 
 
 @pytest.mark.weekly
@@ -154,7 +178,8 @@ def test_a_frame_of_an_edit_is_drawn_as_it_is_then(tmp_path):
     ("words", "message"),
     [
         (["--as", "pdf", "--to", "H5"], "no tone is named 'H5'"),
-        (["--as", "toml", "--cord", "3mm"], "a toml file is the shape itself"),
+        (["--as", "csv", "--cord", "3mm"], "without holes for a cord"),
+        (["--as", "toml", "--to", "C5"], "no tone is written there"),
         (["--as", "dxf", "--cord", "0mm"], "is no diameter of a hole"),
         (["--as", "dxf", "--cord", "40mm"], "hang_1"),
         (["--as", "dxf", "--layers", "names", "--kerf", "1mm"], "layers by name"),

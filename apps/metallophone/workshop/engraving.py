@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
 import numpy as np
 from restshape_apps.metallophone.workshop.bar import Bar, bar_of
 
 from restshape.arrays import Reals
-from restshape.export.cut_drawing import EngravedText, Engraving
+from restshape.export.cut_drawing import EngravedText, Engraving, with_holes
 from restshape.export.edited_frame import EditedFrame
 from restshape.shape.nearness import distances
 
@@ -30,6 +31,18 @@ def engraving(frame: EditedFrame, args: argparse.Namespace) -> Engraving:
     hung = bar.hanging.places if bar.hanging.found and not bar.holes else np.zeros((0, 2))
     strike = bar.strike
     return Engraving(bar.holes, np.vstack([hung, strike]), ARM, (_tone(bar, strike),), _notes(bar))
+
+
+def drilled(frame: EditedFrame, args: argparse.Namespace) -> tuple[EditedFrame, list[str]]:
+    """The frame with the holes for the cord in its shape, the same without; what there is to note.
+
+    Raises:
+        UserError: as of `bar_of`.
+    """
+    if not args.cord:
+        return frame, []
+    bar = bar_of(frame, args)
+    return replace(frame, outline=with_holes(frame.outline, bar.holes)), _notes(bar)
 
 
 def _tone(bar: Bar, strike: Reals) -> EngravedText:

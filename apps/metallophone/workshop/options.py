@@ -8,8 +8,10 @@ from restshape.analysis.pitch import frequency_of
 from restshape.errors import UserError
 from restshape.scene.units import UnitError, quantity
 
-WITH_HOLES = ("dxf", "svg", "pdf", "wav")
-"""Formats that holes for a cord are part of."""
+NAMING = ("dxf", "svg", "pdf")
+"""Formats that the tone is written in."""
+WITHOUT_HOLES = ("vtu", "csv", "obj")
+"""Formats that are the mesh alone, with its fields."""
 THICKEST = 0.05
 """Diameter of holes for a cord [m] above which they are none."""
 
@@ -28,10 +30,12 @@ def check(args: argparse.Namespace) -> None:
     Raises:
         UserError: they do not.
     """
-    for option, given in (("--to", args.to), ("--cord", args.cord)):
-        if given and (args.kind not in WITH_HOLES or args.layers == "names"):
-            kinds = f"{', '.join(WITH_HOLES[:-1])} or {WITH_HOLES[-1]}"
-            raise UserError(f"a {args.kind} file is the shape itself", option, f"leave it out, or --as {kinds}")
+    if args.to and (args.kind not in NAMING or args.layers == "names"):
+        what = "no tone is written there"
+        raise UserError(what, f"--to {args.to}", "leave it out, or --as dxf, svg or pdf without --layers names")
+    if args.cord and args.kind in WITHOUT_HOLES:
+        what = f"a {args.kind} file has a mesh and its fields, without holes for a cord"
+        raise UserError(what, "--cord", "export it as toml first, and that scene as this")
     if args.to:
         frequency_of(args.to, where="--to")
     args.cord = _diameter(args.cord)

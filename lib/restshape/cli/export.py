@@ -13,6 +13,7 @@ from restshape.cli.export_for_workshop import (
     for_workshop,
     own_formats,
     refuse_format,
+    shaped_by_application,
     write_own,
 )
 from restshape.cli.options import add_json, add_set, refuse_files_of_scene, write_json
@@ -149,6 +150,7 @@ def _out(args: argparse.Namespace, scene: str) -> ExportFile:
 def _written(args: argparse.Namespace, frame: EditedFrame, mesh: FrameMesh | None, out: Path) -> dict[str, Any]:
     """Writes a shape, its surface, or what its application makes of it; what has been written."""
     from restshape.export.formats import write_cut, write_shape
+    from restshape.export.frame_mesh import mesh_of_shape
 
     refuse_format(args.kind, frame.scene)
     area = frame.outline.area()
@@ -161,7 +163,11 @@ def _written(args: argparse.Namespace, frame: EditedFrame, mesh: FrameMesh | Non
         )
         notes, area = drawn
     else:
-        notes = _writing(out, lambda: write_shape(args.kind, frame, mesh, out))
+        shaped, said = shaped_by_application(args, frame)
+        if shaped is not frame and mesh is not None:
+            mesh = mesh_of_shape(shaped.scene, shaped.outline)
+        notes = [*_writing(out, lambda: write_shape(args.kind, shaped, mesh, out)), *said]
+        area = shaped.outline.area()
     return _result(args, out, (frame.row, frame.count, frame.t), frame.refused, notes) | {"area": area}
 
 

@@ -100,6 +100,12 @@ def for_workshop(args: argparse.Namespace, scene: Scene) -> bool:
     return bool(args.layers or args.kerf or args.unit or (exports and exports.layers == CUT))
 
 
+def shaped_by_application(args: argparse.Namespace, frame: EditedFrame) -> tuple[EditedFrame, list[str]]:
+    """The frame whose shape is written, the same where its application changes nothing; what there is to note."""
+    exports = application_of(frame.scene).exports
+    return cast("tuple[EditedFrame, list[str]]", exports.shape(frame, args)) if exports else (frame, [])
+
+
 def engraving_of(args: argparse.Namespace, frame: EditedFrame) -> Engraving:
     """What the application of a frame has engraved and drilled."""
     from restshape.export.cut_drawing import Engraving
