@@ -110,6 +110,7 @@ REPLAY = ("restshape.cli.replay",)
 REPORT = (*REPLAY, "restshape.cli.report")
 ALL = ("*/scenes/*.toml", "*/edits/*.jsonl")
 SOLID, CANTILEVER, COUTURE = "apps/solid/scenes", "apps/cantilever/scenes", "apps/couture"
+NOTES = " ".join(f"apps/metallophone/scenes/{letter}5.toml" for letter in "cdefgab")
 PLATE, BEAM, FISH = f"{SOLID}/plate.toml", f"{CANTILEVER}/cantilever.toml", "apps/metallophone/scenes/fish.toml"
 BRIDGE, BUILDING = "apps/bridge/scenes/bridge.toml", "apps/vibration/scenes/building.toml"
 FLOW, TEAPOT = "apps/flow/scenes/flow.toml", "apps/thermal/scenes/thermal.toml"
@@ -263,6 +264,12 @@ LIST = (
             "restshape pitches results/artist.vtkhdf --out results/metallophone-artist.png",
         ),
         (*REPLAY, "restshape_apps.metallophone.pitches_command", "restshape_apps.metallophone.pitches_picture"),
+    ),
+    Result(
+        ("metallophone-scale.png", "metallophone-scale.wav"),
+        (f"restshape instrument {NOTES} --out results/metallophone-scale.png --wav results/metallophone-scale.wav",),
+        ("restshape_apps.metallophone.instrument_command",),
+        ("metallophone/scenes/[a-g]5.toml",),
     ),
     Result(
         ("metallophone-accuracy.png",),

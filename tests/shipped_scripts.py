@@ -20,6 +20,8 @@ ROOT = Path(__file__).parents[1]
 TABLE = "tests/statuses.json"
 """Of an application: counts by the name of the script."""
 COARSE = {
+    "a5": 0.008,
+    "b5": 0.008,
     "bar_150": 0.009,
     "bar_200": 0.009,
     "bridge": 0.4,
@@ -27,8 +29,12 @@ COARSE = {
     "catenary": 0.04,
     "column": 0.03,
     "csm3": 0.02,
+    "d5": 0.008,
     "darts": 0.05,
+    "e5": 0.008,
+    "f5": 0.008,
     "fish": 0.014,
+    "g5": 0.008,
     "longer": 0.04,
     "pins": 0.1,
     "sewn_skirt": 0.05,

@@ -34,5 +34,10 @@ application = Application(
         ),
         Command("pitches", "draw the tone of a recorded edit", "restshape_apps.metallophone.pitches_command"),
         Command("tune", "change a bar so that it has a wanted tone", "restshape_apps.metallophone.tune_command"),
+        Command(
+            "instrument",
+            "several bars side by side: table, picture, scale",
+            "restshape_apps.metallophone.instrument_command",
+        ),
     ),
 )

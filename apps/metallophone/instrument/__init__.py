@@ -1,0 +1,1 @@
+"""Several bars side by side: the scale that they make."""
