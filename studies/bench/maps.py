@@ -81,7 +81,7 @@ def scripted(scene: Scene, script: Script) -> Dragged:
     for frame in EditSession(scene, script).frames():
         if found is not None and frame.gesture is not found:
             break
-        if found is None and frame.do in ("press", "pull") and frame.gesture is not None:
+        if found is None and frame.do in ("press", "pull") and frame.gesture is not None and frame.gesture.linear:
             before, found, on = frame.outline, frame.gesture, frame.hand[0] if frame.hand else ""
         elif found is not None and frame.change == "move":
             path.append(frame.c)

@@ -11,9 +11,10 @@ from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.refined_frames import RefinedFrames
 from restshape.replay.request import Request
-from restshape.scene.edit_script import Press, Script
+from restshape.scene.edit_script import Press, Pull, Script
 from restshape.scene.event_line import EventLine
 from restshape.scene.model import Scene
+from restshape.shape.arc_grab import is_arc
 from restshape.shape.pin_drag import is_in_space
 from restshape.shape.protocol import Session
 from restshape.shape.session import EditSession
@@ -23,7 +24,10 @@ NAME = "--predict gmls"
 
 
 def _holds_the_shape(event: EventLine, session: Session) -> bool:
-    """Whether an event is a hand that takes hold of a part of the shape: of no body, no support and no whole panel."""
+    """Whether an event is a hand whose drags are predicted: on the shape, but no whole panel, and no arc that bends."""
+    if isinstance(event, Pull) and isinstance(session, EditSession):
+        outline = session.outline
+        return event.pins is not None or event.on not in outline.layout.entities or not is_arc(outline, event.on)
     if not isinstance(event, Press) or not isinstance(session, EditSession):
         return event.do in ("press", "pull")
     return not is_in_space(session.outline, session.scene, event.on)
@@ -40,7 +44,8 @@ def prediction(scene: Scene, script: Script | None) -> Line:
     except UserError as error:
         return NAME, "nothing", f"refused: {error.what}"
     if not any(_holds_the_shape(event, replay.session) for event in script.events):
-        return NAME, "nothing", "no hand holds the shape"
+        bent = any(isinstance(event, Pull) for event in script.events)
+        return NAME, "nothing", "bending an arc is not linear" if bent else "no hand holds the shape"
     found, spec = replay.prediction, scene.predict
     mesh = "the mesh"
     if isinstance(found, RefinedFrames):

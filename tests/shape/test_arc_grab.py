@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 from petsc4py import PETSc
+from restshape_studies.bench.maps import scripted
+from restshape_studies.explain.prediction import prediction
 from shape_scenes import scene_and_script
 
 from restshape.application import application_of
 from restshape.calibration import Calibration
+from restshape.errors import UserError
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -101,3 +104,13 @@ def test_nodes_follow_a_pulled_arc_and_its_tones_are_those_of_the_shape(tmp_path
     notes = {str(row["note"]) for row in rows[2:10]}
     assert notes == {"not predicted: bending an arc is not linear" if predict == "linear" else ""}
     assert replay.analysis.compare_cold().solution < 1e-8
+
+
+def test_no_prediction_is_promised_of_an_arc(tmp_path):
+    pulled = [{"do": "pull", "on": "low"}, {"do": "drag", "to": [1.0, -0.4]}, {"do": "release"}]
+    pressed = [{"do": "press", "on": "low"}, *pulled[1:]]
+    assert prediction(*scene_and_script(tmp_path, pulled, SCENE))[1:] == ("nothing", "bending an arc is not linear")
+    assert prediction(*scene_and_script(tmp_path, pressed, SCENE))[1].startswith("drags on the mesh")
+    scene, script = scene_and_script(tmp_path, pulled, SCENE)
+    with pytest.raises(UserError, match="no frame of it drags a part"):
+        scripted(scene, script)
