@@ -1,5 +1,6 @@
 """Drawings for a workshop: areas by ezdxf alone, paths at their distance, and what does not fit."""
 
+from pathlib import Path
 from xml.etree import ElementTree
 
 import curve_areas
@@ -12,7 +13,10 @@ from test_drawings_written import of_dxf, of_path
 from restshape.errors import UserError
 from restshape.export.cut_drawing import EngravedText, Engraving, cut_drawing
 from restshape.export.cut_files import UNITS, write_cut_dxf, write_cut_svg
+from restshape.export.edited_frame import frame_of_script
 from restshape.export.kerf import tool_path
+from restshape.scene.edit_script import Script
+from restshape.scene.load import load_scene
 from restshape.scene.model import ShapeSpec
 from restshape.shape.build import outline_from_spec
 from restshape.shape.nearness import distances
@@ -154,3 +158,11 @@ def test_a_spline_that_bends_more_than_a_cut_can_follow_is_refused():
 def test_a_hole_for_a_cord_that_reaches_the_edge_is_refused(outline):
     with pytest.raises(UserError, match="hang_1"):
         cut_drawing(outline, 0.0, Engraving(holes={"hang_1": (np.array([0.003, 0.5]), 4e-3)}))
+
+
+def test_a_pattern_of_several_pieces_has_no_path_of_one_tool():
+    scene = load_scene(Path(__file__).parents[2] / "apps" / "couture" / "scenes" / "sewn_skirt.toml")
+    panels = frame_of_script(scene, Script.empty(scene), 0).outline
+    with pytest.raises(UserError, match="several pieces"):
+        tool_path(panels, KERF)
+    assert cut_drawing(panels, 0.0, Engraving()).path is panels

@@ -35,8 +35,11 @@ def tool_path(outline: Outline, kerf: float) -> Outline:
     cut of this width can do better. Regions and points are left out: nothing is cut there.
 
     Raises:
-        UserError: the cut does not fit into a hole, a bay or a corner.
+        UserError: the cut does not fit into a hole, a bay or a corner; or there are several pieces.
     """
+    if len(outline.piece_names) > 1:
+        what = "the shape has several pieces, and a cut goes around one"
+        raise UserError(what, "--kerf", "restshape pattern lays them out, with an --allowance")
     distance = 0.5 * kerf
     curves = [curve for loop in outline.loops if loop.kind != "region" for curve in _path(outline, loop, distance)]
     tables, _ = shape_data(curves, "the path of the tool")
