@@ -1,6 +1,6 @@
 """Drawings for a workshop: areas by ezdxf alone, paths at their distance, and what does not fit."""
 
-from pathlib import Path
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import curve_areas
@@ -13,12 +13,10 @@ from test_drawings_written import of_dxf, of_path
 from restshape.errors import UserError
 from restshape.export.cut_drawing import EngravedText, Engraving, cut_drawing
 from restshape.export.cut_files import UNITS, write_cut_dxf, write_cut_svg
-from restshape.export.edited_frame import frame_of_script
 from restshape.export.kerf import tool_path
-from restshape.scene.edit_script import Script
-from restshape.scene.load import load_scene
 from restshape.scene.model import ShapeSpec
 from restshape.shape.build import outline_from_spec
+from restshape.shape.draft import Draft, DraftEdge, add_loop
 from restshape.shape.nearness import distances
 from restshape.shape.outline import Outline
 
@@ -161,8 +159,15 @@ def test_a_hole_for_a_cord_that_reaches_the_edge_is_refused(outline):
 
 
 def test_a_pattern_of_several_pieces_has_no_path_of_one_tool():
-    scene = load_scene(Path(__file__).parents[2] / "apps" / "couture" / "scenes" / "sewn_skirt.toml")
-    panels = frame_of_script(scene, Script.empty(scene), 0).outline
+    corners = {"a": (0, 0), "b": (0.2, 0), "c": (0.2, 0.1), "d": (0, 0.1)}
+    shifted = {f"{name}2": (x + 0.3, y) for name, (x, y) in corners.items()}
+    draft = Draft(vertices=corners | shifted)
+    for piece, names in (("front", "abcd"), ("back", ("a2", "b2", "c2", "d2"))):
+        for start, end in pairwise([*names, names[0]]):
+            draft.edges[f"{start}{end}"] = DraftEdge(f"{start}{end}", "line", start, end, "")
+        add_loop(draft, piece, "outline", [f"{a}{b}" for a, b in pairwise([*names, names[0]])])
+    panels = draft.outline()
+    assert panels.piece_names == ("front", "back")
     with pytest.raises(UserError, match="several pieces"):
         tool_path(panels, KERF)
     assert cut_drawing(panels, 0.0, Engraving()).path is panels
