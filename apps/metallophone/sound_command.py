@@ -33,7 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--contact",
         type=float,
         metavar="SECONDS",
-        help=f"how long the mallet touches: about 1e-4 of brass to 3e-3 of soft yarn ({CONTACT:g})",
+        help=f"how long the mallet touches: a hard one shorter ({CONTACT:g})",
     )
     parser.add_argument(
         "--damping", type=float, metavar="SHARE", help="share of critical damping of all modes (default: by material)"
