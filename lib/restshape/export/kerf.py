@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.export.moved_out import STRAIGHT, crossing, moved_out, turn_between
@@ -14,7 +15,6 @@ from restshape.scene.model import ShapeSpec
 from restshape.scene.plain_values import Table
 from restshape.shape.build import unchecked_outline
 from restshape.shape.loose_curve import Curve
-from restshape.shape.nearness import distances
 from restshape.shape.outline import Loop, Outline
 from restshape.shape.unordered_curves import shape_data
 
@@ -85,7 +85,7 @@ def _refuse_closed(outline: Outline, path: Outline, distance: float) -> None:
     ]
     starts, ends = (np.concatenate([chain[part] for chain in chains]) for part in (slice(-1), slice(1, None)))
     places: Reals = np.concatenate([_along(path, e, distance) for e in range(len(path.edges))])
-    away = distances(places, starts, ends)
+    away = _kernels.distances(np.ascontiguousarray(places), starts, ends)
     worst = int(away.argmin())
     if away[worst] < CLOSE * distance:
         x, y = MM * places[worst]
