@@ -13,7 +13,7 @@ from restshape.errors import UserError
 from restshape.physics.cloth.collision_surface import CollisionSurface
 from restshape.physics.cloth.layer_order import LayerOrder, Layers, is_another_order, outer_sides
 from restshape.physics.cloth.lines_through import lines_through
-from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, torn_words
+from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, through_words
 from restshape.physics.cloth.sewn_neighbours import shared_nodes, with_shared
 from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
@@ -170,13 +170,14 @@ def test_what_no_way_leads_out_of_bodies_is_counted():
     assert still_inside([_kernels.Body.sphere((0, 0, 0), 0.1)], x, THICK).tolist() == [True, False, False]
 
 
-def test_edges_that_are_stretched_on_their_way_out_of_bodies_are_told():
-    """Both ends of one go out of a bar on unlike sides; those of the other one go along."""
-    placed = np.array([[0.0, -0.01, 0.0], [0, 0.01, 0], [0.1, 0, 0.1], [0.1, 0.02, 0.1]])
-    out = placed + [[0, -0.05, 0], [0, 0.05, 0], [0, 0, 0.1], [0, 0, 0.1]]
+def test_edges_that_lie_through_a_body_after_the_way_out_are_reported():
+    """Both ends of one go out of a bar on unlike sides; another one is stretched as much, and lies beside it."""
+    bar = [_kernels.Body.capsule((-1, 0, 0), (1, 0, 0), 0.05)]
+    placed = np.array([[0.0, -0.01, 0.0], [0, 0.01, 0], [0.1, -0.01, 0.1], [0.1, 0.01, 0.1]])
+    out = placed + np.array([[0, -0.05, 0], [0, 0.05, 0], [0, -0.05, 0], [0, 0.05, 0]])
     edges = np.array([[2, 3], [0, 1]])
-    assert "near (0, 0, 0) mm to 6 times its length" in torn_words(placed, out, edges)
-    assert torn_words(placed, out, edges[:1]) == "" and torn_words(placed, placed, edges) == ""
+    assert "near (0, 0, 0) mm, where an edge is stretched to 6 times" in through_words(bar, placed, out, edges)
+    assert through_words(bar, placed, out, edges[:1]) == "" and through_words(bar, placed, placed, edges) == ""
 
 
 UNDER = """

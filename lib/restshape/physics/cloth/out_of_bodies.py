@@ -15,8 +15,8 @@ LEAST = 0.5
 """Depth of a pocket over the thickness of contact from which on it is brought out: contact lifts shallower ones."""
 TORN = 0.5
 """Cosine of the angle between the nearest ways out at both ends of an edge below which these would tear the cloth."""
-LONG = 2.0
-"""Length of an edge brought out of bodies, over that before, above which it most likely lies through one of them."""
+LONG, DEEP = 2.0, 0.15
+"""Of an edge that lies through a body: its length over that before, and the depth of its middle over its length."""
 MARCHES, LEFT = 200, 0.01
 """Steps of a way out at most; distance over the thickness of contact that may be left at its end."""
 
@@ -95,20 +95,21 @@ def brought_out(
     return found
 
 
-def torn_words(placed: np.ndarray, out: np.ndarray, edges: np.ndarray) -> str:
-    """What there is to say of edges (m, 2) of cloth that the way out of bodies has stretched; empty where none is long.
+def through_words(bodies: Sequence[_kernels.Body], placed: np.ndarray, out: np.ndarray, edges: np.ndarray) -> str:
+    """What there is to say of edges (m, 2) of cloth that lie through bodies after its way out; empty where none does.
 
     Args:
-        placed: (n, 3) [m] where nodes begin; out: (n, 3) where they are brought.
+        bodies: of the cloth; placed: (n, 3) [m] where nodes begin; out: (n, 3) where they are brought.
     """
     before, after = (np.linalg.norm(x[edges[:, 1]] - x[edges[:, 0]], axis=1) for x in (placed, out))
-    longest = int(np.argmax(after / before))
-    ratio = float(after[longest] / before[longest])
-    if ratio <= LONG:
+    middles = out[edges].mean(axis=1)
+    through = (after > LONG * before) & (Bodies(bodies).distance(middles)[0] < -DEEP * after)
+    if not through.any():
         return ""
-    place = ", ".join(f"{1e3 * one:.0f}" for one in out[edges[longest]].mean(axis=0))
-    what = f"bringing cloth out of bodies stretches an edge near ({place}) mm to {ratio:.2g} times its length"
-    return f"{what}: it may not get out from there; begin it farther outside"
+    longest = int(np.argmax(np.where(through, after / before, 0.0)))
+    place = ", ".join(f"{1e3 * one:.0f}" for one in middles[longest])
+    what = f"brought out of bodies, cloth lies through one near ({place}) mm, where an edge is stretched to"
+    return f"{what} {after[longest] / before[longest]:.2g} times its length: begin it farther outside"
 
 
 def still_inside(bodies: Sequence[_kernels.Body], x: np.ndarray, thickness: float) -> np.ndarray:

@@ -11,7 +11,7 @@ from restshape.fem.entity_sets import nodes_on
 from restshape.mesh.relocate import HarmonicExtension
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.layer_order import ROOM, WIDENINGS, WIDER, Layers
-from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, torn_words
+from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, through_words
 from restshape.physics.cloth.scene import ClothArguments
 from restshape.physics.cloth.squeezed import refuse_squeezed
 from restshape.physics.cloth.trust import penetration_notes
@@ -52,7 +52,7 @@ def beginning(problem: ClothProblem, arguments: ClothArguments) -> Beginning:
         out = brought_out(contact.bodies, placed, problem.mesh.cells, movable, contact.thickness)
         if count := int((movable & still_inside(contact.bodies, out, contact.thickness)).sum()):
             doubts.append(f"{_nodes(count)} still inside bodies: no way out was found")
-        doubts.append(torn_words(placed, out, problem.mesh.edge_nodes))
+        doubts.append(through_words(contact.bodies, placed, out, problem.mesh.edge_nodes))
     ordered, doubt = _ordered(problem, out, movable)
     moved = not np.array_equal(ordered, placed)
     return Beginning(
