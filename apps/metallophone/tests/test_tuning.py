@@ -12,9 +12,11 @@ from restshape_apps.metallophone.tuning.cost import tuning_cost
 from restshape_apps.metallophone.tuning.descent import CENTS, Descent
 from restshape_apps.metallophone.tuning.followed_modes import followed
 from restshape_apps.metallophone.tuning.freedoms import freedoms_of, with_fixed_curves
+from restshape_apps.metallophone.tuning.report import TuningReport
 from restshape_apps.metallophone.tuning.smallest_change import smallest_change
 from restshape_apps.metallophone.tuning.tuning import tuned
 from restshape_apps.metallophone.tuning.wanted import Wanted, wanted_tones
+from restshape_verification.metallophone.tines import kalimba
 
 from restshape.cli.main import main
 from restshape.replay.first_frame import first_frame
@@ -215,3 +217,29 @@ def test_out_of_reach_is_the_nearest_and_the_bound_that_holds(tmp_path, capsys):
 def test_a_bound_that_is_met_at_once_leaves_the_bar_as_it_is():
     found = tuned(bar("bar_100"), wanted_tones("C8", None, 440.0), [THICKNESS], [f"{THICKNESS}=1 mm:4 mm"])
     assert not found.found.in_tune and found.solves == 1 and found.found.at_bounds() == [(0, "upper")]
+
+
+def test_ratios_out_of_reach_trade_no_bending_mode_for_a_torsion():
+    """The second torsion of the bar could be brought to 1 : 3, which no outline of four corners does to bending."""
+    found = tuned(bar("bar_100"), wanted_tones("B6", "1:3", 440.0))
+    assert not found.found.in_tune and found.ranks == (1, 3)
+    assert found.found.last.frequencies[1] / found.found.last.frequencies[0] == pytest.approx(2.75, rel=0.02)
+    # What misses is shared by both, which is the least sum of squares.
+    first, second = found.found.last.cents
+    assert first == pytest.approx(-second, rel=0.1) and found.tolerances.modes == (1, 3)
+
+
+def test_two_octaves_away_the_nearest_is_found_in_few_solves():
+    found = tuned(bar("bar_100", "effects.modal.modes=1"), wanted_tones("C9", None, 440.0))
+    assert not found.found.in_tune and found.solves <= 5
+    low, high, values = found.found.low, found.found.high, found.found.last.values
+    assert values[[0, 2, 4, 6]] == pytest.approx([high[0], low[2], low[4], high[6]])
+
+
+def test_by_one_tine_of_a_fork_that_tine_is_tuned_and_the_other_stays(tmp_path):
+    scene = load_scene(kalimba(tmp_path, [0.03, 0.03], gap=0.006, root=0.002))
+    found = tuned(scene, wanted_tones("C6", None, 440.0), ["p7.1", "p8.1"])
+    assert found.found.in_tune and found.tolerances.modes == (2,)
+    (other,) = found.below
+    assert other == pytest.approx(found.found.steps[0].frequencies[0], rel=2e-3)
+    assert any("below the tuned tone now" in note for note in TuningReport(found, 440.0).notes())

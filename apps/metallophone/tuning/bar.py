@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -53,6 +54,7 @@ class Bar:
         self.analysis, self.moving = cast("ModalAnalysis", parts.analysis), cast("MovingMesh", parts.moving)
         self.outline = cast("Outline", parts.session.outline)
         self.solves, self.level, self._frames, self.now = 0, 3, 0, scene
+        self._kept = self.analysis.state.modes
         try:
             self._solve(self._frame("start", scene, self.outline))
         except ReplayProblem as failed:
@@ -68,6 +70,16 @@ class Bar:
             return False
         self.outline = frame.outline
         return True
+
+    def keep(self) -> None:
+        """Modes of later solves are followed from those of the last one."""
+        self._kept = self.analysis.state.modes
+
+    def forget(self) -> None:
+        """Follow modes from those that were kept: the last solve may have mixed them up, so far it went."""
+        state = self.analysis.state
+        if state.modes.mass_products.shape[1:] == self._kept.mass_products.shape[1:]:
+            self.analysis.state = replace(state, modes=self._kept, solved=self._kept)
 
     def _frame(self, change: str, scene: Scene, outline: Outline | None = None) -> EditFrame:
         self._frames += 1

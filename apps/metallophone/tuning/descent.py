@@ -20,6 +20,8 @@ ROUGH = 1.0
 """The same [cents] on the first mesh, where the outline moves: a new mesh of it then has frequencies of its own."""
 SLIGHT = 0.02
 """Of the whole change: a step below that changes nothing that counts."""
+GAIN = 0.01
+"""Share of the distance from the tones: what leads nearer by less leads nowhere."""
 NEAR, SLOW = 50.0, 0.2
 """Distance [cents], and share of the one before, between which a step shows that gradients turn on the way: then steps
 are the least themselves, which end in tune at once and hardly beside the least change."""
@@ -120,6 +122,7 @@ class Descent:
         self.bar, self.wanted, self.most, self.on_step = bar, wanted, most, on_step
         self.start = np.array([freedom.start for freedom in bar.freedoms])
         self.values, self.modes = self.start.copy(), followed(bar, ids)
+        bar.keep()
         self.found = Tuned()
         self._motions = motions_of(bar, self.values)
         self.found.low, self.found.high = bounded(bar, self._motions, self.start, bounds)
@@ -128,7 +131,7 @@ class Descent:
     def run(self) -> Tuned:
         """The tuned bar, confirmed on a new mesh of its outline where that has moved."""
         self._note(1.0)
-        self._first, self._slow, kept = True, False, 0
+        self._first, self._slow, self._radius, kept = True, False, np.inf, 0
         while True:
             self._descend()
             kept, before = len(self.found.steps), kept
@@ -150,37 +153,59 @@ class Descent:
             J = self._derivatives(motions)
             self.found.derivatives = J
             done, missing = self.values - self.start, -self._cents()
-            low, high = self.found.low - self.start, self.found.high - self.start
-            change = smallest_change(motions.metric, J, missing + J @ done, low, high)
-            step = change - done
-            if self._slow:
-                step = smallest_change(motions.metric, J, missing, low - done, high - done)
+            step = self._step(J, np.inf)
+            change = done + step
             left = np.linalg.norm(missing - J @ step)
             close = ROUGH if self._first and self._moved() else CLOSE
             stuck = left > 0.5 * np.linalg.norm(missing)
             slight = self._slow or _size(motions, step) <= SLIGHT * _size(motions, change)
-            if slight and (self.found.last.worst <= close or stuck):
+            idle = stuck and np.linalg.norm(missing) - left < GAIN * np.linalg.norm(missing)
+            if (slight and (self.found.last.worst <= close or stuck)) or idle or self._idle(close):
                 self._nearest = self.found.last.worst > close
                 return
-            if self.bar.solves >= self.most - 1 or not self._search(step, missing, left):
+            if self.bar.solves >= self.most - 1 or not self._search(J, missing):
                 return
 
-    def _search(self, step: np.ndarray, missing: np.ndarray, left: float) -> bool:
-        """Take the longest part of a step, 1, 1/2, ..., that leads nearer; whether one does."""
-        now, part = np.linalg.norm(missing), 1.0
+    def _idle(self, close: float) -> bool:
+        """Whether the last step on this mesh has led hardly nearer to tones that are far."""
+        if len(self.found.steps) < 2 or self.found.last.worst <= max(close, IN_TUNE) or not self.found.last.part:
+            return False
+        before, now = (float(np.linalg.norm(step.cents)) for step in self.found.steps[-2:])
+        return now > (1.0 - GAIN) * before
+
+    def _step(self, J: np.ndarray, radius: float) -> np.ndarray:
+        """The step (k,) that derivatives (m, k) ask for, no freedom by more than moves the surface by a radius."""
+        done, metric = self.values - self.start, self._motions.metric
+        reach = radius / np.sqrt(np.diag(metric))
+        low = np.maximum(self.found.low - self.start, done - reach)
+        high = np.minimum(self.found.high - self.start, done + reach)
+        missing = -self._cents()
+        if self._slow:
+            return smallest_change(metric, J, missing, low - done, high - done)
+        return smallest_change(metric, J, missing + J @ done, low, high) - done
+
+    def _search(self, J: np.ndarray, missing: np.ndarray) -> bool:
+        """Take the longest step, within a radius that is halved, that leads nearer; whether one does."""
+        now, scale = np.linalg.norm(missing), np.sqrt(np.diag(self._motions.metric))
+        step = self._step(J, self._radius)
+        largest = float(np.abs(self._step(J, np.inf) * scale).max())
         halvings = 1 if self.found.last.worst <= IN_TUNE else HALVINGS
-        for _ in range(halvings + 1):
-            values = rounded(np.clip(self.values + part * step, self.found.low, self.found.high))
+        for k in range(halvings + 1):
+            size, left = float(np.abs(step * scale).max()), np.linalg.norm(missing - J @ step)
+            values = rounded(np.clip(self.values + step, self.found.low, self.found.high))
             modes = self._solved(values)
             if modes is not None:
                 there = np.linalg.norm(self._cents(modes))
-                if there <= max(now - 0.1 * part * (now - left), CLOSE):
-                    self._keep(values, modes, part)
+                if there <= max(now - 0.1 * (now - left), CLOSE):
+                    self._keep(values, modes, size / largest)
+                    self._radius = 2.0 * size if k else max(self._radius, 4.0 * size)
                     self._slow = self._slow or (NEAR > there > SLOW * now)
                     return True
+            self.bar.forget()
             if self.bar.solves >= self.most - 1:
                 return False
-            part *= 0.5
+            self._radius = 0.5 * size
+            step = self._step(J, self._radius)
         return False
 
     def _solved(self, values: np.ndarray) -> FollowedModes | None:
@@ -196,6 +221,7 @@ class Descent:
 
     def _keep(self, values: np.ndarray, modes: FollowedModes, part: float) -> None:
         self.values, self.modes = values, modes
+        self.bar.keep()
         self._note(part)
 
     def _note(self, part: float) -> None:

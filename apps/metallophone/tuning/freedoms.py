@@ -107,14 +107,14 @@ def keys_of(scene: Scene, word: str) -> list[Key]:
         bent = [name for name, edge in shape.edges.items() if isinstance(edge, SplineSpec | PolylineSpec)]
         return [key for name in [*shape.vertices, *bent] for key in keys_of(scene, name)]
     key = split_key(word)
-    if len(key) == 1 and key[0] in shape.vertices:
-        key = ("shape", "vertices", key[0])
-    elif len(key) == 1 and key[0] in shape.edges:
-        key = ("shape", "edges", key[0], "through")
-    elif len(key) == 1 and key[0] in shape.holes:
-        key = ("shape", "holes", key[0])
-    elif len(key) == 1 and key[0] in scene.parameters:
-        key = ("parameters", key[0])
+    if key[0] in shape.vertices:
+        key = ("shape", "vertices", *key)
+    elif key[0] in shape.edges:
+        key = ("shape", "edges", *key) if len(key) > 1 else ("shape", "edges", key[0], "through")
+    elif key[0] in shape.holes:
+        key = ("shape", "holes", *key)
+    elif key[0] in scene.parameters:
+        key = ("parameters", *key)
     return _numbers_below(scene, key, word)
 
 

@@ -79,12 +79,18 @@ class TuningReport:
         return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}"
 
     def notes(self) -> list[str]:
-        """What there is to note of modes that lie together."""
-        return [
+        """What there is to note of modes that lie together, and of what lies below a first tone."""
+        together = [
             f"{' and '.join(f'{f:.3f}' for f in sorted(own))} Hz lie together: what is tuned is their mean"
             for own in self.found.clusters
             if len(own) > 1
         ]
+        mean = {float(f) for own in self.found.clusters for f in own}
+        below = [f for f in self.tuning.below if f not in mean] if self.tuning.ranks[0] == 1 else []
+        if not below:
+            return together
+        tones = " and ".join(f"{f:.2f} Hz" for f in below)
+        return [*together, f"{tones} {'lies' if len(below) == 1 else 'lie'} below the tuned tone now"]
 
     def _wanted(self) -> str:
         wanted = self.tuning.wanted

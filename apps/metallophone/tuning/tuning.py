@@ -47,6 +47,7 @@ class Tuning:
         ranks: of the tuned modes at the start, from 1.
         solves: of eigenproblems in all.
         tolerances: of the tuned bar, for these modes.
+        below: frequencies [Hz] of its modes below the first of them.
     """
 
     scene: Scene
@@ -56,6 +57,7 @@ class Tuning:
     ranks: tuple[int, ...]
     solves: int
     tolerances: Tolerances
+    below: tuple[float, ...]
 
     def changes(self) -> list[tuple[tuple[str, ...], object]]:
         """Keys of the scene's file with their new values; curves of edges are written out where the outline moves."""
@@ -93,17 +95,29 @@ def tuned(
     bar, indices = _started(fixed, freedoms, wanted, ranks)
     ids = [int(bar.analysis.state.modes.ids.ids[index]) for index in indices]
     most = most or (SOLVES if len(ids) == 1 else SOLVES_OF_RATIOS)
-    found = Descent(bar, ids, np.array(wanted.frequencies), given, most, on_step).run()
-    started, solves = tuple(int(index) + 1 for index in indices), bar.solves
-    return Tuning(scene, wanted, tuple(freedoms), found, started, solves, _tolerances(bar, ids, found.last.values))
+    descent = Descent(bar, ids, np.array(wanted.frequencies), given, most, on_step)
+    found = descent.run()
+    solves, order = bar.solves, _order(bar, found.last.values)
+    ranks_now = [order.index(one) + 1 for one in descent.modes.ids if one in order]
+    below = bar.analysis.frequencies[: min(ranks_now, default=1) - 1].tolist()
+    return Tuning(
+        scene=scene,
+        wanted=wanted,
+        freedoms=tuple(freedoms),
+        found=found,
+        ranks=tuple(int(index) + 1 for index in indices),
+        solves=solves,
+        tolerances=tolerances(bar.analysis).of(ranks_now),
+        below=tuple(below),
+    )
 
 
-def _tolerances(bar: Bar, ids: Sequence[int], values: np.ndarray) -> Tolerances:
-    """The tolerances at values (k,) of the freedoms, of the modes with these ids."""
+def _order(bar: Bar, values: np.ndarray) -> list[int]:
+    """Ids of the modes, by rank, at values (k,) of the freedoms."""
     if bar.now != with_values(bar.scene, bar.freedoms, values):
         bar.at(values)
-    order = bar.analysis.state.ids.tolist()
-    return tolerances(bar.analysis).of([order.index(one) + 1 for one in ids if one in order])
+    ids: list[int] = bar.analysis.state.ids.tolist()
+    return ids
 
 
 def _started(scene: Scene, freedoms: Sequence[Freedom], wanted: Wanted, ranks: Sequence[int]) -> tuple[Bar, list[int]]:
