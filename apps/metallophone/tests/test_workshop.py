@@ -79,6 +79,9 @@ def test_holes_for_a_cord_move_the_tone_as_their_area():
 def test_a_scene_goes_on_with_the_holes_for_its_cord(tmp_path):
     out, surface = tmp_path / "bored.toml", tmp_path / "bored.stl"
     assert main(["export", str(TEMPLATE), "--as", "toml", "--cord", "4mm", "--out", str(out)]) == 0
+    # The bar hangs at these holes from now on, whatever is tuned.
+    bored_scene = load_scene(out)
+    assert bored_scene.effects["modal"]["hanging"]["at"] == list(bored_scene.shape.holes)
     scene = load_scene(out)
     bored = frame_of_script(scene, Script.empty(scene), 0)
     assert bored.outline.names("hole") == ["hang_1", "hang_2"]

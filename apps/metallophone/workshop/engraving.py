@@ -10,7 +10,12 @@ from restshape_apps.metallophone.workshop.bar import Bar, bar_of
 
 from restshape.arrays import Reals
 from restshape.export.cut_drawing import EngravedText, Engraving, with_holes
-from restshape.export.edited_frame import EditedFrame
+from restshape.export.edited_frame import EditedFrame, plain_scene
+from restshape.export.kept_formulas import with_formulas
+from restshape.export.shape_tables import shape_tables
+from restshape.scene.load import remade
+from restshape.scene.model import Scene
+from restshape.scene.plain_values import table_in
 from restshape.shape.nearness import distances
 
 ARM = 1.5e-3
@@ -42,7 +47,18 @@ def drilled(frame: EditedFrame, args: argparse.Namespace) -> tuple[EditedFrame, 
     if not args.cord:
         return frame, []
     bar = bar_of(frame, args)
-    return replace(frame, outline=with_holes(frame.outline, bar.holes)), _notes(bar)
+    whole = replace(frame, outline=with_holes(frame.outline, bar.holes))
+    return replace(whole, scene=_hung_at(whole, list(bar.holes))), _notes(bar)
+
+
+def _hung_at(frame: EditedFrame, holes: list[str]) -> Scene:
+    """The scene of a frame whose bar is hung at holes from now on."""
+    shape = with_formulas(shape_tables(frame.outline), frame.scene, frame.outline)
+    tables = plain_scene(frame, {"shape": shape})
+    effects = table_in(tables, "effects")
+    modal = table_in(effects, "modal")
+    hanging = {**table_in(modal, "hanging"), "at": holes}
+    return remade(frame.scene, {**tables, "effects": {**effects, "modal": {**modal, "hanging": hanging}}})
 
 
 def _tone(bar: Bar, strike: Reals) -> EngravedText:
