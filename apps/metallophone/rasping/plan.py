@@ -105,7 +105,8 @@ def rasping_plan(analysis: ModalAnalysis, wish: Wish) -> RaspingPlan:
     with RaspedBar(analysis, ranks) as bar:
         ways = _ways(Aim(bar, f[ranks], wanted), places) if abs(wish.cents) > REACHED else []
     reached = sorted((way for way in ways if way.reached(len(wish.keep))), key=lambda way: way.volume)
-    nearest = min(ways, key=lambda way: abs(float(way.off[0])), default=None) if not reached else None
+    kept = 1 + len(wish.keep)
+    nearest = min(ways, key=lambda way: float(np.abs(way.off[:kept]).max()), default=None) if not reached else None
     factor = wish.measured / float(f[0])
     return RaspingPlan(wish, f, factor, ranks, densities, places, reached, nearest, found, bar.solves)
 
@@ -144,7 +145,7 @@ def _ways(aim: Aim, places: list[Place]) -> list[Way]:
             if len(alike(together)) > 1:
                 found.append(same_depth(aim, name, together))
     name = "least material" if len(aim.wanted) == 1 else "least material, ratios kept"
-    if len(aim.wanted) > 1 or not any(found):
+    if len(aim.wanted) > 1 or not any(way is not None and way.reached(0) for way in found):
         found.append(least_material(aim, name, right if len(aim.wanted) == 1 else places))
     return [way for way in found if way is not None]
 

@@ -1,5 +1,6 @@
 """A bar from which material comes off in the model: its tones by a solve on the mesh that it has."""
 
+from dataclasses import replace
 from types import TracebackType
 
 import numpy as np
@@ -27,7 +28,7 @@ class RaspedBar:
     """
 
     def __init__(self, analysis: ModalAnalysis, ranks: list[int]) -> None:
-        self.analysis, self.solves = analysis, 0
+        self.analysis, self.solves, self._modes = analysis, 0, analysis.state.modes
         self._ids = [int(analysis.state.ids[rank]) for rank in ranks]
         self._X, self._corners = analysis.state.space.X.copy(), analysis.state.space.mesh.X.copy()
 
@@ -85,5 +86,6 @@ class RaspedBar:
             body.take_off(off)
 
     def _solve(self) -> None:
-        state = self.analysis.state
+        """Solve, the modes followed from those of the bar as it was: they do not depend on trials before."""
+        self.analysis.state = state = replace(self.analysis.state, modes=self._modes, solved=self._modes)
         self.analysis.solve(Frame(state.space, NO_CELLS, None, state.scene, (None, (0.0, 0.0))))

@@ -2,21 +2,24 @@
 
 import argparse
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from restshape_apps.metallophone import application
 from restshape_apps.metallophone.rasping import command
+from restshape_apps.metallophone.rasping import plan as plan_module
 from restshape_apps.metallophone.rasping.outline_motion import boundary_motion, edge_nodes, followed_inside, on_plane
-from restshape_apps.metallophone.rasping.places import alike, profile, stretches
+from restshape_apps.metallophone.rasping.places import Place, alike, profile, stretches
 from restshape_apps.metallophone.rasping.plan import Wish, rasping_plan
+from restshape_apps.metallophone.rasping.rasped_bar import RaspedBar
 from restshape_apps.metallophone.rasping.report import directions, plan_as_json
 from restshape_apps.metallophone.rasping.tolerances import CENTS, tolerances
 
 from restshape.analysis.modal_comparison import cold_frequencies
 from restshape.analysis.pitch import frequency_of
 from restshape.cli.main import main
-from restshape.errors import UserError
+from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.quality import areas
 from restshape.replay.first_frame import first_frame
 
@@ -125,6 +128,27 @@ def test_the_bar_is_as_before_and_what_is_measured_changes_no_derivative():
     )
     assert {place.cents[0] > 0.0 for place in first.ways[0].places} == {True}
     assert {place.cents[0] > 0.0 for place in second.ways[0].places} == {False}
+
+
+def test_a_trial_that_loses_its_mode_leaves_those_after_it_as_they_were():
+    analysis = modes_of("fish", *FISH)
+    f, n = analysis.frequencies.copy(), len(analysis.space.mesh.X)
+    still, line = np.zeros((n, 2)), np.zeros((2, 2))
+    face = Place("face", True, line, line, 1.0, "even", still, np.ones(n), 1.0, np.zeros(3), 1.0)
+    with RaspedBar(analysis, [0, 1, 2]) as bar:
+        with pytest.raises(ReplayProblem, match="not among the lowest"):
+            bar.frequencies([face], np.array([0.97 * 0.003]))
+        assert bar.frequencies([face], np.array([1e-9])) == pytest.approx(f, rel=1e-5)
+
+
+def test_a_way_that_fails_does_not_keep_the_least_material_from_being_tried(monkeypatch):
+    """Ways of one depth that end off the tone count as none."""
+    bar = modes_of("fish", *FISH)
+    alone = rasping_plan(bar, Wish(506.0, frequency_of("C5")))
+    off = replace(alone.ways[0], off=alone.ways[0].off - 5.0)
+    monkeypatch.setattr(plan_module, "same_depth", lambda *words: off)
+    plan = rasping_plan(bar, Wish(506.0, frequency_of("C5")))
+    assert [way.name for way in plan.ways] == ["least material"] and plan.nearest is None
 
 
 def test_bending_is_followed_across_torsion():
