@@ -339,12 +339,6 @@ LIST = (
         f"drape {SPHERE} --set effects.cloth.bending=hinge --frames 20 --picture results/bench-drape.png",
         ["bench-drape.png"],
     ),
-    bench(
-        "drape",
-        f"drape {SHIRT} --ways auto,kinetic --bending '' --policies '' --seconds 10 --set 'mesh.size=\"38.4 mm\"' "
-        "--set mesh.levels=2 --set effects.drape.levels=2 --picture results/bench-shirt.png",
-        ["bench-shirt.png"],
-    ),
     Result(
         ("THESIS.md",),
         ("restshape tables",),
