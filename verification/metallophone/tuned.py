@@ -52,10 +52,19 @@ def closed_forms() -> list[Check]:
     thick = tuned(thin, hertz(wanted), [THICKNESS])
     long = tuned(thin, hertz(free_bar(0.5e-3, 0.2)), LENGTH)
     (thickness,), (a, b, *_) = thick.found.last.values, long.found.last.values
+    # Both ways to one bar: from what the other freedom was tuned to.
+    both = hertz(free_bar(0.7e-3, 0.2))
+    longer = tuned(load_scene(BAR, [*THIN, *overrides(thick)]), both, LENGTH)
+    thicker = tuned(load_scene(BAR, [*THIN, *overrides(long)]), both, [THICKNESS])
+    a_2, b_2, *_ = longer.found.last.values
+    (thickness_2,) = thicker.found.last.values
+    other = "Euler and Bernoulli's free bar, from one tuned by another freedom"
     source = "Euler and Bernoulli's free bar, f ~ h/L^2"
     return [
         Check("thickness of a thin bar of a frequency [m]", float(thickness), 0.7e-3, 5e-3, source, CLOSED_FORM),
         Check("length of a thin bar of a frequency [m]", float(b - a), 0.2, 5e-3, source, CLOSED_FORM),
+        Check("length of a bar that its thickness had tuned [m]", float(b_2 - a_2), 0.2, 5e-3, other, CLOSED_FORM),
+        Check("thickness of one that its length had tuned [m]", float(thickness_2), 0.7e-3, 5e-3, other, CLOSED_FORM),
         Check("solves beyond 12", max(thick.solves, long.solves, SOLVES) - SOLVES, 0, 0, "the most allowed", IDENTITY),
     ]
 

@@ -236,6 +236,11 @@ def test_two_octaves_away_the_nearest_is_found_in_few_solves():
     assert values[[0, 2, 4, 6]] == pytest.approx([high[0], low[2], low[4], high[6]])
 
 
+def test_where_the_outline_cannot_go_on_is_said():
+    found = tuned(load_scene(SCENES / "slender.toml"), wanted_tones("C4", None, 440.0))
+    assert not found.found.in_tune and "edge right would collapse" in TuningReport(found, 440.0).summary()
+
+
 def test_by_one_tine_of_a_fork_that_tine_is_tuned_and_the_other_stays(tmp_path):
     scene = load_scene(kalimba(tmp_path, [0.03, 0.03], gap=0.006, root=0.002))
     found = tuned(scene, wanted_tones("C6", None, 440.0), ["p7.1", "p8.1"])

@@ -40,6 +40,7 @@ class Bar:
     Attributes:
         solves: of eigenproblems so far; level: of reuse of the mesh in the last one.
         analysis: of the last one; outline: its shape; now: its scene.
+        why: the last values that were asked for have no solution; empty where they have.
 
     Raises:
         UserError: the scene cannot be solved.
@@ -54,7 +55,7 @@ class Bar:
         self.analysis, self.moving = cast("ModalAnalysis", parts.analysis), cast("MovingMesh", parts.moving)
         self.outline = cast("Outline", parts.session.outline)
         self.solves, self.level, self._frames, self.now = 0, 3, 0, scene
-        self._kept = self.analysis.state.modes
+        self._kept, self.why = self.analysis.state.modes, ""
         try:
             self._solve(self._frame("start", scene, self.outline))
         except ReplayProblem as failed:
@@ -66,9 +67,10 @@ class Bar:
             scene = with_values(self.scene, self.freedoms, values)
             frame = self._frame("shape" if new_mesh else "move", scene)
             self._solve(frame)
-        except (UserError, ReplayProblem):
+        except (UserError, ReplayProblem) as failed:
+            self.why = failed.what if isinstance(failed, UserError) else str(failed)
             return False
-        self.outline = frame.outline
+        self.outline, self.why = frame.outline, ""
         return True
 
     def keep(self) -> None:

@@ -67,6 +67,7 @@ class Tuned:
         derivatives: (m, k) cents a unit of each freedom at the end of the last descent.
         low, high: (k,) bounds.
         clusters: of each tuned mode the frequencies [Hz] of its cluster, itself first.
+        blocked: why there is no solution where the last step would have led; empty where there is one.
     """
 
     steps: list[TuningStep] = field(default_factory=list)
@@ -74,6 +75,7 @@ class Tuned:
     low: np.ndarray = field(default_factory=lambda: np.zeros(0))
     high: np.ndarray = field(default_factory=lambda: np.zeros(0))
     clusters: list[np.ndarray] = field(default_factory=list)
+    blocked: str = ""
 
     @property
     def last(self) -> TuningStep:
@@ -167,11 +169,12 @@ class Descent:
                 return
 
     def _idle(self, close: float) -> bool:
-        """Whether the last step on this mesh has led hardly nearer to tones that are far."""
-        if len(self.found.steps) < 2 or self.found.last.worst <= max(close, IN_TUNE) or not self.found.last.part:
+        """Whether the last two steps on this mesh have led hardly nearer to tones that are far."""
+        last = self.found.steps[-3:]
+        if len(last) < 3 or last[-1].worst <= max(close, IN_TUNE) or not all(step.part for step in last):
             return False
-        before, now = (float(np.linalg.norm(step.cents)) for step in self.found.steps[-2:])
-        return now > (1.0 - GAIN) * before
+        first, _, now = (float(np.linalg.norm(step.cents)) for step in last)
+        return now > (1.0 - GAIN) * first
 
     def _step(self, J: np.ndarray, radius: float) -> np.ndarray:
         """The step (k,) that derivatives (m, k) ask for, no freedom by more than moves the surface by a radius."""
@@ -189,11 +192,13 @@ class Descent:
         now, scale = np.linalg.norm(missing), np.sqrt(np.diag(self._motions.metric))
         step = self._step(J, self._radius)
         largest = float(np.abs(self._step(J, np.inf) * scale).max())
+        self.found.blocked = ""
         halvings = 1 if self.found.last.worst <= IN_TUNE else HALVINGS
         for k in range(halvings + 1):
             size, left = float(np.abs(step * scale).max()), np.linalg.norm(missing - J @ step)
             values = rounded(np.clip(self.values + step, self.found.low, self.found.high))
             modes = self._solved(values)
+            self.found.blocked = self.found.blocked or self.bar.why
             if modes is not None:
                 there = np.linalg.norm(self._cents(modes))
                 if there <= max(now - 0.1 * (now - left), CLOSE):

@@ -74,6 +74,8 @@ class TuningReport:
         if self.found.in_tune:
             return f"in tune with {self._wanted()}: {tones}, after {self.tuning.solves} solves"
         bounds = [f"{self.tuning.freedoms[k].name} is at its {end} bound" for k, end in self.found.at_bounds()]
+        if self.found.blocked:
+            bounds.append(f"there is no solution further on ({self.found.blocked}), so give bounds that keep off it")
         why = f": {'; '.join(bounds)}" if bounds else ": no step within the solves leads nearer"
         away = ", ".join(f"{c:+.1f}" for c in last.cents)
         return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}"
@@ -106,6 +108,7 @@ class TuningReport:
             "wanted": list(wanted.frequencies),
             "modes": list(self.tuning.ranks),
             "in_tune": self.found.in_tune,
+            "blocked": self.found.blocked,
             "within": IN_TUNE,
             "solves": self.tuning.solves,
             "frequencies": self.found.last.frequencies.tolist(),
