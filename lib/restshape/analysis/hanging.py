@@ -10,7 +10,7 @@ import numpy as np
 from restshape.algebra.clusters import clusters
 from restshape.analysis.hanging_columns import NOTE, PLACES, loss_columns
 from restshape.analysis.line_minimum import line_minimum
-from restshape.analysis.modal_state import ModalState
+from restshape.analysis.modal_state import ModalState, Modes
 from restshape.analysis.nodal_lines import inside, linear_triangles, nodal_lines
 from restshape.analysis.pair_choice import best_pair, hold
 from restshape.analysis.quadratic_patch import quadratic_patch
@@ -97,11 +97,21 @@ def hanging_of(state: ModalState, asked: HangingSettings) -> HangingPoints:
     return _nothing(motion, why) if why or rank is None else _best(motion, int(rank), asked)
 
 
-def hanging_row(state: ModalState, asked: HangingSettings, modes: int) -> RowValues:
-    """The columns of hanging points of a frame whose scene wants so many modes."""
-    found = hanging_of(state, asked)
-    columns = zip((*PLACES, *loss_columns(modes)), (*found.places.ravel(), *found.losses))
-    return {**{name: float(value) for name, value in columns}, NOTE: found.why}
+class HangingColumns:
+    """The columns of hanging points, computed anew where modes or what is asked for differ from the last frame's."""
+
+    def __init__(self) -> None:
+        self._last: tuple[Modes, HangingSettings, RowValues] | None = None
+
+    def __call__(self, state: ModalState, asked: HangingSettings, modes: int) -> RowValues:
+        """The columns of a frame whose scene wants so many modes."""
+        last = self._last
+        if last is None or last[0] is not state.modes or last[1] != asked:
+            found = hanging_of(state, asked)
+            columns = zip((*PLACES, *loss_columns(modes)), (*found.places.ravel(), *found.losses))
+            last = state.modes, asked, {**{name: float(value) for name, value in columns}, NOTE: found.why}
+            self._last = last
+        return last[2]
 
 
 class _Motion:

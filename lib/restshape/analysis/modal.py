@@ -14,6 +14,7 @@ from restshape.algebra.pencil import multiplied, sample
 from restshape.analysis import modal_output
 from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues, Timeless
 from restshape.analysis.frame import Frame
+from restshape.analysis.hanging import HangingColumns
 from restshape.analysis.modal_binding import bound, followed
 from restshape.analysis.modal_comparison import allowed, compare_cold
 from restshape.analysis.modal_errors import FrequencyEstimate, residual_norm
@@ -61,7 +62,7 @@ class ModalAnalysis(Timeless):
         self.solver = EigenSolver(policy.solver, tolerance, context.calibration, context.stages, policy.warm)
         self.verified = VerifiedShape()
         self.state = ModalState(plan, scene)
-        self._estimate = FrequencyEstimate()
+        self._estimate, self._hanging = FrequencyEstimate(), HangingColumns()
         self._unchanged_frames = 0
 
     @property
@@ -122,7 +123,7 @@ class ModalAnalysis(Timeless):
 
     def row(self) -> RowValues:
         """Columns of a frame's row that only modes have."""
-        return modal_output.row(self.state)
+        return modal_output.row(self.state, self._hanging)
 
     def linear_displacement(self) -> None:
         """None: the size of a mode is free."""

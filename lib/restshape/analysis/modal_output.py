@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from restshape.analysis.analysis import RowValues
-from restshape.analysis.hanging import hanging_row
+from restshape.analysis.hanging import HangingColumns
 from restshape.analysis.modal_state import ModalState
 from restshape.analysis.pitch import note
 from restshape.analysis.settings import ModalSettings, modal_settings
@@ -33,8 +33,8 @@ def observer(quantities: Mapping[str, Quantity], space: Space, settings: ModalSe
     return Observer({name: _function(name, quantity, space, settings) for name, quantity in quantities.items()})
 
 
-def row(state: ModalState) -> RowValues:
-    """Columns of a frame's row that only modes have."""
+def row(state: ModalState, hanging: HangingColumns) -> RowValues:
+    """Columns of a frame's row that only modes have; of hanging points as `hanging` has them."""
     frequencies, settings = state.frequencies, modal_settings(state.plan)
     heard = [note(float(f), settings.a4) for f in frequencies]
     tone, cents = heard[0]
@@ -48,7 +48,7 @@ def row(state: ModalState) -> RowValues:
         "inertia_checked": int(state.report.inertia_checked),
         "missed_modes": state.report.missed_modes,
         "elements": len(state.body.space.cells),
-        **(hanging_row(state, settings.hanging, settings.modes) if settings.hanging else {}),
+        **(hanging(state, settings.hanging, settings.modes) if settings.hanging else {}),
     }
 
 
