@@ -252,11 +252,18 @@ def test_what_is_left_out_as_far_has_no_contact(name):
     assert contact_of(body, x[outside])[0] == pytest.approx(expected, rel=1e-12)
 
 
+def follow(body: k.Body, x: np.ndarray, coefficient: float, slip: float, *memory: np.ndarray) -> float:
+    """Friction that follows to points x (n, 3) of area 1, as far as a body presses them there; the way it is dragged."""
+    pushed = np.zeros((len(x), 12))
+    body.add_contact(x, np.ones(len(x)), STIFFNESS, THICKNESS, pushed)
+    return k.update_friction(x, pushed, coefficient, slip, *memory)
+
+
 def test_far_points_take_no_normal_and_stick_where_they_are():
     """Those that a body has never pressed need none."""
     x = np.array([[0.0, 0.0, 3.0], [0.1, -0.2, 0.71]])
     memory = np.zeros((2, 3)), np.zeros((2, 3)), np.zeros(2)
-    BODIES["sphere"].update_friction(x, np.ones(2), STIFFNESS, THICKNESS, 0.4, 0.01, *memory)
+    follow(BODIES["sphere"], x, 0.4, 0.01, *memory)
     anchors, normals, limits = memory
     np.testing.assert_allclose(anchors, x)
     np.testing.assert_allclose(normals, [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-12)
@@ -300,8 +307,7 @@ class TestFriction:
         anchors, normals, limits = np.zeros((3, 3)), np.zeros((3, 3)), np.full(3, self.limit)
 
         def update(friction: float) -> float:
-            penalty = np.ones(3), STIFFNESS, THICKNESS
-            return body.update_friction(x, *penalty, friction, self.slip, anchors, normals, limits)
+            return follow(body, x, friction, self.slip, anchors, normals, limits)
 
         np.testing.assert_allclose(update(coefficient), 2 * self.slip, rtol=1e-12)
         np.testing.assert_allclose(anchors, np.outer([0, 0, 2.0], t) * self.slip - depth, atol=1e-16)
@@ -316,8 +322,7 @@ class TestFriction:
         body, x = k.Body.plane(np.zeros(3), NORMAL), np.outer([-1.0, 2.0], NORMAL) * THICKNESS + [0.3, 0.1, 0.2]
         x -= np.outer((x @ NORMAL) - np.array([-1.0, 2.0]) * THICKNESS, NORMAL)
         anchors, normals, limits = np.ones((2, 3)), np.zeros((2, 3)), np.zeros(2)
-        penalty = np.ones(2), STIFFNESS, THICKNESS
-        assert body.update_friction(x, *penalty, 0.5, self.slip, anchors, normals, limits) == 0.0
+        assert follow(body, x, 0.5, self.slip, anchors, normals, limits) == 0.0
         np.testing.assert_allclose(anchors, x, atol=1e-15)
         assert limits[0] > 0.0 and limits[1] == 0.0
 

@@ -12,7 +12,7 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.physics.cloth.membrane import stretching
 from restshape.physics.cloth.relaxation import binding
-from restshape.physics.cloth.relaxation.equilibrium import Tries
+from restshape.algebra.tries import Tries
 from restshape.physics.cloth.relaxation.mixed_newton import MixedNewton
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.policy import policy

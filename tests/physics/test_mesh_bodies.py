@@ -72,8 +72,8 @@ def test_normals_of_friction_have_length_1_and_limits_are_the_normal_force(round
     mesh, _ = turned_ball(round_grid)
     x, area = places_on(0.3005), np.full(300, 1e-4)
     anchor, normal, limit, table = x.copy(), np.zeros((300, 3)), np.zeros(300), np.zeros((300, 12))
-    mesh.update_friction(x, area, 1e6, 2e-3, 0.4, 1e-4, anchor, normal, limit)
     mesh.add_contact(x, area, 1e6, 2e-3, table)
+    _kernels.update_friction(x, table, 0.4, 1e-4, anchor, normal, limit)
     np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(limit, 0.4 * np.linalg.norm(table[:, 3:6], axis=1), rtol=1e-10)
 

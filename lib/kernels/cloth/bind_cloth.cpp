@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "cloth/contact.hpp"
+#include "cloth/smooth_lowest.hpp"
 #include "cloth/triangle_distance.hpp"
+#include "cloth/triangle_room.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;
@@ -27,6 +29,8 @@ using Output = py::array_t<double, py::array::c_style>;
 using Vector = std::array<double, 3>;
 
 constexpr int width = 12;  // numbers in the potential of a point
+// Of a grid, beyond which from the middle of a part of a triangle something may lie that its quadratic does not show.
+constexpr double cells_across = 4.0;
 
 void require(bool holds, const std::string& message) {
     if (!holds) throw std::invalid_argument(message);
@@ -137,7 +141,9 @@ py::tuple lowest_each(const Body& body, const Doubles& x, const Cells& cells, do
             at_corners[i] = own;
         }
         const double least = enough ? enough->data()[e] : infinite;
-        const restshape::Lowest low = restshape::lowest_on(body, p, tolerance, least, at_corners);
+        const restshape::Lowest low =
+            body.convex() ? restshape::lowest_on(body, p, tolerance, least, at_corners)
+                          : restshape::smooth_lowest(body, p, tolerance, cells_across * body.detail(), least, at_corners);
         const Vec3 at = low.b[0] * p[0] + low.b[1] * p[1] + low.b[2] * p[2];
         found.mutable_data()[e] = low.value;
         radius.mutable_data()[e] = low.value < least ? radius_below(body, at.c, low.value) : infinite;
@@ -157,6 +163,27 @@ py::array_t<double> longest_sides(const Doubles& x, const Cells& cells) {
             most = std::max(most, inner(side.c, side));
         }
         found.mutable_data()[e] = std::sqrt(most);
+    }
+    return found;
+}
+
+// Which triangles have a corner farther than a slack from where it was; those take where it is.
+py::array_t<bool> moved_cells(const Doubles& x, const Cells& cells, double slack, Output before) {
+    const Triangles triangles(x, cells);
+    require_shape(before, triangles.count, 9, "before");
+    Vec3 p[3];
+    py::array_t<bool> found(triangles.count);
+    for (py::ssize_t e = 0; e < triangles.count; ++e) {
+        triangles.corners(triangles.x, e, p);
+        double* known = before.mutable_data() + 9 * e;
+        bool stays = true;
+        for (int i = 0; i < 3; ++i) {
+            const Vec3 way = p[i] - Vec3{{known[3 * i], known[3 * i + 1], known[3 * i + 2]}};
+            stays = stays && inner(way.c, way) <= slack * slack;
+        }
+        found.mutable_data()[e] = !stays;
+        if (stays) continue;
+        for (int i = 0; i < 3; ++i) std::copy(p[i].c, p[i].c + 3, known + 3 * i);
     }
     return found;
 }
@@ -205,6 +232,23 @@ double step_share(const Body& body, const Doubles& x, const Doubles& d, const Ce
     return share;
 }
 
+using restshape::TriangleRoom;
+
+double room_share(TriangleRoom& room, const Doubles& x, const Doubles& d, const Cells& cells) {
+    const Triangles triangles(x, cells);
+    require(d.size() == x.size(), "d must have the shape of x");
+    require(static_cast<std::size_t>(triangles.count) == room.count(), "cells are not as many as the room is of");
+    Vec3 p[3], way[3];
+    double share = 1.0;
+    for (py::ssize_t e = 0; e < triangles.count && share > 0.0; ++e) {
+        triangles.corners(triangles.x, e, p);
+        triangles.corners(d.data(), e, way);
+        for (Vec3& w : way) w = share * w;
+        share *= room.share(e, p, way);
+    }
+    return share;
+}
+
 py::tuple distance(const Body& body, const Doubles& x) {
     const py::ssize_t n = points(x);
     py::array_t<double> value(n), gradient({n, py::ssize_t{3}}), hessian({n, py::ssize_t{3}, py::ssize_t{3}});
@@ -232,28 +276,24 @@ double add_contact(const Body& body, const Doubles& x, const Doubles& area, doub
     return energy;
 }
 
-double update_friction(const Body& body, const Doubles& x, const Doubles& area, double stiffness, double thickness,
-                       double coefficient, double slip, Output anchor, Output normal, Output limit) {
+double update_friction(const Doubles& x, const Doubles& pushed, double coefficient, double slip, Output anchor,
+                       Output normal, Output limit) {
     const py::ssize_t n = points(x);
-    require_size(area, n, "area");
+    require_size(pushed, width * n, "pushed");
     require_shape(anchor, n, 3, "anchor");
     require_shape(normal, n, 3, "normal");
     require_shape(limit, n, 1, "limit");
     double moved = 0.0;
     for (py::ssize_t i = 0; i < n; ++i) {
-        const double* place = x.data() + 3 * i;
+        const double *place = x.data() + 3 * i, *force = pushed.data() + width * i + 3;
         double *own_anchor = anchor.mutable_data() + 3 * i, *own_normal = normal.mutable_data() + 3 * i;
         double& own_limit = limit.mutable_data()[i];
-        if (own_limit == 0.0 && body.beyond(place, thickness)) {
-            std::copy(place, place + 3, own_anchor);
-            continue;
-        }
-        restshape::Distance d = body.distance(place, false);
-        const double length = restshape::to_normal(body, d);
-        std::copy(d.gradient, d.gradient + 3, own_normal);
+        const double size = std::sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
         // What has touched nothing sticks where it is now.
         if (own_limit == 0.0) std::copy(place, place + 3, own_anchor);
-        own_limit = -coefficient * length * restshape::penalty(d.value, stiffness * area.data()[i], thickness).slope;
+        own_limit = coefficient * size;
+        if (size > 0.0)
+            for (int a = 0; a < 3; ++a) own_normal[a] = -force[a] / size;
         moved = std::max(moved, restshape::update_friction_anchor(place, own_normal, own_limit, slip, own_anchor));
     }
     return moved;
@@ -365,18 +405,27 @@ void bind_contact(py::module_& m) {
              "The largest share of a way d (n, 3) from x (n, 3) [m] on which no triangle of cells (ne, 3) has a signed "
              "distance below a floor [m], or, where it is below that plus `deeper` [m], one that is lower by more than "
              "`deeper`; and none below a bottom, unless it is there already.")
-        .def("update_friction", &update_friction, "x"_a, "area"_a, "stiffness"_a, "thickness"_a, "coefficient"_a,
-             "slip"_a, "anchor"_a.noconvert(), "normal"_a.noconvert(), "limit"_a.noconvert(),
-             "Takes the normals (n, 3) at x (n, 3), but for what has no limit and is far, and as limits (n,) [N] the "
-             "coefficient times the normal forces of "
-             "`add_contact`. Takes anchors (n, 3) into the surface at x and after it where they are more than a slip "
-             "away; those without a limit, before or now, go to x. Returns the farthest way that one was dragged [m].")
         .def("add_contact", &add_contact, "x"_a, "area"_a, "stiffness"_a, "thickness"_a, "potential"_a.noconvert(),
              "curved"_a = true,
              "Energy [J] of a penalty of stiffness [N/m^3] within a thickness [m] of the surface, on points x (n, 3) "
              "that stand for areas (n,) [m^2]. Adds gradient and Hessian to the columns 3: of potential (n, 12), the "
              "parameters of the element potential_point1; without the curvature of the surface if not curved, which "
              "makes the Hessian positive semidefinite.");
+    py::class_<TriangleRoom>(m, "TriangleRoom",
+                             "How far triangles may go beside a body, kept from one step to the next.")
+        .def(py::init([](const Body& body, py::ssize_t count, double floor, double deeper, double tolerance,
+                         double bottom) {
+                 require(deeper > tolerance && tolerance > 0,
+                         "deeper must be more than the tolerance, which must be positive");
+                 return TriangleRoom(body, static_cast<std::size_t>(std::max<py::ssize_t>(count, 0)), floor, deeper,
+                                     bottom, tolerance);
+             }),
+             "body"_a, "count"_a, "floor"_a, "deeper"_a, "tolerance"_a,
+             "bottom"_a = -std::numeric_limits<double>::infinity(),
+             "Of so many triangles, nothing of which is known; numbers as of `Body.step_share`.")
+        .def("step_share", &room_share, "x"_a, "d"_a, "cells"_a,
+             "What `Body.step_share` gives. Triangles that stay within what is known of them are not looked at.")
+        .def_property_readonly("looks", &TriangleRoom::looks, "How often triangles were looked at.");
     py::class_<BodyRates>(m, "BodyRates", "A body whose numbers change, with their rates.")
         .def(py::init<const Body&>(), "body"_a, "One that stays as it is.")
         .def_static(
@@ -435,8 +484,17 @@ void bind_contact(py::module_& m) {
           "Values (n, 3) of nodes, followed by those (m, 3) of points: sums of their nodes' (m, 3) by weights (m, 3).");
     m.def("nonzero_rows", &nonzero_rows, "values"_a,
           "Numbers (k,) of the rows of values (n, f) that are not all zero.");
+    m.def("moved_cells", &moved_cells, "x"_a, "cells"_a, "slack"_a, "before"_a.noconvert(),
+          "Which triangles (ne,) have a corner, at x (n, 3), farther than a slack [m] from where it was `before` (ne, 3, "
+          "3). Those take where it is.");
     m.def("longest_sides", &longest_sides, "x"_a, "cells"_a,
           "The longest side (ne,) [m] of triangles: cells (ne, 3) of corners x (n, 3).");
+    m.def("update_friction", &update_friction, "x"_a, "pushed"_a, "coefficient"_a, "slip"_a, "anchor"_a.noconvert(),
+          "normal"_a.noconvert(), "limit"_a.noconvert(),
+          "Takes from what `Body.add_contact` adds for a body at x (n, 3), `pushed` (n, 12), the normals (n, 3) of what is "
+          "pressed, and as limits (n,) [N] a coefficient times the forces. Takes anchors (n, 3) into the surface at x "
+          "and after it where they are more than a slip away; those without a limit, before or now, go to x. Returns the "
+          "farthest way that one was dragged [m].");
     m.def("add_friction", &add_friction, "x"_a, "anchor"_a, "normal"_a, "limit"_a, "slip"_a, "potential"_a.noconvert(),
           "Energy [J] of friction that pulls x (n, 3) to anchors along the surface with the forces limit (n,) [N] at "
           "most, which it reaches where they are a slip [m] away. Adds gradient and Hessian to potential (n, 12).");

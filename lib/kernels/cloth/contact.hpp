@@ -169,6 +169,9 @@ class BodyOf {
     // No gradient of the distance is longer; of a grid, none of those that are measured.
     double slope() const { return convex() ? 1.0 : grid_->layout().slope; }
 
+    // What the distance is smooth beside: cells of its grid; nothing of one in closed form, which has edges.
+    double detail() const { return convex() ? 0.0 : grid_->layout().spacing * radius_; }
+
     // The smallest radius of curvature of its surface; infinite where it is flat.
     T sharpest() const {
         switch (kind_) {

@@ -30,8 +30,8 @@ struct Part {
     Vec3 p[3], b[3];
 
     static Part whole(const Vec3* p) { return {{p[0], p[1], p[2]}, {{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}}}; }
-    // Halves of its longest side.
-    void halve(Part& first, Part& second) const {
+    // Halves of its longest side, which begins at the corner that is returned.
+    int halve(Part& first, Part& second) const {
         int longest = 0;
         double most = -1.0;
         for (int i = 0; i < 3; ++i) {
@@ -46,6 +46,7 @@ struct Part {
         first = second = *this;
         first.p[j] = second.p[i] = 0.5 * (p[i] + p[j]);
         first.b[j] = second.b[i] = 0.5 * (b[i] + b[j]);
+        return i;
     }
 };
 

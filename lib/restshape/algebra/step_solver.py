@@ -8,6 +8,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.tries import Tries
 from restshape.arrays import Reals
 
 WAYS = 2
@@ -18,6 +19,11 @@ SHIFT = 0.01
 """Part of the diagonal that is added to the matrix that incomplete factors are made from: without it most fail."""
 MOST = 2000
 """Iterations of a solve."""
+DEAR = 2.0
+"""Iterations of relaxation, over the square root of the number of nodes, from which on a complete factor costs less: both
+are counted in readings of the matrix, of which a factor's products cost as many as that root on a sheet."""
+KEPT = 6
+"""Iterations with the factor of an earlier step, from which on a new one costs less."""
 
 
 class StepSolver:
@@ -26,7 +32,8 @@ class StepSolver:
     The guess is the best one, in the norm of A, among all sums of multiples of the last two solutions. The usual
     preconditioner is symmetric successive over-relaxation by nodes, on each rank of its own rows: it wants no factor,
     and is positive definite where A is. In blocks of three on one rank both sweeps and the product share one reading of
-    the matrix (`node_ssor`), unless PETSc's options name a method.
+    the matrix (`node_ssor`), unless PETSc's options name a method. Where that takes many iterations, as beside stiff
+    seams, complete factors take its place until `begin`, each for as many steps as it serves.
 
     Args:
         comm: PETSc communicator.
@@ -37,7 +44,8 @@ class StepSolver:
 
     Attributes:
         iterations: since `begin`.
-        blocks: matrices may be of type BAIJ. Multigrid and Eisenstat's form have none, nor can PETSc copy them whole.
+        blocks: the next matrix may be of type BAIJ. Multigrid and Eisenstat's form have none, nor can PETSc copy them
+            whole, nor factor them in blocks of a node.
     """
 
     def __init__(
@@ -49,21 +57,33 @@ class StepSolver:
         self.matrix, self.shifted = PETSc.Mat(), PETSc.Mat()
         self.ksp = self._made(comm, prefix, tolerance, preconditioner)
         self.tolerance = self.ksp.getTolerances()[0]
-        self.blocks = self.ksp.getPC().getType() == "sor"
+        self._relaxes = self.ksp.getPC().getType() == "sor"
         options = PETSc.Options(prefix)
-        self._fused = self.blocks and not any(options.hasName(key) for key in ("ksp_type", "pc_type"))
+        self._fused = self._relaxes and not any(options.hasName(key) for key in ("ksp_type", "pc_type"))
+        self._dear = DEAR * self.right.getSize() ** 0.5 if self._fused and comm.size == 1 else np.inf
+        self._complete: PETSc.KSP | None = None
+        self._make_complete = lambda: self._made(comm, prefix, tolerance, "cholesky")
         _kernels.register_node_relaxation()
         self.begin()
 
+    @property
+    def blocks(self) -> bool:
+        """Whether the next matrix may be of type BAIJ."""
+        return self._relaxes and not self._complete
+
     def begin(self) -> None:
         """Forget what earlier solves have reported, so that the same row of solves gives the same bits."""
-        self.iterations, self.filled = 0, 0
+        self.iterations, self.filled, self._old = 0, 0, Tries(ahead=1)
+        if self._complete:
+            self._complete.destroy()
+            self._complete, self.matrix = None, PETSc.Mat()
 
     def free(self) -> None:
         """Free PETSc's objects."""
         pairs = [part for pair in self.known for part in pair]
-        for part in (self.ksp, self.right, self.way, self.diagonal, self.shifted, *pairs):
-            part.destroy()
+        for part in (self.ksp, self._complete, self.right, self.way, self.diagonal, self.shifted, *pairs):
+            if part:
+                part.destroy()
 
     def solve(self, matrix: PETSc.Mat, right: Reals) -> Reals | None:
         """The solution (n, f) with right side (n, f); None where none is found."""
@@ -73,12 +93,8 @@ class StepSolver:
         goal, weights = self.tolerance * self.right.norm(), self._guess(matrix)
         for weight, (_, product) in zip(weights, self.known):
             self.right.axpy(-weight, product)
-        self.ksp.setOperators(matrix, self._shifted(matrix) if self.incomplete else matrix)
         # What the guess leaves is solved for: its residual is known from the products.
-        self.ksp.setTolerances(rtol=0.0, atol=goal)
-        self.ksp.solve(self.right, self.way)
-        self.iterations += self.ksp.getIterationNumber()
-        if self.ksp.getConvergedReason() < 0:
+        if not (self._by_factor(matrix, goal) if self._complete else self._by_iteration(matrix, goal)):
             return None
         for weight, (way, _) in zip(weights, self.known):
             self.way.axpy(weight, way)
@@ -87,12 +103,46 @@ class StepSolver:
         self.filled = min(self.filled + 1, WAYS)
         return self.nodal.values(self.way).copy()
 
+    def _by_iteration(self, matrix: PETSc.Mat, goal: float) -> bool:
+        """Set `way` to what solves for `right` but for a norm of `goal`; returns success."""
+        self.ksp.setOperators(matrix, self._shifted(matrix) if self.incomplete else matrix)
+        taken, solved = self._run(self.ksp, goal, MOST)
+        if taken > self._dear:
+            self._complete = self._make_complete()
+        return solved
+
+    def _by_factor(self, matrix: PETSc.Mat, goal: float) -> bool:
+        """The same with a complete factor, of an earlier step while that serves."""
+        assert self._complete is not None
+        ksp, left_out = self._complete, self._old.left_out()
+        ksp.setOperators(matrix)
+        if not left_out:
+            ksp.getPC().setReusePreconditioner(True)
+            solved = self._run(ksp, goal, KEPT)[1]
+            ksp.getPC().setReusePreconditioner(False)
+            self._old.count(solved)
+            if solved:
+                return True
+            # It has a factor as it is: a new one is made where the matrix is set again.
+            ksp.setOperators(matrix)
+        return self._run(ksp, goal, MOST)[1]
+
+    def _run(self, ksp: PETSc.KSP, goal: float, most: int) -> tuple[int, bool]:
+        """Iterations of a solver, and whether it leaves no more than a norm of `goal`."""
+        ksp.setTolerances(rtol=0.0, atol=goal, max_it=most)
+        ksp.solve(self.right, self.way)
+        taken = ksp.getIterationNumber()
+        self.iterations += taken
+        return taken, ksp.getConvergedReason() > 0
+
     def _take(self, matrix: PETSc.Mat) -> None:
         """Take in another matrix, whose pattern may be another one, of which nothing informs PETSc."""
-        self.ksp.reset()
+        (self._complete or self.ksp).reset()
         # Held, so that no other matrix takes its place in memory.
         self.matrix = matrix
-        if self._fused:
+        if self._complete:
+            self._old = Tries(ahead=1)
+        elif self._fused:
             nodes = matrix.getType() == "seqbaij" and matrix.getBlockSize() == 3
             self.ksp.setType(_kernels.node_ssor if nodes else "cg")
         if self.incomplete:

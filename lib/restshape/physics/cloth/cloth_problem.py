@@ -261,13 +261,16 @@ class ClothProblem(SteadyProblem):
         """Positions (corners, 3) [m] of the mesh's nodes."""
         return x[self.corner_number]
 
-    def update_friction(self, x: np.ndarray) -> float:
-        """Let friction, and the points that touch, follow to x (n, 3); returns the largest slip distance [m]."""
+    def update_friction(self, x: np.ndarray, moving: bool = False) -> float:
+        """Let friction, and the points that touch, follow to x (n, 3); returns the largest slip distance [m].
+
+        Where the cloth is `moving`, points follow once it has gone some way.
+        """
         corners = self.corners(x)
         slid = self.self_contact.update_friction(corners) if self.self_contact else 0.0
         if not self.contact:
             return slid
-        self.contact.cut(corners)
+        self.contact.cut(corners, moving)
         return max(slid, self.contact.update_friction(self.contact.place(corners)))
 
     def begin_frame(self, x: np.ndarray) -> None:
@@ -294,7 +297,7 @@ class ClothProblem(SteadyProblem):
 
     def follow_friction(self, x: np.ndarray) -> bool:
         """Let friction follow to x (n, 3); returns whether there is contact, whose energy it changes."""
-        self.update_friction(x)
+        self.update_friction(x, moving=True)
         return self.contact is not None or (self.self_contact is not None and self.self_contact.rough)
 
     def begin(self, x: np.ndarray) -> bool:

@@ -19,6 +19,8 @@ PERMITTED, DEEPER = 0.5, 0.25
 that is less."""
 MIDDLE = 0.9
 """Part of the depth of a body's middle below which no step leads."""
+STAYS = 0.1
+"""How far a triangle may go while cloth moves until it is looked at again, over the thickness of contact."""
 LEAST_SHARE = 1e-6
 """Share of a step that is gone in any case: none would be no step."""
 
@@ -177,6 +179,40 @@ class KnownPotential:
         return same and np.array_equal(self.x, x)
 
 
+@dataclass(frozen=True, eq=False)
+class KnownPenalty:
+    """The penalties of bodies where they were evaluated last.
+
+    Args:
+        dependencies: areas and bodies, none of which changes; numbers: stiffness [N/m^3] and thickness [m].
+        x: (n, 3) positions [m].
+        curved: as of `Contact.potential`; parts: what `Contact._pushed` returns.
+    """
+
+    dependencies: tuple[object, ...]
+    numbers: tuple[float, float]
+    x: np.ndarray
+    curved: bool
+    parts: Sequence[tuple[float, np.ndarray]]
+
+    @classmethod
+    def of(cls, contact: Contact, x: np.ndarray, curved: bool) -> KnownPenalty:
+        """That of a contact at x (n, 3)."""
+        areas, numbers, parts = contact.areas, (contact.stiffness, contact.thickness), []
+        for body in contact.bodies:
+            table = np.zeros((len(x), POTENTIAL))
+            parts.append((body.add_contact(x, areas, *numbers, table, curved), table))
+        return cls((areas, *contact.bodies), numbers, x.copy(), curved, parts)
+
+    def holds(self, contact: Contact, x: np.ndarray, curved: bool | None) -> bool:
+        """Whether it is that of a contact at x (n, 3); `curved` as of `Contact._pushed`."""
+        if curved not in (None, self.curved) or self.x.shape != x.shape or (self.x[0] != x[0]).any():
+            return False
+        objects, numbers = (contact.areas, *contact.bodies), (contact.stiffness, contact.thickness)
+        same = len(self.dependencies) == len(objects) and all(map(is_, self.dependencies, objects))
+        return same and self.numbers == numbers and np.array_equal(self.x, x)
+
+
 class Contact:
     """What bodies do to nodes. With one history of friction it is a potential of the positions.
 
@@ -216,6 +252,9 @@ class Contact:
         self.history = FrictionHistory.none(len(self.bodies), len(area), points)
         self._areas: tuple[object, ...] = ()
         self._known: KnownPotential | None = None
+        self._penalty: KnownPenalty | None = None
+        self._looked: tuple[tuple[_kernels.Body, ...], np.ndarray] | None = None
+        self._kept_rooms: tuple[list[_kernels.TriangleRoom], tuple[_kernels.Body, ...], float] = [], (), 0.0
 
     @property
     def points(self) -> ContactPoints | None:
@@ -237,11 +276,24 @@ class Contact:
         """Positions (n + m, 3) [m] of the corners at x (n, 3) and of the points."""
         return x if self.points is None else self.points.place(x)
 
-    def cut(self, x: np.ndarray) -> None:
-        """Let triangles touch with more than their corners where these at x (n, 3) [m] do not suffice."""
+    def cut(self, x: np.ndarray, moving: bool = False) -> None:
+        """Let triangles touch with more than their corners where these at x (n, 3) [m] do not suffice.
+
+        Args:
+            x: corners.
+            moving: triangles that have hardly moved since they were looked at stay as they are.
+        """
         if self.points is None:
             return
-        points = self.points.on(self.bodies, x, self.thickness)
+        bodies, asked = tuple(self.bodies), None
+        known = self._looked
+        if known is None or len(known[0]) != len(bodies) or not all(map(is_, known[0], bodies)):
+            known = self._looked = bodies, np.full((len(self.points.cells), 3, 3), np.inf)
+        if moving:
+            asked = _kernels.moved_cells(x, self.points.cells, STAYS * self.thickness, known[1])
+        else:
+            known[1][:] = x[self.points.cells]
+        points = self.points.on(self.bodies, x, self.thickness, asked)
         if points is not self.points:
             self.history = self.history.on(points, x)
 
@@ -251,11 +303,23 @@ class Contact:
         A triangle may get as deep into one as contact bears, or somewhat deeper than it is, but never past its middle.
         """
         share = 1.0
-        for body in self.bodies if self.cells is not None else ():
+        for room in self._rooms if self.cells is not None else ():
+            share *= room.step_share(x, share * d, self.cells)
+        return max(share, LEAST_SHARE)
+
+    @property
+    def _rooms(self) -> list[_kernels.TriangleRoom]:
+        """What is known of how far the triangles may go beside each body, while that is where it is."""
+        known, bodies, thickness = self._kept_rooms
+        if thickness == self.thickness and len(bodies) == len(self.bodies) and all(map(is_, bodies, self.bodies)):
+            return known
+        known = []
+        for body in self.bodies:
             depth = min(PERMITTED * self.thickness, DEEPER * body.inner_radius)
             close, bottom = min(CLOSE * self.thickness, 0.1 * depth), -MIDDLE * body.inner_radius
-            share *= body.step_share(x, share * d, self.cells, -depth, depth, close, bottom)
-        return max(share, LEAST_SHARE)
+            known.append(_kernels.TriangleRoom(body, len(self.cells), -depth, depth, close, bottom))
+        self._kept_rooms = known, tuple(self.bodies), self.thickness
+        return known
 
     def update_friction(self, x: np.ndarray) -> float:
         """Take normals and normal forces from x (n, 3), and drag the anchors; returns the largest slip distance [m].
@@ -264,11 +328,9 @@ class Contact:
         """
         before, slipped = self.history, 0.0
         anchors, normals, limits = before.anchors.copy(), before.normals.copy(), before.limits.copy()
-        areas = self.areas
-        for k, body in enumerate(self.bodies):
-            penalty = areas, self.stiffness, self.thickness
+        for k, (_, pushed) in enumerate(self._pushed(x, None)):
             memory = anchors[k], normals[k], limits[k]
-            slipped = max(slipped, body.update_friction(x, *penalty, self.friction[k], self.slip, *memory))
+            slipped = max(slipped, _kernels.update_friction(x, pushed, self.friction[k], self.slip, *memory))
             if before.begin:
                 anchors[k] = before.begin.anchors_at(k, x, self.cells, self.points, self.thickness)
         slipped = 0.0 if before.begin else slipped
@@ -347,8 +409,23 @@ class Contact:
         out = np.zeros((len(x), POTENTIAL))
         out[:, :3] = x
         energy, history = 0.0, self.history
-        for k, body in enumerate(self.bodies):
-            energy += body.add_contact(x, self.areas, self.stiffness, self.thickness, out, curved)
+        for k, (own, pushed) in enumerate(self._pushed(x, curved)):
+            energy += own
+            out += pushed
             anchors, normals, limits = history.anchors[k], history.normals[k], history.limits[k]
             energy += _kernels.add_friction(x, anchors, normals, limits, self.slip, out)
         return energy, out
+
+    def _pushed(self, x: np.ndarray, curved: bool | None) -> Sequence[tuple[float, np.ndarray]]:
+        """Energy [J] of each body's penalty, and its parameters (n, 12) of potential_point1, at x (n, 3) [m].
+
+        Friction has no part in it: what it does at the same place needs no other distances.
+
+        Args:
+            x: positions.
+            curved: with the curvature of the surfaces or without; None: as is known.
+        """
+        known = self._penalty
+        if not (known and known.holds(self, x, curved)):
+            known = self._penalty = KnownPenalty.of(self, x, bool(curved))
+        return known.parts

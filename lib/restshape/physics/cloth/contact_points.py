@@ -114,25 +114,40 @@ class ContactPoints:
         left = corners - np.bincount(self.cells[self.cut].ravel(), np.repeat(given, 3), minlength=len(corners))
         return np.concatenate([left, self.share * triangles[self.cell]])
 
-    def on(self, bodies: Sequence[_kernels.Body], x: np.ndarray, thickness: float) -> ContactPoints:
+    def on(
+        self, bodies: Sequence[_kernels.Body], x: np.ndarray, thickness: float, asked: np.ndarray | None = None
+    ) -> ContactPoints:
         """The points for corners at x (n, 3) [m]; the same object where they are these.
 
         A triangle gets points where a body is nearer to it than to its corners, and near at all. They are so close that
         the body is at most half of the thickness deeper between them. It keeps them until the body has left.
+
+        Args:
+            bodies: that it may touch.
+            x: corners.
+            thickness: of contact [m].
+            asked: (ne,) which triangles are looked at, the others stay as they are; None: all.
         """
+        if asked is not None and not asked.any():
+            return self
         parts, longest = np.ones_like(self.parts), _kernels.longest_sides(x, self.cells)
         most = longest.max(initial=0.0)
         for body in bodies:
             if spacing_on(body, body.sharpest, thickness) < most:
-                np.maximum(parts, self._near(body, x, longest, thickness), out=parts)
+                np.maximum(parts, self._near(body, x, longest, thickness, asked), out=parts)
+        if asked is not None:
+            parts = np.where(asked, parts, self.parts)
         return self if np.array_equal(parts, self.parts) else ContactPoints(self.cells, parts)
 
-    def _near(self, body: _kernels.Body, x: np.ndarray, longest: np.ndarray, thickness: float) -> np.ndarray:
+    def _near(
+        self, body: _kernels.Body, x: np.ndarray, longest: np.ndarray, thickness: float, asked: np.ndarray | None
+    ) -> np.ndarray:
         """Parts (ne,) that a body asks for of the sides of triangles, the longest of which are given (ne,) [m]."""
         found = np.ones_like(self.parts)
         distance = body.distances(x)
         # No place of a triangle is farther from its first corner than its longest side.
-        near = np.flatnonzero(distance[self.cells[:, 0]] < longest + LEFT * thickness)
+        close = distance[self.cells[:, 0]] < longest + LEFT * thickness
+        near = np.flatnonzero(close if asked is None else close & asked)
         if not len(near):
             return found
         nearest = distance[self.cells[near]].min(axis=1)

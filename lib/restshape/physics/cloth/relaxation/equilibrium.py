@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -14,6 +14,7 @@ from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.stages import Stages
+from restshape.algebra.tries import Tries
 from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem
@@ -43,30 +44,6 @@ ROUND_OFF = 4e-16
 """Rounding of a force, over the membrane's stiffness times the place of its node."""
 TRIES = 4
 """Descents in a row that may fail before the cloth is said not to converge."""
-
-
-@dataclass
-class Tries:
-    """When frames of a drag are tried by Newton's method: after tries in vain 1, 3, 7 and 15 frames are left out.
-
-    Those take its first few steps alone before a descent.
-
-    Args:
-        vain: tries in a row; ahead: frames that are still left out.
-    """
-
-    vain: int = 0
-    ahead: int = 0
-
-    def left_out(self) -> bool:
-        """Whether a frame is left out."""
-        self.ahead -= 1
-        return self.ahead >= 0
-
-    def count(self, good: bool) -> None:
-        """Take in how a try has ended."""
-        self.vain = 0 if good else self.vain + 1
-        self.ahead = min(2**self.vain - 1, 15)
 
 
 # More than 15 attributes: all methods that lead to one equilibrium, and what they know of each other.
