@@ -3,7 +3,8 @@
 //
 // Up-looking, as PETSc does it (S. C. Eisenstat, M. C. Gursky, M. H. Schultz and A. H. Sherman, Yale sparse matrix
 // package I, Int. J. Numer. Meth. Engng 18 (1982) 1145), for some rows of blocks with nearly the same columns at once,
-// whose numbers in a column lie in one or two registers: what is read of a row above is used for all of them.
+// whose numbers in a column lie in one or two registers: what is read of a row above is used for all of them. Rows above
+// that have the same columns are taken out together, so that what is written is written once for some of them.
 #pragma once
 
 #include <petscsys.h>
@@ -80,7 +81,7 @@ class BlockFactor {
     }
 
  private:
-    static constexpr int most_lanes = 16, widest = most_lanes / size;
+    static constexpr int most_lanes = 16, widest = most_lanes / size, most_above = 4;
     static constexpr double slack = 1.3;  // what a group's rows hold if all have the columns of the last, over theirs
     static constexpr std::size_t numbers = size * size;
     using Block = Eigen::Matrix<double, size, size>;
@@ -120,14 +121,19 @@ class BlockFactor {
         for (PetscInt row = k; row < end; ++row) load<rows>(a, row, row - k);
         // Rows above with an entry in a column of the group, each with those right of it.
         for (PetscInt i = first_[k]; i >= 0;) {
-            const PetscInt other = next_[i];
-            eliminate<rows>(u, k, end, i);
-            i = other;
+            PetscInt above[most_above];
+            int count = 0;
+            do above[count++] = i, i = next_[i];
+            while (i >= 0 && count < most_above && alike(u, above[0], i));
+            if (count == 1) eliminate<rows, 1>(u, k, end, above);
+            if (count == 2) eliminate<rows, 2>(u, k, end, above);
+            if (count == 3) eliminate<rows, 3>(u, k, end, above);
+            if (count == 4) eliminate<rows, 4>(u, k, end, above);
         }
         for (PetscInt row = k; row < end; ++row) {
             store<rows>(u, row, row - k);
             at_[row] = u.start[row];
-            eliminate<rows>(u, k, end, row);
+            eliminate<rows, 1>(u, k, end, &row);
         }
         for (PetscInt row = k; row < end; ++row) clear<rows>(row);
         for (PetscInt j = u.start[end - 1]; j < u.start[end]; ++j) clear<rows>(u.column[j]);
@@ -151,35 +157,48 @@ class BlockFactor {
                         a.value[a.from[j] + r * a.length[k] + c];
     }
 
-    // Takes row i out of those of a group from k to an end.
-    template <int rows>
-    void eliminate(const BlockRows& u, PetscInt k, PetscInt end, PetscInt i) {
-        const PetscInt place = at_[i], stop = u.start[i + 1];
-        const Block inverse = Eigen::Map<const Block>(u.value + i * numbers);
-        Block scaled[rows];
-        Column<rows> factor[size];
-        for (int r = 0; r < size; ++r) factor[r].setZero();
-        PetscInt past = place;
-        for (; past < stop && u.column[past] < end; ++past) {
-            const PetscInt own = u.column[past] - k;
-            scaled[past - place] = -inverse * Eigen::Map<const Block>(u.value + past * numbers);
-            for (int r = 0; r < size; ++r)
-                for (int c = 0; c < size; ++c) factor[r][own * size + c] = scaled[past - place](r, c);
-            products_ += static_cast<double>(stop - past);
-        }
-        if (past > place)
-            for (PetscInt j = place; j < stop; ++j) add<rows>(factor, u.value + j * numbers, column<rows>(u.column[j]));
-        for (PetscInt j = place; j < past; ++j) Eigen::Map<Block>(u.value + j * numbers) = scaled[j - place];
-        follow(u, i, past);
+    // Whether what is left of two rows above has the same columns: in a group each row has all columns of that before.
+    bool alike(const BlockRows& u, PetscInt i, PetscInt j) const {
+        return head_[i] == head_[j] && u.start[i + 1] - at_[i] == u.start[j + 1] - at_[j];
     }
 
-    // target += factor^T block.
-    template <int rows>
-    static void add(const Column<rows> (&factor)[size], const double* block, double* target) {
+    // Takes rows above, which are alike, out of those of a group from k to an end.
+    template <int rows, int count>
+    void eliminate(const BlockRows& u, PetscInt k, PetscInt end, const PetscInt* above) {
+        const PetscInt *columns = u.column + at_[above[0]], wide = u.start[above[0] + 1] - at_[above[0]];
+        double* value[count];
+        Block scaled[count][rows];
+        Column<rows> factor[count * size];
+        for (int r = 0; r < count * size; ++r) factor[r].setZero();
+        PetscInt past = 0;
+        for (; past < wide && columns[past] < end; ++past) products_ += static_cast<double>(count * (wide - past));
+        for (int i = 0; i < count; ++i) {
+            value[i] = u.value + at_[above[i]] * numbers;
+            const Block inverse = Eigen::Map<const Block>(u.value + above[i] * numbers);
+            for (PetscInt j = 0; j < past; ++j) {
+                const PetscInt own = columns[j] - k;
+                scaled[i][j] = -inverse * Eigen::Map<const Block>(value[i] + j * numbers);
+                for (int r = 0; r < size; ++r)
+                    for (int c = 0; c < size; ++c) factor[i * size + r][own * size + c] = scaled[i][j](r, c);
+            }
+        }
+        if (past > 0)
+            for (PetscInt j = 0; j < wide; ++j) add<rows, count>(factor, value, j * numbers, column<rows>(columns[j]));
+        for (int i = 0; i < count; ++i) {
+            for (PetscInt j = 0; j < past; ++j) Eigen::Map<Block>(value[i] + j * numbers) = scaled[i][j];
+            follow(u, above[i], at_[above[i]] + past);
+        }
+    }
+
+    // target += factor^T block, for some rows above, one after the other.
+    template <int rows, int count>
+    static void add(const Column<rows> (&factor)[count * size], const double* const (&value)[count], std::size_t at,
+                    double* target) {
         for (int c = 0; c < size; ++c) {
             Columns<rows> place(target + c * lanes(rows));
             Column<rows> sum = place;
-            for (int r = 0; r < size; ++r) sum += factor[r] * block[c * size + r];
+            for (int i = 0; i < count; ++i)
+                for (int r = 0; r < size; ++r) sum += factor[i * size + r] * value[i][at + c * size + r];
             place = sum;
         }
     }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cloth/contact.hpp"
+#include "cloth/point_room.hpp"
 #include "cloth/smooth_lowest.hpp"
 #include "cloth/triangle_distance.hpp"
 #include "cloth/triangle_room.hpp"
@@ -276,6 +277,22 @@ double add_contact(const Body& body, const Doubles& x, const Doubles& area, doub
     return energy;
 }
 
+using restshape::PointRoom;
+
+double room_contact(PointRoom& room, const Doubles& x, const Doubles& area, double stiffness, double thickness,
+                    Output potential, bool curved) {
+    const py::ssize_t n = points(x);
+    require_size(area, n, "area");
+    require_shape(potential, n, width, "potential");
+    require(thickness > 0, "thickness must be positive");
+    require(static_cast<std::size_t>(n) == room.count(), "points are not as many as the room is of");
+    double energy = 0.0;
+    for (py::ssize_t i = 0; i < n; ++i)
+        energy += room.add(i, x.data() + 3 * i, area.data()[i], stiffness, thickness, curved,
+                           potential.mutable_data() + width * i);
+    return energy;
+}
+
 double update_friction(const Doubles& x, const Doubles& pushed, double coefficient, double slip, Output anchor,
                        Output normal, Output limit) {
     const py::ssize_t n = points(x);
@@ -411,6 +428,16 @@ void bind_contact(py::module_& m) {
              "that stand for areas (n,) [m^2]. Adds gradient and Hessian to the columns 3: of potential (n, 12), the "
              "parameters of the element potential_point1; without the curvature of the surface if not curved, which "
              "makes the Hessian positive semidefinite.");
+    py::class_<PointRoom>(m, "PointRoom", "How far points are from a body, kept from one place to the next.")
+        .def(py::init([](const Body& body, py::ssize_t count) {
+                 return PointRoom(body, static_cast<std::size_t>(std::max<py::ssize_t>(count, 0)));
+             }),
+             "body"_a, "count"_a, "Of so many points, nothing of which is known.")
+        .def("add_contact", &room_contact, "x"_a, "area"_a, "stiffness"_a, "thickness"_a, "potential"_a.noconvert(),
+             "curved"_a = true,
+             "What `Body.add_contact` does. Points that are known to be farther than the thickness are not looked at.")
+        .def_property_readonly("count", &PointRoom::count, "Points that it is of.")
+        .def_property_readonly("looks", &PointRoom::looks, "How often the distance of a point was taken.");
     py::class_<TriangleRoom>(m, "TriangleRoom",
                              "How far triangles may go beside a body, kept from one step to the next.")
         .def(py::init([](const Body& body, py::ssize_t count, double floor, double deeper, double tolerance,

@@ -462,13 +462,11 @@ Ramp<T> penalty(const T& distance, const T& stiffness, const T& thickness) {
     return {value + slope * rest + k * more * rest * rest / 2, -slope - k * more * rest, k * more};
 }
 
-// Adds to a point's potential (x0, gradient, second derivatives; see element_point.hpp) what the body does to it.
-// Without `curved` the term of the penalty's force times the curvature of the surface is left out: what stays is
+// Adds to a point's potential (x0, gradient, second derivatives; see element_point.hpp) what a body at a distance does
+// to it. Without `curved` the term of the penalty's force times the curvature of the surface is left out: what stays is
 // positive semidefinite.
-inline double add_contact(const Body& body, const double* x, double area, double stiffness, double thickness,
-                          bool curved, double* potential) {
-    if (body.beyond(x, thickness)) return 0.0;
-    const Distance d = body.distance(x, curved);
+inline double add_penalty(const Distance& d, double area, double stiffness, double thickness, bool curved,
+                          double* potential) {
     const Ramp<double> ramp = penalty(d.value, stiffness * area, thickness);
     if (ramp.curvature == 0.0) return 0.0;
     for (int a = 0; a < 3; ++a) {
@@ -480,6 +478,11 @@ inline double add_contact(const Body& body, const double* x, double area, double
         }
     }
     return ramp.value;
+}
+inline double add_contact(const Body& body, const double* x, double area, double stiffness, double thickness,
+                          bool curved, double* potential) {
+    if (body.beyond(x, thickness)) return 0.0;
+    return add_penalty(body.distance(x, curved), area, stiffness, thickness, curved, potential);
 }
 
 // The way from an anchor to x along the surface of this normal; returns its length.

@@ -4,6 +4,7 @@
 // Source: docs/theory/cloth.md.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -172,31 +173,41 @@ class GridDistance {
                             bool curved) {
         double wx[3][4], wy[3][4], wz[3][4];
         weights(t[0], 1.0 / spacing, wx), weights(t[1], 1.0 / spacing, wy), weights(t[2], 1.0 / spacing, wz);
-        // Of each row along x: value, first and second derivative.
-        double row[3][4][4];
-        for (int k = 0; k < 4; ++k)
-            for (int j = 0; j < 4; ++j) {
-                const C* from = c + k * sz + j * sy;
-                const double v[4] = {double(from[0]), double(from[sx]), double(from[2 * sx]), double(from[3 * sx])};
-                for (int m = 0; m < (curved ? 3 : 2); ++m)
-                    row[m][k][j] = wx[m][0] * v[0] + wx[m][1] * v[1] + wx[m][2] * v[2] + wx[m][3] * v[3];
+        return curved ? summed<C, 3>(c, sx, sy, sz, wx, wy, wz) : summed<C, 2>(c, sx, sy, sz, wx, wy, wz);
+    }
+
+    using Row = Eigen::Array<double, 4, 1>;  // four coefficients along x
+
+    template <class C>
+    static Row row_at(const C* from, std::size_t step) {
+        if (step == 1) return Eigen::Map<const Eigen::Array<C, 4, 1>>(from).template cast<double>();
+        return {double(from[0]), double(from[step]), double(from[2 * step]), double(from[3 * step])};
+    }
+
+    // Value and derivatives below an order, of products of weights along y, then along z, then along x.
+    template <class C, int orders>
+    static GridValue summed(const C* c, std::size_t sx, std::size_t sy, std::size_t sz, const double (&wx)[3][4],
+                            const double (&wy)[3][4], const double (&wz)[3][4]) {
+        Row sums[orders][orders];  // by the derivatives along y and along z
+        for (int n = 0; n < orders; ++n)
+            for (int o = 0; n + o < orders; ++o) sums[n][o].setZero();
+        for (int k = 0; k < 4; ++k) {
+            const Row rows[4] = {row_at(c + k * sz, sx), row_at(c + k * sz + sy, sx), row_at(c + k * sz + 2 * sy, sx),
+                                 row_at(c + k * sz + 3 * sy, sx)};
+            for (int n = 0; n < orders; ++n) {
+                const Row line = (wy[n][0] * rows[0] + wy[n][1] * rows[1]) + (wy[n][2] * rows[2] + wy[n][3] * rows[3]);
+                for (int o = 0; n + o < orders; ++o) sums[n][o] += wz[o][k] * line;
             }
-        // Then along y and z, of derivatives m along x, n along y and o along z.
-        double line[3][3][4];
-        for (int m = 0; m < 3; ++m)
-            for (int n = 0; m + n < (curved ? 3 : 2); ++n)
-                for (int k = 0; k < 4; ++k) {
-                    const double* r = row[m][k];
-                    line[m][n][k] = wy[n][0] * r[0] + wy[n][1] * r[1] + wy[n][2] * r[2] + wy[n][3] * r[3];
-                }
+        }
         const auto sum = [&](int m, int n, int o) {
-            const double* r = line[m][n];
-            return wz[o][0] * r[0] + wz[o][1] * r[1] + wz[o][2] * r[2] + wz[o][3] * r[3];
+            const Row& r = sums[n][o];
+            return (wx[m][0] * r[0] + wx[m][1] * r[1]) + (wx[m][2] * r[2] + wx[m][3] * r[3]);
         };
         GridValue found{sum(0, 0, 0), {sum(1, 0, 0), sum(0, 1, 0), sum(0, 0, 1)}, {0, 0, 0, 0, 0, 0}};
-        if (!curved) return found;
-        const double h[6] = {sum(2, 0, 0), sum(0, 2, 0), sum(0, 0, 2), sum(0, 1, 1), sum(1, 0, 1), sum(1, 1, 0)};
-        std::copy(h, h + 6, found.hessian);
+        if constexpr (orders > 2) {
+            const double h[6] = {sum(2, 0, 0), sum(0, 2, 0), sum(0, 0, 2), sum(0, 1, 1), sum(1, 0, 1), sum(1, 1, 0)};
+            std::copy(h, h + 6, found.hessian);
+        }
         return found;
     }
 

@@ -199,9 +199,9 @@ class KnownPenalty:
     def of(cls, contact: Contact, x: np.ndarray, curved: bool) -> KnownPenalty:
         """That of a contact at x (n, 3)."""
         areas, numbers, parts = contact.areas, (contact.stiffness, contact.thickness), []
-        for body in contact.bodies:
+        for room in contact.point_rooms(len(x)):
             table = np.zeros((len(x), POTENTIAL))
-            parts.append((body.add_contact(x, areas, *numbers, table, curved), table))
+            parts.append((room.add_contact(x, areas, *numbers, table, curved), table))
         return cls((areas, *contact.bodies), numbers, x.copy(), curved, parts)
 
     def holds(self, contact: Contact, x: np.ndarray, curved: bool | None) -> bool:
@@ -253,6 +253,8 @@ class Contact:
         self._areas: tuple[object, ...] = ()
         self._known: KnownPotential | None = None
         self._penalty: KnownPenalty | None = None
+        self._kept_distances: tuple[list[_kernels.PointRoom], ContactPoints | None, tuple[_kernels.Body, ...]]
+        self._kept_distances = [], None, ()
         self._looked: tuple[tuple[_kernels.Body, ...], np.ndarray] | None = None
         self._kept_rooms: tuple[list[_kernels.TriangleRoom], tuple[_kernels.Body, ...], float] = [], (), 0.0
 
@@ -319,6 +321,15 @@ class Contact:
             close, bottom = min(CLOSE * self.thickness, 0.1 * depth), -MIDDLE * body.inner_radius
             known.append(_kernels.TriangleRoom(body, len(self.cells), -depth, depth, close, bottom))
         self._kept_rooms = known, tuple(self.bodies), self.thickness
+        return known
+
+    def point_rooms(self, count: int) -> list[_kernels.PointRoom]:
+        """What is known of how far corners and points, so many in all, are from each body, while that is where it is."""
+        known, points, bodies = self._kept_distances
+        alike = points is self.points and len(bodies) == len(self.bodies) and all(map(is_, bodies, self.bodies))
+        if not (alike and all(room.count == count for room in known)):
+            known = [_kernels.PointRoom(body, count) for body in self.bodies]
+            self._kept_distances = known, self.points, tuple(self.bodies)
         return known
 
     def update_friction(self, x: np.ndarray) -> float:

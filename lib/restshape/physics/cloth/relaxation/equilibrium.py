@@ -197,7 +197,7 @@ class EquilibriumSolver:
         least = equations.inertia = equations.supporting_inertia
         report.why = ""
         while taken < most:
-            report.slip = self.problem.update_friction(x)
+            report.slip = self.problem.update_friction(x, moving=True)
             before = x.copy()
             with self.stages("krylov"):
                 norm = self.descent.run(x, goal * self.scale(x), min(MEMORY, most - taken))

@@ -7,6 +7,7 @@ from collections.abc import Generator
 
 import numpy as np
 
+from restshape.algebra.tries import Tries
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import INTERNAL
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
@@ -36,23 +37,29 @@ class MixedNewton:
         report: counts steps, factors and iterations.
 
     Attributes:
-        lost: the last step had a tangent without compression: the true one is not positive definite there.
+        lost: the last step had a tangent without compression: the true one was not positive definite when it was tried.
 
     Source: docs/theory/cloth.md; Magisano, Leonetti and Garcea, Comput. Methods Appl. Mech. Engrg. 313 (2017) 986.
     """
 
     def __init__(self, solver: EquilibriumSolver, report: ConvergenceReport) -> None:
         self.solver, self.problem, self.report = solver, solver.problem, report
-        self.lost = False
+        self.lost, self._true = False, Tries()
         self._tensions: np.ndarray | None = None
         # Other laws are no polynomials of the positions.
         self._follows = self.problem.fabric.law == "stvk"
 
-    def way(self, x: np.ndarray, forces: np.ndarray, given: np.ndarray) -> np.ndarray | None:
+    def way(
+        self, x: np.ndarray, forces: np.ndarray, given: np.ndarray, norm: float | None = None
+    ) -> np.ndarray | None:
         """The step (n, 3) [m] from x (n, 3) that takes away forces (n, 3) [N] while prescribed unknowns go as given.
 
         Args:
+            x: unknowns.
+            forces: at them.
             given: (n, 3) [m], 0 where nothing is prescribed.
+            norm: residual over load; far from rest the true tangent, where it is not definite, is left out in some of
+                the next steps. None: it is tried.
 
         Returns: None where neither the tangent nor the one without compression has a solution.
         """
@@ -61,7 +68,8 @@ class MixedNewton:
         if given.any():
             right -= Assembled(problem.integrals(INTERNAL)).tangent_product(x, given)
         right *= problem.boundary.free
-        for stabilised in (False, True):
+        left_out = norm is not None and norm > NEAR_SADDLE and self._true.left_out()
+        for stabilised in (True,) if left_out else (False, True):
             matrix = solver.equations.mixed_tangent(x, self._tensions, stabilised)
             d = solver.newton.solve_linear(matrix, right, EXACT)
             iterations, factors = solver.newton.linear_work
@@ -70,6 +78,8 @@ class MixedNewton:
                 self.report.factors + factors,
             )
             if d is not None and np.isfinite(d).all():
+                if not left_out:
+                    self._true.count(not stabilised)
                 self.lost = stabilised
                 return d * problem.boundary.free + given
         return None
@@ -131,7 +141,7 @@ class MixedNewton:
                 problem.residual(x, forces)
             since = 0 if norm <= BETTER * least else since + 1
             least = min(norm, least)
-            if since > PATIENCE or (d := self.way(x, forces, given)) is None:
+            if since > PATIENCE or (d := self.way(x, forces, given, norm)) is None:
                 break
             x = self.go(x, d)
             yield x
