@@ -129,3 +129,21 @@ def test_a_matrix_of_no_numbers_has_no_solution():
     matrix.scale(np.nan)
     assert way.solve(matrix, np.ones((NODES, FIELDS))) is None
     way.free()
+
+
+def test_where_relaxation_takes_many_iterations_complete_factors_take_its_place():
+    """Bars 1e3 times as stiff as masses: the first solve shows it, and the next ones have the same residuals."""
+    way, taken = solver("sor", 1e-6), []
+    dense = stretched(0, 1e-3)
+    for t in np.linspace(0.0, 0.02, 5):
+        now = (1.0 - t) * dense + t * stretched(1, 1e-3)
+        right = np.random.default_rng(3).normal(size=(NODES, FIELDS))
+        before = way.iterations
+        found = way.solve(petsc(now) if not way.blocks else petsc(now).convert("seqbaij", PETSc.Mat()), right)
+        taken.append(way.iterations - before)
+        assert error(now, right.ravel(), found) <= 1e-6 * (1.0 + 1e-9)
+        assert not way.blocks
+    assert taken[0] > N**0.5 and max(taken[1:]) <= 7
+    way.begin()
+    assert way.blocks
+    way.free()

@@ -253,7 +253,7 @@ def test_what_is_left_out_as_far_has_no_contact(name):
 
 
 def follow(body: k.Body, x: np.ndarray, coefficient: float, slip: float, *memory: np.ndarray) -> float:
-    """Friction that follows to points x (n, 3) of area 1, as far as a body presses them there; the way it is dragged."""
+    """Friction that follows to points x (n, 3) of area 1, as a body presses them; the way that it is dragged."""
     pushed = np.zeros((len(x), 12))
     body.add_contact(x, np.ones(len(x)), STIFFNESS, THICKNESS, pushed)
     return k.update_friction(x, pushed, coefficient, slip, *memory)

@@ -8,11 +8,11 @@ import pytest
 from cloths import CONTACT, write_cloth
 from petsc4py import PETSc
 
+from restshape.algebra.tries import Tries
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.physics.cloth.membrane import stretching
 from restshape.physics.cloth.relaxation import binding
-from restshape.algebra.tries import Tries
 from restshape.physics.cloth.relaxation.mixed_newton import MixedNewton
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.policy import policy
@@ -45,9 +45,9 @@ def untried(state, _):
     return state, False
 
 
-def rests(folder, monkeypatch, *parts, first, then, by_newton=True):
+def rests(folder, monkeypatch, *parts, first, then, by_newton=True, size=0.1):
     """The states, and their energies, after each frame of the second of two edits; descents follow the first."""
-    scene = load_scene(write_cloth(folder, *parts), ("mesh.size=0.1",))
+    scene = load_scene(write_cloth(folder, *parts), (f"mesh.size={size}",))
     edits = folder / "edits.jsonl"
     head = {"format": "restshape-edits", "version": 1, "scene": "cloth.toml", "units": "m"}
     edits.write_text("\n".join(json.dumps(line) for line in (head, {"t": 0.1, **first}, {"t": 0.2, **then})))
@@ -66,14 +66,15 @@ def rests(folder, monkeypatch, *parts, first, then, by_newton=True):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("parts", "first", "then", "most", "near"),
-    [((UPRIGHT,), {"do": "idle"}, DRAG, 3, 1e-7), ((UPRIGHT, CONTACT, PUSHED), TOUCH, PUSH, 6, 1e-4)],
+    ("parts", "first", "then", "most", "near", "size"),
+    [((UPRIGHT,), {"do": "idle"}, DRAG, 3, 1e-7, 0.1), ((UPRIGHT, CONTACT, PUSHED), TOUCH, PUSH, 6, 1e-4, 0.11)],
 )
 def test_small_drags_take_few_steps_of_newton_to_the_rest_that_descents_find(
-    tmp_path, monkeypatch, parts, first, then, most, near
+    tmp_path, monkeypatch, parts, first, then, most, near, size
 ):
-    found = rests(tmp_path, monkeypatch, *parts, first=first, then=then)
-    others = rests(tmp_path, monkeypatch, *parts, first=first, then=then, by_newton=False)
+    # On the mesh of 0.1 m the pushed cloth is beside a saddle: rounding says whether it buckles.
+    found = rests(tmp_path, monkeypatch, *parts, first=first, then=then, size=size)
+    others = rests(tmp_path, monkeypatch, *parts, first=first, then=then, size=size, by_newton=False)
     for (state, energy), (other, expected) in zip(found, others, strict=True):
         report = state.report
         assert report.converged and report.stable

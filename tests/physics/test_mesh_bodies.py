@@ -163,3 +163,37 @@ def test_a_sharp_edge_holds_what_lies_on_it():
     # The edge is rounded by about one spacing, a corner by somewhat more.
     assert (np.abs(distance) < [1.5e-3, 4e-3, 2e-4]).all()
     assert gradient[0] @ (1.0, 0.0, 1.0) > 0.7 and gradient[1] @ (1.0, 1.0, 1.0) > 0.7
+
+
+def test_least_distances_by_quadratics_are_those_of_dense_samples(ring_grid):
+    """Triangles about a ring's grid, as large as its tube and smaller."""
+    body, rng = _kernels.Body.mesh(ring_grid, np.zeros(3), np.eye(3)), np.random.default_rng(8)
+    u, v = rng.uniform(0.0, 2.0 * np.pi, (2, 300))
+    out = 0.1 + rng.uniform(-0.01, 0.03, 300)
+    at = np.column_stack([(0.3 + out * np.cos(v)) * np.cos(u), (0.3 + out * np.cos(v)) * np.sin(u), out * np.sin(v)])
+    size = rng.choice([0.005, 0.02, 0.06], (300, 1, 1))
+    x = (at[:, None] + size * rng.uniform(-1.0, 1.0, (300, 3, 3))).reshape(-1, 3)
+    found, _ = body.lowest_each(x, np.arange(900, dtype=np.int32).reshape(-1, 3), 1e-4)
+    b = np.vstack([np.eye(3), rng.dirichlet(np.ones(3), 400)])
+    sampled = body.distances((b @ x.reshape(300, 3, 3)).reshape(-1, 3)).reshape(300, -1).min(axis=1)
+    # Samples miss the least distance by some of their spacing, but are never below it by more than the tolerance.
+    assert (found - sampled).max() < 2e-4
+    assert (sampled - found).max() < 5e-3
+
+
+def test_cloth_that_moves_has_its_points_looked_at_once_it_has_gone_some_way(ring_grid):
+    x, cells = (
+        np.array([[0.28, 0.0, 0.1012], [0.33, 0.02, 0.1012], [0.33, -0.02, 0.1012]]),
+        np.array([[0, 1, 2]], np.int32),
+    )
+    contact = Contact([_kernels.Body.mesh(ring_grid, np.zeros(3), np.eye(3))], np.ones(3), 1e3, 2e-3, cells=cells)
+    far = x + np.array([0.0, 0.0, 0.05])
+    contact.cut(far, moving=True)
+    assert not len(contact.points.cut)
+    contact.cut(far - 1e-4, moving=True)
+    assert not len(contact.points.cut)
+    contact.cut(x, moving=True)
+    assert len(contact.points.cut) == 1
+    kept = contact.points
+    contact.cut(x + 1e-5, moving=True)
+    assert contact.points is kept

@@ -8,10 +8,10 @@ from petsc4py import PETSc
 from small_scenes import block, head, make_replay, write_scene, write_script
 
 from restshape import _kernels
+from restshape.algebra.tries import Tries
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.physics.cloth.contact import Contact
-from restshape.algebra.tries import Tries
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

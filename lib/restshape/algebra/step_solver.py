@@ -19,9 +19,9 @@ SHIFT = 0.01
 """Part of the diagonal that is added to the matrix that incomplete factors are made from: without it most fail."""
 MOST = 2000
 """Iterations of a solve."""
-DEAR = 2.0
-"""Iterations of relaxation, over the square root of the number of nodes, from which on a complete factor costs less: both
-are counted in readings of the matrix, of which a factor's products cost as many as that root on a sheet."""
+DEAR = 1.2
+"""Iterations of relaxation, over the square root of the number of unknowns, from which on a complete factor costs less: on
+a sheet a factor takes as many products as about so many readings of the matrix."""
 KEPT = 6
 """Iterations with the factor of an earlier step, from which on a new one costs less."""
 

@@ -324,7 +324,7 @@ class Contact:
         return known
 
     def point_rooms(self, count: int) -> list[_kernels.PointRoom]:
-        """What is known of how far corners and points, so many in all, are from each body, while that is where it is."""
+        """What is known of how far corners and points, so many in all, are from each body where it is."""
         known, points, bodies = self._kept_distances
         alike = points is self.points and len(bodies) == len(self.bodies) and all(map(is_, bodies, self.bodies))
         if not (alike and all(room.count == count for room in known)):

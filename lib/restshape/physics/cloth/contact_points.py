@@ -144,7 +144,7 @@ class ContactPoints:
     ) -> np.ndarray:
         """Parts (ne,) that a body asks for of the sides of triangles, the longest of which are given (ne,) [m]."""
         found = np.ones_like(self.parts)
-        distance = body.distances(x)
+        distance = self._distances(body, x, asked)
         # No place of a triangle is farther from its first corner than its longest side.
         close = distance[self.cells[:, 0]] < longest + LEFT * thickness
         near = np.flatnonzero(close if asked is None else close & asked)
@@ -169,6 +169,15 @@ class ContactPoints:
         more = kept | (deeper & (wanted == 1))
         wanted[more & (lowest < -PRESSED * size) & (sag > FLAT * size)] *= 2
         found[near] = np.where(kept | deeper, np.minimum(wanted, MOST_PARTS), 1)
+        return found
+
+    def _distances(self, body: _kernels.Body, x: np.ndarray, asked: np.ndarray | None) -> np.ndarray:
+        """Of a body from corners at x (n, 3), of triangles that are `asked` (ne,) for; infinite elsewhere."""
+        if asked is None:
+            return body.distances(x)
+        found, corners = np.full(len(x), np.inf), np.zeros(len(x), dtype=bool)
+        corners[self.cells[asked]] = True
+        found[corners] = body.distances(x[corners])
         return found
 
     def sources_in(self, before: ContactPoints, n: int) -> np.ndarray:

@@ -7,7 +7,6 @@ from collections.abc import Generator
 
 import numpy as np
 
-from restshape.algebra.tries import Tries
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import INTERNAL
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
@@ -21,6 +20,8 @@ EXACT = 1e-3
 MOST, FEW, PATIENCE, BETTER = 40, 6, 7, 0.7
 """Steps; those in a frame that is left out, see `Tries`; steps in a row that leave more than a part of the least forces
 so far, after which it is given up."""
+SELDOM = 5
+"""Steps in a row without a definite true tangent, from which on it is tried in one of as many."""
 NEAR_SADDLE, ESCAPES = 1e-2, 2
 """Residual over load at which a tangent that is not definite shows a saddle nearby; saddles that are left."""
 
@@ -37,29 +38,28 @@ class MixedNewton:
         report: counts steps, factors and iterations.
 
     Attributes:
-        lost: the last step had a tangent without compression: the true one was not positive definite when it was tried.
+        lost: the last step had a tangent without compression: the true one is not positive definite there,
+            or was not when it was tried last.
 
     Source: docs/theory/cloth.md; Magisano, Leonetti and Garcea, Comput. Methods Appl. Mech. Engrg. 313 (2017) 986.
     """
 
     def __init__(self, solver: EquilibriumSolver, report: ConvergenceReport) -> None:
         self.solver, self.problem, self.report = solver, solver.problem, report
-        self.lost, self._true = False, Tries()
+        self.lost, self._since = False, 0
         self._tensions: np.ndarray | None = None
         # Other laws are no polynomials of the positions.
         self._follows = self.problem.fabric.law == "stvk"
 
-    def way(
-        self, x: np.ndarray, forces: np.ndarray, given: np.ndarray, norm: float | None = None
-    ) -> np.ndarray | None:
+    def way(self, x: np.ndarray, forces: np.ndarray, given: np.ndarray, norm: float | None = None) -> np.ndarray | None:
         """The step (n, 3) [m] from x (n, 3) that takes away forces (n, 3) [N] while prescribed unknowns go as given.
 
         Args:
             x: unknowns.
             forces: at them.
             given: (n, 3) [m], 0 where nothing is prescribed.
-            norm: residual over load; far from rest the true tangent, where it is not definite, is left out in some of
-                the next steps. None: it is tried.
+            norm: residual over load; far from rest a true tangent that has not been definite for some steps is left out
+                in most of the next ones. None: it is tried.
 
         Returns: None where neither the tangent nor the one without compression has a solution.
         """
@@ -68,7 +68,8 @@ class MixedNewton:
         if given.any():
             right -= Assembled(problem.integrals(INTERNAL)).tangent_product(x, given)
         right *= problem.boundary.free
-        left_out = norm is not None and norm > NEAR_SADDLE and self._true.left_out()
+        far = norm is not None and norm > NEAR_SADDLE
+        left_out = far and self._since >= SELDOM and self._since % SELDOM != 0
         for stabilised in (True,) if left_out else (False, True):
             matrix = solver.equations.mixed_tangent(x, self._tensions, stabilised)
             d = solver.newton.solve_linear(matrix, right, EXACT)
@@ -78,9 +79,7 @@ class MixedNewton:
                 self.report.factors + factors,
             )
             if d is not None and np.isfinite(d).all():
-                if not left_out:
-                    self._true.count(not stabilised)
-                self.lost = stabilised
+                self.lost, self._since = stabilised, self._since + 1 if stabilised else 0
                 return d * problem.boundary.free + given
         return None
 
