@@ -15,7 +15,9 @@ __all__: list[str] = [
     "Operator",
     "OutlineCheck",
     "PatchRecovery",
+    "PointRoom",
     "SurfaceSearch",
+    "TriangleRoom",
     "Triangulation",
     "add_friction",
     "begin_frame",
@@ -54,6 +56,7 @@ __all__: list[str] = [
     "mean_at",
     "mean_value",
     "move_and_check",
+    "moved_cells",
     "multiply_in_registers",
     "narrow_widths",
     "nested_vectors",
@@ -90,6 +93,7 @@ __all__: list[str] = [
     "total_area",
     "triad_seconds",
     "triangle_stress",
+    "update_friction",
     "von_mises",
     "watch",
     "watch_outlet",
@@ -218,24 +222,47 @@ class Body:
         tolerance: typing.SupportsFloat | typing.SupportsIndex,
         bottom: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> float: ...
-    def update_friction(
-        self,
-        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-        area: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-        stiffness: typing.SupportsFloat | typing.SupportsIndex,
-        thickness: typing.SupportsFloat | typing.SupportsIndex,
-        coefficient: typing.SupportsFloat | typing.SupportsIndex,
-        slip: typing.SupportsFloat | typing.SupportsIndex,
-        anchor: numpy.typing.NDArray[numpy.float64],
-        normal: numpy.typing.NDArray[numpy.float64],
-        limit: numpy.typing.NDArray[numpy.float64],
-    ) -> float: ...
     @property
     def hull(self) -> Body: ...
     @property
     def inner_radius(self) -> float: ...
     @property
     def sharpest(self) -> float: ...
+
+class PointRoom:
+    def __init__(self, body: Body, count: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def add_contact(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        area: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        thickness: typing.SupportsFloat | typing.SupportsIndex,
+        potential: numpy.typing.NDArray[numpy.float64],
+        curved: bool = True,
+    ) -> float: ...
+    @property
+    def count(self) -> int: ...
+    @property
+    def looks(self) -> int: ...
+
+class TriangleRoom:
+    def __init__(
+        self,
+        body: Body,
+        count: typing.SupportsInt | typing.SupportsIndex,
+        floor: typing.SupportsFloat | typing.SupportsIndex,
+        deeper: typing.SupportsFloat | typing.SupportsIndex,
+        tolerance: typing.SupportsFloat | typing.SupportsIndex,
+        bottom: typing.SupportsFloat | typing.SupportsIndex = ...,
+    ) -> None: ...
+    def step_share(
+        self,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        d: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    ) -> float: ...
+    @property
+    def looks(self) -> int: ...
 
 class BodyRates:
     @staticmethod
@@ -735,6 +762,12 @@ def move_and_check(
     area_floor: typing.SupportsFloat | typing.SupportsIndex,
     quality_floor: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple: ...
+def moved_cells(
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    slack: typing.SupportsFloat | typing.SupportsIndex,
+    before: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.int64]: ...
 def multiply_in_registers(mat: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def narrow_widths(
     points: numpy.typing.NDArray[numpy.float64],
@@ -890,6 +923,15 @@ def triangle_stress(
     params: numpy.typing.NDArray[numpy.float64],
     plane_stress: bool,
 ) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]: ...
+def update_friction(
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    pushed: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    coefficient: typing.SupportsFloat | typing.SupportsIndex,
+    slip: typing.SupportsFloat | typing.SupportsIndex,
+    anchor: numpy.typing.NDArray[numpy.float64],
+    normal: numpy.typing.NDArray[numpy.float64],
+    limit: numpy.typing.NDArray[numpy.float64],
+) -> float: ...
 def von_mises(stress: numpy.typing.NDArray[numpy.float64]) -> numpy.typing.NDArray[numpy.float64]: ...
 def watch(
     seconds: typing.SupportsFloat | typing.SupportsIndex,

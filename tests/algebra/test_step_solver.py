@@ -139,7 +139,9 @@ def test_where_relaxation_takes_many_iterations_complete_factors_take_its_place(
         now = (1.0 - t) * dense + t * stretched(1, 1e-3)
         right = np.random.default_rng(3).normal(size=(NODES, FIELDS))
         before = way.iterations
-        found = way.solve(petsc(now) if not way.blocks else petsc(now).convert("seqbaij", PETSc.Mat()), right)
+        matrix = petsc(now)
+        matrix.setBlockSize(FIELDS)
+        found = way.solve(matrix.convert("seqbaij", PETSc.Mat()) if way.blocks else matrix, right)
         taken.append(way.iterations - before)
         assert error(now, right.ravel(), found) <= 1e-6 * (1.0 + 1e-9)
         assert not way.blocks

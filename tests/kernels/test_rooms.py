@@ -85,7 +85,7 @@ def test_rooms_refuse_other_numbers_of_points_and_triangles():
 def test_triangles_that_have_hardly_moved_are_told():
     x, cells = cloth(np.random.default_rng(6))
     before = np.full((len(cells), 3, 3), np.inf)
-    assert k.moved_cells(x, cells, 1e-3, before).all()
+    assert len(k.moved_cells(x, cells, 1e-3, before)) == len(cells)
     np.testing.assert_array_equal(before, x[cells])
     x[:30] += 2e-3
-    np.testing.assert_array_equal(np.flatnonzero(k.moved_cells(x, cells, 1e-3, before)), np.arange(10))
+    np.testing.assert_array_equal(k.moved_cells(x, cells, 1e-3, before), np.arange(10))

@@ -3,8 +3,8 @@
 //
 // Up-looking, as PETSc does it (S. C. Eisenstat, M. C. Gursky, M. H. Schultz and A. H. Sherman, Yale sparse matrix
 // package I, Int. J. Numer. Meth. Engng 18 (1982) 1145), for some rows of blocks with nearly the same columns at once,
-// whose numbers in a column lie in one or two registers: what is read of a row above is used for all of them. Rows above
-// that have the same columns are taken out together, so that what is written is written once for some of them.
+// whose numbers in a column lie in one or two registers: what is read of a row above is used for all of them. Rows
+// above that have the same columns are taken out together, so that what is written is written once for some of them.
 #pragma once
 
 #include <petscsys.h>

@@ -143,8 +143,9 @@ py::tuple lowest_each(const Body& body, const Doubles& x, const Cells& cells, do
         }
         const double least = enough ? enough->data()[e] : infinite;
         const restshape::Lowest low =
-            body.convex() ? restshape::lowest_on(body, p, tolerance, least, at_corners)
-                          : restshape::smooth_lowest(body, p, tolerance, cells_across * body.detail(), least, at_corners);
+            body.convex()
+                ? restshape::lowest_on(body, p, tolerance, least, at_corners)
+                : restshape::smooth_lowest(body, p, tolerance, cells_across * body.detail(), least, at_corners);
         const Vec3 at = low.b[0] * p[0] + low.b[1] * p[1] + low.b[2] * p[2];
         found.mutable_data()[e] = low.value;
         radius.mutable_data()[e] = low.value < least ? radius_below(body, at.c, low.value) : infinite;
@@ -168,12 +169,12 @@ py::array_t<double> longest_sides(const Doubles& x, const Cells& cells) {
     return found;
 }
 
-// Which triangles have a corner farther than a slack from where it was; those take where it is.
-py::array_t<bool> moved_cells(const Doubles& x, const Cells& cells, double slack, Output before) {
+// Triangles with a corner farther than a slack from where it was; those take where it is.
+py::array_t<int64_t> moved_cells(const Doubles& x, const Cells& cells, double slack, Output before) {
     const Triangles triangles(x, cells);
     require_shape(before, triangles.count, 9, "before");
     Vec3 p[3];
-    py::array_t<bool> found(triangles.count);
+    std::vector<int64_t> found;
     for (py::ssize_t e = 0; e < triangles.count; ++e) {
         triangles.corners(triangles.x, e, p);
         double* known = before.mutable_data() + 9 * e;
@@ -182,11 +183,11 @@ py::array_t<bool> moved_cells(const Doubles& x, const Cells& cells, double slack
             const Vec3 way = p[i] - Vec3{{known[3 * i], known[3 * i + 1], known[3 * i + 2]}};
             stays = stays && inner(way.c, way) <= slack * slack;
         }
-        found.mutable_data()[e] = !stays;
         if (stays) continue;
+        found.push_back(e);
         for (int i = 0; i < 3; ++i) std::copy(p[i].c, p[i].c + 3, known + 3 * i);
     }
-    return found;
+    return py::array_t<int64_t>(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
 // Corners, followed by places between those of triangles.
@@ -440,13 +441,13 @@ void bind_contact(py::module_& m) {
         .def_property_readonly("looks", &PointRoom::looks, "How often the distance of a point was taken.");
     py::class_<TriangleRoom>(m, "TriangleRoom",
                              "How far triangles may go beside a body, kept from one step to the next.")
-        .def(py::init([](const Body& body, py::ssize_t count, double floor, double deeper, double tolerance,
-                         double bottom) {
-                 require(deeper > tolerance && tolerance > 0,
-                         "deeper must be more than the tolerance, which must be positive");
-                 return TriangleRoom(body, static_cast<std::size_t>(std::max<py::ssize_t>(count, 0)), floor, deeper,
-                                     bottom, tolerance);
-             }),
+        .def(py::init(
+                 [](const Body& body, py::ssize_t count, double floor, double deeper, double tolerance, double bottom) {
+                     require(deeper > tolerance && tolerance > 0,
+                             "deeper must be more than the tolerance, which must be positive");
+                     return TriangleRoom(body, static_cast<std::size_t>(std::max<py::ssize_t>(count, 0)), floor, deeper,
+                                         bottom, tolerance);
+                 }),
              "body"_a, "count"_a, "floor"_a, "deeper"_a, "tolerance"_a,
              "bottom"_a = -std::numeric_limits<double>::infinity(),
              "Of so many triangles, nothing of which is known; numbers as of `Body.step_share`.")
@@ -512,16 +513,19 @@ void bind_contact(py::module_& m) {
     m.def("nonzero_rows", &nonzero_rows, "values"_a,
           "Numbers (k,) of the rows of values (n, f) that are not all zero.");
     m.def("moved_cells", &moved_cells, "x"_a, "cells"_a, "slack"_a, "before"_a.noconvert(),
-          "Which triangles (ne,) have a corner, at x (n, 3), farther than a slack [m] from where it was `before` (ne, 3, "
-          "3). Those take where it is.");
+          "Numbers (k,) of triangles with a corner, at x (n, 3), farther than a slack [m] from where it was `before` "
+          "(ne, "
+          "3, 3). Those take where it is.");
     m.def("longest_sides", &longest_sides, "x"_a, "cells"_a,
           "The longest side (ne,) [m] of triangles: cells (ne, 3) of corners x (n, 3).");
-    m.def("update_friction", &update_friction, "x"_a, "pushed"_a, "coefficient"_a, "slip"_a, "anchor"_a.noconvert(),
-          "normal"_a.noconvert(), "limit"_a.noconvert(),
-          "Takes from what `Body.add_contact` adds for a body at x (n, 3), `pushed` (n, 12), the normals (n, 3) of what is "
-          "pressed, and as limits (n,) [N] a coefficient times the forces. Takes anchors (n, 3) into the surface at x "
-          "and after it where they are more than a slip away; those without a limit, before or now, go to x. Returns the "
-          "farthest way that one was dragged [m].");
+    m.def(
+        "update_friction", &update_friction, "x"_a, "pushed"_a, "coefficient"_a, "slip"_a, "anchor"_a.noconvert(),
+        "normal"_a.noconvert(), "limit"_a.noconvert(),
+        "Takes from what `Body.add_contact` adds for a body at x (n, 3), `pushed` (n, 12), the normals (n, 3) of what "
+        "is "
+        "pressed, and as limits (n,) [N] a coefficient times the forces. Takes anchors (n, 3) into the surface at x "
+        "and after it where they are more than a slip away; those without a limit, before or now, go to x. Returns the "
+        "farthest way that one was dragged [m].");
     m.def("add_friction", &add_friction, "x"_a, "anchor"_a, "normal"_a, "limit"_a, "slip"_a, "potential"_a.noconvert(),
           "Energy [J] of friction that pulls x (n, 3) to anchors along the surface with the forces limit (n,) [N] at "
           "most, which it reaches where they are a slip [m] away. Adds gradient and Hessian to potential (n, 12).");

@@ -102,8 +102,7 @@ inline Lowest smooth_lowest(const Body& body, const Vec3* corners, double tolera
         if (bound >= goal()) continue;
         const TriangleQuadratic quadratic(d, centre, part.p);
         double error = 0.0;
-        for (int i = 0; i < 3; ++i)
-            error = std::max(error, std::abs(quadratic.at(i == 1, i == 2) - now.at_corners[i]));
+        for (int i = 0; i < 3; ++i) error = std::max(error, std::abs(quadratic.at(i == 1, i == 2) - now.at_corners[i]));
         if (farthest <= widest * widest && error <= tolerance) {
             double share[3] = {1.0, 0.0, 0.0};
             if (quadratic.least(share) < goal()) {

@@ -20,8 +20,8 @@ SHIFT = 0.01
 MOST = 2000
 """Iterations of a solve."""
 DEAR = 1.2
-"""Iterations of relaxation, over the square root of the number of unknowns, from which on a complete factor costs less: on
-a sheet a factor takes as many products as about so many readings of the matrix."""
+"""Iterations of relaxation, over the square root of the number of unknowns, from which on a complete factor costs less:
+on a sheet a factor takes as many products as about so many readings of the matrix."""
 KEPT = 6
 """Iterations with the factor of an earlier step, from which on a new one costs less."""
 

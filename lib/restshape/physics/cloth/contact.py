@@ -292,7 +292,8 @@ class Contact:
         if known is None or len(known[0]) != len(bodies) or not all(map(is_, known[0], bodies)):
             known = self._looked = bodies, np.full((len(self.points.cells), 3, 3), np.inf)
         if moving:
-            asked = _kernels.moved_cells(x, self.points.cells, STAYS * self.thickness, known[1])
+            asked = np.zeros(len(self.points.cells), dtype=bool)
+            asked[_kernels.moved_cells(x, self.points.cells, STAYS * self.thickness, known[1])] = True
         else:
             known[1][:] = x[self.points.cells]
         points = self.points.on(self.bodies, x, self.thickness, asked)
