@@ -82,7 +82,7 @@ def test_rooms_refuse_other_numbers_of_points_and_triangles():
         k.PointRoom(body, 3).add_contact(x, np.ones(len(x)), 1.0, THICKNESS, np.zeros((len(x), 12)))
 
 
-def test_triangles_that_have_hardly_moved_are_told():
+def test_triangles_that_have_hardly_moved_are_left_out():
     x, cells = cloth(np.random.default_rng(6))
     before = np.full((len(cells), 3, 3), np.inf)
     assert len(k.moved_cells(x, cells, 1e-3, before)) == len(cells)

@@ -26,6 +26,7 @@ KEPT = 6
 """Iterations with the factor of an earlier step, from which on a new one costs less."""
 
 
+# More than 15 attributes: what solves, by iterations and by factors, and what one step gives the next.
 class StepSolver:
     """Solves A d = b for a row of symmetric positive definite matrices of one size that change little by little.
 
