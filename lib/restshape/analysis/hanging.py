@@ -98,7 +98,7 @@ def hanging_of(state: ModalState, asked: HangingSettings) -> HangingPoints:
 
 
 class HangingColumns:
-    """The columns of hanging points, computed anew where modes or what is asked for differ from the last frame's."""
+    """The columns of hanging points, computed again where modes or what is asked for differ from the last frame's."""
 
     def __init__(self) -> None:
         self._last: tuple[Modes, HangingSettings, RowValues] | None = None
