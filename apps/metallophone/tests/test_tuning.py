@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from restshape_apps.metallophone import application
+from restshape_apps.metallophone.tuning import tone_rates as tone_rates_module
 from restshape_apps.metallophone.tuning.bar import Bar
 from restshape_apps.metallophone.tuning.bending import bending_modes
 from restshape_apps.metallophone.tuning.cost import tuning_cost
@@ -14,6 +15,7 @@ from restshape_apps.metallophone.tuning.followed_modes import followed
 from restshape_apps.metallophone.tuning.freedoms import freedoms_of, with_fixed_curves
 from restshape_apps.metallophone.tuning.report import TuningReport
 from restshape_apps.metallophone.tuning.smallest_change import smallest_change
+from restshape_apps.metallophone.tuning.tone_rates import tone_rates
 from restshape_apps.metallophone.tuning.tuning import tuned
 from restshape_apps.metallophone.tuning.wanted import Wanted, wanted_tones
 from restshape_verification.metallophone.tines import kalimba
@@ -147,7 +149,7 @@ def test_derivatives_by_every_kind_of_freedom_are_those_of_solves(model, tmp_pat
     freedoms = freedoms_of(scene, words)
     made = Bar(scene, freedoms)
     descent = Descent(made, [1, 2], np.ones(2), np.full((len(freedoms), 2), np.nan), 99)
-    J, values = descent._derivatives(descent._motions), descent.values
+    J, values = CENTS * tone_rates(made, descent.modes, descent._motions), descent.values
     for k in range(len(freedoms)):
         step, found = 1e-4 * (0.1 if freedoms[k].name != "parameters.deep" else 0.003), []
         for sign in (1.0, -1.0):
@@ -158,6 +160,22 @@ def test_derivatives_by_every_kind_of_freedom_are_those_of_solves(model, tmp_pat
             assert made.at(values)
         differenced = CENTS * np.log(found[0] / found[1]) / (2.0 * step)
         assert J[:, k] == pytest.approx(differenced, rel=2e-3, abs=2e-5 * np.abs(J).max()), freedoms[k].name
+
+
+@pytest.mark.parametrize("words", [[], [THICKNESS]])
+def test_derivatives_by_directions_are_those_by_nodes(words):
+    """Eight numbers of the outline, which go by nodes, and a thickness, which goes by its direction."""
+    scene = with_fixed_curves(bar("bar_100", "effects.modal.modes=3"))
+    made = Bar(scene, freedoms_of(scene, words))
+    descent = Descent(made, [1, 2, 3], np.ones(3), np.full((len(made.freedoms), 2), np.nan), 99)
+    velocities = tone_rates_module._velocities(made, descent._motions)
+    every = velocities, np.arange(velocities.shape[2])
+    one, other = (
+        way(made, np.arange(3), *every) for way in (tone_rates_module._by_freedoms, tone_rates_module._by_nodes)
+    )
+    assert one == pytest.approx(other, rel=1e-9, abs=1e-9 * np.abs(one).max())
+    values = made.analysis.state.modes.values[:3, None]
+    assert tone_rates(made, descent.modes, descent._motions) == pytest.approx(0.5 * one / values, rel=1e-9, abs=1e-9)
 
 
 # --- tuning -----------------------------------------------------------------------------------------------------------

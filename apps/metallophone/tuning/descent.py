@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from restshape_apps.metallophone.tuning.bar import Bar
 from restshape_apps.metallophone.tuning.bounds import bounded, refuse_idle
-from restshape_apps.metallophone.tuning.followed_modes import FollowedModes, followed, gradients
+from restshape_apps.metallophone.tuning.followed_modes import FollowedModes, followed
 from restshape_apps.metallophone.tuning.motions import Motions, motions_of
 from restshape_apps.metallophone.tuning.smallest_change import smallest_change
+from restshape_apps.metallophone.tuning.tone_rates import tone_rates
 
 IN_TUNE = 0.5
 """Distance [cents] within which a tone is the wanted one."""
@@ -152,7 +153,7 @@ class Descent:
         self._nearest = False
         while True:
             motions = self._motions = motions_of(self.bar, self.values)
-            J = self._derivatives(motions)
+            J = CENTS * tone_rates(self.bar, self.modes, motions)
             self.found.derivatives = J
             done, missing = self.values - self.start, -self._cents()
             step = self._step(J, np.inf)
@@ -242,20 +243,6 @@ class Descent:
     def _cents(self, modes: FollowedModes | None = None) -> np.ndarray:
         """How many cents (m,) the modes lie above the wanted tones."""
         return CENTS * np.log((modes or self.modes).frequencies / self.wanted)
-
-    def _derivatives(self, motions: Motions) -> np.ndarray:
-        """Derivatives (m, k) of the tones by the freedoms [cents a unit]."""
-        body = self.bar.analysis.state.body
-        J = np.zeros((len(self.wanted), len(self.values)))
-        by_nodes = gradients(self.bar, self.modes)
-        moving = motions.plane.any(axis=(1, 2))
-        by_outline = body.motion(motions.plane)
-        for k, thicker in enumerate(motions.thickness):
-            velocity = by_outline[k] if moving[k] else 0.0
-            if thicker.any():
-                velocity = velocity + body.thickness_motion(thicker)
-            J[:, k] = [CENTS * (gradient * velocity).sum() for gradient in by_nodes]
-        return J
 
 
 def _size(motions: Motions, change: np.ndarray) -> float:

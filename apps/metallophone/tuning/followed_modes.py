@@ -9,7 +9,6 @@ import numpy as np
 from restshape_apps.metallophone.tuning.bar import Bar
 
 from restshape.algebra.clusters import clusters
-from restshape.sensitivity.frequency_derivative import nodal_gradient
 
 ALIKE = 0.5
 """Modal assurance criterion (MAC) of a mode before and of a cluster now below which the mode counts as lost."""
@@ -77,15 +76,3 @@ def _like(bar: Bar, shape: np.ndarray, groups: list[np.ndarray]) -> np.ndarray |
 def _first(group: np.ndarray, mode: int) -> np.ndarray:
     """A cluster with one of its modes before the others."""
     return np.concatenate([[mode], group[group != mode]])
-
-
-def gradients(bar: Bar, modes: FollowedModes) -> list[np.ndarray]:
-    """Of each mode the gradient (n, d) of the logarithm of its frequency by the places of the body's nodes.
-
-    Of a cluster that of the mean of its eigenvalues, a symmetric function of them, which is smooth at crossings.
-    """
-    values, found = bar.analysis.state.modes.values, []
-    for group in modes.groups:
-        total = sum(nodal_gradient(bar.analysis, int(mode)) for mode in group)
-        found.append(0.5 * total / values[group].sum())
-    return found

@@ -109,10 +109,14 @@ class Integral:
         self.element.stress(self.X, x, self.entities, self.parameters, out, points, *self._columns)
         return out
 
-    def work_derivatives(self, x: np.ndarray) -> np.ndarray:
+    def work_derivatives(self, x: np.ndarray, axes: np.ndarray | None = None) -> np.ndarray:
         """Derivatives (m, k, d) of each entity's x . r(x) by the places of its k nodes, at a constant x (n, f).
 
         Each node of each entity is moved by itself, all entities at once.
+
+        Args:
+            x: unknowns.
+            axes: along which nodes are moved, derivatives along others are 0; None: all.
         """
         m, nodes = self.entities.shape
         dofs = self.entities if self.dofs is None else self.dofs
@@ -122,9 +126,9 @@ class Integral:
         w = None
         if self.coefficients is not None:
             w = np.ascontiguousarray(self.coefficients[self.entities].reshape(m * nodes, -1))
-        found = np.empty((m, nodes, X.shape[1]))
+        found = np.zeros((m, nodes, X.shape[1]))
         for i in range(nodes):
-            for axis in range(X.shape[1]):
+            for axis in range(X.shape[1]) if axes is None else axes:
                 dX, out = np.zeros_like(X), np.zeros_like(x)
                 dX[own[:, i], axis] = 1.0
                 self.element.design(X, dX, x, own, self.parameters, out, None, w, None, own_dofs)

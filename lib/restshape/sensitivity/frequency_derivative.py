@@ -155,17 +155,18 @@ def modal_derivative(analysis: SolvedModes, plane_motion: np.ndarray, tolerance:
 # --- by nodes, along the outline -----------------------------------------------------------------------------------
 
 
-def nodal_gradient(analysis: SolvedModes, mode: int) -> np.ndarray:
+def nodal_gradient(analysis: SolvedModes, mode: int, axes: np.ndarray | None = None) -> np.ndarray:
     """The gradient (n, d) of an eigenvalue by the places of the body's nodes: phi^T (K_X - lambda M_X) phi.
 
     Args:
         analysis: solved on the mesh as it lies.
         mode: index among the modes; its eigenvalue stands alone.
+        axes: along which it is wanted, 0 along others; None: all.
     """
     body, modes = analysis.state.body, analysis.state.modes
     phi, value = modes.vectors[mode].reshape(body.boundary.mask.shape), modes.values[mode]
     (stiff,), (mass_products,) = (
-        [integral.work_derivatives(phi) for integral in body.integrals(kind)] for kind in (STIFFNESS, MASS)
+        [integral.work_derivatives(phi, axes) for integral in body.integrals(kind)] for kind in (STIFFNESS, MASS)
     )
     rates, gradient = stiff - value * mass_products, np.zeros_like(body.space.X)
     for i, nodes in enumerate(body.space.cells.T):
