@@ -53,6 +53,7 @@ LAYERS = (
     "variation",
     "comparison",
     "export",
+    "interface",
     "physics",
     "cli",
 )

@@ -45,7 +45,8 @@ def start_petsc(words: Sequence[str] = ()) -> None:
     lone = POINT_TO_POINT not in os.environ and RANKED.isdisjoint(os.environ)
     if lone:
         os.environ[POINT_TO_POINT] = "ob1"
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM)}
+    kept = (signal.SIGHUP, signal.SIGPIPE, signal.SIGQUIT, signal.SIGTERM)
+    handlers = {number: signal.getsignal(number) for number in kept}
     try:
         petsc4py.init(["restshape", "-skip_petscrc", *words])
         # PETSc would end in MPI_Abort at them.

@@ -73,7 +73,10 @@ class Replay:
         Raises:
             UserError: the scene cannot be simulated, or the recording cannot be written.
         """
-        edits = self.session.frames()
+        return self.answers(self.session.frames())
+
+    def answers(self, edits: Iterator[ScriptFrame]) -> Iterator[RowValues]:
+        """The row of each of these frames of the session, likewise: of a script, or of events as they are done."""
         while True:
             self.stages.reset()
             start = perf_counter()

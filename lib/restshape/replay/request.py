@@ -56,7 +56,7 @@ class Request:
         return {
             **self.origin(),
             "scene_values": self.scene.raw,
-            "script_text": self.script.path.read_text(errors="replace") if self.script.path else "",
+            "script_text": self.script.path.read_text(errors="replace") if self.script.path else self.script.text,
             "title": self.scene.title,
             "load_scales": load_scales(self.scene),
             "limits": recorded_limits(self.scene.quantities),

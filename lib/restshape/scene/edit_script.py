@@ -251,6 +251,7 @@ class Script:
         error: what is wrong with the first line that cannot be used; None when all can.
         warnings: what is odd, though it stops nothing.
         path: the file; None when it came from none.
+        text: its lines, as they were read or written; empty where it was made of events.
     """
 
     header: Header
@@ -259,6 +260,7 @@ class Script:
     error: UserError | None = None
     warnings: tuple[str, ...] = ()
     path: Path | None = None
+    text: str = ""
 
     @classmethod
     def empty(cls, scene: Scene) -> Self:
@@ -295,20 +297,20 @@ def read_script(text: str, path: Path, scene: Scene | None = None, keep_good: bo
     if not lines:
         raise UserError("the edit script is empty", path.name, _first_line())
     known = EVENTS if scene is None else events_of(application_of(scene))
-    reader = _Reader(path, text.endswith("\n"), lines[-1][0], known, names_in_space(scene))
+    reader = ScriptReader(path, text.endswith("\n"), lines[-1][0], known, names_in_space(scene), scene)
     header = reader.header(*lines[0])
     _check_analysis(header, scene, path, lines[0][0])
     try:
         for number, line in lines[1:]:
-            reader.event(number, line)
-            _refuse_outside(reader.events[-1], scene, path)
+            reader.event(number, reader.table(number, line))
     except _Torn as torn:
         reader.torn, reader.error = str(torn.error), torn.error
     except UserError as error:
         if not keep_good:
             raise
         reader.error = error
-    return Script(header, tuple(reader.events), reader.torn, reader.error, _warnings(header, scene, reader.odd), path)
+    odd = _warnings(header, scene, reader.odd)
+    return Script(header, tuple(reader.events), reader.torn, reader.error, odd, path, text)
 
 
 def events_of(application: Application) -> dict[str, type[EventLine]]:
@@ -374,14 +376,26 @@ class _Torn(Exception):
 
 
 @dataclass
-class _Reader:
-    """Reads a script line by line, and knows what is grabbed."""
+class ScriptReader:
+    """Reads a script line by line, and knows what is grabbed.
+
+    Args:
+        path: for messages; whole: its last line, of number `last`, ends.
+        known: events by name; in_space: as `names_in_space` gives it.
+        scene: that events are for; None: none is known.
+
+    Attributes:
+        events: that have been read.
+        torn, error: as of `Script`; odd: its warnings.
+        grabbed: what the hand holds; t: edit time of the last event [s]; scale: of lengths without a unit [m].
+    """
 
     path: Path
     whole: bool
     last: int
     known: dict[str, type[EventLine]]
     in_space: Collection[str] | None
+    scene: Scene | None = None
     events: list[EventLine] = field(default_factory=list)
     torn: str | None = None
     error: UserError | None = None
@@ -413,10 +427,14 @@ class _Reader:
             self.fail(number, what, "write finite numbers")
         if not isinstance(found, dict):
             self.fail(number, f"a JSON object is wanted on each line, not {line.strip()[:40]}", "write {...}")
-        if wrong := excess(found):
+        self.check_excess(number, found)
+        return found
+
+    def check_excess(self, number: int, table: Table) -> None:
+        """Refuses a table with a value beyond a bound of all values."""
+        if wrong := excess(table):
             key, what, do = wrong
             self.fail(number, f"{'.'.join(part[:40] for part in key[:4])}: {what}", do)
-        return found
 
     def header(self, number: int, line: str) -> Header:
         """The header of the first line."""
@@ -434,9 +452,8 @@ class _Reader:
         self.scale = length_unit(header.units, f"{self.path.name}: line {number}: units")
         return header
 
-    def event(self, number: int, line: str) -> None:
-        """Reads one event and keeps it."""
-        table = self.table(number, line)
+    def event(self, number: int, table: Table) -> EventLine:
+        """Reads the event of a line's table, and keeps it."""
         do = table.get("do")
         if do is None:
             self.fail(number, "the key 'do' is missing", f"use one of: {', '.join(self.known)}")
@@ -450,12 +467,18 @@ class _Reader:
             raise self.reported(error, number, self.known[do]) from error
         self.check_place(event, number)
         self.check_order(event, number)
+        _refuse_outside(event, self.scene, self.path)
+        self._note_odd(event, table)
         self.events.append(event)
+        return event
+
+    def _note_odd(self, event: EventLine, table: Table) -> None:
+        """Notes what is odd about the event that a table gives, though it stops nothing."""
         turn = table.get("by") if isinstance(event, Rotate) else None
         if isinstance(turn, int | float) and abs(turn) > 2.0 * math.pi:
             choice = f'"{turn:g} deg" or "{turn:g} rad"'
             self.odd.append(
-                f"line {number}: an angle without a unit is in radians, and {turn:g} is more than a turn: {choice}?"
+                f"line {event.line}: an angle without a unit is in radians, and {turn:g} is more than a turn: {choice}?"
             )
 
     def reported(self, error: ValidationError, number: int, model: type[Strict]) -> UserError:
@@ -494,6 +517,17 @@ class _Reader:
             self.grabbed = getattr(event, "on", None)
         elif event.do == "release":
             self.grabbed = None
+
+
+def reader_of(scene: Scene, header: Header, path: Path) -> ScriptReader:
+    """What validates events for a scene as they come, as those of a file with that header; the path is for messages.
+
+    Raises:
+        UserError: the header asks for analysis on demand where the scene moves in time, or has no unit of length.
+    """
+    _check_analysis(header, scene, path, 1)
+    scale = length_unit(header.units, f"{path.name}: line 1: units")
+    return ScriptReader(path, True, 0, events_of(application_of(scene)), names_in_space(scene), scene, scale=scale)
 
 
 def _refuse_constant(name: str) -> NoReturn:

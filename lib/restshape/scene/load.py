@@ -90,9 +90,27 @@ def recorded_scene(raw: Table, path: Path) -> Scene:
     Raises:
         UserError: they make no scene, or name a file.
     """
-    _refuse_excess(raw, Source(path, recorded=True))
-    _check_format(raw, path)
-    return _scene(raw, Source(path, recorded=True))
+    return _of_tables(raw, Source(path, recorded=True))
+
+
+def scene_of_tables(raw: Table, path: Path) -> Scene:
+    """The scene of plain tables that a program has made.
+
+    Args:
+        raw: as a file would give them; they are the scene's from now on.
+        path: of such a file: for messages, and where files that the scene names are looked for.
+
+    Raises:
+        UserError: they make no scene.
+    """
+    return _of_tables(raw, Source(path))
+
+
+def _of_tables(raw: Table, source: Source) -> Scene:
+    """The scene of plain tables from a source without a text."""
+    _refuse_excess(raw, source)
+    _check_format(raw, source.path)
+    return _scene(raw, source)
 
 
 def _tables(text: str, path: Path) -> Table:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Protocol
 
+from restshape.scene.event_line import EventLine
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 from restshape.shape.script_frame import ScriptFrame
@@ -29,6 +30,12 @@ class Session(Protocol):
 
     def frames(self) -> Iterator[ScriptFrame]:
         """The frames of all events, the first before any."""
+
+    def first(self) -> ScriptFrame:
+        """The frame before any event."""
+
+    def frames_of(self, event: EventLine, room: float = ...) -> Iterator[ScriptFrame]:
+        """The frames of one event, which has so much edit time [s] to the next one."""
 
     def rollback(self) -> None:
         """Undoes the last frame, whose solve has failed."""

@@ -68,20 +68,34 @@ class ScriptSession(ABC, Generic[Edited]):
         self._application = application or application_named(scene.app)
         self._past: tuple[State[Edited], ...] = ()
         self._future: tuple[State[Edited], ...] = ()
+        self._index = 0
 
     def frames(self) -> Iterator[ScriptFrame]:
         """All frames, one after the other; the first shows what there is before any event."""
-        yield self._frame((0, 0.0, 0, "start"), self._first_step(), True, False)
-        index, events = 1, self._script.events
-        always = self._script.header.analysis == "every frame"
-        for k, event in enumerate(events):
-            room = events[k + 1].t - event.t if k + 1 < len(events) else np.inf
-            analysed = always or event.do == "analyse"
-            count = event.frame_count
-            pace = min(FRAME_TIME, room / count)
-            for i, step in enumerate(self.steps(event)):
-                yield self._frame((index, event.t + i * pace, event.line, event.do), step, analysed, i == count - 1)
-                index += 1
+        yield self.first()
+        events = self._script.events
+        for event, after in zip(events, (*events[1:], None)):
+            yield from self.frames_of(event, np.inf if after is None else after.t - event.t)
+
+    def first(self) -> ScriptFrame:
+        """The frame that shows what there is before any event."""
+        self._index = 0
+        return self._frame((0, 0.0, 0, "start"), self._first_step(), True, False)
+
+    def frames_of(self, event: EventLine, room: float = np.inf) -> Iterator[ScriptFrame]:
+        """The frames of an event, which follow those of the events before it.
+
+        Args:
+            event: of the script, or one that comes as it is done.
+            room: edit time [s] from its beginning to that of the next event.
+        """
+        analysed = self._script.header.analysis == "every frame" or event.do == "analyse"
+        count = event.frame_count
+        pace = min(FRAME_TIME, room / count)
+        for i, step in enumerate(self.steps(event)):
+            self._index += 1
+            when = (self._index, event.t + i * pace, event.line, event.do)
+            yield self._frame(when, step, analysed, i == count - 1)
 
     def steps(self, event: EventLine) -> Iterator[Step]:
         """What each frame of one event does; the session follows as the steps are taken."""

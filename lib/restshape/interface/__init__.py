@@ -1,0 +1,1 @@
+"""The library for programs: what `import restshape` offers."""

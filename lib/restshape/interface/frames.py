@@ -1,0 +1,183 @@
+"""Frames for programs: what a simulation shows of its shape after each step of an edit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from restshape.errors import UserError
+from restshape.findings import Finding, decode_findings
+from restshape.replay.cell_types import CELL_TYPES
+from restshape.replay.columns import quantity_names
+
+if TYPE_CHECKING:
+    from restshape.analysis.row_values import RowValues
+    from restshape.arrays import Indices, Reals
+    from restshape.replay.loop import Replay
+    from restshape.scene.model import Scene
+
+QUANTITY = "q_"
+"""Before the name of a quantity, in the column that has it."""
+
+
+class LastAnswer:
+    """What frames read their arrays from, while they are the last one.
+
+    Args:
+        replay: whose answers they show.
+
+    Attributes:
+        count: of frames so far; closed: none can be read any more.
+    """
+
+    def __init__(self, replay: Replay) -> None:
+        self.replay, self.count, self.closed = replay, 0, False
+
+    def frame(self, row: RowValues) -> Frame:
+        """The frame of a row, which is the last one from now on."""
+        self.count += 1
+        return Frame(row, self)
+
+
+@dataclass(frozen=True)
+class FrameMesh:
+    """The mesh of a frame, in arrays of its own: they stay as they are when the edit goes on.
+
+    Args:
+        points: (n, 2) or (n, 3) places [m] of the nodes in the rest shape.
+        cells: (ne, k) int32 nodes of each cell, corners first.
+        cell_type: VTK's number of their shape and order, such as 5 for triangles and 22 for those of second order.
+    """
+
+    points: Reals
+    cells: Indices
+    cell_type: int
+
+
+class Frame:
+    """One frame of an edit: its row, and the answer that it shows.
+
+    The row and the quantities stay. Mesh and fields are read when they are first asked for, while the frame is the last
+    one; from then on they stay, too. So do those of the last frame before a hand lets go, or a simulation is closed.
+    All arrays are copies, which belong to who asks for them: those of the solver change in place from frame to frame.
+
+    Attributes:
+        row: a value a column, as `restshape replay --csv` writes them; times are in ms.
+    """
+
+    def __init__(self, row: RowValues, answer: LastAnswer) -> None:
+        self.row = row
+        self._answer, self._count = answer, answer.count
+
+    @property
+    def index(self) -> int:
+        """Its number in the edit, from 0."""
+        return int(self.row["index"])
+
+    @property
+    def refused(self) -> str:
+        """Why it shows the last shape, or the last answer, instead of what was asked for; empty where it does not."""
+        return str(self.row["refused"])
+
+    @property
+    def quantities(self) -> dict[str, float]:
+        """The scene's quantities by name, in SI units; not numbers where the frame has no answer."""
+        return {name: float(self.row[QUANTITY + name]) for name in quantity_names(list(self.row))}
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What there is to know of the frame besides numbers, such as limits that do not hold."""
+        return tuple(decode_findings(str(self.row["findings"])))
+
+    @cached_property
+    def fields(self) -> dict[str, Reals]:
+        """Fields by name: (n,) or (n, c) of the nodes, (ne,) or (ne, c) of the cells, as recordings have them.
+
+        In SI units, copies. The frame of a refused edit has those of the last solution, one without an answer NaN.
+
+        Raises:
+            UserError: the frame is not the last one any more.
+        """
+        replay = self._replay()
+        space, known = replay.solver.space, replay.solver.known
+        at_nodes, in_cells = replay.analysis.fields() if known else replay.analysis.blank_fields(space)
+        return {name: np.array(field) for name, field in (in_cells | at_nodes).items()}
+
+    @cached_property
+    def mesh(self) -> FrameMesh:
+        """Nodes and cells, which fields are of; copies.
+
+        Raises:
+            UserError: the frame is not the last one any more.
+        """
+        space = self._replay().solver.space
+        return FrameMesh(np.array(space.X), np.array(space.cells), CELL_TYPES[space.cells.shape[1]])
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene with the values that hold in this frame; the shape is that of the mesh, not its ``[shape]``.
+
+        Raises:
+            UserError: the frame is not the last one any more.
+        """
+        return self._replay().session.scene
+
+    @property
+    def displacement(self) -> Reals:
+        """(n, 2) or (n, 3) [m] displacement of the nodes.
+
+        Raises:
+            UserError: this physics has none, or the frame is not the last one any more.
+        """
+        return self.field("displacement")
+
+    @property
+    def von_mises(self) -> Reals:
+        """(n,) [Pa] von Mises stress at the nodes, recovered from that of the cells.
+
+        Where regions of different materials meet it jumps, and the field "von_mises_in_cells" has it instead: (ne, k)
+        at the nodes of each cell.
+
+        Raises:
+            UserError: this physics has none, or the frame is not the last one any more.
+        """
+        return self.field("von_mises")
+
+    def keep(self) -> Self:
+        """The frame, with mesh, fields and scene read, so that they stay when the edit goes on.
+
+        Raises:
+            UserError: the frame is not the last one any more.
+        """
+        _ = self.mesh, self.fields, self.scene
+        return self
+
+    def field(self, name: str) -> Reals:
+        """A field of `fields`.
+
+        Raises:
+            UserError: there is no such field, or the frame is not the last one any more.
+        """
+        if name not in self.fields:
+            known = ", ".join(self.fields) or "none"
+            raise UserError(f"there is no field {name!r}", f"frame {self.index}", f"use one of those it has: {known}")
+        return self.fields[name]
+
+    def _replay(self) -> Replay:
+        """What holds its answer."""
+        answer = self._answer
+        where = f"frame {self.index}"
+        if answer.closed:
+            raise UserError("the simulation of this frame is closed", where, "read what you need of it before")
+        if self._count != answer.count:
+            what = f"the edit has gone on, to frame {answer.count - 1}, and its answer is another one"
+            raise UserError(what, where, "read mesh and fields of a frame before the next one")
+        return answer.replay
+
+    def __repr__(self) -> str:
+        """What it is, in one line."""
+        found = ", ".join(f"{name}={value:.6g}" for name, value in self.quantities.items())
+        return f"<frame {self.index}: {self.refused or found or self.row['event']}>"

@@ -1,0 +1,135 @@
+"""Edit scripts for programs: read, made of events, written down as they are done, and saved."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from math import ceil
+from pathlib import Path
+from typing import Literal
+
+from restshape.errors import UserError
+from restshape.interface.plain import plain
+from restshape.interface.saved import save_text
+from restshape.scene import edit_script
+from restshape.scene.edit_script import FORMAT, VERSION, Header, Script
+from restshape.scene.event_line import EventLine
+from restshape.scene.model import Scene
+from restshape.scene.plain_values import Table
+from restshape.scene.source import suggestion
+from restshape.shape.script_session import FRAME_TIME
+
+When = Literal["every frame", "on demand"]
+PLACE = Path("script")
+"""Where messages say that an event is, with its line."""
+TICKS = 1e4
+"""Edit times in a second at which events begin that have no time of their own."""
+
+
+class WrittenScript:
+    """The script of what is done, written as it is done: each event is validated as those of files are.
+
+    Args:
+        scene: that is edited.
+        analysis: which frames are solved.
+
+    Attributes:
+        t: edit time [s] at which the next event begins, where it has no time of its own.
+
+    Raises:
+        UserError: the scene moves in time, so that no frame can be left out.
+    """
+
+    def __init__(self, scene: Scene, analysis: When = "every frame") -> None:
+        self._header = Header(format=FORMAT, version=VERSION, scene=scene.path.name, units="m", analysis=analysis)
+        self._reader = edit_script.reader_of(scene, self._header, PLACE)
+        self._tables: list[Table] = []
+        self.t = 0.0
+
+    def add(self, do: str, keys: Mapping[str, object]) -> EventLine:
+        """Takes in an event, which begins at `t` unless it says otherwise.
+
+        Args:
+            do: what happens; keys: of the event, without those that are None; a key that is a word of Python has the
+                name of its field in the event's model, such as `start` for "from".
+
+        Raises:
+            UserError: it is not valid, or cannot come now; the script stays as it is.
+        """
+        number, known, grabbed = len(self._tables) + 2, self._reader.known, self._reader.grabbed
+        if do not in known:
+            raise UserError(f"there is no event {do!r}", f"{PLACE}: line {number}", suggestion(do, list(known)))
+        fields = known[do].model_fields
+        table: Table = {"t": self.t, "do": do}
+        for key, value in keys.items():
+            if value is not None:
+                field = fields.get(key)
+                table[(field.alias if field else None) or key] = plain(value, f"{PLACE}: line {number}: {key}")
+        self._reader.check_excess(number, table)
+        # No event may begin while the frames of the one before it last.
+        self._reader.t = self.t
+        try:
+            event = self._reader.event(number, table)
+        except UserError:
+            self._reader.grabbed = grabbed
+            raise
+        self._tables.append(table)
+        # A whole number of ticks, and never so few that the frames of the event would have to come closer.
+        self.t = ceil((event.t + event.frame_count * FRAME_TIME) * TICKS + 0.01) / TICKS
+        return event
+
+    def drop_last(self) -> None:
+        """The last event has not been carried out."""
+        self._tables.pop()
+        self._reader.events.pop()
+
+    def script(self) -> Script:
+        """The script so far."""
+        lines = [self._header.model_dump(exclude_defaults=True), *self._tables]
+        text = "".join(f"{json.dumps(line, allow_nan=False)}\n" for line in lines)
+        return Script(self._header, tuple(self._reader.events), warnings=tuple(self._reader.odd), text=text)
+
+
+def load_script(path: str | Path, scene: Scene | None = None) -> Script:
+    """The edit script of a JSON Lines file, validated.
+
+    Args:
+        path: the file; scene: that it will be replayed on, whose names are checked; None: any.
+
+    Raises:
+        UserError: naming file, line and key of what is wrong, and what to do.
+    """
+    return edit_script.load_script(path, scene)
+
+
+def new_script(scene: Scene, events: Iterable[Mapping[str, object]], analysis: When = "every frame") -> Script:
+    """An edit script of events, validated for a scene as one of a file is.
+
+    Args:
+        scene: that it edits.
+        events: in order, the keys of each: "do" and what the event has; one without "t" begins as soon as the frames of
+            the one before it are over. Lengths without a unit are in metres.
+        analysis: which frames are solved: "every frame", or "on demand" those of events `analyse`.
+
+    Raises:
+        UserError: naming the line that the event would be, and the key of what is wrong.
+    """
+    written = WrittenScript(scene, analysis)
+    for event in events:
+        written.add(str(event.get("do", "")), {key: value for key, value in event.items() if key != "do"})
+    return written.script()
+
+
+def save_script(script: Script, path: str | Path, force: bool = False) -> None:
+    """Writes an edit script that `load_script` and `restshape replay` read.
+
+    Args:
+        script: `Simulation.script`, or one that `load_script` or `new_script` gave.
+        path: of the file, ending in .jsonl; force: replace a file that is there.
+
+    Raises:
+        UserError: there is a file already, or it cannot be written.
+    """
+    if script.path is not None and not script.text:
+        raise UserError("this script holds no text", str(script.path), "load it again")
+    save_text(Path(path), script.text, force)

@@ -1,0 +1,215 @@
+"""A simulation that a program holds: it does what edit scripts do, and writes down what it has done."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from types import TracebackType
+from typing import TYPE_CHECKING, Literal, Self
+
+from petsc4py import PETSc
+
+from restshape.application import application_of
+from restshape.calibration import Calibration
+from restshape.errors import UserError
+from restshape.interface.edits import Edits
+from restshape.interface.frames import Frame, LastAnswer
+from restshape.interface.hand import Hand
+from restshape.interface.scripts import When, WrittenScript
+from restshape.policy import policy as policy_named
+from restshape.replay.loop import Replay
+from restshape.replay.request import Request
+from restshape.scene.edit_script import Script
+from restshape.scene.model import Scene
+
+if TYPE_CHECKING:
+    from restshape.analysis.row_values import RowValues
+
+Predict = Literal["none", "linear", "gmls"]
+
+
+class RefusedFrame(UserError):
+    """An event was refused: its frame shows the shape, or the answer, of before, and the edit can go on from there.
+
+    Args:
+        frame: the refused one.
+    """
+
+    def __init__(self, frame: Frame) -> None:
+        self.frame = frame
+        place = f"frame {frame.index}, {frame.row['event']!r} in line {frame.row['line']} of the script"
+        super().__init__(frame.refused, place)
+
+
+class Simulation(Edits):
+    """A scene under the hand of a program, made by `restshape.open`; close it, or use it in a ``with`` statement.
+
+    It goes through the same frame loop as `restshape replay`: `script` holds what was done, and its replay gives the
+    same rows, bit for bit but for times. Several simulations may be open at a time, in one thread.
+
+    Args:
+        scene: where it starts.
+        analysis: "on demand" leaves frames unsolved until `analyse`.
+        policy: what is reused from frame to frame; None: as the scene says.
+        guess: initial guess of iterative solves; None: the policy's best.
+        predict: how frames of a drag are predicted.
+        strict: a refused event raises; else its frame says so in `Frame.refused`, and the program goes on.
+
+    Attributes:
+        frame: the last one; closed: no event can come any more.
+
+    Raises:
+        UserError: the scene cannot be simulated, or not be predicted.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        analysis: When = "every frame",
+        policy: str | None = None,
+        guess: str | None = None,
+        predict: Predict = "none",
+        strict: bool = True,
+    ) -> None:
+        self._written = WrittenScript(scene, analysis)
+        request = request_of(scene, self._written.script(), policy, guess, predict)
+        self._replay = Replay(request, PETSc.COMM_WORLD)
+        self._answer = LastAnswer(self._replay)
+        self._strict, self.closed = strict, False
+        self._rows: Iterator[RowValues] = self._replay.answers(iter([self._replay.session.first()]))
+        self.frame = next(self._frames())
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with the values that hold now; the shape as it was edited is in `Frame.mesh`, not here."""
+        return self._replay.session.scene
+
+    @property
+    def script(self) -> Script:
+        """What was done, as a script that `save_script` writes; that of a closed simulation stays."""
+        return self._written.script()
+
+    @property
+    def t(self) -> float:
+        """Edit time [s] at which the next event begins, unless it has a `t` of its own: 60 frames are a second."""
+        return self._written.t
+
+    def do(self, do: str, /, **keys: object) -> Frame:
+        """Carries out an event of edit scripts, also one that an application has of its own; its last frame.
+
+        Args:
+            do: what happens, as in a script.
+            keys: of the event, None for those that are left out; one that is a word of Python, such as "from" or "as",
+                has the name of its field in the event's model (`start`, `counted`).
+
+        Raises:
+            UserError: the event is not valid, or cannot come now: nothing has happened.
+            RefusedFrame: it was refused, and the simulation is strict.
+        """
+        for _ in self.each(do, **keys):
+            pass
+        return self.frame
+
+    def each(self, do: str, /, **keys: object) -> Iterator[Frame]:
+        """Carries out an event; each of its frames as soon as it is computed.
+
+        Those that nobody has asked for are computed before the next event, or when the simulation is closed.
+
+        Args:
+            do, keys: as of `do`, with the same errors.
+        """
+        self._finish()
+        event = self._written.add(do, keys)
+        self._rows = self._replay.answers(self._replay.session.frames_of(event))
+        return self._frames()
+
+    def _frames(self) -> Iterator[Frame]:
+        """The frames that are left of the event."""
+        try:
+            for row in self._rows:
+                self.frame = frame = self._answer.frame(row)
+                if frame.row["refused"] and self._strict:
+                    raise RefusedFrame(frame)
+                yield frame
+        except (RefusedFrame, GeneratorExit):
+            raise
+        except BaseException:
+            self._break_off()
+            raise
+
+    def _finish(self) -> None:
+        """Computes what is left of the last event."""
+        if self.closed:
+            raise UserError("the simulation is closed", do="open it again: restshape.open(scene)")
+        for row in self._rows:
+            self.frame = self._answer.frame(row)
+
+    def _break_off(self) -> None:
+        """Closes the simulation in the middle of a frame, whose event the script does not have."""
+        self._answer.closed = self.closed = True
+        if self._answer.count:
+            self._written.drop_last()
+
+    def _grab(self, do: str, **keys: object) -> Hand:
+        try:
+            return Hand(self, self.do(do, **keys))
+        except RefusedFrame:
+            # The hand holds nothing, and scripts let go of that, too: which is refused as well.
+            with suppress(RefusedFrame):
+                self.do("release")
+            raise
+
+    def close(self) -> None:
+        """Ends the simulation; its last frame can still be read."""
+        if not self.closed:
+            self._finish()
+            self.frame.keep()
+            self._answer.closed = self.closed = True
+
+    def __enter__(self) -> Self:
+        """The simulation."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Closes it."""
+        self.close()
+
+
+def request_of(scene: Scene, script: Script, policy: str | None, guess: str | None, predict: Predict) -> Request:
+    """What is to be replayed; arguments as of `Simulation`."""
+    chosen = policy_named(policy or scene.solve.policy, guess)
+    return Request(scene, script, application_of(scene), chosen, Calibration.load(), predict=predict)
+
+
+def open(
+    scene: Scene,
+    analysis: When = "every frame",
+    policy: str | None = None,
+    guess: str | None = None,
+    predict: Predict = "none",
+    strict: bool = True,
+) -> Simulation:
+    """A simulation of a scene, after its first frame; arguments and errors as of `Simulation`."""
+    return Simulation(scene, analysis, policy, guess, predict, strict)
+
+
+def replay(
+    scene: Scene,
+    script: Script | None = None,
+    policy: str | None = None,
+    guess: str | None = None,
+    predict: Predict = "none",
+) -> Iterator[Frame]:
+    """The frames of a script, each as soon as it is computed; a refused one says so in `Frame.refused`.
+
+    Args:
+        scene: where it starts; script: its edits; None: the first shape alone.
+        policy, guess, predict: as of `Simulation`.
+
+    Raises:
+        UserError: the scene cannot be simulated, or not be predicted.
+    """
+    found = Replay(request_of(scene, script or Script.empty(scene), policy, guess, predict), PETSc.COMM_WORLD)
+    return map(LastAnswer(found).frame, found.frames())

@@ -1,0 +1,160 @@
+"""A simulation that a program holds: what it gives, what it writes down, and what it refuses."""
+
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import restshape
+from restshape.interface.edits import Edits
+from restshape.scene.dart_event import DrawnDart
+from restshape.scene.edit_script import EVENTS
+
+PLATE = Path(__file__).parents[2] / "apps/solid/scenes/plate.toml"
+
+
+@pytest.fixture(scope="module")
+def plate():
+    return restshape.load(PLATE, "mesh.size='150 mm'")
+
+
+@pytest.mark.cli
+def test_the_package_imports_nothing_heavy_until_it_is_used():
+    program = "import sys, restshape; print({'numpy', 'pydantic', 'petsc4py'} & set(sys.modules), dir(restshape))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("set() ") and "'open'" in done.stdout and "'replay'" in done.stdout
+
+
+def test_every_offered_name_is_there_and_typed():
+    stub = Path(restshape.__file__).with_suffix(".pyi").read_text()
+    offered = [name for names in restshape.OFFERED.values() for name in names] + ["replay"]
+    assert all(callable(getattr(restshape, name)) for name in offered)
+    assert sorted(line.split(" as ")[1] for line in stub.splitlines() if " as " in line) == sorted(offered)
+    with pytest.raises(AttributeError):
+        restshape.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize("do", [*EVENTS.keys() - {"drag", "release"}, "dart"])
+def test_methods_have_the_keys_of_their_events(do):
+    model = DrawnDart if do == "dart" else EVENTS[do]
+    parameters = inspect.signature(getattr(Edits, do)).parameters
+    fields = {name for name in model.model_fields if name not in ("line", "t", "note", "do")}
+    named = {name for name, one in parameters.items() if one.kind is not one.VAR_KEYWORD} - {"self"}
+    needed = {name for name in named if parameters[name].default is inspect.Parameter.empty}
+    required = {name for name in fields if model.model_fields[name].is_required()}
+    assert named == fields or (do == "dart" and named < fields)
+    assert needed == required
+
+
+def test_arrays_are_those_of_the_frame_and_stay(plate):
+    with restshape.open(plate) as sim:
+        first, mesh, stress = sim.frame, sim.frame.mesh, sim.frame.von_mises
+        points, values = mesh.points.copy(), stress.copy()
+        with sim.press("window") as hand:
+            last = hand.to(0.6, 0.45)
+            assert last.index == 2 and hand.frame is last is sim.frame
+        np.testing.assert_array_equal(mesh.points, points)
+        np.testing.assert_array_equal(first.von_mises, values)
+        assert last.quantities.keys() == plate.quantities.keys()
+        assert last.displacement.shape == last.mesh.points.shape != ()
+        assert last.von_mises.shape == (len(last.mesh.points),)
+        assert last.quantities["peak_stress"] == pytest.approx(last.von_mises.max(), rel=0.5)
+        assert np.abs(last.mesh.points - sim.frame.mesh.points).max() == 0.0 != np.ptp(last.mesh.points)
+        with pytest.raises(restshape.UserError, match=r"no field 'heat'.*\n.*displacement"):
+            last.field("heat")
+        unread = sim.idle()
+        sim.idle()
+        with pytest.raises(restshape.UserError, match="has gone on, to frame 5"):
+            unread.displacement  # noqa: B018
+    assert sim.frame.mesh.cells.shape == mesh.cells.shape
+    with pytest.raises(restshape.UserError, match="is closed"):
+        unread.mesh  # noqa: B018
+    with pytest.raises(restshape.UserError, match="is closed"):
+        sim.idle()
+
+
+def test_an_event_that_is_not_valid_leaves_all_as_it_is(plate):
+    with restshape.open(plate) as sim:
+        before = sim.script.text
+        for what, do, keys in (
+            ("no event 'pres'", "pres", {"on": "window"}),
+            ("line 2: factor: -1 is too small", "scale", {"on": "window", "factor": -1}),
+            ("a drag before a press", "drag", {"to": [0, 0]}),
+            ("line 2: to: nan is not a finite number", "drag", {"to": [0, float("nan")]}),
+            ("is no number, text, list or table", "set", {"key": "a", "value": object()}),
+        ):
+            with pytest.raises(restshape.UserError, match=what):
+                sim.do(do, **keys)
+        assert sim.script.text == before and sim.frame.index == 0
+        with sim.press("window"), pytest.raises(restshape.UserError, match="while 'window' is still grabbed"):
+            sim.undo()
+        with pytest.raises(restshape.UserError, match="time runs backwards"):
+            sim.do("idle", t=0.0)
+        assert [event.do for event in sim.script.events] == ["press", "release"]
+
+
+def test_a_refused_event_raises_with_its_frame_and_the_edit_goes_on(plate):
+    with restshape.open(plate) as sim:
+        with pytest.raises(restshape.RefusedFrame, match="no entity named 'door'") as caught:
+            sim.press("door")
+        assert caught.value.frame.index == 1 and "frame 1, 'press' in line 2" in str(caught.value)
+        with sim.press("window") as hand:
+            with pytest.raises(restshape.RefusedFrame):
+                hand.to(0.5, 5.0, frames=2)
+            assert not hand.to(0.55, 0.5).refused
+        script = sim.script
+    with restshape.open(plate, strict=False) as sim:
+        assert "no entity" in sim.do("press", on="door").refused
+    frames = list(restshape.replay(plate, script))
+    assert [bool(frame.refused) for frame in frames] == [False, True, True, False, True, True, False, False]
+
+
+def test_frames_that_nobody_asks_for_are_computed_all_the_same(plate):
+    with restshape.open(plate) as sim:
+        one = next(iter(sim.each("scale", on="window", factor=1.2, frames=3)))
+        assert one.index == 1
+        assert sim.set("material.steel.thickness", "12 mm").index == 4
+        quantities, script = sim.frame.quantities, sim.script
+    assert [frame.quantities for frame in restshape.replay(plate, script)][-1] == quantities
+
+
+def test_two_simulations_and_an_analysis_on_demand(plate):
+    with restshape.open(plate) as sim, restshape.open(plate, analysis="on demand") as other:
+        with sim.press("window") as hand, other.press("window") as second:
+            places = np.array([[0.55, 0.5], [0.56, 0.5]])
+            wanted = list(hand.along(places))[-1].quantities
+            assert np.isnan(second.to(0.56, 0.5).quantities["peak_stress"])
+            assert other.analyse().quantities["peak_stress"] == pytest.approx(wanted["peak_stress"], rel=1e-3)
+        assert '"analysis": "on demand"' in other.script.text
+
+
+def test_scenes_and_scripts_of_tables_are_those_of_files(plate, tmp_path):
+    restshape.save_scene(plate, tmp_path / "saved.toml")
+    again = restshape.load(tmp_path / "saved.toml")
+    assert again.model_dump() == plate.model_dump()
+    with pytest.raises(restshape.UserError, match=r"already.*\n.*force=True"):
+        restshape.save_scene(plate, tmp_path / "saved.toml")
+    tables = again.raw | {"title": "of tables"}
+    made = restshape.new_scene(tables, PLATE)
+    assert made.title == "of tables" and made.folder == PLATE.parent
+    with pytest.raises(restshape.UserError, match=r"plate.toml: material.steel.E"):
+        restshape.new_scene(tables | {"material": {"steel": {"E": "12 kg"}}}, PLATE)
+    assert restshape.changed(made, "material.steel.E", "70 GPa").material["steel"].E == 70e9
+    script = restshape.new_script(plate, [{"do": "idle", "frames": 6}, {"do": "undo"}])
+    assert [event.t for event in script.events] == [0.0, 0.1001] and script.frame_count == 8
+    restshape.save_script(script, tmp_path / "saved.jsonl")
+    assert restshape.load_script(tmp_path / "saved.jsonl", plate).events == script.events
+    with pytest.raises(restshape.UserError, match="line 3: there is no event 'undoo'"):
+        restshape.new_script(plate, [{"do": "idle"}, {"do": "undoo"}])
+
+
+def test_an_error_in_a_frame_closes_the_simulation(plate, monkeypatch):
+    with restshape.open(plate) as sim:
+        sim.idle()
+        monkeypatch.setattr(sim._replay, "_frame", lambda edit: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            sim.idle(2)
+        assert sim.closed and [event.frame_count for event in sim.script.events] == [1]
