@@ -21,7 +21,7 @@ Written by `python scripts/interface_page.py` from the docstrings of what `impor
 [Python](python.md) shows how it is used.
 """
 SHOWN = ("load", "changed", "new_scene", "save_scene", "load_script", "new_script", "save_script", "open", "replay")
-KINDS = ("Simulation", "Hand", "Frame", "FrameMesh", "UserError", "RefusedFrame")
+KINDS = ("Simulation", "Hand", "ShownFrame", "ShownMesh", "UserError", "RefusedFrame")
 ELSEWHERE = {
     "Scene": "the validated model of a scene: its fields are the tables of the [scene format](scene-format.md)",
     "Script": "an edit script: `header`, `events`, `text`; events are models of the [script format](script-format.md)",

@@ -22,13 +22,13 @@ def main() -> None:
     parser.add_argument("entity", nargs="?", default="window", help="what the hand holds (default: window)")
     args = parser.parse_args()
     scene = restshape.load(args.scene)
-    by_hand, script = held(scene, args.entity)
+    by_hand, script = dragged(scene, args.entity)
     beside = replayed(scene, script)
     for name, times in (("hand.to", by_hand), ("replay", beside), ("difference", by_hand - beside)):
         print(f"{name:10} {1e6 * np.median(times):8.1f} us (p50 of {len(times)} frames)")
 
 
-def held(scene: restshape.Scene, entity: str) -> tuple[np.ndarray, restshape.Script]:
+def dragged(scene: restshape.Scene, entity: str) -> tuple[np.ndarray, restshape.Script]:
     """Seconds (n,) beside those of the frame loop that each `hand.to` takes, and the script of it."""
     seconds = []
     with restshape.open(scene, strict=False) as sim:

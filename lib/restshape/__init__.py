@@ -19,7 +19,7 @@ ignore_files()
 
 OFFERED = {
     "errors": ("UserError",),
-    "interface.frames": ("Frame", "FrameMesh"),
+    "interface.shown_frame": ("ShownFrame", "ShownMesh"),
     "interface.hand": ("Hand",),
     "interface.scenes": ("changed", "load", "new_scene", "save_scene"),
     "interface.scripts": ("load_script", "new_script", "save_script"),

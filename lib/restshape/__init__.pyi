@@ -1,8 +1,6 @@
 """What `import restshape` offers; each name is imported where it is first used."""
 
 from restshape.errors import UserError as UserError
-from restshape.interface.frames import Frame as Frame
-from restshape.interface.frames import FrameMesh as FrameMesh
 from restshape.interface.hand import Hand as Hand
 from restshape.interface.scenes import changed as changed
 from restshape.interface.scenes import load as load
@@ -11,6 +9,8 @@ from restshape.interface.scenes import save_scene as save_scene
 from restshape.interface.scripts import load_script as load_script
 from restshape.interface.scripts import new_script as new_script
 from restshape.interface.scripts import save_script as save_script
+from restshape.interface.shown_frame import ShownFrame as ShownFrame
+from restshape.interface.shown_frame import ShownMesh as ShownMesh
 from restshape.interface.simulation import RefusedFrame as RefusedFrame
 from restshape.interface.simulation import Simulation as Simulation
 from restshape.interface.simulation import open as open

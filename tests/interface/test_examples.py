@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import restshape
-from restshape.interface.frames import LastAnswer
+from restshape.interface.shown_frame import LastAnswer
 
 APPS = Path(__file__).parents[2] / "apps"
 COARSE = {

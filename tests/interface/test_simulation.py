@@ -13,12 +13,12 @@ from restshape.interface.edits import Edits
 from restshape.scene.dart_event import DrawnDart
 from restshape.scene.edit_script import EVENTS
 
-PLATE = Path(__file__).parents[2] / "apps/solid/scenes/plate.toml"
+BRACKET = Path(__file__).parents[2] / "docs" / "examples" / "bracket.toml"
 
 
 @pytest.fixture(scope="module")
-def plate():
-    return restshape.load(PLATE, "mesh.size='150 mm'")
+def bracket():
+    return restshape.load(BRACKET, "mesh.size='30 mm'", "mesh.near.window='15 mm'")
 
 
 @pytest.mark.cli
@@ -49,19 +49,19 @@ def test_methods_have_the_keys_of_their_events(do):
     assert needed == required
 
 
-def test_arrays_are_those_of_the_frame_and_stay(plate):
-    with restshape.open(plate) as sim:
+def test_arrays_are_those_of_the_frame_and_stay(bracket):
+    with restshape.open(bracket) as sim:
         first, mesh, stress = sim.frame, sim.frame.mesh, sim.frame.von_mises
         points, values = mesh.points.copy(), stress.copy()
         with sim.press("window") as hand:
-            last = hand.to(0.6, 0.45)
+            last = hand.to(0.11, 0.06)
             assert last.index == 2 and hand.frame is last is sim.frame
         np.testing.assert_array_equal(mesh.points, points)
         np.testing.assert_array_equal(first.von_mises, values)
-        assert last.quantities.keys() == plate.quantities.keys()
+        assert last.quantities.keys() == bracket.quantities.keys()
         assert last.displacement.shape == last.mesh.points.shape != ()
         assert last.von_mises.shape == (len(last.mesh.points),)
-        assert last.quantities["peak_stress"] == pytest.approx(last.von_mises.max(), rel=0.5)
+        assert last.quantities["stress_at_window"] <= last.von_mises.max()
         assert np.abs(last.mesh.points - sim.frame.mesh.points).max() == 0.0 != np.ptp(last.mesh.points)
         with pytest.raises(restshape.UserError, match=r"no field 'heat'.*\n.*displacement"):
             last.field("heat")
@@ -76,8 +76,8 @@ def test_arrays_are_those_of_the_frame_and_stay(plate):
         sim.idle()
 
 
-def test_an_event_that_is_not_valid_leaves_all_as_it_is(plate):
-    with restshape.open(plate) as sim:
+def test_an_event_that_is_not_valid_leaves_all_as_it_is(bracket):
+    with restshape.open(bracket) as sim:
         before = sim.script.text
         for what, do, keys in (
             ("no event 'pres'", "pres", {"on": "window"}),
@@ -96,63 +96,63 @@ def test_an_event_that_is_not_valid_leaves_all_as_it_is(plate):
         assert [event.do for event in sim.script.events] == ["press", "release"]
 
 
-def test_a_refused_event_raises_with_its_frame_and_the_edit_goes_on(plate):
-    with restshape.open(plate) as sim:
+def test_a_refused_event_raises_with_its_frame_and_the_edit_goes_on(bracket):
+    with restshape.open(bracket) as sim:
         with pytest.raises(restshape.RefusedFrame, match="no entity named 'door'") as caught:
             sim.press("door")
         assert caught.value.frame.index == 1 and "frame 1, 'press' in line 2" in str(caught.value)
         with sim.press("window") as hand:
             with pytest.raises(restshape.RefusedFrame):
-                hand.to(0.5, 5.0, frames=2)
-            assert not hand.to(0.55, 0.5).refused
+                hand.to(0.1, 5.0, frames=2)
+            assert not hand.to(0.1, 0.06).refused
         script = sim.script
-    with restshape.open(plate, strict=False) as sim:
+    with restshape.open(bracket, strict=False) as sim:
         assert "no entity" in sim.do("press", on="door").refused
-    frames = list(restshape.replay(plate, script))
+    frames = list(restshape.replay(bracket, script))
     assert [bool(frame.refused) for frame in frames] == [False, True, True, False, True, True, False, False]
 
 
-def test_frames_that_nobody_asks_for_are_computed_all_the_same(plate):
-    with restshape.open(plate) as sim:
+def test_frames_that_nobody_asks_for_are_computed_all_the_same(bracket):
+    with restshape.open(bracket) as sim:
         one = next(iter(sim.each("scale", on="window", factor=1.2, frames=3)))
         assert one.index == 1
         assert sim.set("material.steel.thickness", "12 mm").index == 4
         quantities, script = sim.frame.quantities, sim.script
-    assert [frame.quantities for frame in restshape.replay(plate, script)][-1] == quantities
+    assert [frame.quantities for frame in restshape.replay(bracket, script)][-1] == quantities
 
 
-def test_two_simulations_and_an_analysis_on_demand(plate):
-    with restshape.open(plate) as sim, restshape.open(plate, analysis="on demand") as other:
+def test_two_simulations_and_an_analysis_on_demand(bracket):
+    with restshape.open(bracket) as sim, restshape.open(bracket, analysis="on demand") as other:
         with sim.press("window") as hand, other.press("window") as second:
-            places = np.array([[0.55, 0.5], [0.56, 0.5]])
+            places = np.array([[0.095, 0.062], [0.1, 0.062]])
             wanted = list(hand.along(places))[-1].quantities
-            assert np.isnan(second.to(0.56, 0.5).quantities["peak_stress"])
-            assert other.analyse().quantities["peak_stress"] == pytest.approx(wanted["peak_stress"], rel=1e-3)
+            assert np.isnan(second.to(0.1, 0.062).quantities["stress_at_window"])
+            assert other.analyse().quantities["stress_at_window"] == pytest.approx(wanted["stress_at_window"], rel=1e-3)
         assert '"analysis": "on demand"' in other.script.text
 
 
-def test_scenes_and_scripts_of_tables_are_those_of_files(plate, tmp_path):
-    restshape.save_scene(plate, tmp_path / "saved.toml")
+def test_scenes_and_scripts_of_tables_are_those_of_files(bracket, tmp_path):
+    restshape.save_scene(bracket, tmp_path / "saved.toml")
     again = restshape.load(tmp_path / "saved.toml")
-    assert again.model_dump() == plate.model_dump()
+    assert again.model_dump() == bracket.model_dump()
     with pytest.raises(restshape.UserError, match=r"already.*\n.*force=True"):
-        restshape.save_scene(plate, tmp_path / "saved.toml")
+        restshape.save_scene(bracket, tmp_path / "saved.toml")
     tables = again.raw | {"title": "of tables"}
-    made = restshape.new_scene(tables, PLATE)
-    assert made.title == "of tables" and made.folder == PLATE.parent
-    with pytest.raises(restshape.UserError, match=r"plate.toml: material.steel.E"):
-        restshape.new_scene(tables | {"material": {"steel": {"E": "12 kg"}}}, PLATE)
+    made = restshape.new_scene(tables, BRACKET)
+    assert made.title == "of tables" and made.folder == BRACKET.parent
+    with pytest.raises(restshape.UserError, match=r"bracket.toml: material.steel.E"):
+        restshape.new_scene(tables | {"material": {"steel": {"E": "12 kg"}}}, BRACKET)
     assert restshape.changed(made, "material.steel.E", "70 GPa").material["steel"].E == 70e9
-    script = restshape.new_script(plate, [{"do": "idle", "frames": 6}, {"do": "undo"}])
+    script = restshape.new_script(bracket, [{"do": "idle", "frames": 6}, {"do": "undo"}])
     assert [event.t for event in script.events] == [0.0, 0.1001] and script.frame_count == 8
     restshape.save_script(script, tmp_path / "saved.jsonl")
-    assert restshape.load_script(tmp_path / "saved.jsonl", plate).events == script.events
+    assert restshape.load_script(tmp_path / "saved.jsonl", bracket).events == script.events
     with pytest.raises(restshape.UserError, match="line 3: there is no event 'undoo'"):
-        restshape.new_script(plate, [{"do": "idle"}, {"do": "undoo"}])
+        restshape.new_script(bracket, [{"do": "idle"}, {"do": "undoo"}])
 
 
-def test_an_error_in_a_frame_closes_the_simulation(plate, monkeypatch):
-    with restshape.open(plate) as sim:
+def test_an_error_in_a_frame_closes_the_simulation(bracket, monkeypatch):
+    with restshape.open(bracket) as sim:
         sim.idle()
         monkeypatch.setattr(sim._replay, "_frame", lambda edit: 1 / 0)
         with pytest.raises(ZeroDivisionError):

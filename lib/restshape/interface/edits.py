@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from restshape.interface.hand import Hand, Length
 
 if TYPE_CHECKING:
-    from restshape.interface.frames import Frame
+    from restshape.interface.shown_frame import ShownFrame
 
 Point = Sequence[Length]
 """(2,) or (3,) [m]."""
@@ -26,7 +26,7 @@ class Edits:
     """
 
     @abstractmethod
-    def do(self, do: str, /, **keys: object) -> Frame:
+    def do(self, do: str, /, **keys: object) -> ShownFrame:
         """Carries out an event; its last frame."""
 
     @abstractmethod
@@ -62,33 +62,33 @@ class Edits:
 
     def smooth(
         self, on: str, strength: float | None = None, pins: Pins | None = None, frames: int | None = None
-    ) -> Frame:
+    ) -> ShownFrame:
         """A curve is faired; `strength`, between 0 and 1, is the share of a zigzag that goes away."""
         return self.do("smooth", on=on, strength=strength, pins=pins, frames=frames)
 
-    def rotate(self, on: str, by: Length, about: Point | None = None, frames: int | None = None) -> Frame:
+    def rotate(self, on: str, by: Length, about: Point | None = None, frames: int | None = None) -> ShownFrame:
         """An entity turns by an angle [rad] about a point."""
         return self.do("rotate", on=on, by=by, about=about, frames=frames)
 
-    def scale(self, on: str, factor: float, about: Point | None = None, frames: int | None = None) -> Frame:
+    def scale(self, on: str, factor: float, about: Point | None = None, frames: int | None = None) -> ShownFrame:
         """An entity grows by a factor about a point."""
         return self.do("scale", on=on, factor=factor, about=about, frames=frames)
 
-    def set(self, key: str, value: object, frames: int | None = None) -> Frame:
+    def set(self, key: str, value: object, frames: int | None = None) -> ShownFrame:
         """A key of the scene, such as "material.steel.thickness", gets a value as it would stand in its file."""
         return self.do("set", key=key, value=value, frames=frames)
 
-    def insert(self, on: str, name: str, at: Point | None = None, s: float | None = None) -> Frame:
+    def insert(self, on: str, name: str, at: Point | None = None, s: float | None = None) -> ShownFrame:
         """An edge gets a vertex, near a point or at a part 0 < s < 1 of its length."""
         return self.do("insert", on=on, name=name, at=at, s=s)
 
-    def delete(self, on: str) -> Frame:
+    def delete(self, on: str) -> ShownFrame:
         """A vertex, a hole, a region or a dart goes away."""
         return self.do("delete", on=on)
 
     def arc(
         self, on: str, through: Point | None = None, bulge: float | None = None, frames: int | None = None
-    ) -> Frame:
+    ) -> ShownFrame:
         """An edge becomes an arc, through a point or of a bulge tan(angle / 4)."""
         return self.do("arc", on=on, through=through, bulge=bulge, frames=frames)
 
@@ -98,26 +98,26 @@ class Edits:
         center: Point | None = None,
         radius: Length | None = None,
         polygon: Sequence[Point] | None = None,
-    ) -> Frame:
+    ) -> ShownFrame:
         """A new hole: a circle by centre and radius, or a polygon."""
         return self.do("hole", name=name, center=center, radius=radius, polygon=polygon)
 
-    def dart(self, name: str, width: Length, **keys: object) -> Frame:
+    def dart(self, name: str, width: Length, **keys: object) -> ShownFrame:
         """A dart is drawn in a cloth: `start` and `to`, or `edge`, say where; other keys as of ``[darts.NAME]``."""
         return self.do("dart", name=name, width=width, **keys)
 
-    def idle(self, frames: int = 1) -> Frame:
+    def idle(self, frames: int = 1) -> ShownFrame:
         """Nothing happens for some frames, in which bodies move on and cloth comes to rest."""
         return self.do("idle", frames=frames)
 
-    def analyse(self) -> Frame:
+    def analyse(self) -> ShownFrame:
         """One frame is analysed, also where the simulation was opened with analysis "on demand"."""
         return self.do("analyse")
 
-    def undo(self) -> Frame:
+    def undo(self) -> ShownFrame:
         """The last edit is taken back."""
         return self.do("undo")
 
-    def redo(self) -> Frame:
+    def redo(self) -> ShownFrame:
         """The last edit that was taken back is done again."""
         return self.do("redo")

@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self
 
 if TYPE_CHECKING:
-    from restshape.interface.frames import Frame
+    from restshape.interface.shown_frame import ShownFrame
 
 Length = float | str
 """A number of metres, or a text with a unit such as "12 mm"."""
@@ -19,12 +19,12 @@ class Doer(Protocol):
     @property
     def closed(self) -> bool: ...
     @property
-    def frame(self) -> Frame: ...
+    def frame(self) -> ShownFrame: ...
 
-    def do(self, do: str, /, **keys: object) -> Frame:
+    def do(self, do: str, /, **keys: object) -> ShownFrame:
         """Carries out an event; its last frame."""
 
-    def each(self, do: str, /, **keys: object) -> Iterator[Frame]:
+    def each(self, do: str, /, **keys: object) -> Iterator[ShownFrame]:
         """Carries out an event; each of its frames."""
 
 
@@ -38,11 +38,11 @@ class Hand:
         frame: the last one that it has made.
     """
 
-    def __init__(self, sim: Doer, frame: Frame) -> None:
+    def __init__(self, sim: Doer, frame: ShownFrame) -> None:
         self._sim, self._holds = sim, True
         self.frame = frame
 
-    def to(self, x: Length, y: Length, z: Length | None = None, frames: int | None = None) -> Frame:
+    def to(self, x: Length, y: Length, z: Length | None = None, frames: int | None = None) -> ShownFrame:
         """Moves to a point; the last frame of the motion.
 
         Args:
@@ -54,7 +54,7 @@ class Hand:
         """
         return self._took(self._sim.do("drag", to=[x, y] if z is None else [x, y, z], frames=frames))
 
-    def along(self, path: Sequence[Sequence[Length]], frames: int | None = None) -> Iterator[Frame]:
+    def along(self, path: Sequence[Sequence[Length]], frames: int | None = None) -> Iterator[ShownFrame]:
         """Moves along a path; each frame as soon as it is computed.
 
         Args:
@@ -65,22 +65,22 @@ class Hand:
         """
         return map(self._took, self._sim.each("drag", path=path, frames=frames))
 
-    def by(self, amount: Length, frames: int | None = None) -> Frame:
-        """Moves a number that it holds, such as a parameter of a part of furniture; errors as of `to`.
+    def by(self, amount: Length, frames: int | None = None) -> ShownFrame:
+        """Moves a number that it holds, such as a parameter of a part; errors as of `to`.
 
         Args:
             amount: [m] or [rad], or with a unit, from where the hand took hold; frames: of the motion; None: one.
         """
         return self._took(self._sim.do("drag", by=amount, frames=frames))
 
-    def release(self) -> Frame:
+    def release(self) -> ShownFrame:
         """Lets go; the frame after it. The last one before it can be read for as long as there is any use for it."""
         self._holds = False
         if self.frame is self._sim.frame:
             self.frame.keep()
         return self._took(self._sim.do("release"))
 
-    def _took(self, frame: Frame) -> Frame:
+    def _took(self, frame: ShownFrame) -> ShownFrame:
         self.frame = frame
         return frame
 

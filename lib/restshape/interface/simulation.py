@@ -13,9 +13,9 @@ from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.interface.edits import Edits
-from restshape.interface.frames import Frame, LastAnswer
 from restshape.interface.hand import Hand
 from restshape.interface.scripts import When, WrittenScript
+from restshape.interface.shown_frame import LastAnswer, ShownFrame
 from restshape.policy import policy as policy_named
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -35,7 +35,7 @@ class RefusedFrame(UserError):
         frame: the refused one.
     """
 
-    def __init__(self, frame: Frame) -> None:
+    def __init__(self, frame: ShownFrame) -> None:
         self.frame = frame
         place = f"frame {frame.index}, {frame.row['event']!r} in line {frame.row['line']} of the script"
         super().__init__(frame.refused, place)
@@ -53,7 +53,7 @@ class Simulation(Edits):
         policy: what is reused from frame to frame; None: as the scene says.
         guess: initial guess of iterative solves; None: the policy's best.
         predict: how frames of a drag are predicted.
-        strict: a refused event raises; else its frame says so in `Frame.refused`, and the program goes on.
+        strict: a refused event raises; else its frame says so in `ShownFrame.refused`, and the program goes on.
 
     Attributes:
         frame: the last one; closed: no event can come any more.
@@ -81,7 +81,7 @@ class Simulation(Edits):
 
     @property
     def scene(self) -> Scene:
-        """The scene with the values that hold now; the shape as it was edited is in `Frame.mesh`, not here."""
+        """The scene with the values that hold now; the shape as it was edited is in `ShownFrame.mesh`, not here."""
         return self._replay.session.scene
 
     @property
@@ -94,7 +94,7 @@ class Simulation(Edits):
         """Edit time [s] at which the next event begins, unless it has a `t` of its own: 60 frames are a second."""
         return self._written.t
 
-    def do(self, do: str, /, **keys: object) -> Frame:
+    def do(self, do: str, /, **keys: object) -> ShownFrame:
         """Carries out an event of edit scripts, also one that an application has of its own; its last frame.
 
         Args:
@@ -110,7 +110,7 @@ class Simulation(Edits):
             pass
         return self.frame
 
-    def each(self, do: str, /, **keys: object) -> Iterator[Frame]:
+    def each(self, do: str, /, **keys: object) -> Iterator[ShownFrame]:
         """Carries out an event; each of its frames as soon as it is computed.
 
         Those that nobody has asked for are computed before the next event, or when the simulation is closed.
@@ -123,7 +123,7 @@ class Simulation(Edits):
         self._rows = self._replay.answers(self._replay.session.frames_of(event))
         return self._frames()
 
-    def _frames(self) -> Iterator[Frame]:
+    def _frames(self) -> Iterator[ShownFrame]:
         """The frames that are left of the event."""
         try:
             for row in self._rows:
@@ -201,8 +201,8 @@ def replay(
     policy: str | None = None,
     guess: str | None = None,
     predict: Predict = "none",
-) -> Iterator[Frame]:
-    """The frames of a script, each as soon as it is computed; a refused one says so in `Frame.refused`.
+) -> Iterator[ShownFrame]:
+    """The frames of a script, each as soon as it is computed; a refused one says so in `ShownFrame.refused`.
 
     Args:
         scene: where it starts; script: its edits; None: the first shape alone.

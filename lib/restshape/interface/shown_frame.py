@@ -36,14 +36,14 @@ class LastAnswer:
     def __init__(self, replay: Replay) -> None:
         self.replay, self.count, self.closed = replay, 0, False
 
-    def frame(self, row: RowValues) -> Frame:
+    def frame(self, row: RowValues) -> ShownFrame:
         """The frame of a row, which is the last one from now on."""
         self.count += 1
-        return Frame(row, self)
+        return ShownFrame(row, self)
 
 
 @dataclass(frozen=True)
-class FrameMesh:
+class ShownMesh:
     """The mesh of a frame, in arrays of its own: they stay as they are when the edit goes on.
 
     Args:
@@ -57,7 +57,7 @@ class FrameMesh:
     cell_type: int
 
 
-class Frame:
+class ShownFrame:
     """One frame of an edit: its row, and the answer that it shows.
 
     The row and the quantities stay. Mesh and fields are read when they are first asked for, while the frame is the last
@@ -107,14 +107,14 @@ class Frame:
         return {name: np.array(field) for name, field in (in_cells | at_nodes).items()}
 
     @cached_property
-    def mesh(self) -> FrameMesh:
+    def mesh(self) -> ShownMesh:
         """Nodes and cells, which fields are of; copies.
 
         Raises:
             UserError: the frame is not the last one any more.
         """
         space = self._replay().solver.space
-        return FrameMesh(np.array(space.X), np.array(space.cells), CELL_TYPES[space.cells.shape[1]])
+        return ShownMesh(np.array(space.X), np.array(space.cells), CELL_TYPES[space.cells.shape[1]])
 
     @cached_property
     def scene(self) -> Scene:
