@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from restshape.scene.model import Scene
 
 
-def add_frame(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments that name a scene and a frame of it."""
+def add_frame(parser: argparse.ArgumentParser, done: str = "shown") -> None:
+    """Declare the arguments that name a scene and a frame of it, and say what is done with that frame."""
     parser.add_argument("scene", type=Path, metavar="SCENE", help="scene file (.toml) of a metallophone")
-    add_edits(parser, "edit script (.jsonl); what is shown is its last frame")
-    parser.add_argument("--frame", type=int, metavar="N", help="frame of the edits that is shown instead")
+    add_edits(parser, f"edit script (.jsonl); what is {done} is its last frame")
+    parser.add_argument("--frame", type=int, metavar="N", help=f"frame of the edits that is {done} instead")
     add_set(parser)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from restshape_apps.metallophone.rasping import command as rasping
+from restshape_apps.metallophone.stage import add_frame, metallophone
 
-from restshape.cli.options import add_json, add_set, print_table, read_scene, write_json
+from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import TunedFile
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("scene", type=Path, metavar="SCENE", help="scene file (.toml) of a metallophone")
+    add_frame(parser, "rasped, with --rasp,")
     parser.add_argument("--to", required=True, metavar="TONE", help="wanted tone of the first mode, such as C5")
     parser.add_argument("--overtones", metavar="RATIOS", help="wanted frequencies of bending modes, such as 1:4:10")
     parser.add_argument("--modes", metavar="RANKS", help="modes that are tuned, by rank, instead: such as 1:3:6")
@@ -30,7 +30,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--bound", action="append", default=[], metavar="KEY=LOW:HIGH", help=what)
     parser.add_argument("--out", type=TunedFile, metavar="FILE", help="the tuned scene (.toml)")
     rasping.arguments(parser)
-    add_set(parser)
     add_json(parser)
 
 
@@ -39,11 +38,12 @@ def run(args: argparse.Namespace) -> int:
     if args.scene.suffix.lower() in (".vtkhdf", ".h5", ".hdf"):
         what = "this is a recording: it has no scene that could be changed"
         raise UserError(what, str(args.scene), "name the scene that it was made from")
-    scene = read_scene(args)
-    if scene.app != "metallophone":
-        raise UserError(f"the scene is one of {scene.app!r}", str(args.scene), 'use a scene with app = "metallophone"')
+    scene = metallophone(args)
     if args.rasp:
         return rasping.run(scene, args)
+    if args.edits or args.frame is not None:
+        remedy = "write the scene of the frame (restshape export SCENE EDITS --frame N --as toml), and tune that"
+        raise UserError("what is tuned is a scene, no frame of edits", "EDITS" if args.edits else "--frame", remedy)
     if args.measured or args.keep or args.picture:
         option = "--measured" if args.measured else "--keep" if args.keep else "--picture"
         raise UserError(f"{option} is of a bar that is there, and rasped", option, "add --rasp, or leave it out")
@@ -58,11 +58,9 @@ def _tune(scene: Scene, args: argparse.Namespace) -> int:
     from restshape_apps.metallophone.tuning.tuning import tuned
     from restshape_apps.metallophone.tuning.wanted import wanted_tones
 
-    from restshape.analysis.settings import modal_settings
-    from restshape.application import application_of
-    from restshape.scene.plan import plan
+    from restshape.physics.elasticity.modal_effect import modal_keys
 
-    a4 = modal_settings(plan(scene, application_of(scene))).a4
+    a4 = modal_keys(scene).a4
     wanted = wanted_tones(args.to, args.overtones, a4)
     tuning = tuned(scene, wanted, args.by, args.bound, _ranks(args.modes))
     report = TuningReport(tuning, a4)

@@ -57,7 +57,7 @@ def run(scene: Scene, args: argparse.Namespace) -> int:
     from restshape.replay.first_frame import replayed_to
 
     target = frequency_of(args.to, modal_keys(scene).a4, "--to")
-    analysis = replayed_to(scene, None, None).analysis
+    analysis = replayed_to(scene, args.edits, args.frame).analysis
     measured = args.measured or float(analysis.frequencies[0])
     plan = rasping_plan(analysis, Wish(measured, target, tuple(args.keep), 1e-3 * args.most))
     print_plan(plan, args.to)

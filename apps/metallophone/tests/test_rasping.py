@@ -281,6 +281,31 @@ def test_command_writes_the_plan_and_its_picture(tmp_path, capsys):
     assert np.divide(plan["adjusted"], plan["model"]) == pytest.approx(plan["factor"])
 
 
+def test_a_frame_of_edits_is_rasped_as_its_shape_is(tmp_path, capsys):
+    """A bar dragged longer, beside a scene of that length."""
+    edits, found = tmp_path / "longer.jsonl", []
+    events = [
+        {"format": "restshape-edits", "version": 1, "units": "mm"},
+        {"t": 0.0, "do": "press", "on": "right", "at": [100, 15]},
+        {"t": 0.1, "do": "drag", "path": [[104, 15]], "frames": 2},
+        {"t": 0.3, "do": "release"},
+    ]
+    edits.write_text("".join(json.dumps(event) + "\n" for event in events))
+    own = [word for one in (*BAR, 'mesh.size="9 mm"') for word in ("--set", one)]
+    longer = ["--set", "shape.vertices.b=[0.104, 0]", "--set", "shape.vertices.c=[0.104, 0.03]"]
+    for words in ([str(edits)], longer, [str(edits), "--frame", "0"]):
+        out = tmp_path / "plan.json"
+        bar = str(SCENES / "bar_100.toml")
+        assert main(["tune", bar, *words, *own, "--to", "A6", "--rasp", "--json", str(out)]) == 0
+        found.append(json.loads(out.read_text())["model"])
+    # The meshes of both are not the same.
+    assert found[0][0] == pytest.approx(found[1][0], rel=2e-3) and found[2][0] / found[0][0] == pytest.approx(
+        1.04**2, rel=0.01
+    )
+    assert main(["tune", bar, str(edits), *own, "--to", "A6"]) == 2
+    assert "no frame of edits" in capsys.readouterr().err
+
+
 def test_rates_underneath(tmp_path, capsys):
     out, settings = tmp_path / "rates.json", [word for override in BAR for word in ("--set", override)]
     bar = str(SCENES / "bar_100.toml")
@@ -310,7 +335,9 @@ def test_bad_input_is_refused(words, message, capsys):
 
 
 def test_freedoms_that_add_material_are_refused():
-    arguments = argparse.Namespace(by=["shape.vertices.fork"], measured=506.0, most=2.0, keep=[], to="C5", picture=None)
+    arguments = argparse.Namespace(
+        by=["shape.vertices.fork"], measured=506.0, most=2.0, keep=[], to="C5", picture=None, edits=None, frame=None
+    )
     with pytest.raises(UserError, match="takes material off"):
         command.run(modes_of("fish", *FISH).state.scene, arguments)
 
