@@ -50,6 +50,34 @@ def test_weights_say_which_modes_are_spared():
     assert ring.losses[2] < 1e-3 < middle.losses[2] and middle.losses[1] < ring.losses[1]
 
 
+@pytest.mark.parametrize(
+    ("scene", "overrides", "mode"),
+    [
+        ("disc.toml", ("supports={}", "mesh.size=0.25", "effects.modal.model=solid", "mesh.order=1"), 1),
+        ("square.toml", ("mesh.size=2",), 4),
+    ],
+)
+def test_a_pair_that_a_coarse_mesh_parts_is_one(scene, overrides, mode):
+    analysis = first_frame(SCENES / scene, overrides).analysis
+    values = analysis.state.modes.values
+    assert values[mode] / values[mode - 1] > 1.005
+    why = hanging_of(analysis.state, Hanging(mode=mode)).why
+    assert "2 modes" in why and "as far as this mesh shows" in why
+
+
+def test_modes_that_a_shape_parts_are_none():
+    """Lengths that differ by 0.5 % part the pair of a square by 0.7 %, twice what this mesh errs by."""
+    sides = ("shape.vertices.b=[10.05,0]", "shape.vertices.c=[10.05,10]")
+    state = first_frame(SCENES / "square.toml", ["mesh.size=0.6", "effects.modal.modes=5", *sides]).analysis.state
+    assert state.modes.values[4] / state.modes.values[3] < 1.01 and hanging_of(state, Hanging(mode=4)).found
+
+
+def test_what_supports_hold_is_not_hung():
+    """A clamped disc is still along its rim, which is no nodal line."""
+    found = hanging_points(first_frame(SCENES / "disc.toml", ["mesh.size=0.3"]).analysis)
+    assert found.why == "what supports hold is not hung" and np.isnan(found.places).all()
+
+
 def test_a_named_pair_is_judged_by_points_and_by_rims():
     found = hanging_of(bar(CORDS).state, Hanging(at=("nose", "tail")))
     np.testing.assert_allclose(found.places, [[0.045, 0.02], [0.155, 0.02]], atol=1e-5)

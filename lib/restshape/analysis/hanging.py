@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.algebra.clusters import clusters
+from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.hanging_columns import NOTE, PLACES, loss_columns
 from restshape.analysis.line_minimum import line_minimum
+from restshape.analysis.mesh_pairs import coinciding
 from restshape.analysis.modal_state import ModalState, Modes
 from restshape.analysis.nodal_lines import inside, linear_triangles, nodal_lines
 from restshape.analysis.pair_choice import best_pair, hold
@@ -93,6 +94,8 @@ def hanging_of(state: ModalState, asked: HangingSettings) -> HangingPoints:
     motion = _Motion(state)
     if asked.at:
         return _judged(motion, asked)
+    if state.scene.supports:
+        return _nothing(motion, "what supports hold is not hung")
     why = f"mode {asked.mode} is none of those found" if rank is None else motion.not_fixed(int(rank), asked.mode)
     return _nothing(motion, why) if why or rank is None else _best(motion, int(rank), asked)
 
@@ -126,8 +129,8 @@ class _Motion:
         if state.predicted:
             body.follow(np.empty(0, dtype=np.int32))
         self.state, self.X, self.body = state, body.plane.X, body
-        known = modes.values[: max(int(modes.chosen.max()) + 1, state.count)]
-        self.groups = [next(g for g in clusters(known) if k in g) for k in modes.chosen]
+        known = coinciding(state, min(max(int(modes.chosen.max()) + 1, state.count), len(modes.values)))
+        self.groups = [next(group for group in known if k in group) for k in modes.chosen]
         needed = np.unique(np.concatenate(self.groups))
         self.shapes = body.shapes(modes.vectors[needed])
         self.average = np.array([np.isin(needed, group) / len(group) for group in self.groups])
@@ -156,7 +159,9 @@ class _Motion:
         shape, group = self.shapes[self.own[rank]], self.groups[rank]
         if len(group) > 1:
             f = self.state.frequencies[rank]
-            return f"lines not fixed: {len(group)} modes at {f:.4g} Hz, and so any mix of them"
+            apart = np.ptp(self.state.modes.values[group]) > CLUSTER * self.state.modes.values[rank]
+            within = ", as far as this mesh shows" if apart else ""
+            return f"lines not fixed: {len(group)} modes at {f:.4g} Hz{within}, and so any mix of them"
         energy = (shape**2).sum(axis=0)
         return "" if energy[2] >= OUT_OF_PLANE * energy.sum() else f"mode {number} moves in the plane"
 
