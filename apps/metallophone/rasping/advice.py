@@ -95,7 +95,7 @@ def same_depth(aim: Aim, name: str, places: list[Place]) -> Way | None:
         name: of the way.
         places: that move the tone the wanted way.
     """
-    wanted, limit = float(aim.wanted[0]), min(place.limit for place in places)
+    wanted, limit = float(aim.wanted[0]), aim.bar.most_alike(places)
     rate = float(aim.rates(places)[0].sum())
     if rate * wanted <= 0.0 or HOPE * rate * limit / wanted < 1.0:
         return None

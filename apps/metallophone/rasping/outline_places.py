@@ -18,6 +18,8 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.quality import areas
 from restshape.sensitivity.outline_density import OutlineDensity
 
+AROUND = "whole outline"
+"""What its stretches are part of."""
 SMOOTH = 0.9
 """Cosine of the angle between two edges beyond which their joint is no corner that a rasp would go over."""
 LEAST_AREA = 0.35
@@ -39,6 +41,33 @@ def outline_places(analysis: ModalAnalysis, densities: Densities, most: float) -
         if free[nodes].any():
             found += _on_edge(analysis, edge, nodes, densities, most)
     return found
+
+
+def all_around(analysis: ModalAnalysis, densities: Densities, most: float) -> list[Place]:
+    """The whole outline without its holes, the same depth everywhere; none where a support holds some of it.
+
+    Args:
+        analysis: solved on the mesh as it lies.
+        densities: of the modes whose cents are wanted.
+        most: largest depth [m].
+    """
+    mesh, constrained = analysis.state.space.mesh, constrained_corners(analysis)
+    chains = {edge: edge_nodes(mesh, edge) for edge in outer_edges(mesh, ("outline",))}
+    if not chains or any(constrained[nodes].any() for nodes in chains.values()):
+        return []
+    moved = boundary_motion(mesh, {edge: np.ones(len(nodes)) for edge, nodes in chains.items()})
+    motion, thickness = followed_inside(mesh, moved), corner_thickness(analysis)
+    lengths = {edge: np.diff(lengths_along(mesh, nodes)) for edge, nodes in chains.items()}
+    volume = sum(
+        float(lengths[edge] @ (thickness[nodes][1:] + thickness[nodes][:-1])) / 2.0 for edge, nodes in chains.items()
+    )
+    cents = CENTS * np.array([_along(moved, one) for one in densities.outline]) / analysis.frequencies[densities.ranks]
+    first = next(iter(chains.values()))
+    middle = first[len(first) // 2]
+    mark = np.array([mesh.X[middle], -moved[middle] / np.linalg.norm(moved[middle])])
+    ends, length = mesh.X[first[[0, 0]]], float(sum(own.sum() for own in lengths.values()))
+    limit, none = largest_depth(mesh, motion, most), np.zeros(len(mesh.X))
+    return [Place(AROUND, False, ends, mark, length, "even", motion, none, volume, cents, limit)] if limit else []
 
 
 def constrained_corners(analysis: ModalAnalysis) -> np.ndarray:

@@ -45,12 +45,21 @@ class Place:
 
     @property
     def words(self) -> str:
-        """Where it is."""
+        """Where it is; of what is closed without ends."""
+        if self.closed:
+            return self.where
         return "{}, ({}) to ({}) mm".format(self.where, *self.ends_in_millimetres)
 
     @property
+    def closed(self) -> bool:
+        """Whether it ends where it begins."""
+        return bool((self.ends[0] == self.ends[1]).all())
+
+    @property
     def ends_in_millimetres(self) -> list[str]:
-        """Both ends, for people."""
+        """Both ends, for people; none of what is closed."""
+        if self.closed:
+            return ["", ""]
         return [f"{x:.0f}, {y:.0f}" for x, y in np.round(1e3 * self.ends) + 0.0]
 
 
@@ -96,13 +105,18 @@ def profile_words(over: tuple[bool, bool]) -> str:
 
 
 def worth_it(places: list[Place]) -> list[Place]:
-    """The places that do something beside others of their face, the strongest first."""
+    """The places that do something beside others of their face."""
     kept = []
     for underneath in (False, True):
         own = [place for place in places if place.underneath == underneath]
         most = max((abs(float(place.cents[0])) for place in own), default=0.0)
         kept += [place for place in own if abs(float(place.cents[0])) >= NEGLIGIBLE * most and place.limit > 0.0]
-    return sorted(kept, key=lambda place: -abs(float(place.cents[0])))
+    return kept
+
+
+def strongest_first(places: list[Place]) -> list[Place]:
+    """The places, those first that move the first tone the most."""
+    return sorted(places, key=lambda place: -abs(float(place.cents[0])))
 
 
 def alike(places: list[Place]) -> list[list[Place]]:

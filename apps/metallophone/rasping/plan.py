@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from restshape_apps.metallophone.rasping.advice import REACHED, Aim, Way, least_material, same_depth
 from restshape_apps.metallophone.rasping.densities import Densities, densities_of
-from restshape_apps.metallophone.rasping.outline_places import outline_places
-from restshape_apps.metallophone.rasping.places import Place, alike, worth_it
+from restshape_apps.metallophone.rasping.outline_places import AROUND, all_around, outline_places
+from restshape_apps.metallophone.rasping.places import Place, alike, strongest_first, worth_it
 from restshape_apps.metallophone.rasping.rasped_bar import RaspedBar
 from restshape_apps.metallophone.rasping.tolerances import Tolerances, tolerances
 from restshape_apps.metallophone.rasping.underneath_places import WHOLE, underneath_places
@@ -54,6 +54,7 @@ class RaspingPlan:
         densities: of these modes.
         places: the strongest first; ways: those that reach the tone, the least material first.
         nearest: the nearest that the limits allow, where no way reaches the tone.
+        left_out: ways off all of a face that the limits keep from the tone, in words.
         tolerances: of the bar.
         solves: how many there were.
     """
@@ -66,6 +67,7 @@ class RaspingPlan:
     places: list[Place]
     ways: list[Way]
     nearest: Way | None
+    left_out: list[str]
     tolerances: Tolerances
     solves: int
 
@@ -100,15 +102,17 @@ def rasping_plan(analysis: ModalAnalysis, wish: Wish) -> RaspingPlan:
     ranks = _ranks(analysis, wish.keep)
     densities = densities_of(analysis, ranks)
     places = worth_it([*outline_places(analysis, densities, wish.most), *underneath_places(analysis, densities)])
+    places = strongest_first([*places, *all_around(analysis, densities, wish.most)])
     found = tolerances(analysis)
     wanted = np.array([wish.cents, *np.zeros(len(wish.keep))])
+    left_out: list[str] = []
     with RaspedBar(analysis, ranks) as bar:
-        ways = _ways(Aim(bar, f[ranks], wanted), places) if abs(wish.cents) > REACHED else []
+        ways = _ways(Aim(bar, f[ranks], wanted), places, left_out) if abs(wish.cents) > REACHED else []
     reached = sorted((way for way in ways if way.reached(len(wish.keep))), key=lambda way: way.volume)
     kept = 1 + len(wish.keep)
     nearest = min(ways, key=lambda way: float(np.abs(way.off[:kept]).max()), default=None) if not reached else None
     factor = wish.measured / float(f[0])
-    return RaspingPlan(wish, f, factor, ranks, densities, places, reached, nearest, found, bar.solves)
+    return RaspingPlan(wish, f, factor, ranks, densities, places, reached, nearest, left_out, found, bar.solves)
 
 
 def _ranks(analysis: ModalAnalysis, keep: tuple[int, ...]) -> list[int]:
@@ -133,21 +137,46 @@ def _ranks(analysis: ModalAnalysis, keep: tuple[int, ...]) -> list[int]:
     return [*ranks, *([1] if count > 1 and alone[1] and 1 not in ranks else [])]
 
 
-def _ways(aim: Aim, places: list[Place]) -> list[Way]:
-    """Ways to the tone: each place alone, all of one face alike, and what takes the least material."""
+def _ways(aim: Aim, places: list[Place], left_out: list[str]) -> list[Way]:
+    """Ways to the tone: each place alone, all of one face alike, and what takes the least material.
+
+    Args:
+        aim: of them.
+        places: that may be rasped.
+        left_out: gets those of a whole face that the limits keep from the tone, in words.
+    """
     up = aim.wanted[0] > 0.0
     right = [place for place in places if (place.cents[0] > 0.0) == up]
+    parts = [place for place in (right if len(aim.wanted) == 1 else places) if place.where != AROUND]
     found: list[Way | None] = []
     if len(aim.wanted) == 1:
-        found += [same_depth(aim, _words(group), group) for group in alike(right)]
-        for underneath, name in ((False, "all along the outline, alike"), (True, "all strips underneath, alike")):
-            together = [place for place in right if place.underneath == underneath and place.where != WHOLE]
-            if len(alike(together)) > 1:
-                found.append(same_depth(aim, name, together))
+        found += [same_depth(aim, _words(group), group) for group in alike(parts)]
+        for name, together in _faces(right, "raise" if up else "lower"):
+            found.append(same_depth(aim, name, together))
+            if found[-1] is None:
+                left_out.append(_why(aim, name, together))
     name = "least material" if len(aim.wanted) == 1 else "least material, ratios kept"
     if len(aim.wanted) > 1 or not any(way is not None and way.reached(0) for way in found):
-        found.append(least_material(aim, name, right if len(aim.wanted) == 1 else places))
+        found.append(least_material(aim, name, parts))
     return [way for way in found if way is not None]
+
+
+def _faces(right: list[Place], verb: str) -> list[tuple[str, list[Place]]]:
+    """What is rasped with one depth beside single places and those that mirror each other, with its name."""
+    whole = [place for place in right if place.where == AROUND]
+    found = [(AROUND, whole)] if whole else []
+    for underneath, name in ((False, "all stretches of the outline"), (True, "all strips underneath")):
+        parts = [one for one in right if one.underneath == underneath and one.where not in (WHOLE, AROUND)]
+        if len(alike(parts)) > 1:
+            found.append((f"{name} that {verb} it, alike", parts))
+    return found
+
+
+def _why(aim: Aim, name: str, places: list[Place]) -> str:
+    """Why the same depth off places does not lead to the tone."""
+    most, rate = aim.bar.most_alike(places), float(aim.rates(places)[0].sum())
+    by = "as deep as the mesh shows" if most < 0.999 * min(place.limit for place in places) else "the limit"
+    return f"{name}: {1e3 * most:.2f} mm, {by}, is {rate * most:+.1f} cents by derivatives"
 
 
 def _words(group: list[Place]) -> str:

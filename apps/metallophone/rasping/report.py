@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from restshape_apps.metallophone.rasping.advice import REACHED
 from restshape_apps.metallophone.rasping.tolerances import TENTH, print_tolerances
 
 from restshape.cli.options import print_table
@@ -29,10 +30,25 @@ def print_plan(plan: RaspingPlan, tone: str) -> None:
     elif plan.ways:
         _print_ways(plan, plan.ways, f"ways to {tone}: each is solved for on the rasped bar")
     else:
-        print(f"no rasping within the limits of depth leads to {tone}")
+        print(out_of_reach(plan, tone))
         if plan.nearest is not None:
             _print_ways(plan, [plan.nearest], "the nearest to it")
+    for words in plan.left_out:
+        print(f"not enough: {words}")
     print_tolerances(plan.tolerances)
+
+
+def out_of_reach(plan: RaspingPlan, tone: str) -> str:
+    """What no rasping within the limits does, in words: the tone, or ratios to be kept with it."""
+    near = plan.nearest
+    if near is None or not near.reached(0):
+        return f"no rasping within the limits of depth leads to {tone}"
+    moved = [
+        f"the ratio of mode {mode} by {off:+.1f} cents"
+        for mode, off in zip(dict.fromkeys(plan.wish.keep), near.off[1:])
+        if abs(off) > REACHED
+    ]
+    return f"rasping within the limits of depth leads to {tone}, but moves {' and '.join(moved)}"
 
 
 def directions(plan: RaspingPlan) -> list[str]:
@@ -70,6 +86,7 @@ def plan_as_json(plan: RaspingPlan, tone: str) -> dict[str, Any]:
         "reached": plan.in_tune or bool(plan.ways),
         "only": directions(plan),
         "places": [_place_as_json(place) for place in plan.places],
+        "left_out": plan.left_out,
         "ways": [_way_as_json(way) for way in plan.ways],
         "nearest": None if plan.nearest is None else _way_as_json(plan.nearest),
         "tolerances": plan.tolerances.as_json(),
@@ -126,7 +143,7 @@ def _print_ways(plan: RaspingPlan, ways: list[Way], title: str) -> None:
         depths = [f"{1e3 * depth:.2f}" for depth in way.depths]
         numbers = (f"{1e9 * way.volume:.0f}", f"{way.linear[0]:+.1f}", f"{way.solved[0]:+.1f}", f"{way.off[0]:+.2f}")
         rows.append((way.name, depths[0] if alike else "", *numbers, *(f"{own:+.1f}" for own in way.solved[1:])))
-        if not alike:
+        if len(way.places) > 1:
             blank = [""] * (len(heads) - 2)
-            rows += [(f"  {place.words}", depth, *blank) for place, depth in zip(way.places, depths)]
+            rows += [(f"  {place.words}, {place.profile}", depth, *blank) for place, depth in zip(way.places, depths)]
     print_table(title, heads, rows, right=heads[1:])

@@ -10,10 +10,11 @@ from restshape_apps.metallophone import application
 from restshape_apps.metallophone.rasping import command
 from restshape_apps.metallophone.rasping import plan as plan_module
 from restshape_apps.metallophone.rasping.outline_motion import boundary_motion, edge_nodes, followed_inside, on_plane
+from restshape_apps.metallophone.rasping.outline_places import AROUND
 from restshape_apps.metallophone.rasping.places import Place, alike, profile, stretches
 from restshape_apps.metallophone.rasping.plan import Wish, rasping_plan
 from restshape_apps.metallophone.rasping.rasped_bar import RaspedBar
-from restshape_apps.metallophone.rasping.report import directions, plan_as_json
+from restshape_apps.metallophone.rasping.report import directions, out_of_reach, plan_as_json
 from restshape_apps.metallophone.rasping.tolerances import CENTS, tolerances
 
 from restshape.analysis.modal_comparison import cold_frequencies
@@ -106,6 +107,27 @@ def test_strip_underneath_is_that_formula_of_the_thickness():
     assert cents(thinner.frequencies[0], f[0]) == pytest.approx(strip.solved[0], abs=0.01)
 
 
+def test_the_whole_outline_does_what_kerf_does_and_together_less_comes_off_than_alone():
+    analysis = modes_of("fish", *FISH)
+    f = float(analysis.frequencies[0])
+    plan = rasping_plan(analysis, Wish(f, 1.02 * f))
+    whole = next(place for place in plan.places if place.where == AROUND)
+    assert 1e-4 * whole.cents[0] == pytest.approx(plan.tolerances.kerf[0], rel=1e-6)
+    parts = [place for place in plan.places if not place.underneath and place.where != AROUND]
+    with RaspedBar(analysis, [0]) as bar:
+        most = bar.most_alike(parts)
+        assert 0.0 < most <= min(place.limit for place in parts)
+        assert bar.frequencies(parts, np.full(len(parts), most))[0] > 0.0
+
+
+def test_a_tone_whose_ratio_moves_counts_as_met():
+    plan = rasping_plan(modes_of("fish", *FISH), Wish(540.0, frequency_of("C6"), most=2e-4))
+    assert "no rasping within the limits of depth leads to C6" in out_of_reach(plan, "C6")
+    there = replace(plan.nearest, off=np.array([0.06, 15.9]))
+    kept = replace(plan, wish=replace(plan.wish, keep=(3,)), nearest=there)
+    assert out_of_reach(kept, "C6").endswith("leads to C6, but moves the ratio of mode 3 by +15.9 cents")
+
+
 def test_ratios_that_are_to_stay_do():
     analysis = modes_of("fish", *FISH)
     plan = rasping_plan(analysis, Wish(506.0, frequency_of("C5"), keep=(2,)))
@@ -193,7 +215,7 @@ def test_out_of_reach_has_the_nearest_at_its_limits():
     assert not plan.ways and plan.nearest is not None and plan.nearest.off[0] < -100.0
     limits = [place.limit for place in plan.nearest.places]
     assert plan.nearest.depths == pytest.approx(limits, rel=1e-6)
-    right = [place for place in plan.places if place.cents[0] > 0.0]
+    right = [place for place in plan.places if place.cents[0] > 0.0 and place.where != AROUND]
     assert len(plan.nearest.places) == len(right)
 
 
@@ -276,7 +298,11 @@ def test_command_writes_the_plan_and_its_picture(tmp_path, capsys):
     words = ["tune", str(SCENES / "fish.toml"), "--to", "C5", "--measured", "506", "--rasp", *settings]
     assert main([*words, "--json", str(out), "--picture", str(picture)]) == 0
     printed, plan = capsys.readouterr().out, json.loads(out.read_text())
-    assert "+58.0 cents" in printed and "all along the outline" in printed and picture.stat().st_size > 10_000
+    assert (
+        "+58.0 cents" in printed
+        and "all stretches of the outline that raise it" in printed
+        and picture.stat().st_size > 10_000
+    )
     assert plan["reached"] and abs(plan["ways"][0]["off"][0]) <= 0.5
     assert np.divide(plan["adjusted"], plan["model"]) == pytest.approx(plan["factor"])
 
