@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from restshape_apps.metallophone import application
 
+from restshape.analysis.border_distance import BorderDistance
 from restshape.analysis.hanging import Hanging, hanging_of, hanging_points
+from restshape.analysis.nodal_lines import linear_triangles
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.replay.first_frame import first_frame
@@ -95,6 +97,28 @@ def test_a_bar_is_not_hung_closer_than_asked():
     assert np.hypot(*(far.places[1] - far.places[0])) >= 0.112
     none = hanging_of(made.state, Hanging(apart=1.0))
     assert not none.found and "centre of mass between" in none.why and np.isnan(none.places).all()
+
+
+def test_places_keep_a_margin_from_the_border():
+    """A bar with a slit is hung at the rim of the slit; with a margin no nearer to any side than that."""
+    slit = "shape.holes={slit={polygon=[[0.03,0.012],[0.06,0.012],[0.06,0.018],[0.03,0.018]]}}"
+    state = bar(slit).state
+    triangles = linear_triangles(state.body.plane.cells)
+    border = BorderDistance(state.body.plane.X, triangles)
+    free, kept = (hanging_of(state, Hanging(margin=margin)) for margin in (0.0, 4e-3))
+    assert border(free.places).min() < 2e-3 < 4e-3 * (1.0 - 1e-9) <= border(kept.places).min() < 6e-3
+    # Still on the lines of mode 1, at a place that takes more from the others.
+    assert kept.losses[0] < 1e-3 and kept.losses.sum() > free.losses.sum()
+    assert "20 mm off the border" in hanging_of(state, Hanging(margin=0.02)).why
+
+
+def test_distances_from_a_border_are_those_of_a_square():
+    X = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]])
+    border = BorderDistance(X, np.array([[k, (k + 1) % 4, 4] for k in range(4)]))
+    np.testing.assert_allclose(border(np.array([[0.5, 0.5], [0.2, 0.7], [1.0, 0.3]])), [0.5, 0.2, 0.0], atol=1e-15)
+    at = np.array([[[0.0, 0.5], [0.5, 0.5]], [[0.5, 0.5], [0.5, 1.0]], [[0.0, 0.1], [0.1, 0.1]]])
+    found = border.kept(at, np.array([0.2, 0.3, 0.5]), 0.25)
+    np.testing.assert_allclose(found, [0.5, 0.3, np.nan], atol=1e-9)
 
 
 DRAGGED = (

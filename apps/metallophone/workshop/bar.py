@@ -13,7 +13,7 @@ from restshape_apps.metallophone.sounding.place import mode_shapes, on_plate, st
 from restshape.analysis.hanging import Hanging, HangingPoints, hanging_of
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.pitch import cents_between, frequency_of, note
-from restshape.analysis.settings import modal_settings
+from restshape.analysis.settings import HangingSettings, modal_settings
 from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.export.cut_drawing import tables_with_circles
@@ -29,6 +29,8 @@ SAMPLES = 97
 """Places between the hanging points that are looked at."""
 FAINT = 0.2
 """Share of the largest deflection of a bar below which a place is still."""
+WALL = 1.0
+"""Distance of a hole for the cord from the border, from its middle on, over its diameter."""
 ALMOST = 0.9
 """Share of the largest deflection from which on a place counts as near it."""
 
@@ -108,7 +110,7 @@ def bar_of(frame: EditedFrame, args: argparse.Namespace) -> Bar:
     """
     analysis = _solved(frame, {})
     asked = modal_settings(analysis.state.plan).hanging
-    hanging = hanging_of(analysis.state, asked or Hanging())
+    hanging = hanging_of(analysis.state, _room(asked or Hanging(), args.cord))
     holes = _holes(hanging, args.cord, bool(asked and asked.at)) if args.cord else {}
     undrilled = analysis.frequencies.copy()
     if holes:
@@ -122,6 +124,12 @@ def bar_of(frame: EditedFrame, args: argparse.Namespace) -> Bar:
     asked_for = args.to or _named_tone(frame)
     target = asked_for or note(float(analysis.frequencies[0]), a4)[0]
     return Bar(frame, analysis, hanging, holes, undrilled, target, bool(asked_for))
+
+
+def _room(asked: HangingSettings, diameter: float) -> Hanging:
+    """What is asked of hanging points, with room for holes: half a diameter of material stays beside each."""
+    margin = max(asked.margin, WALL * diameter)
+    return Hanging(asked.weights, asked.mode, asked.at, asked.apart, margin)
 
 
 def _named_tone(frame: EditedFrame) -> str:
@@ -141,7 +149,8 @@ def _holes(hanging: HangingPoints, diameter: float, judged: bool) -> Holes:
         what = "the scene names the places at which the bar is hung"
         raise UserError(what, "--cord", "draw the holes in the scene, or leave effects.modal.hanging.at out")
     if not hanging.found:
-        raise UserError(f"no place to hang the bar is fixed: {hanging.why}", "--cord", "leave it out")
+        what = f"no place to hang the bar is fixed: {hanging.why}"
+        raise UserError(what, "--cord", "give a smaller diameter, or leave it out")
     return {f"hang_{k}": (place, 0.5 * diameter) for k, place in enumerate(hanging.places, 1)}
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.algebra.clusters import CLUSTER
+from restshape.analysis.border_distance import BorderDistance
 from restshape.analysis.hanging_columns import NOTE, PLACES, loss_columns
 from restshape.analysis.line_minimum import line_minimum
 from restshape.analysis.mesh_pairs import coinciding
@@ -38,12 +39,14 @@ class Hanging:
         mode: id of the mode on whose nodal lines they lie.
         at: names of two points or holes that are judged in place of it; empty: the best are found.
         apart: [m] that they are at least from each other; None: the radius of gyration.
+        margin: [m] that each is at least from the outline and from holes.
     """
 
     weights: Sequence[float] = ()
     mode: int = 1
     at: Sequence[str] = ()
     apart: float | None = None
+    margin: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,11 +193,13 @@ def _judged(motion: _Motion, asked: HangingSettings) -> HangingPoints:
 
 def _best(motion: _Motion, rank: int, asked: HangingSettings) -> HangingPoints:
     """The best two places on the nodal lines of a mode by its rank."""
-    on_lines = _OnLines(motion, int(motion.own[rank]), _by_rank(asked.weights, motion.modes) @ motion.average)
+    weights = _by_rank(asked.weights, motion.modes) @ motion.average
+    on_lines = _OnLines(motion, int(motion.own[rank]), weights, asked.margin)
     apart = motion.gyration if asked.apart is None else asked.apart
     pair = best_pair(on_lines.away, on_lines.cost, apart, LEVEL / motion.gyration**2)
     if pair is None:
-        which = f"no two places on the lines of mode {asked.mode}, {si(apart, 'm')} apart or more,"
+        inside = f", {si(asked.margin, 'm')} off the border" if asked.margin else ""
+        which = f"no two places on the lines of mode {asked.mode}, {si(apart, 'm')} apart or more{inside},"
         return _nothing(motion, f"{which} have the centre of mass between them")
     found = [on_lines.smooth(k) for k in pair]
     if not hold(found[0][0] - motion.centre, found[1][0] - motion.centre, apart):
@@ -210,14 +215,21 @@ class _OnLines:
     Args:
         motion: of the body.
         own: index of the mode among those whose displacements are known; weights: (needed,) of these.
+        margin: [m] that places keep from the border.
     """
 
-    def __init__(self, motion: _Motion, own: int, weights: np.ndarray) -> None:
-        self.motion, self.own, self.weights = motion, own, weights
+    def __init__(self, motion: _Motion, own: int, weights: np.ndarray, margin: float) -> None:
+        self.motion, self.own, self.weights, self.margin = motion, own, weights, margin
         self.triangles = linear_triangles(motion.body.plane.cells)
+        self.border = BorderDistance(motion.X, self.triangles)
         self.lines = nodal_lines(self.triangles, motion.shapes[own, :, 2])
         ends, at = self.lines.ends(np.moveaxis(motion.shapes, 0, 1)), self.lines.ends(motion.X)
         share = _stillest(weights, ends)
+        if margin:
+            share = self.border.kept(at, share, margin)
+            fits = np.isfinite(share)
+            self.lines = self.lines.those(fits)
+            share, ends, at = share[fits], ends[fits], at[fits]
         self.places = at[:, 0] + share[:, None] * (at[:, 1] - at[:, 0])
         self.moved = ends[:, 0] + share[:, None, None] * (ends[:, 1] - ends[:, 0])
         self.away = self.places - motion.centre
@@ -239,6 +251,8 @@ class _OnLines:
         spread = SPREAD / (motion.mass * motion.gyration**2)
         least = line_minimum(patch, 3 * self.own + 2, np.append(np.repeat(self.weights, 3), [spread, spread]))
         if least is None or not inside(motion.X[self.triangles], least):
+            return self.linear(segment)
+        if self.margin and self.border(least[None])[0] < self.margin:
             return self.linear(segment)
         return least, patch.values(least)[0][: 3 * count].reshape(count, 3)
 

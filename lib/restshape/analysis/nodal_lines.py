@@ -29,6 +29,10 @@ class NodalLines:
     sides: np.ndarray
     shares: np.ndarray
 
+    def those(self, chosen: np.ndarray) -> NodalLines:
+        """The segments of a mask (m,) alone."""
+        return NodalLines(self.sides[chosen], self.shares[chosen])
+
     def ends(self, field: np.ndarray) -> np.ndarray:
         """The values (m, 2, ...) of a field (n, ...) of the nodes at both ends of each segment."""
         shares = self.shares.reshape(*self.shares.shape, *(1,) * (field.ndim - 1))

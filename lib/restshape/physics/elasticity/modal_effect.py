@@ -35,6 +35,7 @@ class HangingKeys(Strict):
         mode: the one on whose nodal lines the places lie: the one that had this rank at the start.
         at: names of two points of ``[shape.points]``, or of holes, that are judged instead; of a hole its rim is.
         apart: the least distance between the two; left out, the radius of gyration.
+        margin: the least distance of each from the outline and from holes, as drilling needs it.
     """
 
     model_config = ConfigDict(title="Hanging")
@@ -42,6 +43,7 @@ class HangingKeys(Strict):
     mode: Annotated[Ordinal, Field(le=MOST_MODES)] = 1
     at: Annotated[tuple[str, ...], AfterValidator(_two_places)] = ()
     apart: Annotated[Length, Field(gt=0)] | None = None
+    margin: Annotated[Length, Field(ge=0)] = 0.0
 
 
 class ModalKeys(Strict):
