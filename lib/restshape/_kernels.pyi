@@ -83,6 +83,7 @@ __all__: list[str] = [
     "reset_calls",
     "row_products",
     "same_bits",
+    "set_stage",
     "sides_gone",
     "smooth_fresh",
     "solve_by_panels",
@@ -880,6 +881,7 @@ def same_bits(
     a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> bool: ...
+def set_stage(stage: str) -> None: ...
 def sides_gone(
     X: numpy.typing.NDArray[numpy.float64],
     Y: numpy.typing.NDArray[numpy.float64],
@@ -939,6 +941,7 @@ def watch(
     code: typing.SupportsInt | typing.SupportsIndex,
     slow: str,
     large: str,
+    waits: typing.SupportsFloat | typing.SupportsIndex = 10.0,
 ) -> None: ...
 def watch_outlet(
     control: typing.SupportsInt | typing.SupportsIndex, process: typing.SupportsInt | typing.SupportsIndex

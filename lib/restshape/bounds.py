@@ -67,7 +67,9 @@ GROWN_TRIANGLES = 100_000
 """... where they are more than these."""
 
 FRAME_SECONDS = 60.0
-"""Time that a frame may take, where `--frame-limit` does not say more."""
+"""Processor time that a frame may take, where `--frame-limit` does not say more."""
+FRAME_WAITS = 10.0
+"""Times as long a frame may take by the clock, whatever it waits for."""
 MEMORY_SHARE = 0.9
 """Share of the machine's memory that a run may take, where `--memory-limit` does not say otherwise."""
 

@@ -224,18 +224,19 @@ HANG = """
 import sys
 from restshape import _kernels
 {before}
-_kernels.watch({seconds}, {memory}, 3, "frame %d takes too long\\n", "frame %d takes too much memory\\n")
+_kernels.watch({seconds}, {memory}, 3, {text})
 {outlet}
 for _ in range(12):
     _kernels.begin_frame()
 {work}
 """
+TEXT = '"frame %d takes too long\\n", "frame %d takes too much memory\\n"'
 POWER = "3 ** (10 ** 9)"
 """Minutes in one call that never looks for signals."""
 
 
 def ended_of(outside, **parts: object) -> subprocess.CompletedProcess:
-    program = HANG.format(**{"before": "", "outlet": "", "seconds": 0.0, "memory": 0, **parts})
+    program = HANG.format(**{"before": "", "outlet": "", "seconds": 0.0, "memory": 0, "text": TEXT, **parts})
     return subprocess.run(
         [sys.executable, "-c", program], env=outside, capture_output=True, text=True, timeout=100, check=False
     )
@@ -244,6 +245,17 @@ def ended_of(outside, **parts: object) -> subprocess.CompletedProcess:
 def test_compiled_code_that_does_not_return_is_ended_with_the_number_of_the_frame(outside):
     ended = ended_of(outside, seconds=0.5, work=POWER)
     assert (ended.returncode, ended.stdout, ended.stderr) == (3, "", "frame 12 takes too long\n")
+
+
+def test_only_computing_counts_but_a_frame_that_waits_is_ended_by_the_clock(outside):
+    """As on a machine that others load: a frame of 0.25 s by the clock computes for less than 0.1 s."""
+    ended = ended_of(outside, seconds=0.1, work="import time\ntime.sleep(0.25)")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    text = '"frame %d: %c s%s; ", "", 3.0'
+    ended = ended_of(
+        outside, seconds=0.1, text=text, work='_kernels.set_stage(", in a grid")\nimport time\ntime.sleep(60)'
+    )
+    assert (ended.returncode, ended.stderr) == (3, "frame 12: 0.3 s, in a grid; ")
 
 
 def test_memory_that_grows_ends_a_run(outside):

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from restshape.bounds import FRAME_SECONDS, MEMORY_SHARE, SCENE_BYTES
+from restshape.bounds import FRAME_SECONDS, FRAME_WAITS, MEMORY_SHARE, SCENE_BYTES
 from restshape.errors import one_line
 from restshape.outputs.kinds import CsvFile, RecordingFile, SweepFile
 
@@ -38,7 +38,7 @@ def add_limits(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         type=_seconds,
         default=FRAME_SECONDS,
-        help="end where a frame takes longer, the frames before it kept (default: %(default)g; none: no limit)",
+        help="end where a frame computes longer, the frames before it kept (default: %(default)g; none: no limit)",
     )
     parser.add_argument(
         "--memory-limit",
@@ -94,6 +94,7 @@ def limited(args: argparse.Namespace) -> Iterator[Callable[[], None]]:
         int(memory),
         LIMIT_REACHED,
         *messages(args.command, args.frame_limit, memory, kept, large_drawing(args), bool(vars(args).get("edits"))),
+        FRAME_WAITS,
     )
     try:
         yield _kernels.begin_frame
@@ -128,8 +129,8 @@ def messages(
         file: `large_drawing`, which is the likely cause in the first frame.
         edits: whether a script is replayed, each of whose edits may have more frames.
     """
-    slow = f"frame %d takes longer than {seconds:g} s{kept}"
-    large = f"in frame %d more than {memory / 1e9:.3g} GB of memory are in use{kept}"
+    slow = f"frame %d takes longer than {seconds:g} s (%p s of computing in %c s)%s{kept}"
+    large = f"in frame %d more than {memory / 1e9:.3g} GB of memory are in use%s{kept}"
     more = "give an edit that goes far more frames, " if edits else ""
     do = f"look for a coordinate in the wrong unit, {more}take a coarser mesh, or raise"
     if file:

@@ -6,8 +6,8 @@ import hashlib
 import json
 import logging
 import os
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -18,7 +18,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.bounds import BODY_BRICKS, BODY_LATTICE
-from restshape.errors import UserError
+from restshape.errors import UserError, one_line
 from restshape.mesh.closed_surface import ClosedSurface, SurfaceHole, read_closed_surface
 from restshape.mesh.outer_faces import Search, body_search
 from restshape.outputs.atomic_files import replacing
@@ -166,7 +166,8 @@ def kept_distance(
         os.utime(place)
         return found
     begin = perf_counter()
-    made = make_distance(surface(), *settings[1:], where)
+    with _stage(where):
+        made = make_distance(surface(), *settings[1:], where)
     found = _restored(made)
     log.info(
         "A grid of %.3g mm, %.3g MB, took %.3g s",
@@ -176,6 +177,18 @@ def kept_distance(
     )
     _keep(place, made)
     return found
+
+
+@contextmanager
+def _stage(where: str) -> Iterator[None]:
+    """Has a limit that is reached meanwhile say that a grid was being made."""
+    of = f" of {one_line(Path(where).name)[:60]}" if where else ""
+    log.info("The grid of distances%s is made: once, the cache keeps it", of)
+    _kernels.set_stage(f", in the grid of distances{of}, which is made once: a larger spacing of the body takes less")
+    try:
+        yield
+    finally:
+        _kernels.set_stage("")
 
 
 def cache_folder() -> Path:
