@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.border_distance import BorderDistance
 from restshape.analysis.hanging_columns import NOTE, PLACES, loss_columns
 from restshape.analysis.line_minimum import line_minimum
-from restshape.analysis.mesh_pairs import coinciding
+from restshape.analysis.mesh_pairs import coinciding, pair_words
 from restshape.analysis.modal_state import ModalState, Modes
 from restshape.analysis.nodal_lines import inside, linear_triangles, nodal_lines
 from restshape.analysis.pair_choice import best_pair, hold
@@ -161,10 +160,7 @@ class _Motion:
         """Why a mode, by its rank, has no nodal lines of its own; empty where it has."""
         shape, group = self.shapes[self.own[rank]], self.groups[rank]
         if len(group) > 1:
-            f = self.state.frequencies[rank]
-            apart = np.ptp(self.state.modes.values[group]) > CLUSTER * self.state.modes.values[rank]
-            within = ", as far as this mesh shows" if apart else ""
-            return f"lines not fixed: {len(group)} modes at {f:.4g} Hz{within}, and so any mix of them"
+            return f"lines not fixed: {pair_words(self.state.modes.values[group])}, and so any mix of them"
         energy = (shape**2).sum(axis=0)
         return "" if energy[2] >= OUT_OF_PLANE * energy.sum() else f"mode {number} moves in the plane"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.algebra.clusters import CLUSTER, clusters
-from restshape.analysis.modal_state import ModalState
+from restshape.analysis.modal_state import ModalState, frequencies
 
 WIDEST = 0.02
 """Share of themselves by which eigenvalues differ that no mesh is held to have parted: 17 cents."""
@@ -28,3 +28,9 @@ def coinciding(state: ModalState, count: int) -> list[np.ndarray]:
         CLUSTER * np.abs(values[1:]), np.minimum(np.maximum(errors[1:], errors[:-1]), WIDEST * values[1:])
     )
     return np.split(np.arange(count), np.flatnonzero(np.diff(values) > allowed) + 1)
+
+
+def pair_words(values: np.ndarray) -> str:
+    """How many modes with eigenvalues (k,) [1/s^2] coincide, at which frequency, and whether a mesh parts them."""
+    within = ", as far as this mesh shows" if len(clusters(values, CLUSTER)) > 1 else ""
+    return f"{len(values)} modes at {frequencies(values[:1])[0]:.4g} Hz{within}"
