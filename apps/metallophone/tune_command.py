@@ -34,7 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Tune, print, and write what is asked for, or hand on to rasping; 0."""
+    """Tune, print, and write what is asked for, or hand on to rasping; 0, or 1 out of tune."""
     if args.scene.suffix.lower() in (".vtkhdf", ".h5", ".hdf"):
         what = "this is a recording: it has no scene that could be changed"
         raise UserError(what, str(args.scene), "name the scene that it was made from")
@@ -73,7 +73,7 @@ def _tune(scene: Scene, args: argparse.Namespace) -> int:
     if args.out:
         _write(scene, tuning, args)
     write_json(args, report.plain())
-    return 0
+    return 0 if tuning.found.in_tune else 1
 
 
 def _ranks(text: str | None) -> list[int]:

@@ -117,3 +117,12 @@ def test_modes_that_are_not_computed_have_no_tone(tmp_path, quantity):
     with pytest.raises(UserError, match="only 3 modes are computed") as caught:
         first_frame(scene, PLATE)
     assert "4 or more" in caught.value.do
+
+
+def test_estimated_error_of_a_thickness_by_formula():
+    """An undercut bar as a plate, against a fine mesh: between nodes its thickness is linear, and more than it is."""
+    bar = application.folder / "template" / "undercut" / "scene.toml"
+    plates = [first_frame(bar, [f'mesh.size="{h} mm"', "effects.modal.modes=1"]).analysis for h in (14, 10, 3)]
+    exact = plates[-1].frequencies[0]
+    for plate in plates[:2]:
+        assert 1.0 < plate.errors()["estimate"] / (plate.frequencies[0] / exact - 1.0) < 1.5

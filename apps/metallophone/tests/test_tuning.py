@@ -1,6 +1,8 @@
 """restshape tune: bars brought to tones, the smallest change, modes that cross and pair, and bad input."""
 
 import json
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +11,12 @@ from restshape_apps.metallophone import application
 from restshape_apps.metallophone.tuning import tone_rates as tone_rates_module
 from restshape_apps.metallophone.tuning.bar import Bar
 from restshape_apps.metallophone.tuning.bending import bending_modes
+from restshape_apps.metallophone.tuning.bounds import LEAST, bounded
 from restshape_apps.metallophone.tuning.cost import tuning_cost
 from restshape_apps.metallophone.tuning.descent import CENTS, Descent
 from restshape_apps.metallophone.tuning.followed_modes import followed
-from restshape_apps.metallophone.tuning.freedoms import freedoms_of, with_fixed_curves
+from restshape_apps.metallophone.tuning.freedoms import Freedom, freedoms_of, with_fixed_curves
+from restshape_apps.metallophone.tuning.motions import motions_of
 from restshape_apps.metallophone.tuning.report import TuningReport
 from restshape_apps.metallophone.tuning.smallest_change import smallest_change
 from restshape_apps.metallophone.tuning.tone_rates import tone_rates
@@ -21,6 +25,7 @@ from restshape_apps.metallophone.tuning.wanted import Wanted, wanted_tones
 from restshape_verification.metallophone.tines import kalimba
 
 from restshape.cli.main import main
+from restshape.errors import UserError
 from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 
@@ -83,6 +88,7 @@ BAD = {
     f"--to C7 --by a --by {THICKNESS} --bound {THICKNESS}=5:1": "the bounds cross",
     f"--to C7 --by {THICKNESS} --bound {THICKNESS}=5:6": "which lies beyond its bounds",
     "--to C7 --by a --bound c=0:1": "'c' is no freedom of this tuning",
+    "--to C7 --by c --bound c=0.05:0.2": "bind one alone: --bound shape.vertices.c.0=",
     "--to C7 --by a --bound a=1": "this is no bound",
     "--to C7 --by a --bound a.x=0:1": "there is no freedom 'a.x'",
     "--to C7 --measured 500": "add --rasp",
@@ -224,12 +230,37 @@ def test_of_a_pair_the_mean_is_tuned():
 
 def test_out_of_reach_is_the_nearest_and_the_bound_that_holds(tmp_path, capsys):
     words = ["--to", "C5", "--by", THICKNESS, "--json", str(tmp_path / "bar.json")]
-    assert main(["tune", str(SCENES / "bar_100.toml"), *words, *settings("effects.modal.modes=1")]) == 0
+    assert main(["tune", str(SCENES / "bar_100.toml"), *words, *settings("effects.modal.modes=1")]) == 1
     out = capsys.readouterr().out
     assert "the nearest to C5 (523.25 Hz) is 1050" in out and f"{THICKNESS} is at its lower bound" in out
     report = json.loads((tmp_path / "bar.json").read_text())
     assert not report["in_tune"] and report["freedoms"][THICKNESS]["bound"] == "lower"
     assert report["freedoms"][THICKNESS]["tuned"] == pytest.approx(0.002)
+
+
+def test_parameters_keep_their_sign_where_no_bound_is_given():
+    scene = bar("../template/undercut/scene")
+    freedoms = [Freedom(("parameters", name), scene.parameters[name]) for name in ("reach", "middle")]
+    start = np.array([freedom.start for freedom in freedoms])
+    undercut = Bar(scene, freedoms)
+    far = replace(motions_of(undercut, start), reach=np.full(2, 1e-9), thinning=np.zeros(2))
+    free = np.full((2, 2), np.nan)
+    assert bounded(undercut, far, start, free)[0] == pytest.approx(LEAST * start)
+    given = np.array([[-1.0, 1.0], [np.nan, np.nan]])
+    assert bounded(undercut, far, start, given)[0] == pytest.approx([-1.0, LEAST * start[1]])
+    undercut.freedoms = tuple(replace(freedom, start=-freedom.start) for freedom in freedoms)
+    assert bounded(undercut, far, -start, free)[1] == pytest.approx(-LEAST * start)
+
+
+def test_points_by_formulas_alone_lead_to_the_parameters(tmp_path):
+    raw = (SCENES / "bar_100.toml").read_text().replace("[shape]", "[parameters]\nL = 0.1\n\n[shape]", 1)
+    points = re.sub(r"^([a-d]) = .*$", r'\1 = ["L", "L"]', raw, flags=re.M)
+    path = tmp_path / "bar.toml"
+    path.write_text(points)
+    scene = load_scene(path)
+    with pytest.raises(UserError, match="given by formulas") as refused:
+        freedoms_of(scene, [])
+    assert "--by L --by material.aluminium.thickness" in str(refused.value.do)
 
 
 def test_a_bound_that_is_met_at_once_leaves_the_bar_as_it_is():

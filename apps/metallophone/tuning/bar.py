@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import log
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -14,6 +15,7 @@ from restshape_apps.metallophone.tuning.bar_frame import bar_frame
 from restshape_apps.metallophone.tuning.freedoms import Freedom, with_values
 
 from restshape.algebra.stages import Stages
+from restshape.analysis.modal_errors import FrequencyEstimate
 from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
@@ -72,6 +74,11 @@ class Bar:
             return False
         self.outline, self.why = frame.outline, ""
         return True
+
+    def errors(self, ranks: Sequence[int]) -> tuple[float, ...]:
+        """The estimated errors (m,) [cents] that the mesh makes of frequencies, by rank from 1, in the last solve."""
+        relative = FrequencyEstimate()(self.analysis.state)
+        return tuple(1200.0 / log(2.0) * float(relative[rank - 1]) for rank in ranks)
 
     def keep(self) -> None:
         """Modes of later solves are followed from those of the last one."""

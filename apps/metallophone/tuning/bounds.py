@@ -8,6 +8,8 @@ from restshape.errors import UserError
 
 REACH = 0.15
 """Share of the size of the shape that a freedom may move the outline by, where no bound is given."""
+LEAST = 0.1
+"""Share of itself that a parameter keeps at least, likewise."""
 THINNER = 0.5
 """Share of the thickness that a freedom may change it by, likewise."""
 
@@ -24,11 +26,24 @@ def bounded(bar: Bar, motions: Motions, start: np.ndarray, given: np.ndarray) ->
     )
     low = np.where(np.isnan(given[:, 0]), start - most, given[:, 0])
     high = np.where(np.isnan(given[:, 1]), start + most, given[:, 1])
+    low, high = _of_one_sign(bar, start, given, low, high)
     for freedom, a, b in zip(bar.freedoms, low, high):
         if not a <= freedom.start <= b:
             what = f"{freedom.name} is {freedom.start:g}, which lies beyond its bounds {a:g} and {b:g}"
             raise UserError(what, "--bound", "widen the bound, or begin at another value (--set)")
     return low, high
+
+
+def _of_one_sign(
+    bar: Bar, start: np.ndarray, given: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The bounds (k,), those of parameters off 0 where none is given: a formula may divide by them."""
+    named = np.array([freedom.key[0] == "parameters" for freedom in bar.freedoms], dtype=bool)
+    positive, negative = (named & np.isnan(given[:, k]) & (sign * start > 0.0) for k, sign in ((0, 1.0), (1, -1.0)))
+    return (
+        np.where(positive, np.maximum(low, LEAST * start), low),
+        np.where(negative, np.minimum(high, LEAST * start), high),
+    )
 
 
 def refuse_idle(bar: Bar, motions: Motions) -> None:

@@ -88,12 +88,19 @@ def freedoms_of(scene: Scene, words: Sequence[str]) -> list[Freedom]:
     if not words:
         keys = [key for key in keys if given_number(scene, key) is None]
         if not keys:
-            remedy = "name freedoms, such as --by parameters.depth or --by material.brass.thickness"
-            raise UserError("no point of the outline is a number that could change", "--by", remedy)
+            remedy = f"name freedoms, such as {' '.join(f'--by {name}' for name in _beside_points(scene))}"
+            raise UserError("all points of the outline are given by formulas", "--by", remedy)
     twice = next((key for key in keys if keys.count(key) > 1), None)
     if twice:
         raise UserError(f"{'.'.join(twice)} is named twice", "--by", "name each freedom once")
     return [Freedom(key, _number(scene, key)) for key in keys]
+
+
+def _beside_points(scene: Scene) -> list[str]:
+    """Words for freedoms of a scene that are no points: its parameters, and thicknesses that are numbers."""
+    materials = [f"material.{name}.thickness" for name in scene.material]
+    numbers = [name for name in materials if isinstance(value_below(scene, split_key(name)), int | float)]
+    return [*scene.parameters, *numbers]
 
 
 def keys_of(scene: Scene, word: str) -> list[Key]:

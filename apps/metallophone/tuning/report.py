@@ -24,8 +24,8 @@ class TuningReport:
         self.tuning, self.found, self.a4 = tuning, tuning.found, a4
 
     def steps(self) -> Rows:
-        """A row a state that was kept."""
-        tones = range(1, len(self.tuning.wanted.ratios) + 1)
+        """A row a state that was kept; modes by their rank at the start."""
+        tones = self.tuning.ranks
         heads = ["solves", "mesh", "part", *(f"f_{k} [Hz]" for k in tones), *(f"off_{k} [cents]" for k in tones)]
         rows = [
             (
@@ -42,9 +42,8 @@ class TuningReport:
         return [*heads, "outline [mm]", "thickness [mm]"], rows
 
     def freedoms(self) -> Rows:
-        """A row a freedom."""
-        bounds = dict(self.found.at_bounds())
-        tones = range(1, len(self.tuning.wanted.ratios) + 1)
+        """A row a freedom; modes as in `steps`."""
+        bounds, tones = dict(self.found.at_bounds()), self.tuning.ranks
         rows = [
             (
                 freedom.name,
@@ -72,13 +71,19 @@ class TuningReport:
         last = self.found.last
         tones = ", ".join(f"{f:.2f} Hz ({_named(float(f), self.a4)})" for f in last.frequencies)
         if self.found.in_tune:
-            return f"in tune with {self._wanted()}: {tones}, after {self.tuning.solves} solves"
+            return f"in tune with {self._wanted()}: {tones}, after {self.tuning.solves} solves{self._errors()}"
         bounds = [f"{self.tuning.freedoms[k].name} is at its {end} bound" for k, end in self.found.at_bounds()]
         if self.found.blocked:
             bounds.append(f"there is no solution further on ({self.found.blocked}), so give bounds that keep off it")
         why = f": {'; '.join(bounds)}" if bounds else ": no step within the solves leads nearer"
         away = ", ".join(f"{c:+.1f}" for c in last.cents)
-        return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}"
+        return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}{self._errors()}"
+
+    def _errors(self) -> str:
+        """What the mesh adds to them, by estimate."""
+        if not self.tuning.errors:
+            return ""
+        return f"; error of the mesh about {', '.join(f'{error:.1f}' for error in self.tuning.errors)} cents"
 
     def notes(self) -> list[str]:
         """What there is to note of modes that lie together, and of what lies below a first tone."""
@@ -113,6 +118,7 @@ class TuningReport:
             "solves": self.tuning.solves,
             "frequencies": self.found.last.frequencies.tolist(),
             "cents": self.found.last.cents.tolist(),
+            "errors": list(self.tuning.errors),
             "clusters": [own.tolist() for own in self.found.clusters],
             "notes": self.notes(),
             "tolerances": self.tuning.tolerances.as_json(),

@@ -47,6 +47,7 @@ class Tuning:
         ranks: of the tuned modes at the start, from 1.
         solves: of eigenproblems in all.
         tolerances: of the tuned bar, for these modes.
+        errors: (m,) [cents] estimated of the mesh, of the tuned modes.
         below: frequencies [Hz] of its modes below the first of them.
     """
 
@@ -57,6 +58,7 @@ class Tuning:
     ranks: tuple[int, ...]
     solves: int
     tolerances: Tolerances
+    errors: tuple[float, ...]
     below: tuple[float, ...]
 
     def changes(self) -> list[tuple[tuple[str, ...], object]]:
@@ -108,6 +110,7 @@ def tuned(
         ranks=tuple(int(index) + 1 for index in indices),
         solves=solves,
         tolerances=tolerances(bar.analysis).of(ranks_now),
+        errors=bar.errors(ranks_now),
         below=tuple(below),
     )
 
@@ -167,5 +170,11 @@ def _bounds(freedoms: Sequence[Freedom], words: Sequence[str], scene: Scene) -> 
             raise UserError(str(error), where, "write KEY=LOW:HIGH, such as 2 mm:5 mm") from error
         if low >= high:
             raise UserError(f"the bounds cross: {ends[0]} is not below {ends[1]}", where, "write the lower one first")
+        beyond = [k for k in places if not low <= freedoms[k].start <= high]
+        if 0 < len(beyond) < len(places):
+            first = freedoms[beyond[0]]
+            names = ", ".join(freedoms[k].name for k in places if k not in beyond)
+            what = f"this binds {len(places)} numbers, and {first.name} is {first.start:g}"
+            raise UserError(what, where, f"bind one alone: --bound {names.split(', ')[0]}={interval}")
         found[places] = low, high
     return found
