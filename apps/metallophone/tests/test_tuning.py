@@ -290,6 +290,53 @@ def test_where_the_outline_cannot_go_on_is_said():
     assert not found.found.in_tune and "edge right would collapse" in TuningReport(found, 440.0).summary()
 
 
+HOLED_BAR = """format = "restshape-scene"
+version = 1
+app = "metallophone"
+[shape]
+outline = ["bottom", "right", "top", "left"]
+[shape.vertices]
+a = [0, 0]
+b = ["150 mm", 0]
+c = ["150 mm", "30 mm"]
+d = [0, "30 mm"]
+[shape.edges]
+bottom = { line = ["a", "b"] }
+right = { arc = ["b", "c"], bulge = 0.4 }
+top = { polyline = ["c", "d"], through = [["100 mm", "28 mm"], ["50 mm", "28 mm"]] }
+left = { arc = ["d", "a"], bulge = 0.4 }
+[shape.holes]
+cord = { circle = { center = ["35 mm", "15 mm"], radius = "2 mm" } }
+[material.brass]
+name = "brass"
+thickness = "4 mm"
+[effects.modal]
+model = "plate"
+modes = 4
+[mesh]
+size = "8 mm"
+"""
+
+
+def holed_bar(folder, *overrides):
+    path = folder / "holed.toml"
+    path.write_text(HOLED_BAR)
+    return load_scene(path, overrides)
+
+
+def test_modes_are_found_again_after_trials_on_other_meshes(tmp_path):
+    """The first trials have no shape, then another mesh, on which the mode is too unlike to be followed."""
+    found = tuned(holed_bar(tmp_path), wanted_tones("A5", None, 440.0), ["b", "c"], ["b.0=140mm:160mm"])
+    assert found.found.in_tune and found.solves <= 12 and found.tolerances.modes == (1,)
+
+
+def test_a_polyline_and_a_hole_are_freedoms_together_and_a_radius_stays_above_0(tmp_path):
+    coarse = holed_bar(tmp_path, 'mesh.size="12 mm"', "effects.modal.modes=1")
+    assert tuned(coarse, wanted_tones("D#5", None, 440.0), ["top", "cord"]).found.in_tune
+    radius = tuned(coarse, wanted_tones("D#5", None, 440.0), ["cord.circle.radius"]).found
+    assert radius.at_bounds() == [(0, "lower")] and 0.0 < radius.last.values[0] < 0.001
+
+
 def test_by_one_tine_of_a_fork_that_tine_is_tuned_and_the_other_stays(tmp_path):
     scene = load_scene(kalimba(tmp_path, [0.03, 0.03], gap=0.006, root=0.002))
     found = tuned(scene, wanted_tones("C6", None, 440.0), ["p7.1", "p8.1"])

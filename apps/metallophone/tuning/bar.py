@@ -57,7 +57,7 @@ class Bar:
         self.analysis, self.moving = cast("ModalAnalysis", parts.analysis), cast("MovingMesh", parts.moving)
         self.outline = cast("Outline", parts.session.outline)
         self.solves, self.level, self._frames, self.now = 0, 3, 0, scene
-        self._kept, self.why = self.analysis.state.modes, ""
+        self._kept, self.why = self.analysis.state, ""
         try:
             self._solve(self._frame("start", scene, self.outline))
         except ReplayProblem as failed:
@@ -82,13 +82,14 @@ class Bar:
 
     def keep(self) -> None:
         """Modes of later solves are followed from those of the last one."""
-        self._kept = self.analysis.state.modes
+        self._kept = self.analysis.state
 
     def forget(self) -> None:
         """Follow modes from those that were kept: the last solve may have mixed them up, so far it went."""
-        state = self.analysis.state
-        if state.modes.mass_products.shape[1:] == self._kept.mass_products.shape[1:]:
-            self.analysis.state = replace(state, modes=self._kept, solved=self._kept)
+        state, kept = self.analysis.state, self._kept
+        # On a mesh that has been made since, those that were kept are interpolated from theirs.
+        same = state.space is kept.space
+        self.analysis.state = replace(state, modes=kept.modes, solved=kept.modes) if same else kept
 
     def _frame(self, change: str, scene: Scene, outline: Outline | None = None) -> EditFrame:
         self._frames += 1

@@ -12,6 +12,8 @@ LEAST = 0.1
 """Share of itself that a parameter keeps at least, likewise."""
 THINNER = 0.5
 """Share of the thickness that a freedom may change it by, likewise."""
+NARROWER = 0.9
+"""Share of the radius of a hole that it may lose, likewise: no other number of a shape has to be above 0."""
 
 
 def bounded(bar: Bar, motions: Motions, start: np.ndarray, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -24,7 +26,9 @@ def bounded(bar: Bar, motions: Motions, start: np.ndarray, given: np.ndarray) ->
     most = np.minimum(
         REACH * bar.outline.size / np.maximum(motions.reach, tiny), THINNER / np.maximum(motions.thinning, tiny)
     )
-    low = np.where(np.isnan(given[:, 0]), start - most, given[:, 0])
+    radii = np.array([freedom.key[-1] == "radius" for freedom in bar.freedoms])
+    least = np.where(radii, np.maximum(start - most, (1.0 - NARROWER) * start), start - most)
+    low = np.where(np.isnan(given[:, 0]), least, given[:, 0])
     high = np.where(np.isnan(given[:, 1]), start + most, given[:, 1])
     low, high = _of_one_sign(bar, start, given, low, high)
     for freedom, a, b in zip(bar.freedoms, low, high):

@@ -21,13 +21,15 @@ ROUGH = 1.0
 """The same [cents] on the first mesh, where the outline moves: a new mesh of it then has frequencies of its own."""
 SLIGHT = 0.02
 """Of the whole change: a step below that changes nothing that counts."""
-GAIN = 0.01
-"""Share of the distance from the tones: what leads nearer by less leads nowhere."""
+GAIN, SHARE = 1.0, 0.003
+"""Cents, and share of the distance: what leads nearer to tones that are far by less leads nowhere."""
 NEAR, SLOW = 50.0, 0.2
 """Distance [cents], and share of the one before, between which a step shows that gradients turn on the way: then steps
 are the least themselves, which end in tune at once and hardly beside the least change."""
 HALVINGS = 4
 """Of a step that does not lead nearer."""
+TRIALS = 10
+"""Of a step, those included that lead to no shape."""
 DIGITS = 7
 """Of the numbers that are tried and written."""
 CENTS = 1200.0 / np.log(2.0)
@@ -162,7 +164,7 @@ class Descent:
             close = ROUGH if self._first and self._moved() else CLOSE
             stuck = left > 0.5 * np.linalg.norm(missing)
             slight = self._slow or _size(motions, step) <= SLIGHT * _size(motions, change)
-            idle = stuck and np.linalg.norm(missing) - left < GAIN * np.linalg.norm(missing)
+            idle = stuck and np.linalg.norm(missing) - left < max(GAIN, SHARE * np.linalg.norm(missing))
             if (slight and (self.found.last.worst <= close or stuck)) or idle or self._idle(close):
                 self._nearest = self.found.last.worst > close
                 return
@@ -175,7 +177,7 @@ class Descent:
         if len(last) < 3 or last[-1].worst <= max(close, IN_TUNE) or not all(step.part for step in last):
             return False
         first, _, now = (float(np.linalg.norm(step.cents)) for step in last)
-        return now > (1.0 - GAIN) * first
+        return now > first - max(GAIN, SHARE * first)
 
     def _step(self, J: np.ndarray, radius: float) -> np.ndarray:
         """The step (k,) that derivatives (m, k) ask for, no freedom by more than moves the surface by a radius."""
@@ -194,8 +196,8 @@ class Descent:
         step = self._step(J, self._radius)
         largest = float(np.abs(self._step(J, np.inf) * scale).max())
         self.found.blocked = ""
-        halvings = 1 if self.found.last.worst <= IN_TUNE else HALVINGS
-        for k in range(halvings + 1):
+        solved, halvings = 0, 1 if self.found.last.worst <= IN_TUNE else HALVINGS
+        for k in range(TRIALS):
             size, left = float(np.abs(step * scale).max()), np.linalg.norm(missing - J @ step)
             values = rounded(np.clip(self.values + step, self.found.low, self.found.high))
             modes = self._solved(values)
@@ -208,7 +210,9 @@ class Descent:
                     self._slow = self._slow or (NEAR > there > SLOW * now)
                     return True
             self.bar.forget()
-            if self.bar.solves >= self.most - 1:
+            # What has no shape takes no solve.
+            solved += not self.bar.why
+            if self.bar.solves >= self.most - 1 or solved > halvings:
                 return False
             self._radius = 0.5 * size
             step = self._step(J, self._radius)

@@ -15,7 +15,7 @@ from restshape.mesh.thickness import Thickness
 from restshape.physics.elasticity.vibrating_materials import common_thickness
 from restshape.scene.model import Scene
 from restshape.shape.build import unchecked_outline
-from restshape.shape.gesture import other_curves
+from restshape.shape.outline import Outline
 
 STEP = 1e-4
 """Of the differences of outline and thickness, a share of the number or, at 0, of the size of the shape."""
@@ -95,7 +95,7 @@ def _rates(bar: Bar, values: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray
 
 
 def _refuse(freedom: Freedom, bar: Bar, ends: list[Scene], outlines) -> None:
-    if any(len(one.points) != len(bar.outline.points) or other_curves(bar.outline, one) for one in outlines):
+    if any(len(one.points) != len(bar.outline.points) or _bends(bar.outline, one) for one in outlines):
         what = f"{freedom.name} changes how edges bend, or how many there are"
         raise UserError(what, "--by", "name points of the shape, which bend splines and move arcs")
     for one in ends:
@@ -104,6 +104,13 @@ def _refuse(freedom: Freedom, bar: Bar, ends: list[Scene], outlines) -> None:
                 update={"thickness": None}
             ):
                 raise UserError(f"{freedom.name} changes the material, which no tool does", "--by", "leave it out")
+
+
+def _bends(outline: Outline, other: Outline) -> bool:
+    """Whether arcs or splines bend otherwise; knots of polylines say where their points lie, and bend nothing."""
+    pairs = zip(outline.edges, other.edges)
+    knots = any(one.kind == "spline" and one.knots != there.knots for one, there in pairs)
+    return knots or not np.array_equal(outline.bulges, other.bulges)
 
 
 def _thickness(scene: Scene) -> Thickness:
