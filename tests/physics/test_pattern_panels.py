@@ -10,6 +10,7 @@ from restshape.physics.cloth.free_pieces import falling_pieces
 from restshape.physics.cloth.relaxation.binding import mesh_in_frames
 from restshape.physics.cloth.thin_bodies import borne
 from restshape.replay.first_frame import first_frame
+from restshape.scene.edge_names import edge_suggestion
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.panels import frames_of
@@ -272,6 +273,23 @@ def test_a_panel_that_nothing_holds_falls_and_is_named(tmp_path):
     problem.self_contact = problem.self_contact or object()
     assert falling_pieces(problem, flat) == ()
     assert falling_pieces(problem, -flat) == ("back",)
+    # Two that both fall, side by side or one above the other, catch none.
+    problem.supports.mask[:] = False
+    assert all(falling_pieces(problem, way * flat) == ("front", "back") for way in (-1.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("edge", "do"),
+    [
+        ("bottom", "did you mean 'front.bottom' or 'back.bottom'?"),
+        ("front.botom", "did you mean 'front.bottom'?"),
+        ("zzz", "name one of the edges: front.bottom, "),
+    ],
+)
+def test_an_edge_that_is_not_there_is_guessed(edge, do):
+    named = [f"{panel}.{one}" for panel in ("front", "back") for one in ("bottom", "mirror.bottom", *"abcdefg")]
+    assert do in edge_suggestion(edge, named)
+    assert "and 6 more" in edge_suggestion("zzz", named)
 
 
 def test_panels_of_two_triangles_drape(tmp_path):

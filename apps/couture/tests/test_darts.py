@@ -177,7 +177,7 @@ def test_darts_of_a_panel_on_the_fold_are_symmetric(tmp_path):
         ({"d": {"edge": "bottom", "width": "50 cm", "length": "8 cm"}}, "darts.d.width", "500 mm wide"),
         ({"d": {"edge": "bottom", "width": "2 cm", "length": "40 cm"}}, "darts.d", "reaches over the edge 'top'"),
         ({"d": {"line": [[0.1, 0.1], [0.1, 0.31]], "width": "2 cm"}}, "darts.d", "give it the `edge`"),
-        ({"d": {"edge": "middle", "width": "2 cm", "length": "8 cm"}}, "darts.d.edge", "name one of bottom"),
+        ({"d": {"edge": "middle", "width": "2 cm", "length": "8 cm"}}, "darts.d.edge", "edges: bottom"),
         (
             {
                 "d": {"edge": "bottom", "width": "4 cm", "length": "8 cm"},

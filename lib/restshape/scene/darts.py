@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from restshape.errors import UserError
 from restshape.scene.dart_keys import END, IMAGE, Dart, Pair, PlacedDart
+from restshape.scene.edge_names import edge_suggestion
 from restshape.scene.panels import frames_of, panels_of
 from restshape.scene.plain_values import Table, table_in
 from restshape.scene.seam_keys import Seam, placed_pleats
@@ -98,10 +99,12 @@ def _panel_and_edge(scene: Scene, name: str, dart: Dart) -> tuple[str, str | Non
             raise UserError("the dart does not say in which panel it lies", where, f"name one: {', '.join(panels)}")
     if edge is None or scene.shape.file is not None:
         return panel or "", edge
+    if panel not in panels:
+        panel = ""
     own = [one for one, kind in kinds.items() if kind == "edge" and one.startswith(f"{panel}." if panel else "")]
     if edge not in own:
         what = f"the dart is to open at {edge!r}, which is no edge" + (f" of the panel {panel!r}" if panel else "")
-        raise UserError(what, f"{where}.edge", f"name one of {', '.join(own)}")
+        raise UserError(what, f"{where}.edge", edge_suggestion(edge, own))
     if panel and edge == f"{panel}.{panels[panel].mirror}":
         what = f"the dart is to open at {edge!r}, about which the panel is unfolded: there the cloth goes on"
         raise UserError(what, f"{where}.edge", "leave the edge out, and give a line along the fold: a diamond")

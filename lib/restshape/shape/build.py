@@ -75,7 +75,7 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     if wrong:
         do = "mend it: loops must neither cross, touch nor leave the outline"
         apart = "give one of them another `at`, or leave it out: panels without are packed in rows"
-        if dart := dart_named(spec.darts, outline, wrong):
+        if not wrong.startswith("panel") and (dart := dart_named(spec.darts, outline, wrong)):
             do = "make the dart shorter, or narrower or wider, or move it"
             raise UserError(wrong, dart.where, do)
         raise UserError(wrong, _place(outline, wrong), apart if wrong.startswith("panel") else do)

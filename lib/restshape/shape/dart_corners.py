@@ -82,8 +82,9 @@ def corners_of(outline: Outline, placed: PlacedDart) -> DartCorners:
 
 
 def _refuse_beyond(outline: Outline, one: DartCorners) -> None:
-    """Refuses a dart that reaches over an edge of the shape."""
+    """Refuses a dart that reaches over an edge of its panel; panels that overlap are told as such later."""
     own = set() if one.mouth is None else set(one.mouth.edges)
+    own |= {e for e, k in enumerate(outline.layout.edge_piece.tolist()) if not _of_piece(one, outline.piece_names[k])}
     fold = outline.entity(one.placed.fold).edges if one.placed.fold else ()
     bounding = {e for loop in outline.loops if loop.kind != "region" for e, _ in loop.edges}
     halves = {e for loop in outline.loops if loop.name.endswith(f".{IMAGE}") for e, _ in loop.edges} - bounding
@@ -98,6 +99,11 @@ def _refuse_beyond(outline: Outline, one: DartCorners) -> None:
             x, y = place
             reaches = f"the dart reaches over the edge {edge.name!r} near ({x:.4g}, {y:.4g}) m"
             raise UserError(reaches, one.placed.where, _inward(one, e in halves))
+
+
+def _of_piece(one: DartCorners, piece: str) -> bool:
+    """Whether a dart may lie in a piece, as far as its name says."""
+    return "." not in one.placed.name or one.placed.name.startswith(f"{piece}.")
 
 
 def _inward(one: DartCorners, at_fold: bool) -> str:

@@ -32,22 +32,31 @@ class FreeCloth(Protocol):
 def falling_pieces(problem: FreeCloth, corners: np.ndarray) -> tuple[str, ...]:
     """Names of the pieces at corners (n, 3) [m] that fall without end; of one sheet without panels "outline".
 
-    A piece may still come to lie on cloth that is farther along its way.
+    A piece may still come to lie on cloth that is farther along its way, unless that falls too.
     """
-    mesh, found = problem.mesh, []
+    mesh = problem.mesh
     several = len(mesh.outline.piece_names) > 1
     group = joined_pieces(problem) if several else np.zeros(1, dtype=np.int64)
-    of_node = group[mesh.node_piece]
-    for k in np.unique(group):
-        own = of_node == k if several else slice(None)
-        way = np.where(problem.supports.mask[own].any(axis=0), 0.0, problem.g)
-        if not way.any() or (problem.contact and not problem.contact.passed(corners[own], way)):
-            continue
-        rest = corners[of_node != k] if several and problem.self_contact else corners[:0]
-        if len(rest) and (rest @ way).max() > (corners[own] @ way).min():
-            continue
-        found += [name for name, one in zip(mesh.outline.piece_names, group) if one == k]
-    return tuple(found)
+    of_node = group[mesh.node_piece] if several else np.zeros(len(corners), dtype=np.int64)
+    ways = {k: np.where(problem.supports.mask[of_node == k].any(axis=0), 0.0, problem.g) for k in np.unique(group)}
+    loose = {k for k, way in ways.items() if _passed(problem, corners[of_node == k], way)}
+    while problem.self_contact:
+        others = corners[~np.isin(of_node, list(loose))]
+        caught = {k for k in loose if len(others) and _reaches(corners[of_node == k], others, ways[k])}
+        if not caught:
+            break
+        loose -= caught
+    return tuple(name for name, k in zip(mesh.outline.piece_names, group) if k in loose)
+
+
+def _passed(problem: FreeCloth, corners: np.ndarray, way: np.ndarray) -> bool:
+    """Whether cloth at corners (n, 3) is free to go a way (3,), and meets no body on it."""
+    return bool(way.any()) and (not problem.contact or problem.contact.passed(corners, way))
+
+
+def _reaches(corners: np.ndarray, others: np.ndarray, way: np.ndarray) -> bool:
+    """Whether cloth at corners (n, 3) has some of the others (m, 3) before it on its way (3,)."""
+    return (others @ way).max() > (corners @ way).min()
 
 
 def joined_pieces(problem: FreeCloth) -> np.ndarray:

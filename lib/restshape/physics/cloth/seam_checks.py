@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from restshape.scene.edge_names import edge_suggestion
 from restshape.scene.panels import folds_of
 from restshape.scene.seam_keys import Seam, edges_of
 
@@ -46,9 +47,9 @@ def check_seams(scene: Scene, kinds: Mapping[str, str], source: Source) -> None:
                     raise source.error(("seams", name, key), what, "take out the seam, or the panel's mirror")
                 if not kinds.get(edge, "").endswith("edge"):
                     is_it = f"is {kinds[edge]!r}" if edge in kinds else "is not there"
-                    edges = ", ".join(one for one, kind in kinds.items() if kind.endswith("edge"))
+                    edges = [one for one, kind in kinds.items() if kind.endswith("edge")]
                     what = f"the seam is to join the edge {edge!r}, which {is_it}"
-                    raise source.error(("seams", name, key), what, f"name one of the edges: {edges}")
+                    raise source.error(("seams", name, key), what, edge_suggestion(edge, edges))
                 if edge in mirrored:
                     what = f"the seam is on {edge!r}, which lies on a plane of symmetry: there the cloth goes on"
                     raise source.error(("seams", name, key), what, "take out the seam, or the symmetry")
