@@ -19,7 +19,10 @@ def mode_shapes(analysis: ModalAnalysis) -> np.ndarray:
 
 
 def struck_place(analysis: ModalAnalysis, at: Sequence[float] | None) -> tuple[np.ndarray, np.ndarray]:
-    """The place (2,) [m] that is struck, and how far each mode (k,) moves there.
+    """The place (2,) [m] that is struck, and how far each mode (k,) moves there, along the blow.
+
+    A mallet strikes plates and solids at right angles to their plane, so that modes in the plane hardly sound. Models
+    that know motion in the plane alone are struck along the motion of each mode.
 
     Args:
         analysis: of a frame.
@@ -33,7 +36,7 @@ def struck_place(analysis: ModalAnalysis, at: Sequence[float] | None) -> tuple[n
         size = np.linalg.norm(shapes[0], axis=1)
         size[np.unique(space.facets)] = 0.0
         node = int(np.argmax(size))
-        return space.X[node].copy(), np.linalg.norm(shapes[:, node], axis=1)
+        return space.X[node].copy(), _along_blow(analysis, shapes[:, node])
     place = np.array(at, dtype=float)
     if not on_plate(space.X[space.cells[:, :3]], place):
         (left, low), (right, high) = space.X.min(axis=0), space.X.max(axis=0)
@@ -42,7 +45,12 @@ def struck_place(analysis: ModalAnalysis, at: Sequence[float] | None) -> tuple[n
         raise UserError(what, f"--at {at[0]:g} {at[1]:g}", f"name a place on the plate, in metres: {spans}")
     by_node = shapes.transpose(1, 0, 2).reshape(len(space.X), -1)
     moved = Transfer(space, place[None])(by_node).reshape(-1, 3)
-    return place, np.linalg.norm(moved, axis=1)
+    return place, _along_blow(analysis, moved)
+
+
+def _along_blow(analysis: ModalAnalysis, moved: np.ndarray) -> np.ndarray:
+    """The sizes (k,) of displacements (k, 3) along a blow."""
+    return np.abs(moved[:, 2]) if "z" in analysis.state.body.axes else np.linalg.norm(moved, axis=1)
 
 
 def on_plate(corners: np.ndarray, place: np.ndarray) -> bool:

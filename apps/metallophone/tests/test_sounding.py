@@ -11,6 +11,7 @@ from restshape_apps.metallophone.sounding.blow import struck
 from restshape_apps.metallophone.sounding.damping import damping_of
 from restshape_apps.metallophone.sounding.drag import Glide, ModesAt, blows, in_order, sine, voices
 from restshape_apps.metallophone.sounding.mallet import excitation, pole
+from restshape_apps.metallophone.sounding.place import struck_place
 from restshape_apps.metallophone.sounding.wav import RATE, normalised
 from scipy.integrate import trapezoid
 
@@ -210,6 +211,24 @@ def test_a_known_material_brings_its_loss_and_others_need_one():
     bar = first_frame(SCENES / "bar_150.toml", PLATE).analysis
     assert "material.aluminium has no loss_factor" in damping_of(bar).source
     np.testing.assert_allclose(damping_of(bar, 3e-3).shares, 3e-3)
+
+
+@pytest.mark.parametrize("at", [None, (0.03, 0.004)])
+def test_a_mallet_hardly_sounds_modes_in_the_plane(at):
+    """A thick bar, whose second mode bends in its plane."""
+    words = [
+        "mesh.order=1",
+        "mesh.layers=2",
+        'mesh.size="8 mm"',
+        "effects.modal.modes=2",
+        "effects.modal.in_plane=true",
+    ]
+    words.append('material.aluminium.thickness="20 mm"')
+    state = (analysis := first_frame(SCENES / "bar_150.toml", words).analysis).state
+    (_, sizes), shares = struck_place(analysis, at), state.modes.participation[state.modes.chosen]
+    assert sizes[shares < 1e-3].max() < 0.01 * sizes[shares > 0.9].max()
+    plane = first_frame(SCENES / "bar_150.toml", ["effects.modal.model=plane_stress", "effects.modal.modes=1"]).analysis
+    assert struck_place(plane, at)[1][0] > 0.1
 
 
 @pytest.mark.parametrize(

@@ -182,7 +182,7 @@ def test_a_frame_of_an_edit_is_drawn_as_it_is_then(tmp_path):
         (["--as", "csv", "--cord", "3mm"], "without holes for a cord"),
         (["--as", "toml", "--to", "C5"], "no tone is written there"),
         (["--as", "dxf", "--cord", "0mm"], "is no diameter of a hole"),
-        (["--as", "dxf", "--cord", "40mm"], "hang_1"),
+        (["--as", "dxf", "--cord", "40mm"], "40 mm off the border"),
         (["--as", "dxf", "--layers", "names", "--kerf", "1mm"], "layers by name"),
         (["--as", "pdf", "--kerf", "1mm"], "a pdf file has none"),
         (["--as", "dxf", "--kerf", "3 Hz"], "length"),
