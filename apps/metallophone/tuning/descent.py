@@ -71,6 +71,7 @@ class Tuned:
         low, high: (k,) bounds.
         clusters: of each tuned mode the frequencies [Hz] of its cluster, itself first.
         blocked: why there is no solution where the last step would have led; empty where there is one.
+        nearest: whether derivatives show no way nearer.
     """
 
     steps: list[TuningStep] = field(default_factory=list)
@@ -79,6 +80,7 @@ class Tuned:
     high: np.ndarray = field(default_factory=lambda: np.zeros(0))
     clusters: list[np.ndarray] = field(default_factory=list)
     blocked: str = ""
+    nearest: bool = False
 
     @property
     def last(self) -> TuningStep:
@@ -152,7 +154,7 @@ class Descent:
 
     def _descend(self) -> None:
         """Steps on the mesh as it is, until they lead nowhere."""
-        self._nearest = False
+        self._nearest = self.found.nearest = False
         while True:
             motions = self._motions = motions_of(self.bar, self.values)
             J = CENTS * tone_rates(self.bar, self.modes, motions)
@@ -167,6 +169,7 @@ class Descent:
             idle = stuck and np.linalg.norm(missing) - left < max(GAIN, SHARE * np.linalg.norm(missing))
             if (slight and (self.found.last.worst <= close or stuck)) or idle or self._idle(close):
                 self._nearest = self.found.last.worst > close
+                self.found.nearest = self._nearest and (stuck or idle)
                 return
             if self.bar.solves >= self.most - 1 or not self._search(J, missing):
                 return

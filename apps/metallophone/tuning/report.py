@@ -72,11 +72,15 @@ class TuningReport:
         tones = ", ".join(f"{f:.2f} Hz ({_named(float(f), self.a4)})" for f in last.frequencies)
         if self.found.in_tune:
             return f"in tune with {self._wanted()}: {tones}, after {self.tuning.solves} solves{self._errors()}"
-        bounds = [f"{self.tuning.freedoms[k].name} is at its {end} bound" for k, end in self.found.at_bounds()]
-        if self.found.blocked:
-            bounds.append(f"there is no solution further on ({self.found.blocked}), so give bounds that keep off it")
-        why = f": {'; '.join(bounds)}" if bounds else ": no step within the solves leads nearer"
         away = ", ".join(f"{c:+.1f}" for c in last.cents)
+        if self.found.blocked:
+            why = f"there is no solution further on ({self.found.blocked})"
+            do = "leave out with --by what leads there, or give bounds that keep off it"
+            return f"gave up on {self._wanted()} at {tones}, {away} cents off: {why}; {do}{self._errors()}"
+        bounds = [f"{self.tuning.freedoms[k].name} is at its {end} bound" for k, end in self.found.at_bounds()]
+        why = f": {'; '.join(bounds)}" if bounds else ": no step within the solves leads nearer"
+        if not bounds and not self.found.nearest:
+            return f"gave up on {self._wanted()} at {tones}, {away} cents off{why}{self._errors()}"
         return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}{self._errors()}"
 
     def _errors(self) -> str:
