@@ -6,7 +6,9 @@ from drape_designs import COTTON, DrapeDesign
 from small_scenes import head, make_replay, meshed, rows_of, write_scene, write_script
 
 from restshape.errors import UserError
-from restshape.physics.cloth.sensitivity.pattern_numbers import pattern_motion
+from restshape.mesh.generate import generate
+from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.sensitivity.pattern_numbers import draws, pattern_motion
 from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
 from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
@@ -103,6 +105,26 @@ def test_a_pleat_that_gets_deeper_keeps_the_mesh_and_the_gathered_length(tmp_pat
     outline = replay.session.outline
     first, second = (outline.points[outline.vertex_names.index(f"waist.one.{fold}")] for fold in ("first", "second"))
     assert np.hypot(*(second - first)) == pytest.approx(0.018)
+
+
+def test_pleats_begin_in_a_wave_on_each_panel_of_their_side(tmp_path):
+    """A side of two frills, with a pleat on the second one: which begins as the first would, and the first stays flat."""
+    other = PANEL.format(name="other", low=-0.06, high=0, width=LONG, left=0.13, down=-0.01, first="d", last="c")
+    pleat = "[seams.waist.pleats.one]\nedge = 'other.top'\nat = 0.5\ndepth = 0.02\n"
+    seam = SEAM.replace('"frill.top"', '["frill.top", "other.top"]')
+    heights = []
+    for text in (frill(pleat, seam, size=0.015) + other, frill(ends="dc", size=0.015)):
+        scene = load_scene(write_scene(tmp_path, text))
+        mesh = generate(unchecked_outline(scene.shape), scene.mesh)
+        placement = InitialPlacement(scene)
+        moved = np.abs(placement.scattered(mesh) - placement.places(mesh))[:, 1]
+        heights.append({name: moved[mesh.nodes_of(name)].max() for name in ("frill", "other") if name in text})
+    assert heights[0]["frill"] == 0.0
+    assert heights[0]["other"] == pytest.approx(heights[1]["frill"]) and heights[1]["frill"] > 1e-3
+
+
+def test_a_seam_named_pleats_draws_nothing():
+    assert draws(("seams", "waist", "pleats", "one", "at")) and not draws(("seams", "pleats", "stiffness"))
 
 
 def test_folds_of_pleats_are_vertices_of_the_pattern(tmp_path):

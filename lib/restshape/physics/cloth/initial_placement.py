@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.seam_lines import pleated_lines
+from restshape.physics.cloth.pleats import Pleats
+from restshape.physics.cloth.seam_lines import SeamLine, pleated_lines
 from restshape.scene.model import Scene
 from restshape.shape.panel_placement import PatternPlacement
 
@@ -59,17 +60,13 @@ class InitialPlacement:
         if not any(seam.pleats for seam in self._scene.seams.values()):
             return
         for line, pleats in pleated_lines(self._scene, mesh, places):
-            lengths = line.lengths(mesh.X)
-            edges = np.flatnonzero(line.along)
-            ends = np.stack([mesh.X[line.nodes[edges]], mesh.X[line.nodes[edges + 1]]], axis=1)
-            piece = mesh.node_piece[line.nodes[0]]
-            own = np.flatnonzero(mesh.node_piece == piece)
-            away, nearest, share = _nearest(mesh.X[own], ends)
-            along = lengths[edges[nearest]] + share * np.diff(lengths)[edges[nearest]]
-            fades = np.clip(1.0 - away / (FAR * np.max(lengths[pleats.second] - lengths[pleats.first])), 0.0, None)
-            height = SLOPE * fades * pleats.heights(along, lengths)
-            x, y = (self.directions(mesh, own, np.tile(axis, (len(own), 1))) for axis in np.eye(2))
-            places[own] += height[:, None] * np.cross(x, y)
+            pieces = mesh.node_piece[line.nodes]
+            # A side may go on along edges of other panels.
+            for piece in np.unique(pieces):
+                own = np.flatnonzero(mesh.node_piece == piece)
+                height = _wave(mesh.X[own], line, pleats, mesh.X, pieces == piece)
+                x, y = (self.directions(mesh, own, np.tile(axis, (len(own), 1))) for axis in np.eye(2))
+                places[own] += height[:, None] * np.cross(x, y)
 
     def scattered(self, mesh: Mesh) -> np.ndarray:
         """Places (n, 3) [m] of a mesh's nodes, with the scatter of the start."""
@@ -81,6 +78,22 @@ class InitialPlacement:
             # In an order that does not hang on the number of ranks.
             places += self.start.scatter * random[mesh.places]
         return places
+
+
+def _wave(points: np.ndarray, line: SeamLine, pleats: Pleats, X: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """Heights (k,) [m] at which cloth at points (k, 2) of one panel begins beside a line with pleats.
+
+    Args:
+        points: [m]; line: with the pleats; X: (n, 2) nodes of the mesh [m]; near: which nodes (p,) of the line are of
+            the panel.
+    """
+    lengths = line.lengths(X)
+    edges = np.flatnonzero((line.along > 0.0) & near[:-1] & near[1:])
+    ends = np.stack([X[line.nodes[edges]], X[line.nodes[edges + 1]]], axis=1)
+    away, nearest, share = _nearest(points, ends)
+    along = lengths[edges[nearest]] + share * np.diff(lengths)[edges[nearest]]
+    fades = np.clip(1.0 - away / (FAR * np.max(lengths[pleats.second] - lengths[pleats.first])), 0.0, None)
+    return SLOPE * fades * pleats.heights(along, lengths)
 
 
 def _nearest(points: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

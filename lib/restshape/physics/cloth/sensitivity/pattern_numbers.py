@@ -23,7 +23,7 @@ def draws(key: Sequence[str]) -> bool:
     """Whether the number at a key is one of the pattern's outline."""
     if key[0] == "panels":
         return len(key) > 2 and key[2] not in PLACING
-    return key[0] in ("shape", "darts") or (key[0] == "seams" and "pleats" in key)
+    return key[0] in ("shape", "darts") or (key[0] == "seams" and len(key) > 3 and key[2] == "pleats")
 
 
 def lays(key: Sequence[str]) -> bool:
