@@ -30,6 +30,7 @@ left = {{ line = ["d", "a"] }}
 SEAM = '[seams.waist]\nfrom = "frill.top"\nto = "band.bottom"\n'
 PLEAT = '[seams.waist.pleats.one]\nat = {at}\ndepth = {depth}\ntoward = "{toward}"\n'
 PINS = '[supports.pins]\non = "band"\nfix = ["x", "y", "z"]\n[effects.contact]\nself = true\n'
+DART = '[darts.cup]\nedge = "frill.top"\nat = {}\nlength = 0.02\nwidth = 0.006\n'
 KNIFE = PLEAT.format(at=0.5, depth="'depth'", toward="end")
 
 
@@ -147,8 +148,10 @@ def test_folds_of_pleats_are_vertices_of_the_pattern(tmp_path):
         (KNIFE, SEAM.replace('"frill.top"', '["frill.top", "frill.left"]'), "does not say on which edge"),
         ("[seams.waist.pleats.one]\nedge = 'frill.left'\nat = 0.5\ndepth = 0.01\n", SEAM, "is no edge of `from`"),
         (KNIFE, SEAM + 'stitched = "flat"\n', "nothing bends across a seam with pleats"),
+        (KNIFE, SEAM + DART.format(0.55), "a dart is where the pleat lies on 'frill.top'"),
+        (KNIFE, SEAM + DART.format(0.43), "a dart is where the pleat lies on 'frill.top'"),
     ],
-    ids=["off the edge", "off the seam", "overlap", "which", "other", "flat"],
+    ids=["off the edge", "off the seam", "overlap", "which", "other", "flat", "round a dart", "at a dart"],
 )
 def test_pleats_that_have_no_place_are_refused(tmp_path, pleats, seam, said):
     with pytest.raises(UserError, match=said):
