@@ -109,7 +109,7 @@ def test_a_pleat_that_gets_deeper_keeps_the_mesh_and_the_gathered_length(tmp_pat
 
 
 def test_pleats_begin_in_a_wave_on_each_panel_of_their_side(tmp_path):
-    """A side of two frills, with a pleat on the second one: which begins as the first would, and the first stays flat."""
+    """A side of two frills, with a pleat on the second one: that begins as one frill would, the first stays flat."""
     other = PANEL.format(name="other", low=-0.06, high=0, width=LONG, left=0.13, down=-0.01, first="d", last="c")
     pleat = "[seams.waist.pleats.one]\nedge = 'other.top'\nat = 0.5\ndepth = 0.02\n"
     seam = SEAM.replace('"frill.top"', '["frill.top", "other.top"]')
