@@ -38,7 +38,7 @@ def with_pleats(outline: Outline, pleats: Sequence[PlacedPleat]) -> Outline:
 
 
 def _refuse_darts(outline: Outline, one: PlacedPleat, places: Sequence[float]) -> None:
-    """Refuses a pleat with folds at places [m] along its edge that a dart is at or between: its layers would be short."""
+    """Refuses a pleat with folds at places [m] along its edge where a dart is: its layers would be short."""
     pieces = list(outline.entity(one.edge).edges)
     edges = [place_along(outline, outline.entity(one.edge), place)[0] for place in places]
     if None not in edges:
