@@ -44,7 +44,7 @@ GUESS = 0.45
 MOST = 3_000
 SHEET_SIZE = 0.01
 """Mesh size [m] of the sheets that slip."""
-SLIPS = ((0.3, 20, 1.01), (2.0, 20, 1.01), (0.3, 10, 1.02), (0.3, 5, 1.05))
+SLIPS = ((0.3, 20, 1.01), (2.0, 20, 1.01), (0.3, 10, 1.03), (0.3, 5, 1.05))
 """Coefficients of friction, mesh size over the distance where contact begins, and part of the angle that slips."""
 
 

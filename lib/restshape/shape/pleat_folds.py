@@ -40,10 +40,12 @@ def with_pleats(outline: Outline, pleats: Sequence[PlacedPleat]) -> Outline:
 def _refuse_darts(outline: Outline, one: PlacedPleat, places: Sequence[float]) -> None:
     """Refuses a pleat with folds at places [m] along its edge where a dart is: its layers would be short."""
     pieces = list(outline.entity(one.edge).edges)
-    edges = [place_along(outline, outline.entity(one.edge), place)[0] for place in places]
-    if None not in edges:
-        first, last = (pieces.index(edge) for edge in edges)
-        ways = (outline.point(b, 0.0)[0] - outline.point(a, 1.0)[0] for a, b in pairwise(pieces[first : last + 1]))
+    first, last = (place_along(outline, outline.entity(one.edge), place)[0] for place in places)
+    if first is not None and last is not None:
+        ways = (
+            outline.point(b, 0.0)[0] - outline.point(a, 1.0)[0]
+            for a, b in pairwise(pieces[pieces.index(first) : pieces.index(last) + 1])
+        )
         if all(np.hypot(*way) <= END * outline.size for way in ways):
             return
     what = f"a dart is where the pleat lies on {one.edge!r}"
