@@ -18,7 +18,9 @@ EVERY = 0.6
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("scenes", type=Path, nargs="+", metavar="SCENE", help="scene files (.toml) of metallophones")
-    parser.add_argument("--out", type=PictureFile, metavar="FILE", help="outlines above, first modes below (.png)")
+    parser.add_argument(
+        "--out", type=PictureFile, metavar="FILE", help="outlines above, first modes below (.png, .svg)"
+    )
     parser.add_argument("--wav", type=SoundFile, metavar="FILE", help="the bars struck one after the other (.wav)")
     what = f"with --wav: from blow to blow (default: {EVERY})"
     parser.add_argument("--every", type=float, metavar="SECONDS", help=what)

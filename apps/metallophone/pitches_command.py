@@ -14,7 +14,7 @@ MOST = 10
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("recording", metavar="RECORDING", type=Path, help="recording (.vtkhdf) of a bar that is edited")
-    parser.add_argument("--out", type=PictureFile, required=True, metavar="FILE", help="picture (.png)")
+    parser.add_argument("--out", type=PictureFile, required=True, metavar="FILE", help="picture (.png, .svg)")
     parser.add_argument("--at", metavar="I,J", help="frames whose shapes are drawn (default: where gestures end)")
     add_json(parser)
 

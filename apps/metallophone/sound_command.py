@@ -11,6 +11,7 @@ from restshape_apps.metallophone.stage import add_frame, analysed, metallophone
 from restshape.cli.options import add_json, write_json
 from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import SoundFile
+from restshape.outputs.si_numbers import counted
 
 if TYPE_CHECKING:
     from restshape_apps.metallophone.sounding.drag import ModesAt
@@ -38,7 +39,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--damping", type=float, metavar="SHARE", help="share of critical damping of all modes (default: by material)"
     )
-    parser.add_argument("--seconds", type=float, help=f"how long one blow is heard ({SECONDS})")
+    parser.add_argument("--seconds", type=float, metavar="SECONDS", help=f"how long one blow is heard ({SECONDS:g})")
     add_json(parser)
 
 
@@ -121,6 +122,8 @@ def _drag(args: argparse.Namespace) -> int:
         # Frames that are not analysed have no frequency of their own.
         if row.get("f_1", nan) > 0.0:
             known.append(drag.modes_at(replay.analysis, times[-1], args.at, args.damping))
+    if args.edits is None:
+        raise UserError("without edits there is no drag to hear", "--drag", "name a script (.jsonl), or leave it out")
     frames = drag.in_order(known, times[0], times[-1])
     length = frames[-1].t - frames[0].t
     if length > LONGEST:
@@ -130,6 +133,7 @@ def _drag(args: argparse.Namespace) -> int:
     tones = [{"t": frame.t, "frequencies": frame.frequencies.tolist()} for frame in frames]
     write_json(args, {"seconds": length, "frames": tones})
     first, last = (frame.frequencies[0] for frame in (frames[0], frames[-1]))
+    many = counted(len(times), "frame")
     way = "a sine" if args.sine else f"a blow each {every:g} s"
-    print(f"wrote {one_line(args.out)}: {length:.3g} s, {len(frames)} frames, {way}, {first:.1f} to {last:.1f} Hz")
+    print(f"wrote {one_line(args.out)}: {length:.3g} s, {many}, {way}, {first:.1f} to {last:.1f} Hz")
     return 0

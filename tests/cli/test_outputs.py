@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from small_scenes import plate, write_scene
 
 from restshape.application import brought_commands
-from restshape.cli.main import all_commands, command_parser
+from restshape.cli.main import all_commands, command_parser, main
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import JsonFile, OutputFile, PictureFile, RecordingFile, SoundFile, mark_sound
@@ -55,6 +55,24 @@ def test_options_that_name_a_file_to_write_say_so_by_their_type():
         assert all(issubclass(kind, OutputFile) for kind in kinds[name]), name
     # A folder where it is no file.
     assert {kind for kind in kinds["--out"] if not issubclass(kind, OutputFile)} == {Path}
+
+
+@pytest.mark.parametrize(
+    ("words", "ends"),
+    [
+        ("modes {} --out a.txt", ".png or .svg"),
+        ("modes {} --period a.png", ".gif"),
+        ("tune {} --to C6 --rasp --picture a", ".png or .svg"),
+        ("instrument {} --wav a.mp3", ".wav"),
+        ("sound {} --out a.mp3", ".wav"),
+        ("sweep {} --set mesh.size=0.1,0.2 --out a.pdf", ".png or .svg"),
+    ],
+)
+def test_a_name_that_hides_what_a_file_is_is_refused_before_any_work(tmp_path, monkeypatch, capsys, words, ends):
+    """The scene is not there: it is not looked at before."""
+    monkeypatch.chdir(tmp_path)
+    assert main(words.format("none.toml").split()) == 2
+    assert f"name ends in {ends}\n" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
 def test_the_library_opens_no_file_for_writing_past_the_module_of_outputs():

@@ -33,7 +33,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--most", type=float, metavar="MM", default=2.0, help="with --rasp: largest depth off the outline [mm]"
     )
-    parser.add_argument("--picture", type=PictureFile, metavar="FILE", help="with --rasp: draw where to rasp")
+    parser.add_argument(
+        "--picture", type=PictureFile, metavar="FILE", help="with --rasp: draw where to rasp (.png, .svg)"
+    )
 
 
 def run(scene: Scene, args: argparse.Namespace) -> int:

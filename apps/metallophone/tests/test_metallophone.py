@@ -209,7 +209,7 @@ def test_modes_beyond_the_rate_are_left_out():
 
 @pytest.mark.parametrize("command", ["modes", "sound"])
 def test_bad_input_ends_with_2(command, tmp_path, capsys):
-    out = ["--out", str(tmp_path / "x")]
+    out = ["--out", str(tmp_path / {"modes": "x.png", "sound": "x.wav"}[command])]
     assert main([command, str(tmp_path / "nothing.toml"), *out]) == 2
     plate = SCENES.parents[1] / "solid" / "scenes" / "plate.toml"
     assert main([command, str(plate), *out]) == 2

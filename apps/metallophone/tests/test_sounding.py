@@ -245,7 +245,7 @@ def test_a_mallet_hardly_sounds_modes_in_the_plane(at):
         (["--drag", "--seconds", "1"], "leave --seconds or --drag out"),
         (["--drag", "--frame", "1"], "leave --frame or --drag out"),
         (["--drag", "--sine", "--at", "0", "0"], "a sine does not have"),
-        (["--drag"], "no duration"),
+        (["--drag"], "without edits"),
         (["--drag", "--every", "0.01", "--contact", "0.02"], "until the next blow"),
         (["--drag", "--at", "1", "1"], "at the edit time 0 s (1, 1) m lies off the plate"),
     ],

@@ -49,7 +49,7 @@ def test_bodies_have_their_thickness_and_modes_their_kind(scene, words, thicknes
 @pytest.mark.parametrize(
     ("words", "reported"),
     [
-        (["--period", "mode.png"], "is a GIF"),
+        (["--period", "mode.png"], "name ends in .gif"),
         (["--mode", "2", "--space", "a.png"], "add --period"),
         (["--period", "mode.gif", "--mode", "3"], "only 1 mode is computed"),
         (["--period", "mode.gif", "--mode", "0"], "--mode 0"),

@@ -84,7 +84,7 @@ def test_predicted_values_say_how_far_they_may_be_off(tmp_path):
 
 def test_a_mode_that_is_gone_has_no_value(tmp_path):
     scene, _ = bar(tmp_path, 'off = { cents = "A5", mode = 2 }', "over = { ratio = 2 }")
-    quantities = load_scene(scene).quantities
+    quantities = load_scene(scene, PLATE).quantities
     frequencies, ids = np.array([500.0, 900.0]), np.array([1, 7])
     for quantity in quantities.values():
         assert math.isnan(tone_value(quantity, 440.0, frequencies, ids))
@@ -111,12 +111,13 @@ def test_what_makes_no_sense_is_refused(tmp_path, quantity, where, what):
     assert f"quantities.{where}" in caught.value.where
 
 
-@pytest.mark.parametrize("quantity", ['{ cents = "C5", mode = 4 }', "{ ratio = 4 }"])
+@pytest.mark.parametrize("quantity", ['{ cents = "C5", mode = 4 }', "{ ratio = 4 }", "{ frequency = 4 }"])
 def test_modes_that_are_not_computed_have_no_tone(tmp_path, quantity):
+    """The scene is refused as soon as it is read."""
     scene, _ = bar(tmp_path, f"off = {quantity}")
     with pytest.raises(UserError, match="only 3 modes are computed") as caught:
-        first_frame(scene, PLATE)
-    assert "4 or more" in caught.value.do
+        load_scene(scene, PLATE)
+    assert "4 or more" in caught.value.do and "bar.toml" in caught.value.where
 
 
 def test_estimated_error_of_a_thickness_by_formula():

@@ -112,6 +112,19 @@ def test_a_bar_is_struck_in_its_middle_and_a_square_where_it_moves():
     found = bar(0.0, square)
     place = np.abs(found.strike - 0.085)
     assert found.hanging.found and place.min() > 0.06
+    assert place.max() <= 0.085 - 3e-3
+
+
+def test_a_slender_tail_does_not_draw_the_blow_to_itself():
+    """It moves eleven times as far as the bar between its hanging points."""
+    corners = ((0, -30), (120, -30), (120, 30), (0, 30), (0, 3), (-60, 3), (-60, -3), (0, -3))
+    vertices = ", ".join(f'{name} = ["{x} mm", "{y} mm"]' for name, (x, y) in zip("abcdefgh", corners))
+    sides = [*zip("abcdefgh", "bcdefgha")]
+    lines = ", ".join(f'{p}{q} = {{ line = ["{p}", "{q}"] }}' for p, q in sides)
+    outline = "shape.outline=" + json.dumps([p + q for p, q in sides])
+    found = bar(0.0, f"shape.vertices={{ {vertices} }}", f"shape.edges={{ {lines} }}", outline)
+    (first, second), (x, y) = sorted(found.hanging.places[:, 0]), found.strike
+    assert first + 0.02 < x < second - 0.02 and abs(y) < 1e-3
 
 
 def test_the_sheet_has_dimensions_tones_places_and_tolerances(tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from restshape_apps.metallophone.sounding.place import mode_shapes, on_plate, struck_place
+from restshape_apps.metallophone.sounding.place import mode_shapes, on_plate
 
 from restshape.analysis.hanging import Hanging, HangingPoints, hanging_of
 from restshape.analysis.modal import ModalAnalysis
@@ -21,14 +21,17 @@ from restshape.export.edited_frame import EditedFrame, plain_scene
 from restshape.mesh.transfer import Transfer
 from restshape.replay.first_frame import replayed_to
 from restshape.scene.load import remade
+from restshape.shape.nearness import distances
 from restshape.shape.outline import Outline
 
 Holes = Mapping[str, tuple[Reals, float]]
 """Centre (2,) and radius [m] of each, by name."""
 SAMPLES = 97
 """Places between the hanging points that are looked at."""
-FAINT = 0.2
-"""Share of the largest deflection of a bar below which a place is still."""
+FAINT = 0.1
+"""Share of the root mean square of a mode's deflections below which a place is still."""
+ARM = 1.5e-3
+"""Half the length of the lines of an engraved cross [m]."""
 WALL = 1.0
 """Distance of a hole for the cord from the border, from its middle on, over its diameter."""
 ALMOST = 0.9
@@ -83,23 +86,37 @@ class Bar:
     def strike(self) -> Reals:
         """The place (2,) [m] that is struck: of those between both hanging points where the first mode moves most.
 
-        Without hanging points, or where the way from one to the other leaves the bar or is still, it is that of
-        `struck_place`.
+        Without hanging points, or where the way from one to the other leaves the bar or is still, it is where the
+        first mode moves most of all, with room for a cross.
         """
         space, (start, end) = self.analysis.space, self.hanging.places
         between = start + np.linspace(0.2, 0.8, SAMPLES)[:, None] * (end - start)
         corners = space.X[space.cells[:, :3]]
         if not (self.hanging.found and all(on_plate(corners, place) for place in between)):
-            return struck_place(self.analysis, None)[0]
+            return self._most_moved()
         shape = np.ascontiguousarray(mode_shapes(self.analysis)[0])
         size, share = np.linalg.norm(Transfer(space, between)(shape), axis=1), np.linspace(0.0, 1.0, SAMPLES)
-        if size.max() < FAINT * np.linalg.norm(shape, axis=1).max():
-            return struck_place(self.analysis, None)[0]
+        if size.max() < FAINT * np.sqrt((shape**2).sum(axis=1).mean()):
+            return self._most_moved()
         near = np.flatnonzero(size >= ALMOST * size.max())
         # The deflection is linear on each triangle: the top of a parabola through it depends less on the mesh.
         bend, slope, _ = np.polyfit(share[near], size[near], 2)
         best = -0.5 * slope / bend if bend < 0.0 else float(share[np.argmax(size)])
         return between[0] + min(max(best, 0.0), 1.0) * (between[-1] - between[0])
+
+    @cached_property
+    def room(self) -> Reals:
+        """Distances (n,) [m] of the nodes of the plane mesh from the nearest edge of the outline or of a hole."""
+        outline = self.outline
+        chains = [outline.polyline(e) for loop in outline.loops if loop.kind != "region" for e, _ in loop.edges]
+        starts, ends = (np.concatenate([chain[part] for chain in chains]) for part in (slice(-1), slice(1, None)))
+        return distances(self.analysis.space.X, starts, ends)
+
+    def _most_moved(self) -> Reals:
+        """The node (2,) [m] at which the first mode moves most, of those that a cross has room around."""
+        size = np.linalg.norm(mode_shapes(self.analysis)[0], axis=1)
+        size[self.room < min(2.0 * ARM, 0.5 * float(self.room.max()))] = 0.0
+        return self.analysis.space.X[int(size.argmax())].copy()
 
 
 def bar_of(frame: EditedFrame, args: argparse.Namespace) -> Bar:

@@ -6,7 +6,7 @@ import argparse
 from dataclasses import replace
 
 import numpy as np
-from restshape_apps.metallophone.workshop.bar import Bar, bar_of
+from restshape_apps.metallophone.workshop.bar import ARM, Bar, bar_of
 
 from restshape.arrays import Reals
 from restshape.export.cut_drawing import EngravedText, Engraving, with_holes
@@ -16,10 +16,7 @@ from restshape.export.shape_tables import shape_tables
 from restshape.scene.load import remade
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import table_in
-from restshape.shape.nearness import distances
 
-ARM = 1.5e-3
-"""Half the length of the lines of a cross [m]."""
 LOW, HIGH = 1.5e-3, 8e-3
 """Least and largest height of letters [m]."""
 SHARE = 0.6
@@ -35,7 +32,7 @@ def engraving(frame: EditedFrame, args: argparse.Namespace) -> Engraving:
     bar = bar_of(frame, args)
     hung = bar.hanging.places if bar.hanging.found and not bar.holes else np.zeros((0, 2))
     strike = bar.strike
-    return Engraving(bar.holes, np.vstack([hung, strike]), ARM, (_tone(bar, strike),), _notes(bar))
+    return Engraving(bar.holes, np.vstack([hung, strike]), ARM, (_tone(bar, strike),), notes_on(bar))
 
 
 def drilled(frame: EditedFrame, args: argparse.Namespace) -> tuple[EditedFrame, list[str]]:
@@ -48,7 +45,7 @@ def drilled(frame: EditedFrame, args: argparse.Namespace) -> tuple[EditedFrame, 
         return frame, []
     bar = bar_of(frame, args)
     whole = replace(frame, outline=with_holes(frame.outline, bar.holes))
-    return replace(whole, scene=_hung_at(whole, list(bar.holes))), _notes(bar)
+    return replace(whole, scene=_hung_at(whole, list(bar.holes))), notes_on(bar)
 
 
 def _hung_at(frame: EditedFrame, holes: list[str]) -> Scene:
@@ -63,17 +60,15 @@ def _hung_at(frame: EditedFrame, holes: list[str]) -> Scene:
 
 def _tone(bar: Bar, strike: Reals) -> EngravedText:
     """The name of the tone, where there is most room for it."""
-    space, outline = bar.analysis.state.space, bar.outline
-    chains = [outline.polyline(e) for loop in outline.loops if loop.kind != "region" for e, _ in loop.edges]
-    starts, ends = (np.concatenate([chain[part] for chain in chains]) for part in (slice(-1), slice(1, None)))
-    room = distances(space.X, starts, ends)
+    space, room = bar.analysis.space, bar.room
     for cross in (strike, *(bar.hanging.places if bar.hanging.found else ())):
         room = np.minimum(room, np.hypot(*(space.X - cross).T) - ARM)
     best = int(room.argmax())
     return EngravedText(bar.target, space.X[best].copy(), float(np.clip(SHARE * room[best], LOW, HIGH)))
 
 
-def _notes(bar: Bar) -> list[str]:
+def notes_on(bar: Bar) -> list[str]:
+    """What there is to note: the tone on a mesh of its own, what drilling does, why there are no hanging points."""
     f = float(bar.analysis.frequencies[0])
     found = [f"{f:.2f} Hz on a mesh of its own, {bar.cents:+.1f} cents from {bar.target}"]
     if bar.holes:

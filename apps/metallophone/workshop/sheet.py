@@ -7,6 +7,7 @@ from pathlib import Path
 
 import matplotlib
 from restshape_apps.metallophone.workshop.bar import bar_of
+from restshape_apps.metallophone.workshop.engraving import notes_on
 from restshape_apps.metallophone.workshop.rasping_map import draw_map
 from restshape_apps.metallophone.workshop.sheet_drawing import draw_bar
 from restshape_apps.metallophone.workshop.sheet_page import STYLE, SheetPage
@@ -33,5 +34,4 @@ def write_sheet(frame: EditedFrame, args: argparse.Namespace, path: Path) -> lis
         below = draw_bar(page, bar) - 6.0
         write_tables(page, bar, draw_map(page, bar, below))
         save_pages([page.figure], path, about)
-    f = float(bar.analysis.frequencies[0])
-    return [f"{f:.2f} Hz on a mesh of its own, {bar.cents:+.1f} cents from {bar.target}"]
+    return notes_on(bar)

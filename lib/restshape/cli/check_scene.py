@@ -20,7 +20,6 @@ from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError, one_line
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
 from restshape.mesh.sizing import refuse_endless
-from restshape.outputs.kinds import PICTURES
 from restshape.outputs.si_numbers import scaled_unit, si, unit_of
 from restshape.replay.rounding import cleared
 from restshape.scene.application_registry import clashes_with
@@ -96,8 +95,6 @@ def _draw(path: Path, scene: Scene, outline: Outline | None) -> None:
     if outline is None and not editing.drawn:
         what = f"a scene of {scene.app!r} has no outline to draw"
         raise UserError(what, "--picture", "leave --picture out; restshape report draws its recordings")
-    if path.suffix not in PICTURES:
-        raise UserError("a picture's name ends in .png or .svg", f"--picture {path}", "name it so")
     from restshape.report.scene_picture import draw_scene
 
     try:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError, one_line, printable
-from restshape.outputs.kinds import PICTURES, PictureFile
+from restshape.outputs.kinds import PictureFile
 from restshape.outputs.si_numbers import counted, si
 
 if TYPE_CHECKING:
@@ -44,8 +44,6 @@ def run(args: argparse.Namespace) -> int:
     """Compare; 0 where they are the same, or within the tolerance, 1 where they differ."""
     if not 0.0 <= args.tolerance < math.inf:
         raise UserError("a tolerance is 0 or greater", f"--tolerance {args.tolerance:g}", "--tolerance 1e-6")
-    if args.out and args.out.suffix not in PICTURES:
-        raise UserError("a picture's name ends in .png or .svg", f"--out {args.out}", f"--out {args.out}.png")
     from restshape.comparison.result import read_result
     from restshape.comparison.result_comparison import compared
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from restshape.export.frame_mesh import FrameMesh
     from restshape.export.restated_frame import RestatedFrame
 
-SUMMARY = "the edited shape as toml, dxf, svg or step, its mesh and fields as stl, obj, vtu or csv"
+SUMMARY = "the edited shape as toml, dxf, svg or step, mesh and fields as stl, obj, vtu or csv, a bar as pdf or wav"
 KINDS = ("toml", "dxf", "svg", "step", "stl", "obj", "vtu", "csv")
 OF_MESH = ("obj", "vtu", "csv")
 """Formats that a recording's mesh and fields are enough for."""

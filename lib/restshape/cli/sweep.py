@@ -21,7 +21,7 @@ from restshape.cli.ranks import first_rank
 from restshape.cli.signals import agreeing
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, one_line, printable
-from restshape.outputs.kinds import PICTURES, PictureFile, SweepFile
+from restshape.outputs.kinds import PictureFile, SweepFile
 from restshape.outputs.si_numbers import counted, si, unit_of
 from restshape.policy import GUESSES, POLICIES
 from restshape.surroundings import start_petsc
@@ -56,8 +56,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run all values; 0 where one of them has a result, 2 on bad input."""
-    if args.out and args.out.suffix not in PICTURES:
-        raise UserError("a picture's name ends in .png or .svg", f"--out {args.out}", f"--out {args.out}.png")
     with limited(args) as begin_frame:
         return _swept(args, begin_frame)
 

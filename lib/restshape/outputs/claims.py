@@ -21,10 +21,11 @@ def refuse_outputs(outputs: dict[str, OutputFile], inputs: dict[str, Path]) -> N
 
     Raises:
         UserError: an output is an input, another output, also through links, or not a file that restshape wrote by
-            such an option; or it cannot be written.
+            such an option; its name does not end as those of its kind; or it cannot be written.
     """
     taken = {identity(path): f"{name} reads" for name, path in inputs.items() if _is_file(path)}
     for option, path in outputs.items():
+        _refuse_ending(path, option)
         if path.exists() and not path.is_file() and not path.is_dir():
             continue
         own = identity(path)
@@ -71,6 +72,12 @@ def identity(path: Path) -> Identity:
     except OSError:
         return os.path.realpath(path)
     return found.st_dev, found.st_ino
+
+
+def _refuse_ending(path: OutputFile, option: str) -> None:
+    if path.endings and path.suffix.lower() not in path.endings:
+        ends = " or ".join(path.endings)
+        raise UserError(f"{path.noun}'s name ends in {ends}", f"{option} {path}", f"{option} {path}{path.endings[0]}")
 
 
 def _is_file(path: Path) -> bool:

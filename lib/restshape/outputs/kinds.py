@@ -21,6 +21,9 @@ class OutputFile(PosixPath):
     """A path of an option that names a file to write; what other paths of a command name is read."""
 
     what = "a file that restshape has written"
+    noun = "a file"
+    endings: tuple[str, ...] = ()
+    """How names of such files end, of which one is a must; none: as the user likes."""
 
     def ours(self) -> bool:
         """Whether restshape may replace what is there: nothing, an empty file, a device, or a file of this kind.
@@ -238,6 +241,8 @@ class PictureFile(OutputFile):
     """A picture (PNG or SVG) that says which program drew it."""
 
     what = "a picture that restshape drew"
+    noun = "a picture"
+    endings = PICTURES
 
     def known(self, head: bytes) -> bool:
         """Whether `outputs.picture_files` has marked it."""
@@ -250,6 +255,8 @@ class PeriodFile(OutputFile):
     """An animation (GIF) of a mode that says in its comment which program drew it."""
 
     what = "an animation of a mode that restshape drew"
+    noun = "an animation"
+    endings = (".gif",)
 
     def known(self, head: bytes) -> bool:
         """Whether it has the comment of such animations."""
@@ -272,6 +279,8 @@ class SoundFile(OutputFile):
     """A sound (WAV) that says in its last chunk which program wrote it."""
 
     what = "a sound that restshape wrote"
+    noun = "a sound"
+    endings = (".wav",)
 
     def ours(self) -> bool:
         """As of all files, but the end of it counts."""

@@ -8,6 +8,7 @@ from petsc4py import PETSc
 from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.errors import UserError
+from restshape.outputs.si_numbers import counted
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -38,10 +39,16 @@ def replay_of(scene: Scene, edits: Path | None) -> Replay:
     Args:
         scene: where the edits start.
         edits: script file; None: the first shape alone.
+
+    Raises:
+        UserError: the scene or the script makes no sense.
     """
     script = load_script(edits, scene) if edits else Script.empty(scene)
     chosen = policy(scene.solve.policy)
-    return Replay(Request(scene, script, application_of(scene), chosen, Calibration.load()), PETSc.COMM_WORLD)
+    try:
+        return Replay(Request(scene, script, application_of(scene), chosen, Calibration.load()), PETSc.COMM_WORLD)
+    except UserError as error:
+        raise scene.located(error) from error
 
 
 def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
@@ -53,13 +60,17 @@ def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
         frame: its number; None: the last one.
 
     Raises:
-        UserError: there is no such frame.
+        UserError: there is no such frame, or none at all.
     """
     replay = replay_of(scene, edits)
     last = -1
-    for last, _ in enumerate(replay.frames()):
-        if last == frame:
-            break
+    try:
+        for last, _ in enumerate(replay.frames()):
+            if last == frame:
+                break
+    except UserError as error:
+        raise scene.located(error) from error
     if frame is not None and last != frame:
-        raise UserError(f"the edits have {last + 1} frames", "--frame", f"use 0 to {last}")
+        one = f"the edits have {counted(last + 1, 'frame')}" if edits else "without edits there is one frame"
+        raise UserError(one, f"--frame {frame}", f"use 0 to {last}" if last else "use 0, or leave it out")
     return replay

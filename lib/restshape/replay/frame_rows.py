@@ -105,8 +105,11 @@ class FrameRows:
 
 
 def without_values(own: RowValues) -> RowValues:
-    """The columns of an analysis in a frame that was refused: no numbers, no texts; the simulated time stands still."""
-    return {name: value if name == SIMULATED else _no_value(value) for name, value in own.items()}
+    """The columns of an analysis in a frame that was refused: no numbers, no texts.
+
+    The simulated time stands still, and the mesh is that of the last solution.
+    """
+    return {name: value if name in (SIMULATED, "elements") else _no_value(value) for name, value in own.items()}
 
 
 def _no_value(value: RowValue) -> RowValue:

@@ -94,7 +94,8 @@ class Recording:
             except OSError as error:
                 if "truncated" in str(error):
                     raise DamagedRecording("this recording is cut off", self.path) from error
-                raise UserError("this is no recording (not an HDF5 file)", str(self.path)) from error
+                what, do = "this is no recording (not an HDF5 file)", "restshape replay SCENE --out FILE makes one"
+                raise UserError(what, str(self.path), do) from error
         raise UserError("this recording is still being written", str(self.path), "wait for its replay to end")
 
     def _read_frame_index(self) -> None:

@@ -25,9 +25,11 @@ def split_key(text: str) -> tuple[str, ...]:
 def suggestion(word: str, known: Sequence[str]) -> str:
     """What to do about a word that is not known: the nearest known one, or the list of them."""
     spelled = {name.lower(): name for name in known}
-    near = get_close_matches(word.lower(), spelled, n=1, cutoff=0.55)
+    near = get_close_matches(word.lower(), spelled, n=3, cutoff=0.55)
     if near:
-        return f"did you mean {spelled[near[0]]!r}?"
+        # Of names that are as near, letters that have changed places are the likeliest slip.
+        swapped = [name for name in near if sorted(name) == sorted(word.lower())]
+        return f"did you mean {spelled[(swapped or near)[0]]!r}?"
     return f"use one of: {', '.join(known)}" if known else ""
 
 

@@ -122,13 +122,25 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "finite_number":
             return f"{given} is not a finite number", "write a finite number"
         case "greater_than":
-            return f"{_shown(given)} is too small: it must be greater than {context['gt']:g}", ""
+            return (
+                f"{_shown(given)} is too small: it must be greater than {context['gt']:g}",
+                f"give a number above {context['gt']:g}",
+            )
         case "greater_than_equal":
-            return f"{_shown(given)} is too small: it must be at least {context['ge']:g}", ""
+            return (
+                f"{_shown(given)} is too small: it must be at least {context['ge']:g}",
+                f"give at least {context['ge']:g}",
+            )
         case "less_than":
-            return f"{_shown(given)} is too large: it must be less than {context['lt']:g}", ""
+            return (
+                f"{_shown(given)} is too large: it must be less than {context['lt']:g}",
+                f"give a number below {context['lt']:g}",
+            )
         case "less_than_equal":
-            return f"{_shown(given)} is too large: it must be at most {context['le']:g}", ""
+            return (
+                f"{_shown(given)} is too large: it must be at most {context['le']:g}",
+                f"give at most {context['le']:g}",
+            )
         case "too_short" | "too_long":
             limit = context["min_length" if kind == "too_short" else "max_length"]
             bound = "at least" if kind == "too_short" else "at most"

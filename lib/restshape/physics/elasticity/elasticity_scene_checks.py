@@ -87,16 +87,7 @@ def check_motion(scene: Scene, source: Source) -> None:
         UserError: the first thing that makes no sense.
     """
     check_solids(scene, source)
-    modes = scene.effects.get("modal", {}).get("modes", 0)
-    for name, quantity in scene.quantities.items():
-        rank = quantity.number("frequency")
-        if rank is not None and rank > modes and not source.recorded:
-            do = f"set effects.modal.modes to {rank} or more"
-            raise source.error(
-                ("quantities", name, "frequency"),
-                f"only {counted_are(modes, 'mode')} computed",
-                do,
-            )
+    _check_modes(scene, source, 0)
     file = scene.effects.get("ground", {}).get("file")
     # A recording names files, and none of them is read.
     if file is not None and not source.recorded:
@@ -112,6 +103,7 @@ def check_vibrations(scene: Scene, source: Source) -> None:
         UserError: the first thing that makes no sense.
     """
     check_goals(scene, source)
+    _check_modes(scene, source, 5)
     _check_hanging(scene, source)
     model = scene.effects.get("modal", {}).get("model", "solid")
     # Recordings of scenes from before this was refused are still read.
@@ -120,6 +112,21 @@ def check_vibrations(scene: Scene, source: Source) -> None:
             if axis not in COMPONENTS[model]:
                 what = f"a body of effects.modal.model = {model!r} has no component {axis!r} that could be fixed"
                 raise source.error(("supports", name, "fix"), what, f"fix some of {', '.join(COMPONENTS[model])}")
+
+
+def _check_modes(scene: Scene, source: Source, usual: int) -> None:
+    """Refuses quantities of modes that are not computed; `usual` are where the scene does not say how many.
+
+    Raises:
+        UserError: the first one.
+    """
+    modes = scene.effects.get("modal", {}).get("modes", usual)
+    for name, quantity in () if source.recorded else scene.quantities.items():
+        keys = ("frequency", "ratio", *(("mode",) if quantity.kind == "cents" else ()))
+        for key, rank in ((key, quantity.number(key)) for key in keys):
+            if rank is not None and rank > modes:
+                do = f"set effects.modal.modes to {rank} or more"
+                raise source.error(("quantities", name, key), f"only {counted_are(modes, 'mode')} computed", do)
 
 
 def _check_hanging(scene: Scene, source: Source) -> None:
