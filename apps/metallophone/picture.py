@@ -7,7 +7,7 @@ from restshape_apps.metallophone.hung import hung
 from restshape_apps.metallophone.rasp import draw_outline_density
 
 from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.pitch import note
+from restshape.analysis.pitch import note, tone_words
 from restshape.errors import UserError
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.report.modes import draw_modes
@@ -18,7 +18,7 @@ from restshape.sensitivity.outline_density import outline_density
 def draw(analysis: ModalAnalysis, path: Path) -> None:
     """Draw the modes that the scene asks for, each with its frequency and tone."""
     pairs = enumerate(zip(analysis.frequencies, tones(analysis)), 1)
-    names = [f"mode {k}: {f:.1f} Hz, {tone} {cents:+.0f} cents" for k, (f, (tone, cents)) in pairs]
+    names = [f"mode {k}: {f:.1f} Hz, {tone_words(tone, cents)}" for k, (f, (tone, cents)) in pairs]
     fields, title = analysis.fields()[0], analysis.state.scene.title
     shapes = np.stack(list(fields.values()))
     points = hung(analysis)

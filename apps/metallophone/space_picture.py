@@ -5,6 +5,7 @@ from pathlib import Path
 from restshape_apps.metallophone.picture import tones
 
 from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.pitch import tone_words
 from restshape.errors import UserError
 from restshape.mesh.thickness import Thickness
 from restshape.outputs.si_numbers import counted_are
@@ -49,5 +50,5 @@ def space_modes(analysis: ModalAnalysis) -> list[SpaceMode]:
     shapes = analysis.fields()[0].values()
     shares = modes.participation[modes.chosen]
     for k, (shape, f, (tone, cents), share) in enumerate(zip(shapes, analysis.frequencies, tones(analysis), shares), 1):
-        found.append(SpaceMode(shape, float(share), f"mode {k}: {f:.1f} Hz, {tone} {cents:+.0f} cents"))
+        found.append(SpaceMode(shape, float(share), f"mode {k}: {f:.1f} Hz, {tone_words(tone, cents)}"))
     return found

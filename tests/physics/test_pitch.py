@@ -2,7 +2,7 @@
 
 import pytest
 
-from restshape.analysis.pitch import cents_between, frequency_of, note, tuned
+from restshape.analysis.pitch import cents_between, frequency_of, note, tone_words, tuned
 from restshape.errors import UserError
 from restshape.physics.elasticity.elasticity_declaration import QUANTITIES
 from restshape.physics.elasticity.tones import tone
@@ -82,3 +82,11 @@ def test_other_names_are_refused_with_those_there_are(name):
 
 def test_an_octave_has_1200_cents():
     assert cents_between(880.0, 440.0) == 1200.0 and cents_between(frequency_of("A#4"), 440.0) == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "words"),
+    [(16.4, "C0 +5 cents"), (15.5, "below C0, not heard as a tone"), (0.3, "below C0, not heard as a tone")],
+)
+def test_tones_below_the_octave_0_are_written_in_words(frequency, words):
+    assert tone_words(*note(frequency)) == words
