@@ -23,13 +23,16 @@ COARSE = {
 """Settings with which the scene of each example is simulated quickly."""
 
 
+EXAMPLES = {path.parents[1].name: path for path in APPS.glob("*/python/*.py") if "def edit(" in path.read_text()}
+
+
 def values(row: dict) -> dict:
     """The columns of a row but its times; texts of values, in which numbers that are none are equal."""
     return {name: repr(value) for name, value in row.items() if not name.startswith("ms")}
 
 
 def test_every_application_has_an_example():
-    assert {path.parents[1].name for path in APPS.glob("*/python/*.py")} == set(COARSE)
+    assert set(EXAMPLES) == set(COARSE)
     assert set(COARSE) == {path.parent.name for path in APPS.glob("*/scenes")}
 
 
@@ -41,8 +44,7 @@ def test_the_script_of_an_example_replays_to_the_same_rows(app, monkeypatch, tmp
         rows.append(dict(row))
         return usual(answer, row)
 
-    (path,) = APPS.glob(f"{app}/python/*.py")
-    example = runpy.run_path(str(path))
+    example = runpy.run_path(str(EXAMPLES[app]))
     scene = restshape.load(example["SCENE"], *COARSE[app])
     with monkeypatch.context() as patched:
         patched.setattr(LastAnswer, "frame", kept)

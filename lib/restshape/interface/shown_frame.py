@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
     from restshape.arrays import Indices, Reals
     from restshape.replay.loop import Replay
+    from restshape.replay.request import Request
     from restshape.scene.model import Scene
 
 QUANTITY = "q_"
@@ -27,14 +28,15 @@ class LastAnswer:
     """What frames read their arrays from, while they are the last one.
 
     Args:
-        replay: whose answers they show.
+        replay: whose answers they show; request: what is replayed.
 
     Attributes:
         count: of frames so far; closed: none can be read any more.
     """
 
-    def __init__(self, replay: Replay) -> None:
-        self.replay, self.count, self.closed = replay, 0, False
+    def __init__(self, replay: Replay, request: Request) -> None:
+        self.replay, self.request = replay, request
+        self.count, self.closed = 0, False
 
     def frame(self, row: RowValues) -> ShownFrame:
         """The frame of a row, which is the last one from now on."""
@@ -145,6 +147,25 @@ class ShownFrame:
             UserError: this physics has none, or the frame is not the last one any more.
         """
         return self.field("von_mises")
+
+    def derivative(self, of: str) -> dict[str, Reals]:
+        """How each quantity changes with the design at this frame, by its name.
+
+        It is computed beside the edit, on a copy of the mesh: no row, and nothing that follows, changes.
+
+        Args:
+            of: an entity of the shape, such as "window": then (2,) by a drag of it in x and in y, in the quantity's
+                unit a metre, with the design derivative of the answer. Or a number of the scene, with a dot, such as
+                "material.steel.E" or "parameters.depth": then () in the quantity's unit a SI unit of the number, by two
+                solves on the mesh as it lies.
+
+        Raises:
+            UserError: there is no such entity or number, the frame has no steady solution, or is not the last one.
+        """
+        from restshape.replay.quantity_rates import Rates
+
+        rates = Rates(self._replay(), self._answer.request)
+        return rates.by_number(of) if "." in of else rates.along_entity(of)
 
     def keep(self) -> Self:
         """The frame, with mesh, fields and scene read, so that they stay when the edit goes on.

@@ -74,7 +74,7 @@ class Simulation(Edits):
         self._written = WrittenScript(scene, analysis)
         request = request_of(scene, self._written.script(), policy, guess, predict)
         self._replay = Replay(request, PETSc.COMM_WORLD)
-        self._answer = LastAnswer(self._replay)
+        self._answer = LastAnswer(self._replay, request)
         self._strict, self.closed = strict, False
         self._rows: Iterator[RowValues] = self._replay.answers(iter([self._replay.session.first()]))
         self.frame = next(self._frames())
@@ -211,5 +211,6 @@ def replay(
     Raises:
         UserError: the scene cannot be simulated, or not be predicted.
     """
-    found = Replay(request_of(scene, script or Script.empty(scene), policy, guess, predict), PETSc.COMM_WORLD)
-    return map(LastAnswer(found).frame, found.frames())
+    request = request_of(scene, script or Script.empty(scene), policy, guess, predict)
+    found = Replay(request, PETSc.COMM_WORLD)
+    return map(LastAnswer(found, request).frame, found.frames())

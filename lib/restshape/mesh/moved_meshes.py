@@ -56,6 +56,16 @@ def compared_meshes(generated: Generated, kept: Kept, old: Mesh | LagrangeSpace 
     return () if back is None else (OtherMesh(back, before=True),)
 
 
+def copied(space: Mesh | LagrangeSpace) -> Mesh | LagrangeSpace:
+    """A copy of a mesh, or of a space over one, whose nodes move without it."""
+    mesh = _with(space.mesh, space.mesh.X, space.mesh.outline, None)
+    if space is space.mesh:
+        return mesh
+    copy = LagrangeSpace(mesh, space if isinstance(space, LagrangeSpace) else None)
+    copy.X[:] = space.X
+    return copy
+
+
 def _with(mesh: Mesh, X: np.ndarray, outline: Outline, connectivity: dict[str, np.ndarray] | None) -> Mesh:
     """A copy of a mesh with nodes at X (n, 2) [m], as its triangles are or were."""
     arrays = connectivity or {name: getattr(mesh, name) for name in ("cells", "cell_edges", "edge_nodes", "facet_cell")}

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
@@ -13,6 +14,7 @@ from restshape.scene.panels import frames_of
 from restshape.shape.build import unchecked_outline
 from restshape.shape.gesture import other_curves
 from restshape.shape.given_shape import followed, in_frames, same_layout
+from restshape.shape.outline import Outline
 
 
 def outline_velocity(
@@ -31,10 +33,19 @@ def outline_velocity(
         UserError: the number changes how arcs or splines bend, which nodes do not follow linearly, or which edges
             there are.
     """
+    mesh, along = space.mesh, point_velocity(space.mesh.outline, scene, ends, step)
+    if along is None:
+        return None
+    basis = np.stack([along, np.zeros_like(along)])
+    corners = motion(mesh, BoundaryNodes(mesh).basis(mesh.outline, basis), "harmonic")
+    return space.motion(corners, basis)[0]
+
+
+def point_velocity(outline: Outline, scene: Scene, ends: Sequence[Scene], step: float) -> Reals | None:
+    """Velocities (k, 2) of the control points of an outline a unit of a number; arguments as of `outline_velocity`."""
     if all(end.shape == scene.shape for end in ends):
         return None
-    mesh = space.mesh
-    outline, before = mesh.outline, unchecked_outline(scene.shape, scene.folder)
+    before = unchecked_outline(scene.shape, scene.folder)
     # Where panels are laid, such as in rows, changes nothing of them.
     targets = [in_frames(unchecked_outline(end.shape, end.folder), frames_of(end), frames_of(scene)) for end in ends]
     if any(not same_layout(target.layout, before.layout) for target in targets):
@@ -44,7 +55,4 @@ def outline_velocity(
     if any(other_curves(outline, end) for end in moved):
         what = "this number changes how edges of the shape bend, and derivatives are by what moves their points alone"
         raise UserError(what, do="give arcs by their bulge, and splines by their knots")
-    along = (moved[0].points - moved[1].points) / (2.0 * step)
-    basis = np.stack([along, np.zeros_like(along)])
-    corners = motion(mesh, BoundaryNodes(mesh).basis(outline, basis), "harmonic")
-    return space.motion(corners, basis)[0]
+    return (moved[0].points - moved[1].points) / (2.0 * step)

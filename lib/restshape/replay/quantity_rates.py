@@ -1,0 +1,151 @@
+"""How the quantities of a frame follow what the hand moves, and the numbers of its scene: beside the replay, which no
+row shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from restshape.algebra.stages import Stages
+from restshape.analysis.analysis import Analysis, Context
+from restshape.analysis.frame import Frame
+from restshape.analysis.made_analysis import made_analysis
+from restshape.errors import ReplayProblem, UserError
+from restshape.first_use import made
+from restshape.mesh.lagrange_space import LagrangeSpace
+from restshape.mesh.moved_meshes import copied
+from restshape.mesh.relocate import BoundaryNodes, motion
+from restshape.scene.given_numbers import value_below
+from restshape.scene.load import revise
+from restshape.sensitivity.outline_velocity import outline_velocity, point_velocity
+from restshape.shape.gesture import drag
+
+if TYPE_CHECKING:
+    from restshape.arrays import Reals
+    from restshape.fem.problem import Problem
+    from restshape.mesh.mesh import Mesh
+    from restshape.replay.loop import Replay
+    from restshape.replay.request import Request
+    from restshape.scene.model import Scene
+
+WAY = 1e-6
+"""How far an entity goes to either side, as a share of the size of the shape: quantities are differenced, answers are
+not, which follow to first order."""
+STEP = 1e-4
+"""How far a number goes to either side, as a share of itself, or of 1 where it is 0."""
+TOLERANCE = 1e-10
+"""Of the solves at both sides of a number, whose answers are differenced."""
+
+
+class Rates(NamedTuple):
+    """What derivatives are taken from.
+
+    Args:
+        replay: whose last frame it is; request: what is replayed.
+    """
+
+    replay: Replay
+    request: Request
+
+    def along_entity(self, name: str) -> dict[str, Reals]:
+        """Derivatives (2,) of each quantity by a drag of an entity in x and in y, in its unit a metre.
+
+        Nodes follow harmonically from where they lie, as at a press. The answer follows by its design derivative, on a
+        copy of the mesh; the quantity is differenced.
+
+        Raises:
+            UserError: there is no such entity, or no derivative.
+        """
+        self._refuse(name)
+        outline = made(self.replay.session.outline)
+        gesture, space = drag(outline, outline.entity(name)), copied(self.replay.moving.field_mesh)
+        corners = motion(space.mesh, BoundaryNodes(space.mesh).basis(outline, list(made(gesture.basis))), "harmonic")
+        ways = space.motion(corners, gesture.basis)
+        scene = self.replay.session.scene
+        try:
+            analysis = self._solved(space, scene)
+            if analysis.predictor is None:
+                raise UserError(analysis.why_not, name, "ask for the derivative by a number of the scene")
+            slopes = analysis.predictor.derivative(ways, min(scene.solve.tolerance, TOLERANCE))
+            known, X, plane = analysis.predictor.values(), space.X.copy(), space.mesh.X.copy()
+            step, ends = WAY * outline.size, []
+            for axis, (corner, way, slope) in enumerate(zip(corners, ways, slopes)):
+                for sign in (step, -step):
+                    c = (0.0, sign) if axis else (sign, 0.0)
+                    space.mesh.X[:] = plane + sign * corner
+                    space.X[:] = X + sign * way
+                    space.mesh.outline = outline.moved(gesture.points(c))
+                    space.mesh.geometry += 1
+                    analysis.predictor.set_values(known + sign * slope)
+                    ends.append(analysis.observe())
+        except ReplayProblem as problem:
+            raise UserError(f"there is no derivative: {problem}", name, "move on, and ask there") from problem
+        return {
+            one: np.array([ends[0][one] - ends[1][one], ends[2][one] - ends[3][one]]) / (2.0 * step) for one in ends[0]
+        }
+
+    def by_number(self, key: str) -> dict[str, Reals]:
+        """Derivatives of each quantity by a number of the scene, in its unit a SI unit of the number.
+
+        By central differences of two solves on the mesh as it lies; where the number gives the shape, nodes follow.
+
+        Raises:
+            UserError: there is no such number, or no derivative.
+        """
+        self._refuse(key)
+        scene = self.replay.session.scene
+        value = value_below(scene, tuple(key.split(".")))
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise UserError("this is no number of the scene", key, "name one such as material.steel.E")
+        step = STEP * (abs(value) or 1.0)
+        scenes = [revise(scene, key, value + sign) for sign in (step, -step)]
+        try:
+            ahead, behind = (
+                self._solved(self._moved(scenes, step, sign), _exact(end)).observe()
+                for end, sign in zip(scenes, (step, -step), strict=True)
+            )
+        except ReplayProblem as problem:
+            raise UserError(f"there is no derivative: {problem}", key, "choose another value of it") from problem
+        return {name: np.array((ahead[name] - behind[name]) / (2.0 * step)) for name in ahead}
+
+    def _refuse(self, where: str) -> None:
+        """Refuses frames that are not solved on a mesh of an outline, each for itself."""
+        replay = self.replay
+        application = self.request.application
+        if not application.editing.has_mesh or application.transient(replay.session.scene):
+            what = f"a frame of this scene of {application.name!r} does not follow from its shape alone"
+            raise UserError(what, where, "derivatives are of steady answers and of modes, on a mesh of an outline")
+        if not replay.solver.known or replay.solver.predicted or replay.row["refused"]:
+            raise UserError("the frame has no solution of its own", where, "ask for one that is solved")
+
+    def _moved(self, ends: Sequence[Scene], step: float, part: float) -> Mesh | LagrangeSpace:
+        """A copy of the mesh as it lies, whose outline and nodes follow a number that goes a part on.
+
+        Args:
+            ends: with the number a step larger, and a step smaller; step, part: of the number.
+        """
+        scene, space = self.replay.session.scene, copied(self.replay.moving.field_mesh)
+        way = outline_velocity(space, scene, ends, step)
+        along = point_velocity(space.outline, scene, ends, step)
+        if way is not None and along is not None:
+            space.X += part * way
+            if isinstance(space, LagrangeSpace):
+                space.mesh.X[:] = space.X[space.corner_number]
+            space.mesh.outline = space.outline.moved(space.outline.points + part * along)
+        return space
+
+    def _solved(self, space: Mesh | LagrangeSpace, scene: Scene) -> Analysis[Problem]:
+        """An analysis of its own that has solved the frame on a mesh."""
+        request = self.request
+        context = Context(self.replay.comm, request.policy, request.calibration, Stages(), guided=False)
+        analysis = made_analysis(scene, request.application, context)
+        analysis.solve(Frame(space, np.arange(len(space.cells), dtype=np.int32), None, scene, (None, (0.0, 0.0))))
+        return analysis
+
+
+def _exact(scene: Scene) -> Scene:
+    """A scene whose solves are exact enough to be differenced."""
+    solve = scene.solve.model_copy(update={"tolerance": min(scene.solve.tolerance, TOLERANCE)})
+    return scene.model_copy(update={"solve": solve})
