@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import OptimizeResult, minimize
+from scipy.optimize import minimize
 
 import restshape
 
@@ -19,8 +19,8 @@ SCRIPT = Path(__file__).parents[1] / "edits" / "bridge.jsonl"
 NAMES = ("rise", "window")
 START, BOUNDS = (0.1, 0.3), ((0.0, 0.3), (0.15, 0.45))
 """Of the rise, a share, and the radius [m]."""
-SPARE = 1e-3
-"""Share of the limit that stays free, for derivatives are of the mesh as it lies."""
+SPARE = 2e-3
+"""Share of the limit that is kept free: flips and new meshes change stresses by about as much."""
 WINDOWS = {"left_window": (3.4, 2.35), "right_window": (16.6, 2.35)}
 """Their middles [m]: about where the scripted designer leaves them."""
 
@@ -71,6 +71,12 @@ class Design:
         """Derivatives (2,) of `room`."""
         return -self._at(x)[1]["strength"] / self.limit
 
+    def best(self) -> tuple[np.ndarray, dict[str, float]]:
+        """The design of least area, of those that hold, and its quantities."""
+        valid = [(key, values) for key, (values, _) in self._known.items() if values["strength"] <= self.limit]
+        key, values = min(valid, key=lambda one: one[1]["score"])
+        return np.frombuffer(key), values
+
     def _at(self, x: np.ndarray) -> tuple[dict[str, float], dict[str, np.ndarray]]:
         """Quantities of a design, and their derivatives (2,)."""
         key = x.tobytes()
@@ -84,15 +90,13 @@ class Design:
         return self._known[key]
 
 
-def optimised(sim: restshape.Simulation) -> tuple[OptimizeResult, Design]:
-    """The design of least area, from `START`, and what was asked on the way; the simulation ends at it."""
+def optimised(sim: restshape.Simulation) -> tuple[np.ndarray, dict[str, float], Design]:
+    """The design (2,) of least area that was seen to hold, from `START` on, its quantities, and what was asked."""
     design = Design(sim)
     room = {"type": "ineq", "fun": design.room, "jac": design.room_slopes}
-    options = {"maxiter": 20, "ftol": 1e-4}
-    found = minimize(design.score, START, jac=True, method="SLSQP", bounds=BOUNDS, constraints=[room], options=options)
-    for name, value in zip(NAMES, found.x):
-        sim.set(f"parameters.{name}", float(value))
-    return found, design
+    options = {"maxiter": 12, "ftol": 1e-3}
+    minimize(design.score, START, jac=True, method="SLSQP", bounds=BOUNDS, constraints=[room], options=options)
+    return *design.best(), design
 
 
 def designer(scene: restshape.Scene) -> float:
@@ -107,9 +111,8 @@ def main() -> None:
     """Prints what was found beside what the designer has."""
     scene = restshape.load(SCENE)
     with restshape.open(with_parameters(scene)) as sim:
-        found, design = optimised(sim)
-        best = sim.frame.quantities
-    print(f"rise {found.x[0]:.4f}, windows of {found.x[1]:.4f} m, after {design.count} designs: {found.message}")
+        x, best, design = optimised(sim)
+    print(f"rise {x[0]:.4f}, windows of {x[1]:.4f} m, the best of {design.count} designs")
     print(f"area {best['score']:.3f} m^2, stress {best['strength'] / 1e6:.3f} MPa")
     print(f"the scripted designer: {designer(scene):.3f} m^2")
 

@@ -3,7 +3,6 @@ row shows."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from restshape.mesh.moved_meshes import copied
 from restshape.mesh.relocate import BoundaryNodes, motion
 from restshape.scene.given_numbers import value_below
 from restshape.scene.load import revise
-from restshape.sensitivity.outline_velocity import outline_velocity, point_velocity
+from restshape.sensitivity.outline_velocity import node_velocity, point_velocity
 from restshape.shape.gesture import drag
 
 if TYPE_CHECKING:
@@ -101,9 +100,12 @@ class Rates(NamedTuple):
             raise UserError("this is no number of the scene", key, "name one such as material.steel.E")
         step = STEP * (abs(value) or 1.0)
         scenes = [revise(scene, key, value + sign) for sign in (step, -step)]
+        mesh = self.replay.moving.field_mesh
         try:
+            along = point_velocity(mesh.outline, scene, scenes, step)
+            way = None if along is None else node_velocity(mesh, along)
             ahead, behind = (
-                self._solved(self._moved(scenes, step, sign), _exact(end)).observe()
+                self._solved(_moved(copied(mesh), along, way, sign), _exact(end)).observe()
                 for end, sign in zip(scenes, (step, -step), strict=True)
             )
         except ReplayProblem as problem:
@@ -120,22 +122,6 @@ class Rates(NamedTuple):
         if not replay.solver.known or replay.solver.predicted or replay.row["refused"]:
             raise UserError("the frame has no solution of its own", where, "ask for one that is solved")
 
-    def _moved(self, ends: Sequence[Scene], step: float, part: float) -> Mesh | LagrangeSpace:
-        """A copy of the mesh as it lies, whose outline and nodes follow a number that goes a part on.
-
-        Args:
-            ends: with the number a step larger, and a step smaller; step, part: of the number.
-        """
-        scene, space = self.replay.session.scene, copied(self.replay.moving.field_mesh)
-        way = outline_velocity(space, scene, ends, step)
-        along = point_velocity(space.outline, scene, ends, step)
-        if way is not None and along is not None:
-            space.X += part * way
-            if isinstance(space, LagrangeSpace):
-                space.mesh.X[:] = space.X[space.corner_number]
-            space.mesh.outline = space.outline.moved(space.outline.points + part * along)
-        return space
-
     def _solved(self, space: Mesh | LagrangeSpace, scene: Scene) -> Analysis[Problem]:
         """An analysis of its own that has solved the frame on a mesh."""
         request = self.request
@@ -143,6 +129,16 @@ class Rates(NamedTuple):
         analysis = made_analysis(scene, request.application, context)
         analysis.solve(Frame(space, np.arange(len(space.cells), dtype=np.int32), None, scene, (None, (0.0, 0.0))))
         return analysis
+
+
+def _moved(space: Mesh | LagrangeSpace, along: Reals | None, way: Reals | None, part: float) -> Mesh | LagrangeSpace:
+    """A mesh of its own whose outline and nodes go a part of their velocities (k, 2) and (n, 2), if they have any."""
+    if along is not None and way is not None:
+        space.X += part * way
+        if isinstance(space, LagrangeSpace):
+            space.mesh.X[:] = space.X[space.corner_number]
+        space.mesh.outline = space.outline.moved(space.outline.points + part * along)
+    return space
 
 
 def _exact(scene: Scene) -> Scene:

@@ -33,12 +33,17 @@ def outline_velocity(
         UserError: the number changes how arcs or splines bend, which nodes do not follow linearly, or which edges
             there are.
     """
-    mesh, along = space.mesh, point_velocity(space.mesh.outline, scene, ends, step)
-    if along is None:
-        return None
+    along = point_velocity(space.mesh.outline, scene, ends, step)
+    return None if along is None else node_velocity(space, along)
+
+
+def node_velocity(space: Mesh | LagrangeSpace, along: Reals) -> Reals:
+    """Velocities (n, 2) of the nodes of a plane mesh whose outline's control points have velocities (k, 2)."""
+    mesh = space.mesh
     basis = np.stack([along, np.zeros_like(along)])
     corners = motion(mesh, BoundaryNodes(mesh).basis(mesh.outline, basis), "harmonic")
-    return space.motion(corners, basis)[0]
+    found: Reals = space.motion(corners, basis)[0]
+    return found
 
 
 def point_velocity(outline: Outline, scene: Scene, ends: Sequence[Scene], step: float) -> Reals | None:
