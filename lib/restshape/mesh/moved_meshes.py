@@ -61,7 +61,7 @@ def copied(space: Mesh | LagrangeSpace) -> Mesh | LagrangeSpace:
     mesh = _with(space.mesh, space.mesh.X, space.mesh.outline, None)
     if space is space.mesh:
         return mesh
-    copy = LagrangeSpace(mesh, space if isinstance(space, LagrangeSpace) else None)
+    copy = LagrangeSpace(mesh, space)
     copy.X[:] = space.X
     return copy
 

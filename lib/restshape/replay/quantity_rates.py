@@ -1,6 +1,8 @@
 """How the quantities of a frame follow what the hand moves, and the numbers of its scene: beside the replay, which no
 row shows."""
 
+# More than 15 modules: a derivative joins shape, mesh, analysis and scene.
+
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,7 +15,6 @@ from restshape.analysis.frame import Frame
 from restshape.analysis.made_analysis import made_analysis
 from restshape.errors import ReplayProblem, UserError
 from restshape.first_use import made
-from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.moved_meshes import copied
 from restshape.mesh.relocate import BoundaryNodes, motion
 from restshape.scene.given_numbers import value_below
@@ -24,6 +25,7 @@ from restshape.shape.gesture import drag
 if TYPE_CHECKING:
     from restshape.arrays import Reals
     from restshape.fem.problem import Problem
+    from restshape.mesh.lagrange_space import LagrangeSpace
     from restshape.mesh.mesh import Mesh
     from restshape.replay.loop import Replay
     from restshape.replay.request import Request
@@ -103,9 +105,9 @@ class Rates(NamedTuple):
         mesh = self.replay.moving.field_mesh
         try:
             along = point_velocity(mesh.outline, scene, scenes, step)
-            way = None if along is None else node_velocity(mesh, along)
+            ways = None if along is None else node_velocity(mesh, along)
             ahead, behind = (
-                self._solved(_moved(copied(mesh), along, way, sign), _exact(end)).observe()
+                self._solved(_moved(copied(mesh), along, ways, sign), _exact(end)).observe()
                 for end, sign in zip(scenes, (step, -step), strict=True)
             )
         except ReplayProblem as problem:
@@ -131,13 +133,20 @@ class Rates(NamedTuple):
         return analysis
 
 
-def _moved(space: Mesh | LagrangeSpace, along: Reals | None, way: Reals | None, part: float) -> Mesh | LagrangeSpace:
-    """A mesh of its own whose outline and nodes go a part of their velocities (k, 2) and (n, 2), if they have any."""
-    if along is not None and way is not None:
-        space.X += part * way
-        if isinstance(space, LagrangeSpace):
-            space.mesh.X[:] = space.X[space.corner_number]
-        space.mesh.outline = space.outline.moved(space.outline.points + part * along)
+def _moved(
+    space: Mesh | LagrangeSpace, along: Reals | None, ways: tuple[Reals, Reals] | None, part: float
+) -> Mesh | LagrangeSpace:
+    """A mesh of its own whose outline and nodes go a part of their velocities, if they have any.
+
+    Args:
+        space: the mesh; along: (k, 2) of the control points; ways: of corners and of nodes; part: of them.
+    """
+    if along is None or ways is None:
+        return space
+    space.mesh.X += part * ways[0]
+    if space is not space.mesh:
+        space.X += part * ways[1]
+    space.mesh.outline = space.outline.moved(space.outline.points + part * along)
     return space
 
 

@@ -34,16 +34,19 @@ def outline_velocity(
             there are.
     """
     along = point_velocity(space.mesh.outline, scene, ends, step)
-    return None if along is None else node_velocity(space, along)
+    return None if along is None else node_velocity(space, along)[1]
 
 
-def node_velocity(space: Mesh | LagrangeSpace, along: Reals) -> Reals:
-    """Velocities (n, 2) of the nodes of a plane mesh whose outline's control points have velocities (k, 2)."""
+def node_velocity(space: Mesh | LagrangeSpace, along: Reals) -> tuple[Reals, Reals]:
+    """Velocities of the corners (m, 2) and of all nodes (n, 2) of a plane mesh.
+
+    Args:
+        space: the mesh as it lies; along: (k, 2) velocities of the control points of its outline.
+    """
     mesh = space.mesh
     basis = np.stack([along, np.zeros_like(along)])
     corners = motion(mesh, BoundaryNodes(mesh).basis(mesh.outline, basis), "harmonic")
-    found: Reals = space.motion(corners, basis)[0]
-    return found
+    return corners[0], space.motion(corners, basis)[0]
 
 
 def point_velocity(outline: Outline, scene: Scene, ends: Sequence[Scene], step: float) -> Reals | None:
