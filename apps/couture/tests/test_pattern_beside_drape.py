@@ -117,6 +117,21 @@ def test_seams_lie_on_sides_of_the_mesh(recorded):
     assert len(long.names) == 2 and len(dart.names) == 1, "both sides of a dart have one name"
 
 
+@pytest.mark.parametrize("size", ["90 mm", "20 mm"])
+def test_seams_on_lines_within_a_panel_lie_on_sides_of_the_mesh(tmp_path, size):
+    within = "[panels.front.regions]\nplace = { polygon = [[0.1, 0.1], [0.2, 0.1], [0.2, 0.3], [0.1, 0.3]] }\n"
+    text = SCENE.replace("[panels.back]", f"{within}[panels.back]").replace('"60 mm"', f'"{size}"')
+    text = text.replace('to = "back.up"', 'to = ["front.place.1", "front.place.2"]')
+    (tmp_path / "pocket.toml").write_text(text)
+    scene = load_scene(tmp_path / "pocket.toml")
+    outline = outline_from_spec(scene.shape)
+    mesh = mesh_of_shape(scene, outline)
+    seam, _ = drawn_seams(scene, outline, mesh.X, mesh.cells)
+    length = float(np.linalg.norm(mesh.X[seam.sides[:, 1]] - mesh.X[seam.sides[:, 0]], axis=1).sum())
+    assert length == pytest.approx(0.4 + 0.1 + 0.2, rel=1e-9)
+    assert [name.outward.tolist() for name in seam.names] == [[1.0, 0.0], [1.0, 0.0]]
+
+
 @pytest.mark.parametrize("what", ["strain", "pattern"])
 def test_a_picture_has_the_width_and_the_colours_of_seams(recorded, tmp_path, what):
     out = tmp_path / "a.png"

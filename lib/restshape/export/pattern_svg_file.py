@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
@@ -19,7 +19,7 @@ from restshape.outputs.atomic_files import write_whole
 from restshape.shape.outline import Outline
 from restshape.shape.pattern import Pattern, PatternPiece
 from restshape.shape.pattern_axes import turned_up
-from restshape.shape.pattern_notes import METADATA, place_of
+from restshape.shape.pattern_notes import LAID, METADATA, place_of
 from restshape.shape.seam_parts import seam_colours, seam_names, seam_parts
 from restshape.shape.svg_tree import NO_SHAPE
 
@@ -49,7 +49,7 @@ def write_pattern_svg(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
     width = STROKE * (float(high[0] - low[0]) + 2.0 * margin)
     parts, colours = seam_parts(pattern), seam_colours(seam_names(pattern))
     lines = svg_head(low, high, margin, width)
-    lines.append(f"<metadata id={quoteattr(METADATA)}>{escape(json.dumps(_metadata(pattern)))}</metadata>")
+    lines.append(f"<metadata id={quoteattr(METADATA)}>{escape(json.dumps(_metadata(pattern, places)))}</metadata>")
     for piece, outline, place in zip(pattern.pieces, outlines, places):
         shift = f"translate({float(MM * place[0])!r} {float(0.0 - MM * place[1])!r})"
         lines.append(f"<g transform={quoteattr(shift)}>")
@@ -59,12 +59,12 @@ def write_pattern_svg(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
     return [*left_out(pattern, outlines), *(holes_noted(pattern, allowance) if allowance else [])]
 
 
-def _metadata(pattern: Pattern) -> dict[str, object]:
-    """Seams, grain and places in space, for those who read the drawing."""
+def _metadata(pattern: Pattern, places: Sequence[Reals]) -> dict[str, object]:
+    """Seams, grain, places in space, and those (2,) [m] of the pieces' origins in the drawing, for its readers."""
     pieces: dict[str, object] = {}
-    for piece in pattern.pieces:
+    for piece, place in zip(pattern.pieces, places):
         grain = {} if piece.grain is None else {"grain": piece.grain}
-        if own := {**place_of(piece), **grain}:
+        if own := {**place_of(piece), **grain, LAID: place.tolist()}:
             pieces[piece.name] = own
     seams = {
         name: {"from": stitch.first, "to": stitch.second, "keys": stitch.keys}

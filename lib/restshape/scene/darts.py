@@ -36,7 +36,8 @@ def with_darts(scene: Scene) -> Scene:
         UserError: a dart has no place in the shape, a seam has its name, or a pleat has no edge.
     """
     darts = darts_of(scene)
-    pleats = placed_pleats(getattr(scene, scene.tables[Seam])) if Seam in scene.tables else ()
+    seams = getattr(scene, scene.tables[Seam]) if Seam in scene.tables else {}
+    pleats = placed_pleats(seams, panels_of(scene))
     if pleats:
         scene = scene.model_copy(update={"shape": scene.shape.with_pleats(pleats)})
     if not darts:

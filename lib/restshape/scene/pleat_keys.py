@@ -33,12 +33,14 @@ class PlacedPleat:
     Args:
         seam, key: its seam, and its name there.
         pleat: what the scene says of it; edge: that it is on.
+        panel: that has the edge; "" in a scene of one sheet.
     """
 
     seam: str
     key: str
     pleat: Pleat
     edge: str
+    panel: str = ""
 
     @property
     def where(self) -> str:
@@ -48,4 +50,5 @@ class PlacedPleat:
     @property
     def folds(self) -> tuple[str, str]:
         """Vertices at its first and its second fold, from the edge's start."""
-        return f"{self.seam}.{self.key}.first", f"{self.seam}.{self.key}.second"
+        before = f"{self.panel}." if self.panel else ""
+        return f"{before}{self.seam}.{self.key}.first", f"{before}{self.seam}.{self.key}.second"

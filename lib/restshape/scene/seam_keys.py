@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -67,8 +67,8 @@ def edges_of(names: str | Sequence[str]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def placed_pleats(seams: Mapping[str, Seam]) -> tuple[PlacedPleat, ...]:
-    """All pleats of a scene's seams.
+def placed_pleats(seams: Mapping[str, Seam], panels: Collection[str]) -> tuple[PlacedPleat, ...]:
+    """All pleats of a scene's seams; arguments: these by name, and the names of its panels.
 
     Raises:
         UserError: one does not say on which of several edges it is, or names one that is not of its seam.
@@ -83,5 +83,6 @@ def placed_pleats(seams: Mapping[str, Seam]) -> tuple[PlacedPleat, ...]:
                     "the pleat does not say on which edge it is" if edge is None else f"{edge!r} is no edge of `from`"
                 )
                 raise UserError(what, f"seams.{name}.pleats.{key}.edge", f"name one of {', '.join(edges)}")
-            found.append(PlacedPleat(name, key, pleat, edge))
+            panel = edge.partition(".")[0]
+            found.append(PlacedPleat(name, key, pleat, edge, panel if panel in panels else ""))
     return tuple(found)

@@ -19,6 +19,10 @@ APPLICATION = "RESTSHAPE"
 """Of the extended data of a DXF."""
 METADATA = "restshape-pattern"
 """The id of the metadata of an SVG."""
+LAID = "laid"
+"""Key of the place of a piece's own origin in an SVG [m], for its axes are not those of the drawing."""
+PLACES = ("vertices", "points", "through", "polygon", "center")
+"""Keys of shapes that hold places."""
 TEXT = 1000
 """Code of a text in extended data, which has at most 255 characters."""
 LONGEST = 250
@@ -68,6 +72,31 @@ def placed_by(piece: PatternPiece, table: Mapping[str, object]) -> PatternPiece:
     angle = float(grain) if type(grain) in (int, float) and isinstance(grain, float | int) else piece.grain
     move, turn = _triple(table.get("move"), piece.move), _triple(table.get("turn"), piece.turn)
     return replace(piece, move=move, turn=turn, grain=angle if angle is None or math.isfinite(angle) else piece.grain)
+
+
+def laid_back(piece: PatternPiece, table: Mapping[str, object]) -> PatternPiece:
+    """A piece in its own axes, from those of a drawing where its table says that its origin is ``laid``."""
+    place = table.get(LAID)
+    if not isinstance(place, list) or len(place) != 2 or not _finite(place):
+        return piece
+    shape = _shifted(piece.shape, -float(place[0]), -float(place[1]), False)
+    assert isinstance(shape, dict), "of a table"
+    return replace(piece, shape=shape)
+
+
+def _shifted(value: object, x: float, y: float, of_places: bool) -> object:
+    """What a shape holds, with all places moved."""
+    if isinstance(value, dict):
+        return {key: _shifted(one, x, y, of_places or key in PLACES) for key, one in value.items()}
+    if not of_places or not isinstance(value, list):
+        return value
+    if len(value) == 2 and not any(isinstance(one, list) for one in value):
+        return [value[0] + x, value[1] + y]
+    return [_shifted(one, x, y, True) for one in value]
+
+
+def _finite(values: list[object]) -> bool:
+    return all(type(x) in (int, float) and isinstance(x, int | float) and math.isfinite(x) for x in values)
 
 
 def _triple(value: object, otherwise: Triple) -> Triple:

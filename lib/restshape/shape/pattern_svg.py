@@ -9,7 +9,7 @@ from restshape.errors import UserError
 from restshape.scene.plain_values import Table, table_in
 from restshape.shape.pattern import Pattern, edge_names
 from restshape.shape.pattern_drawing import unread_notes
-from restshape.shape.pattern_notes import METADATA, placed_by, table_of
+from restshape.shape.pattern_notes import METADATA, laid_back, placed_by, table_of
 from restshape.shape.pattern_pieces import loops_of, pieces_of
 from restshape.shape.seam_parts import SIDES, SeamPart, stitches_of
 from restshape.shape.svg import read_svg
@@ -34,7 +34,8 @@ def read_pattern_svg(path: Path) -> Pattern:
     said = metadata_of(data, METADATA)
     unread += Counter(f"<{tag}>" for tag in not_drawn(data))
     about, seams = (table_in(table_of(said), key) for key in ("pieces", "seams"))
-    pieces = [placed_by(piece, table_in(about, piece.name)) for piece in found]
+    tables = [table_in(about, piece.name) for piece in found]
+    pieces = [placed_by(laid_back(piece, table), table) for piece, table in zip(found, tables)]
     parts = [(edge, part) for name in seams for edge, part in _sewn(name, table_in(seams, name))]
     keys = {name: table_in(table_in(seams, name), "keys") for name in seams}
     stitches, left = stitches_of(parts, keys, edge_names(pieces))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from restshape.report.outlines import border
+from restshape.report.outlines import border, sides
 from restshape.scene.model import Scene
 from restshape.scene.seam_keys import Seam
 from restshape.shape.outline import Outline
@@ -17,6 +17,8 @@ from restshape.shape.seam_parts import seam_colours
 
 NEAR = 0.3
 """Distance from an edge over the length of a side of the mesh up to which that lies on the edge."""
+CLOSE = 0.1
+"""The same of a side's ends and middle, where the cloth goes on beyond the edge."""
 SHARP = 0.5
 """Cosine of the angle of a tip above which two edges are a dart."""
 SAMPLES = 33
@@ -65,17 +67,51 @@ def drawn_seams(scene: Scene, outline: Outline, X: np.ndarray, cells: np.ndarray
         return []
     around = border(cells)[:, :2]
     lines = [_fine(outline, e) for e in range(len(outline.edges))]
-    owner = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
     middles, long = X[around].mean(axis=1), np.linalg.norm(X[around[:, 1]] - X[around[:, 0]], axis=1)
-    off, nearest = cKDTree(np.concatenate(lines)).query(middles)
+    even = [_even(line, NEAR * float(long.min())) for line in lines]
+    owner = np.repeat(np.arange(len(even)), [len(line) for line in even])
+    off, nearest = cKDTree(np.concatenate(even)).query(middles)
     own = np.where(off <= NEAR * long, owner[nearest], -1)
+    inside = _inside(outline)
     colours, found = seam_colours(tuple(seams)), []
     for name, seam in seams.items():
         edges = [e for side in seam.sides for edge in side for e in outline.entity(edge).edges]
         places = tuple(_name_places(outline, edges, lines))
-        sides, own_lines = around[np.isin(own, edges)], tuple(lines[e] for e in edges)
-        found.append(DrawnSeam(name, colours[name], sides, own_lines, places))
+        within = [_sides_along(lines[e], X, cells) for e in edges if e in inside]
+        on_seam, own_lines = np.concatenate([around[np.isin(own, edges)], *within]), tuple(lines[e] for e in edges)
+        found.append(DrawnSeam(name, colours[name], on_seam, own_lines, places))
     return found
+
+
+def _inside(outline: Outline) -> set[int]:
+    """Edges with cloth on both sides, which regions alone have."""
+    of_regions, of_borders = (
+        {e for loop in outline.loops if (loop.kind == "region") is region for e, _ in loop.edges}
+        for region in (True, False)
+    )
+    return of_regions - of_borders
+
+
+def _sides_along(line: np.ndarray, X: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """The sides (k, 2) of the mesh that lie on a line (p, 2) [m] within the cloth."""
+    ends = sides(cells)[:, :2]
+    low, high = X[ends].min(axis=1), X[ends].max(axis=1)
+    long = np.linalg.norm(high - low, axis=1)
+    reach = CLOSE * long[:, None]
+    ends = ends[((high >= line.min(axis=0) - reach) & (low <= line.max(axis=0) + reach)).all(axis=1)]
+    long = np.linalg.norm(X[ends[:, 1]] - X[ends[:, 0]], axis=1)
+    if not len(ends):
+        return ends
+    tree = cKDTree(_even(line, CLOSE * float(long.min())))
+    off = np.array([tree.query(places)[0] for places in (X[ends[:, 0]], X[ends[:, 1]], X[ends].mean(axis=1))])
+    return ends[(off <= CLOSE * long).all(axis=0)]
+
+
+def _even(line: np.ndarray, step: float) -> np.ndarray:
+    """Points (m, 2) along a line (p, 2) [m], no further from each other than a step [m]."""
+    at = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+    s = np.linspace(0.0, at[-1], int(at[-1] / step) + 2)
+    return np.column_stack([np.interp(s, at, line[:, k]) for k in range(2)])
 
 
 def _name_places(outline: Outline, edges: Sequence[int], lines: Sequence[np.ndarray]) -> Iterator[NamePlace]:
@@ -97,8 +133,9 @@ def _name_places(outline: Outline, edges: Sequence[int], lines: Sequence[np.ndar
 
 
 def _beside(outline: Outline, edge: int) -> NamePlace:
-    """A name along the middle of an edge, on its outer side."""
-    forward = next(f for loop in outline.loops if loop.kind != "region" for e, f in loop.edges if e == edge)
+    """A name along the middle of an edge, on its outer side; on that of its region where the cloth goes on."""
+    loops = sorted(outline.loops, key=lambda loop: loop.kind == "region")
+    forward = next(f for loop in loops for e, f in loop.edges if e == edge)
     outward = outward_of(outline, edge, forward, 0.5)
     return NamePlace(outline.point(edge, 0.5)[0], outward, text_angle(outward))
 
