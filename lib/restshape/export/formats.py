@@ -33,8 +33,8 @@ def write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path
         OSError: it cannot be written.
     """
     if kind == "toml":
-        write_toml(frame, out)
-    elif kind == "dxf":
+        return write_toml(frame, out)
+    if kind == "dxf":
         left = write_dxf(frame.outline, out)
         return [f"left out, for they share edges with the outline: {', '.join(left)}"] if left else []
     elif kind == "svg":

@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from restshape.arrays import Reals
+from restshape.export.pattern_marks import regions_at_others
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
+from restshape.outputs.si_numbers import counted
 from restshape.scene.plain_values import Table, table_in
 from restshape.shape.bsplines import beziers_of, cubic_of
 from restshape.shape.curves import arc_centre
@@ -55,9 +57,13 @@ def write_garmentcode(pattern: Pattern, path: Path) -> list[str]:
             sides[f"{piece.name}.{edge}"] = [{"panel": name, "edge": number} for number in numbers]
         if holes := outline.names("hole"):
             notes.append(f"left out, for panels have no holes: {', '.join(f'{piece.name}.{hole}' for hole in holes)}")
+        shared = regions_at_others(outline)
+        if regions := [f"{piece.name}.{region}" for region in outline.names("region") if region not in shared]:
+            notes.append(f"left out, for panels have no lines within: {', '.join(regions)}")
     stitches, left = _stitches(pattern, sides, lengths)
     if left:
-        notes.append(f"left out, for these seams do not join edges one by one: {'; '.join(left)}")
+        count = f"{len(left)} of {counted(len(pattern.stitches), 'seam')}"
+        notes.append(f"left out, {count}, for they do not join edges one by one: {'; '.join(left)}")
     if keys := sorted({key for stitch in pattern.stitches for key in stitch.keys}):
         notes.append(f"left out, for stitches have none: {', '.join(keys)} of seams")
     own = {**table_in(pattern.kept, "pattern")}

@@ -17,25 +17,36 @@ PLACES = np.array([0.0, 0.5, 1.0])
 """Parameters of points by which an arc is known."""
 
 
-def with_formulas(shape: Table, scene: Scene, outline: Outline) -> Table:
+def with_formulas(shape: Table, scene: Scene, outline: Outline, panel: str = "") -> Table:
     """The tables of an outline, with the scene's own formulas where they give its numbers, to rounding error.
 
     Args:
-        shape: plain tables, as `shape_tables` gives them.
+        shape: plain tables, as `shape_tables` gives them, or `panel_tables` of a panel.
         scene: whose formulas they are.
         outline: as edits have left it.
+        panel: name of the panel; "": the tables are of the whole shape.
     """
-    given = {one.key[1:]: (one.formula.text, one.value) for one in given_numbers(scene) if one.key[0] == "shape"}
+    of = ("panels", panel) if panel else ("shape",)
+    numbers = [one for one in given_numbers(scene) if one.key[: len(of)] == of]
+    given = {one.key[len(of) :]: (one.formula.text, one.value) for one in numbers}
     if not given:
         return shape
     found = {key: _replaced(value, (key,), given, outline.size) for key, value in shape.items()}
-    edges, written = table_in(found, "edges"), tables_in(table_in(scene.raw, "shape"), "edges")
+    edges, written = table_in(found, "edges"), tables_in(_below(scene.raw, of), "edges")
     first = unchecked_outline(scene.shape, scene.folder)
     for name in edges:
         # The bulge of such an arc is in no formula.
         through = "arc" in written.get(name, {}) and any(key[:3] == ("edges", name, "through") for key in given)
-        if through and _same_arc(name, outline, first):
+        if through and _same_arc(f"{panel}.{name}" if panel else name, outline, first):
             edges[name] = written[name]
+    return found
+
+
+def _below(raw: Mapping[str, object], keys: Key) -> Table:
+    """The table at a key of tables."""
+    found = dict(raw)
+    for key in keys:
+        found = table_in(found, key)
     return found
 
 

@@ -12,12 +12,13 @@ from ezdxf import units
 
 from restshape.arrays import Reals
 from restshape.export.dxf_drawing import MM, draw_edge
-from restshape.export.pattern_marks import edge_labels, grain_line, notches
+from restshape.export.pattern_marks import edge_labels, grain_line, notches, regions_at_others
 from restshape.export.seam_allowance import cut_lines, hole_cut_lines, holes_noted, sewn_holes
 from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import EXPORT_MARK
+from restshape.scene.plain_values import Table
 from restshape.shape.outline import Outline
-from restshape.shape.pattern import Pattern, PatternPiece
+from restshape.shape.pattern import Pattern, PatternPiece, Stitch
 from restshape.shape.pattern_axes import turned_up
 from restshape.shape.pattern_drawing import ANNOTATION, CUT, CUTOUT, GRAIN, INTERNAL, NOTCH, SEW
 from restshape.shape.pattern_notes import APPLICATION, keep, place_of
@@ -54,7 +55,7 @@ def write_pattern_dxf(pattern: Pattern, path: Path, allowance: float = 0.0) -> l
         drawing.layers.add(layer)
     space, outlines = drawing.modelspace(), [piece.outline() for piece in pattern.pieces]
     space.add_text("Units: METRIC", dxfattribs={"layer": CUT})
-    keys = {name: stitch.keys for name, stitch in zip(seam_names(pattern), pattern.stitches) if stitch.keys}
+    keys = {name: own for name, one in zip(seam_names(pattern), pattern.stitches) if (own := drawn_keys(one))}
     if keys:
         keep(space.add_text("Seams", dxfattribs={"layer": ANNOTATION, "invisible": 1}), {"keys": keys})
     for piece, outline, place in zip(pattern.pieces, outlines, side_by_side(outlines, allowance)):
@@ -87,8 +88,9 @@ def _draw_piece(block: Any, piece: PatternPiece, outline: Outline, parts: Parts,
             for e in own:
                 draw_edge(block, outline, e, {"layer": layer})
                 edge = f"{piece.name}.{outline.edges[e].name}"
+                region = {"region": loop.name} if layer == INTERNAL else {}
                 if layer in (SEW, CUTOUT, INTERNAL):
-                    keep(block[-1], {"edge": edge, "seams": [list(part) for part in parts.get(edge, ())]})
+                    keep(block[-1], {"edge": edge, "seams": [list(part) for part in parts.get(edge, ())], **region})
     for vertex in dict.fromkeys([*outline.embedded, *(one.vertex for one in notches(outline, piece.name, parts))]):
         point = block.add_point(MM * outline.points[vertex], dxfattribs={"layer": NOTCH})
         keep(point, {"vertex": outline.vertex_names[vertex]})
@@ -113,6 +115,11 @@ def side_by_side(outlines: Sequence[Outline], allowance: float) -> list[Reals]:
     return found
 
 
+def drawn_keys(stitch: Stitch) -> Table:
+    """The keys of a seam without its pleats, which are on an edge that is drawn in parts."""
+    return {key: value for key, value in stitch.keys.items() if key != "pleats"}
+
+
 def left_out(pattern: Pattern, outlines: Sequence[Outline]) -> list[str]:
     """Notes of what a drawing has no place for, and of what readers take for no region.
 
@@ -123,6 +130,8 @@ def left_out(pattern: Pattern, outlines: Sequence[Outline]) -> list[str]:
     notes = (
         [f"left out, for drawings have no such keys: what the file says besides of {', '.join(kept)}"] if kept else []
     )
+    if pleated := [one.name for one in pattern.stitches if "pleats" in one.keys]:
+        notes.append(f"left out, but for the ends of their folds: pleats of the seams {', '.join(pleated)}")
     if lines := [
         f"{piece.name}.{region}"
         for piece, outline in zip(pattern.pieces, outlines)
@@ -130,14 +139,3 @@ def left_out(pattern: Pattern, outlines: Sequence[Outline]) -> list[str]:
     ]:
         notes.append(f"drawn as lines, for they share edges with other loops: the regions {', '.join(lines)}")
     return notes
-
-
-def regions_at_others(outline: Outline) -> list[str]:
-    """The regions that share edges with loops before them."""
-    found, seen = [], set[int]()
-    for loop in outline.loops:
-        own = {e for e, _ in loop.edges}
-        if loop.kind == "region" and own & seen:
-            found.append(loop.name)
-        seen |= own
-    return found

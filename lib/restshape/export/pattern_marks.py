@@ -89,3 +89,14 @@ def grain_line(outline: Outline, grain: float) -> Reals:
     way = ALONG * float(np.hypot(*(high - low))) * np.array([np.cos(grain), np.sin(grain)])
     middle = 0.5 * (low + high)
     return np.array([middle - way, middle + way])
+
+
+def regions_at_others(outline: Outline) -> list[str]:
+    """The regions that share edges with loops before them."""
+    found, seen = [], set[int]()
+    for loop in outline.loops:
+        own = {e for e, _ in loop.edges}
+        if loop.kind == "region" and own & seen:
+            found.append(loop.name)
+        seen |= own
+    return found

@@ -17,7 +17,7 @@ from restshape.outputs.kinds import EXPORT_MARK
 from restshape.scene.bodies import Start, start_of
 from restshape.scene.model import FORMAT, VERSION, Scene, ShapeSpec
 from restshape.scene.panels import panels_of
-from restshape.scene.plain_values import Table
+from restshape.scene.plain_values import Table, table_in
 from restshape.scene.space_values import evaluated
 from restshape.shape.build import unchecked_outline
 from restshape.shape.outline import Outline
@@ -61,12 +61,24 @@ def scene_tables(pattern: Pattern, title: str) -> Table:
     tables["panels"] = {piece.name: _panel(piece) for piece in pattern.pieces}
     if pattern.stitches:
         tables["seams"] = {
-            name: {"from": _one_or_all(stitch.first), "to": _one_or_all(stitch.second), **stitch.keys}
+            name: {"from": _one_or_all(_whole(stitch, pattern)), "to": _one_or_all(stitch.second), **stitch.keys}
             for name, stitch in zip(seam_names(pattern), pattern.stitches)
         }
     tables["material"] = {"cloth": {"name": FABRIC}}
     tables["mesh"] = {"size": f"{1e3 * size:.2g} mm"}
     return tables
+
+
+def _whole(stitch: Stitch, pattern: Pattern) -> tuple[str, ...]:
+    """The first side of a seam; where pleats part its edges, these as they were before."""
+    if "pleats" not in stitch.keys:
+        return stitch.first
+    former = {
+        f"{piece.name}.{edge}": f"{piece.name}.{table_in(table_in(piece.shape, 'edges'), edge).get('part_of', edge)}"
+        for piece in pattern.pieces
+        for edge in table_in(piece.shape, "edges")
+    }
+    return tuple(dict.fromkeys(former.get(edge, edge) for edge in stitch.first))
 
 
 def _panel(piece: PatternPiece) -> Table:
@@ -105,6 +117,8 @@ def pattern_of_scene(scene: Scene) -> Pattern:
     )
     wrapped = [f"{name} on {panel.around}" for name, panel in panels.items() if panel.around is not None]
     notes = (f"left out, for pieces are flat: what is wrapped on a body, {', '.join(wrapped)}",) if wrapped else ()
+    if layered := [f"{name} in {panel.layer}" for name, panel in panels.items() if panel.layer is not None]:
+        notes += (f"left out, for patterns have none: layers of cloth, {', '.join(layered)}",)
     seams = scene.sections.get("seams") or {}
     assert isinstance(seams, dict)
     before = "" if panels else f"{SHEET}."
@@ -143,6 +157,18 @@ def _piece(name: str, shape: Table, panel: ShapeSpec, start: Start, scene: Scene
     about, all_about = (np.array(one.about, dtype=float) for one in (own, start))
     move = all_turned @ (about - turn @ about + np.array(own.move) - all_about) + all_about + np.array(start.move)
     x, y, z = (float(value) for value in move)
-    grain = getattr(panel, "grain", None)
+    grain = _grain(panel, scene)
     turned: Triple = angles_of(all_turned @ turn) if any((*own.turn, *start.turn)) else (0.0, 0.0, 0.0)
-    return PatternPiece(name, shape, (x, y, z), turned, float(grain) if isinstance(grain, float) else None)
+    return PatternPiece(name, shape, (x, y, z), turned, grain)
+
+
+def _grain(panel: ShapeSpec, scene: Scene) -> float | None:
+    """The grain [rad] that a scene gives a panel, or else the material that it is of; None where neither is given."""
+    own = getattr(panel, "grain", None)
+    if own is None:
+        named = {getattr(one, "material", None) for one in panels_of(scene).values()}
+        rest = next((key for key, one in scene.material.items() if not one.region and key not in named), None)
+        material = scene.material.get(getattr(panel, "material", None) or rest or "")
+        given = material is not None and "grain" in material.model_fields_set
+        own = getattr(material, "grain", None) if given else None
+    return float(own) if isinstance(own, float) else None

@@ -11,7 +11,7 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.export.dxf_drawing import MM
-from restshape.export.pattern_drawings import LETTERS, Parts, left_out, side_by_side
+from restshape.export.pattern_drawings import LETTERS, Parts, drawn_keys, left_out, side_by_side
 from restshape.export.pattern_marks import edge_labels, grain_line, notches
 from restshape.export.seam_allowance import cut_lines, hole_cut_lines, holes_noted, sewn_holes
 from restshape.export.svg_drawing import path_of, svg_head
@@ -19,7 +19,7 @@ from restshape.outputs.atomic_files import write_whole
 from restshape.shape.outline import Outline
 from restshape.shape.pattern import Pattern, PatternPiece
 from restshape.shape.pattern_axes import turned_up
-from restshape.shape.pattern_notes import LAID, METADATA, place_of
+from restshape.shape.pattern_notes import METADATA, ORIGIN, place_of
 from restshape.shape.seam_parts import seam_colours, seam_names, seam_parts
 from restshape.shape.svg_tree import NO_SHAPE
 
@@ -64,10 +64,10 @@ def _metadata(pattern: Pattern, places: Sequence[Reals]) -> dict[str, object]:
     pieces: dict[str, object] = {}
     for piece, place in zip(pattern.pieces, places):
         grain = {} if piece.grain is None else {"grain": piece.grain}
-        if own := {**place_of(piece), **grain, LAID: place.tolist()}:
+        if own := {**place_of(piece), **grain, ORIGIN: place.tolist()}:
             pieces[piece.name] = own
     seams = {
-        name: {"from": stitch.first, "to": stitch.second, "keys": stitch.keys}
+        name: {"from": stitch.first, "to": stitch.second, "keys": drawn_keys(stitch)}
         for name, stitch in zip(seam_names(pattern), pattern.stitches)
     }
     return {"pieces": pieces, "seams": seams}

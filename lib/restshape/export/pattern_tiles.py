@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 
 from restshape.arrays import Reals
 from restshape.export.paper_tiles import EDGE, OVERLAP, PAPERS, Tile, TileGrid
-from restshape.export.pattern_sheet import INK, PatternSheet, SheetLine, pattern_sheet
+from restshape.export.pattern_sheet import INK, NAMES, PatternSheet, SheetLine, pattern_sheet
 from restshape.outputs.kinds import PATTERN_MARK
 from restshape.outputs.picture_files import save_pages
 from restshape.shape.pattern import Pattern
@@ -92,10 +92,14 @@ def _figures(sheet: PatternSheet, grid: TileGrid, tiles: list[Tile], pattern: Pa
     """The pages in their order: the map, then the sheets."""
     yield _map(sheet, grid, tiles, pattern, f"{title}: {len(tiles)} sheets, {grid.paper}").figure
     for number, tile in enumerate(tiles, 1):
-        yield _sheet_page(sheet, grid, tile, f"{title}   {number} of {len(tiles)}").figure
+        beside = [("right", Tile(tile.row, tile.column + 1)), ("above", Tile(tile.row + 1, tile.column))]
+        there = [f"{where}: {other.name}" for where, other in beside if other in tiles]
+        foot = "; ".join([*filter(None, [", ".join(there)]), f"overlap {OVERLAP:g} mm"])
+        yield _sheet_page(sheet, grid, tile, f"{title}   {number} of {len(tiles)}", foot).figure
 
 
-def _sheet_page(sheet: PatternSheet, grid: TileGrid, tile: Tile, title: str) -> _Page:
+def _sheet_page(sheet: PatternSheet, grid: TileGrid, tile: Tile, title: str, foot: str) -> _Page:
+    """The page of a sheet, with a title and what lies beside it at its foot."""
     page = _Page(grid.paper)
     corner = grid.corner(tile)
     shift = EDGE - corner
@@ -110,8 +114,7 @@ def _sheet_page(sheet: PatternSheet, grid: TileGrid, tile: Tile, title: str) -> 
             look = {"rotation": np.degrees(text.angle), "rotation_mode": "anchor", "color": text.colour}
             page.text(text.place + shift, text.text, text.size, **look)
     page.text(np.array([EDGE, FOOT]), f"{title}   sheet {tile.name}", 8.0, ha="left")
-    beside = f"right: {Tile(tile.row, tile.column + 1).name}, above: {Tile(tile.row + 1, tile.column).name}"
-    page.text(np.array([page.size[0] - EDGE, FOOT]), f"{beside}; overlap {OVERLAP:g} mm", 8.0, ha="right")
+    page.text(np.array([page.size[0] - EDGE, FOOT]), foot, 8.0, ha="right")
     return page
 
 
@@ -143,6 +146,8 @@ def _map(sheet: PatternSheet, grid: TileGrid, tiles: list[Tile], pattern: Patter
     for tile in tiles:
         place = grid.corner(tile) + 0.5 * grid.printed
         page.text(scale * place + shift, tile.name, 9.0, color=FAINT)
+    for piece in (text for text in sheet.texts if text.size == NAMES):
+        page.text(scale * piece.place + shift, piece.text, 9.0)
     corner = np.array([EDGE + 1.0, EDGE + 1.0])
     page.lines([SheetLine(SQUARE * np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]), 0.8)], corner)
     words = f"{SQUARE:g} × {SQUARE:g} mm\nPrint at 100 %, without fitting to the page."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 
 import tomlkit
@@ -13,30 +14,58 @@ from restshape.export.panel_tables import panel_tables
 from restshape.export.shape_tables import shape_tables
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
+from restshape.scene.given_numbers import given_numbers
 from restshape.scene.load import remade
-from restshape.scene.panels import frames_of
-from restshape.scene.plain_values import Table
+from restshape.scene.model import Scene, ShapeSpec
+from restshape.scene.panels import frames_of, panels_of
+from restshape.scene.plain_values import Table, table_in
 
 DEPTHS = {"shape": 1, "panels": 2}
 """Depths of tables within one that have headers of their own."""
 
 
-def write_toml(frame: EditedFrame, path: Path) -> None:
-    """Writes the scene of a frame, its shape as it was edited, from which edits go on.
+def write_toml(frame: EditedFrame, path: Path) -> list[str]:
+    """Writes the scene of a frame, its shape as it was edited, from which edits go on; what there is to note.
 
-    Numbers of the shape that formulas of parameters still give stay these formulas; those of panels are numbers.
+    Numbers that formulas of parameters still give stay these formulas, but in panels that are cut on the fold or have
+    darts: their other half and the parts of darts have no formulas, so that all of them are numbers.
 
     Raises:
         UserError: a name of the shape, such as one that a mesh file gave, cannot stand in a scene.
         OSError: it cannot be written.
     """
+    notes = []
     if frames_of(frame.scene):
-        shape: Table = {"panels": panel_tables(frame.outline, frame.scene)}
+        panels, numbers = panel_tables(frame.outline, frame.scene), _in_numbers(frame.scene)
+        for name in panels.keys() - numbers:
+            panels[name] = with_formulas(table_in(panels, name), frame.scene, frame.outline, name)
+        shape: Table = {"panels": panels}
+        notes = _numbers_noted(frame.scene, numbers)
     else:
         shape = {"shape": with_formulas(shape_tables(frame.outline), frame.scene, frame.outline)}
     tables = plain_scene(frame, shape)
     remade(frame.scene, tables)
     write_whole(path, f"# {EXPORT_MARK}\n{toml_text(tables)}")
+    return notes
+
+
+def _in_numbers(scene: Scene) -> set[str]:
+    """The panels that are written in numbers: those cut on the fold, and those with darts."""
+    folded = {name for name, panel in panels_of(scene).items() if panel.mirror is not None}
+    parts = {part for dart in scene.shape.darts for part in dart.kinds()}
+    return folded | {name for name in panels_of(scene) if any(part.startswith(f"{name}.") for part in parts)}
+
+
+def _numbers_noted(scene: Scene, panels: Collection[str]) -> list[str]:
+    """Notes of formulas of such panels, and of darts, which are numbers from now on."""
+    keys = [one.key for one in given_numbers(scene) if one.key[0] == "panels"]
+    lost = [name for name in dict.fromkeys(key[1] for key in keys if key[2] in ShapeSpec.named) if name in panels]
+    notes = [
+        f"in numbers, for it is cut on the fold or has darts, so that parameters no longer give its shape: panel {name}"
+        for name in lost
+    ]
+    darts = list(dict.fromkeys(dart.where for dart in scene.shape.darts))
+    return [*notes, *([f"part of the shape from now on, with seams: {', '.join(darts)}"] if darts else [])]
 
 
 def toml_text(tables: Table) -> str:

@@ -17,6 +17,7 @@ import numpy as np
 
 from restshape.arrays import Reals
 from restshape.errors import UserError, quoted
+from restshape.outputs.kinds import EXPORT_MARK
 from restshape.scene.plain_values import Table, table_in
 from restshape.shape.dxf import NO_UNIT, curves_of, metres_in, readable
 from restshape.shape.dxf_blocks import placed
@@ -84,7 +85,10 @@ def read_pattern_dxf(path: Path) -> Pattern:
             parts += sheet.parts
     if not pieces:
         what = f"no piece was found: no closed loop on layer {CUT} or {SEW}"
-        raise UserError(what, path.name, "draw borders of pieces on layer 1, or lines of seams on layer 14")
+        do = "draw borders of pieces on layer 1, or lines of seams on layer 14"
+        if any(one == ("Writer", EXPORT_MARK) for one in drawing.header.custom_vars):
+            do = "`restshape export` made it of a whole shape; restshape pattern SCENE --out FILE.dxf writes pieces"
+        raise UserError(what, path.name, do)
     keys = next((table for one in loose if (table := table_in(kept(one), "keys"))), {})
     stitches, left = stitches_of(parts, {name: table_in(keys, name) for name in keys}, edge_names(pieces))
     notes = unread_notes(unread + Counter(left))
@@ -182,7 +186,8 @@ class _PieceSheet:
         if not isinstance(edge, str):
             return joined(curves, self._places(TURNS) + self.shift)
         self.parts += [(edge, part) for part in parts_in(table) if (edge, part) not in self.parts]
-        named = [replace(curve, label=edge) for curve in curves]
+        region = table.get("region")
+        named = [replace(curve, label=edge, region=region if isinstance(region, str) else None) for curve in curves]
         return [_polyline(named)] if all(curve.kind == "line" for curve in named) else named
 
     def _places(self, layer: str) -> Reals:
@@ -196,7 +201,7 @@ class _PieceSheet:
         for curve in loops.open:
             self.unread[f"{curve.source} (lines inside) that closes no loop"] += 1
         return [
-            replace(curve, region=f"internal{number}")
+            replace(curve, region=next((one.region for one in group if one.region), f"internal{number}"))
             for number, group in enumerate(loops.groups, 1)
             for curve in group
         ]

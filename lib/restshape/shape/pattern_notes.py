@@ -19,7 +19,7 @@ APPLICATION = "RESTSHAPE"
 """Of the extended data of a DXF."""
 METADATA = "restshape-pattern"
 """The id of the metadata of an SVG."""
-LAID = "laid"
+ORIGIN = "origin"
 """Key of the place of a piece's own origin in an SVG [m], for its axes are not those of the drawing."""
 PLACES = ("vertices", "points", "through", "polygon", "center")
 """Keys of shapes that hold places."""
@@ -74,9 +74,9 @@ def placed_by(piece: PatternPiece, table: Mapping[str, object]) -> PatternPiece:
     return replace(piece, move=move, turn=turn, grain=angle if angle is None or math.isfinite(angle) else piece.grain)
 
 
-def laid_back(piece: PatternPiece, table: Mapping[str, object]) -> PatternPiece:
-    """A piece in its own axes, from those of a drawing where its table says that its origin is ``laid``."""
-    place = table.get(LAID)
+def in_own_axes(piece: PatternPiece, table: Mapping[str, object]) -> PatternPiece:
+    """A piece in its own axes, from those of a drawing where its table says that its origin is at ``origin``."""
+    place = table.get(ORIGIN)
     if not isinstance(place, list) or len(place) != 2 or not _finite(place):
         return piece
     shape = _shifted(piece.shape, -float(place[0]), -float(place[1]), False)

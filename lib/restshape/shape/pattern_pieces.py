@@ -77,7 +77,7 @@ def pieces_of(
     placed = 0
     for number, (group, around) in enumerate(zip(loops.groups, loops.around)):
         name = _free((names[number] if number < len(names) else "") or _name(group[:around]) or "piece", taken)
-        own = [replace(one, label=_part(one.label, name), loop=_part(one.loop, name)) for one in group]
+        own = [_own(one, name) for one in group]
         tables, _ = shape_data(own, where, 0.0, points)
         placed += len(points.keys() & {*table_in(tables, "vertices"), *table_in(tables, "points")})
         border = [chain_of_curve(curve) for curve in group[:around]]
@@ -158,6 +158,12 @@ def _free(name: str, taken: set[str]) -> str:
         free = f"{stem}{number}" if stem == "piece" else f"{stem}_{number}"
     taken.add(free)
     return free
+
+
+def _own(curve: Curve, piece: str) -> Curve:
+    """A curve of a piece with the names that it has within that."""
+    region = curve.region and (_part(curve.region, piece) or curve.region)
+    return replace(curve, label=_part(curve.label, piece), loop=_part(curve.loop, piece), region=region)
 
 
 def _part(text: str, piece: str) -> str:

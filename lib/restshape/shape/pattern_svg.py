@@ -6,14 +6,18 @@ from collections import Counter
 from pathlib import Path
 
 from restshape.errors import UserError
+from restshape.outputs.kinds import EXPORT_MARK
 from restshape.scene.plain_values import Table, table_in
 from restshape.shape.pattern import Pattern, edge_names
 from restshape.shape.pattern_drawing import unread_notes
-from restshape.shape.pattern_notes import METADATA, laid_back, placed_by, table_of
+from restshape.shape.pattern_notes import METADATA, in_own_axes, placed_by, table_of
 from restshape.shape.pattern_pieces import loops_of, pieces_of
 from restshape.shape.seam_parts import SIDES, SeamPart, stitches_of
 from restshape.shape.svg import read_svg
 from restshape.shape.svg_tree import metadata_of, not_drawn
+
+HEAD = 1000
+"""Bytes at the beginning of a drawing, where it says which program has written it."""
 
 
 def read_pattern_svg(path: Path) -> Pattern:
@@ -32,10 +36,13 @@ def read_pattern_svg(path: Path) -> Pattern:
     unread = Counter(f"{curve.source} that closes no loop" for curve in loops.open)
     data = path.read_bytes()
     said = metadata_of(data, METADATA)
+    if loops.open and not said and EXPORT_MARK.encode() in data[:HEAD]:
+        what = f"{len(loops.open)} edges close no loop in this drawing, which `restshape export` made of a whole shape"
+        raise UserError(what, path.name, "restshape pattern SCENE --out FILE.svg writes its panels as pieces")
     unread += Counter(f"<{tag}>" for tag in not_drawn(data))
     about, seams = (table_in(table_of(said), key) for key in ("pieces", "seams"))
     tables = [table_in(about, piece.name) for piece in found]
-    pieces = [placed_by(laid_back(piece, table), table) for piece, table in zip(found, tables)]
+    pieces = [placed_by(in_own_axes(piece, table), table) for piece, table in zip(found, tables)]
     parts = [(edge, part) for name in seams for edge, part in _sewn(name, table_in(seams, name))]
     keys = {name: table_in(table_in(seams, name), "keys") for name in seams}
     stitches, left = stitches_of(parts, keys, edge_names(pieces))
