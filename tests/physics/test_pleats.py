@@ -104,7 +104,8 @@ def test_a_pleat_that_gets_deeper_keeps_the_mesh_and_the_gathered_length(tmp_pat
     rows = rows_of(replay)
     assert [row["level"] for row in rows[1:]] == [1, 1] and all(row["converged"] for row in rows)
     outline = replay.session.outline
-    first, second = (outline.points[outline.vertex_names.index(f"waist.one.{fold}")] for fold in ("first", "second"))
+    names = [outline.vertex_names.index(f"frill.waist.one.{fold}") for fold in ("first", "second")]
+    first, second = outline.points[names]
     assert np.hypot(*(second - first)) == pytest.approx(0.018)
 
 
@@ -136,7 +137,7 @@ def test_folds_of_pleats_are_vertices_of_the_pattern(tmp_path):
     outline = unchecked_outline(scene.shape)
     entity = outline.entity("frill.top")
     assert len(entity.edges) == 5
-    assert scene.shape.kinds()["waist.two.second"] == "vertex"
+    assert scene.shape.kinds()["frill.waist.two.second"] == "vertex"
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,8 @@ from restshape.shape.seam_parts import SeamPart
 
 ALONG = 0.3
 """Half the length of the line of a grain, over the size of its piece."""
+WITHIN = 0.4
+"""The same at most, over the width of the box around the piece along the grain."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,9 @@ def edge_labels(outline: Outline, name: str, parts: Mapping[str, Sequence[SeamPa
 def grain_line(outline: Outline, grain: float) -> Reals:
     """Both ends (2, 2) [m] of the line of a grain through the middle of a piece, at its angle [rad]."""
     low, high = outline.bounds()
-    way = ALONG * float(np.hypot(*(high - low))) * np.array([np.cos(grain), np.sin(grain)])
+    unit = np.array([np.cos(grain), np.sin(grain)])
+    across = float(((high - low) / np.maximum(np.abs(unit), 1e-9)).min())
+    way = min(ALONG * float(np.hypot(*(high - low))), WITHIN * across) * unit
     middle = 0.5 * (low + high)
     return np.array([middle - way, middle + way])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import matplotlib
@@ -31,6 +31,8 @@ LISTED = 5.0
 """Room for a line of the list of seams [mm]."""
 LETTER = 1.4
 """Width of its letters [mm]."""
+NAMED = 4.5
+"""Distance of a piece's name from a sheet's on the map [mm]."""
 STYLE = {"path.simplify": False, "pdf.fonttype": 42, "text.parse_math": False, "text.usetex": False}
 
 
@@ -143,11 +145,7 @@ def _map(sheet: PatternSheet, grid: TileGrid, tiles: list[Tile], pattern: Patter
     shift = np.array([EDGE, height - EDGE - 10.0]) - scale * np.array([grid.low[0], grid.low[1] + reach[1]])
     frames = [grid.corner(tile) + grid.printed * np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) for tile in tiles]
     page.lines([SheetLine(frame, 0.5, FAINT) for frame in frames] + sheet.lines, shift, scale)
-    for tile in tiles:
-        place = grid.corner(tile) + 0.5 * grid.printed
-        page.text(scale * place + shift, tile.name, 9.0, color=FAINT)
-    for piece in (text for text in sheet.texts if text.size == NAMES):
-        page.text(scale * piece.place + shift, piece.text, 9.0)
+    _name_on_map(page, sheet, {tile.name: grid.corner(tile) + 0.5 * grid.printed for tile in tiles}, shift, scale)
     corner = np.array([EDGE + 1.0, EDGE + 1.0])
     page.lines([SheetLine(SQUARE * np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]), 0.8)], corner)
     words = f"{SQUARE:g} × {SQUARE:g} mm\nPrint at 100 %, without fitting to the page."
@@ -164,3 +162,15 @@ def _map(sheet: PatternSheet, grid: TileGrid, tiles: list[Tile], pattern: Patter
         place = corner + np.array([SQUARE + 4.0, SQUARE - LISTED * (k + 0.5)])
         page.text(place, words, 7.0, ha="left", color=colour)
     return page
+
+
+def _name_on_map(page: _Page, sheet: PatternSheet, tiles: Mapping[str, Reals], shift: Reals, scale: float) -> None:
+    """Writes the names of sheets at their middles (2,) [mm], and those of pieces, below a sheet's that is near."""
+    middles = {name: scale * place + shift for name, place in tiles.items()}
+    for name, place in middles.items():
+        page.text(place, name, 9.0, color=FAINT)
+    for piece in (text for text in sheet.texts if text.size == NAMES):
+        place = scale * piece.place + shift
+        nearest = min(middles.values(), key=lambda middle: float(np.hypot(*(middle - place))))
+        near = (np.abs(nearest - place) < (NAMED * len(piece.text), NAMED)).all()
+        page.text(np.array([place[0], nearest[1] - NAMED]) if near else place, piece.text, 9.0)
