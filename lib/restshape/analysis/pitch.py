@@ -31,7 +31,7 @@ def note(frequency: float, a4: float = A4) -> tuple[str, float]:
 
 def tone_words(name: str, cents: float) -> str:
     """A tone in a caption; below the octave 0, where A-1 would read as if -1 were cents, in words."""
-    return "below C0, not heard as a tone" if "-" in name else f"{name} {cents:+.0f} cents"
+    return "below C0" if "-" in name else f"{name} {cents:+.0f} cents"
 
 
 def frequency_of(name: str, a4: float = A4, where: str = "") -> float:
