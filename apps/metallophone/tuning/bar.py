@@ -24,6 +24,8 @@ from restshape.replay.frame_solver import FrameSolver
 from restshape.replay.replay_parts import replay_parts
 from restshape.replay.request import Request
 from restshape.scene.edit_script import Script
+from restshape.shape.build import unchecked_outline
+from restshape.shape.validity import problem
 
 if TYPE_CHECKING:
     from restshape.analysis.modal import ModalAnalysis
@@ -74,6 +76,14 @@ class Bar:
             return False
         self.outline, self.why = frame.outline, ""
         return True
+
+    def has_outline(self, values: np.ndarray) -> bool:
+        """Whether the outline at values (k,) of the freedoms can be drawn and does not meet itself; without a solve."""
+        try:
+            shape = with_values(self.scene, self.freedoms, values)
+            return problem(unchecked_outline(shape.shape, shape.folder)) is None
+        except UserError:
+            return False
 
     def errors(self, ranks: Sequence[int]) -> tuple[float, ...]:
         """The estimated errors (m,) [cents] that the mesh makes of frequencies, by rank from 1, in the last solve."""

@@ -26,6 +26,10 @@ GAIN, SHARE = 1.0, 0.003
 NEAR, SLOW = 50.0, 0.2
 """Distance [cents], and share of the one before, between which a step shows that gradients turn on the way: then steps
 are the least themselves, which end in tune at once and hardly beside the least change."""
+STILL = 1e-9
+"""Of the distance of its bounds, which a freedom may move that has been stopped."""
+AHEAD = 128.0
+"""Times the radius in which no step leads nearer, which show what leads where the outline meets itself."""
 HALVINGS = 4
 """Of a step that does not lead nearer."""
 TRIALS = 10
@@ -130,7 +134,7 @@ class Descent:
         self.start = np.array([freedom.start for freedom in bar.freedoms])
         self.values, self.modes = self.start.copy(), followed(bar, ids)
         bar.keep()
-        self.found = Tuned()
+        self.found, self._stopped = Tuned(), np.zeros(len(self.start), dtype=bool)
         self._motions = motions_of(bar, self.values)
         self.found.low, self.found.high = bounded(bar, self._motions, self.start, bounds)
         refuse_idle(bar, self._motions)
@@ -167,12 +171,30 @@ class Descent:
             stuck = left > 0.5 * np.linalg.norm(missing)
             slight = self._slow or _size(motions, step) <= SLIGHT * _size(motions, change)
             idle = stuck and np.linalg.norm(missing) - left < max(GAIN, SHARE * np.linalg.norm(missing))
-            if (slight and (self.found.last.worst <= close or stuck)) or idle or self._idle(close):
+            if (
+                (slight and (self.found.last.worst <= close or stuck))
+                or idle
+                or (self._idle(close) and not self._stops_what_blocks(J))
+            ):
                 self._nearest = self.found.last.worst > close
                 self.found.nearest = self._nearest and (stuck or idle)
                 return
-            if self.bar.solves >= self.most - 1 or not self._search(J, missing):
+            if self.bar.solves >= self.most - 1 or not (self._search(J, missing) or self._stops_what_blocks(J)):
                 return
+
+    def _stops_what_blocks(self, J: np.ndarray) -> bool:
+        """Stop the freedoms that alone lead where the outline crosses itself; whether there are any, and others."""
+        if not self.found.blocked:
+            return False
+        step, ends = self._step(J, AHEAD * self._radius), self._stopped.copy()
+        for k in np.flatnonzero(step):
+            alone = self.values.copy()
+            alone[k] = np.clip(alone[k] + step[k], self.found.low[k], self.found.high[k])
+            ends[k] = ends[k] or not self.bar.has_outline(alone)
+        found = bool((ends & ~self._stopped).any() and not ends.all())
+        if found:
+            self._stopped, self._radius = ends, np.inf
+        return found
 
     def _idle(self, close: float) -> bool:
         """Whether the last two steps on this mesh have led hardly nearer to tones that are far."""
@@ -185,7 +207,8 @@ class Descent:
     def _step(self, J: np.ndarray, radius: float) -> np.ndarray:
         """The step (k,) that derivatives (m, k) ask for, no freedom by more than moves the surface by a radius."""
         done, metric = self.values - self.start, self._motions.metric
-        reach = radius / np.sqrt(np.diag(metric))
+        still = STILL * (self.found.high - self.found.low)
+        reach = np.where(self._stopped, still, radius / np.sqrt(np.diag(metric)))
         low = np.maximum(self.found.low - self.start, done - reach)
         high = np.minimum(self.found.high - self.start, done + reach)
         missing = -self._cents()

@@ -80,6 +80,7 @@ class TuningReport:
         bounds = [f"{self.tuning.freedoms[k].name} is at its {end} bound" for k, end in self.found.at_bounds()]
         why = f": {'; '.join(bounds)}" if bounds else ": no step within the solves leads nearer"
         if not bounds and not self.found.nearest:
+            why = f": {self.tuning.solves} solves are spent, or no step leads nearer"
             return f"gave up on {self._wanted()} at {tones}, {away} cents off{why}{self._errors()}"
         return f"the nearest to {self._wanted()} is {tones}, {away} cents off{why}{self._errors()}"
 
