@@ -22,6 +22,8 @@ ACROSS, COLUMN, ROOM = 7, 2.1, 1.12
 """Bars in a row at most, width of a column [inch], and of a column in widths of the longest bar."""
 TITLE, WORDS, GAP, BAR = 0.3, 0.5, 0.15, 0.75
 """Height of the title, of the words over each bar, between bar and mode, and of the colour bar [inch]."""
+LETTERS = 16
+"""Of the name of a bar's file at most."""
 
 
 def draw(bars: Sequence[Bar], path: Path) -> None:
@@ -73,7 +75,13 @@ def _draw_outline(axes: Axes, bar: Bar, inch: float) -> None:
     axes.set(xlim=(-half, half), ylim=(-tall, tall))
     axes.set_axis_off()
     words = {"transform": axes.transAxes, "ha": "center", "va": "bottom", "clip_on": False}
-    axes.text(0.5, 1.0, f"{bar.title}\n{bar.frequencies[0]:.1f} Hz", fontsize=9, **words)
+    name = bar.path.stem
+    said = (
+        ""
+        if name.lower() == bar.tone[0].lower()
+        else f"{name if len(name) <= LETTERS else name[: LETTERS - 1] + '…'}: "
+    )
+    axes.text(0.5, 1.0, f"{said}{bar.title}\n{bar.frequencies[0]:.1f} Hz", fontsize=9, **words)
 
 
 def _add_words(figure: Figure, longest: float, perpendicular: bool) -> None:

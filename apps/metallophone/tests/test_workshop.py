@@ -12,6 +12,7 @@ import restshape_apps.metallophone as metallophone
 from matplotlib.text import Text
 from restshape_apps.metallophone.workshop import sheet
 from restshape_apps.metallophone.workshop.bar import Bar, bar_of
+from restshape_apps.metallophone.workshop.sheet_tables import material, places
 
 from restshape.cli.main import main
 from restshape.errors import UserError
@@ -206,6 +207,14 @@ def test_what_makes_no_sense_is_refused_in_words(words, message, tmp_path, capsy
     assert main(["export", str(TEMPLATE), *words, "--out", str(out)]) == 2
     assert message in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_the_sheet_names_holes_of_the_scene_and_what_its_formulas_take():
+    formula = 'material.aluminium.thickness="T*(1 - x)"'
+    hole = 'shape.holes={ eye = { circle = { center = ["150 mm", "15 mm"], radius = "3 mm" } } }'
+    found = bar(4e-3, "parameters={ T = 0.004, idle = 1.0 }", formula, hole)
+    assert ["eye, hole of 6.00 mm", "150.0", "15.0"] in places(found)
+    assert ["with (SI)", "T = 0.004"] in material(found)
 
 
 def test_other_scenes_have_no_sheet(tmp_path, capsys):

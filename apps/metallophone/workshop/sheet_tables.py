@@ -14,6 +14,8 @@ from restshape.scene.expressions import Expression
 MM, GPA = 1e3, 1e-9
 MOST = 7
 """Rows of modes at most."""
+ROUND = 0.05
+"""Difference of width and height [mm] up to which a hole has one size."""
 SHOWN = 3
 """Modes with tolerances."""
 HALF, LONGEST = 98.0, 58
@@ -50,8 +52,23 @@ def places(bar: Bar) -> list[list[str]]:
         x, y = MM * (place - low)
         hole = bar.holes.get(f"hang_{k}")
         rows.append([f"H{k}, hole of {2.0 * MM * hole[1]:g} mm" if hole else f"H{k}, hang", f"{x:.1f}", f"{y:.1f}"])
+    rows += own_holes(bar)
     x, y = MM * (bar.strike - low)
     return [*rows, ["strike", f"{x:.0f}", f"{y:.0f}"]]
+
+
+def own_holes(bar: Bar) -> list[list[str]]:
+    """Of each hole that the scene has its name, its size and its middle."""
+    rows, corner = [], bar.outline.bounds()[0]
+    for loop in bar.outline.loops:
+        if loop.kind == "hole" and loop.name not in bar.holes:
+            X = np.concatenate([bar.outline.polyline(e) for e, _ in loop.edges])
+            low, high = X.min(axis=0), X.max(axis=0)
+            wide, tall = MM * (high - low)
+            size = f"{wide:.2f}" if abs(wide - tall) < ROUND else f"{wide:.2f} x {tall:.2f}"
+            x, y = MM * (0.5 * (low + high) - corner)
+            rows.append([f"{loop.name}, hole of {size} mm", f"{x:.1f}", f"{y:.1f}"])
+    return rows
 
 
 def material(bar: Bar) -> list[list[str]]:
@@ -67,6 +84,9 @@ def material(bar: Bar) -> list[list[str]]:
             rows.append(["grain", f"{np.degrees(own.grain):.1f} degrees from x"])
         rows.append(["density", f"{own.rho:.5g} kg/m³"])
         rows.append(["thickness", _thickness(own.thickness)])
+        if isinstance(own.thickness, Expression) and (names := own.thickness.parameters):
+            known = bar.analysis.state.scene.parameters
+            rows.append(["with (SI)", ", ".join(f"{name} = {float(known[name]):.5g}" for name in names)])
     rows.append(["area", f"{1e6 * bar.outline.area():.2f} mm²"])
     volume = volume_of(bar)
     if volume is not None:
