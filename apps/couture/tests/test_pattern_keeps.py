@@ -5,12 +5,14 @@ import pytest
 
 from restshape.cli.main import main
 from restshape.export.paper_tiles import TileGrid
+from restshape.export.pattern_marks import notches
 from restshape.export.pattern_scene import pattern_of_scene
 from restshape.export.pattern_sheet import pattern_sheet
 from restshape.export.pattern_tiles import _figures
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 from restshape.shape.pattern_axes import turned_up
+from restshape.shape.seam_parts import seam_parts
 
 SCENE = """
 format = "restshape-scene"
@@ -144,6 +146,8 @@ def test_drawings_of_export_are_no_patterns(tmp_path, capsys, scene):
 def test_sheets_name_those_that_are_there_and_arrows_follow_the_material(scene):
     pattern = pattern_of_scene(load_scene(scene))
     assert [piece.grain for piece in pattern.pieces] == pytest.approx([0.5 * np.pi] * 4)
+    marked = notches(pattern.pieces[0].outline(), "skirt", seam_parts(pattern))
+    assert sorted(round(float(notch.place[0]), 9) for notch in marked) == [0.0, 0.081, 0.111, 0.209, 0.239, 0.32]
     sheet = pattern_sheet(pattern, 0.0)
     grid = TileGrid("a4", *sheet.box)
     tiles = grid.tiles([line.points for line in sheet.lines])

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.arrays import Reals
+from restshape.scene.pleat_keys import is_fold
 from restshape.shape.outline import Outline
 from restshape.shape.outward import outward_of, text_angle
 from restshape.shape.seam_parts import SeamPart
@@ -50,7 +51,7 @@ class EdgeLabel:
 
 
 def notches(outline: Outline, name: str, parts: Mapping[str, Sequence[SeamPart]]) -> list[Notch]:
-    """Notches at the ends of the seams of a piece; none where a seam goes on over a vertex.
+    """Notches at the ends of the seams of a piece, and at the folds of their pleats; none at other vertices within.
 
     Args:
         outline: of the piece; name: of it; parts: of all edges ``PIECE.EDGE`` that are sewn.
@@ -64,11 +65,13 @@ def notches(outline: Outline, name: str, parts: Mapping[str, Sequence[SeamPart]]
                 beside = [loop.edges[k - 1], loop.edges[(k + 1) % len(loop.edges)]]
                 for end, (other, _) in enumerate(beside):
                     same = {(p.seam, p.side) for p in parts.get(f"{name}.{outline.edges[other].name}", ())}
-                    if other != e and (part.seam, part.side) in same:
-                        continue
                     s = float(end) if forward else 1.0 - end
                     edge = outline.edges[e]
                     vertex = edge.start if s == 0.0 else edge.end
+                    # Both edges that meet at a fold have it: one of them marks it.
+                    fold = end == 1 and is_fold(outline.vertex_names[vertex], part.seam)
+                    if other != e and (part.seam, part.side) in same and not fold:
+                        continue
                     found.append(Notch(outline.points[vertex], outward_of(outline, e, forward, s), vertex, part.seam))
     return found
 

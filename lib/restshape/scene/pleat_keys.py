@@ -9,6 +9,9 @@ from pydantic import Field
 
 from restshape.scene.values import Length, Number, Strict
 
+FOLDS = ("first", "second")
+"""Last parts of the names of folds."""
+
 
 class Pleat(Strict):
     """``[seams.NAME.pleats.PLEAT]``: the first side is laid back over a depth, in three layers, all of which are sewn.
@@ -51,4 +54,10 @@ class PlacedPleat:
     def folds(self) -> tuple[str, str]:
         """Vertices at its first and its second fold, from the edge's start."""
         before = f"{self.panel}." if self.panel else ""
-        return f"{before}{self.seam}.{self.key}.first", f"{before}{self.seam}.{self.key}.second"
+        first, second = (f"{before}{self.seam}.{self.key}.{fold}" for fold in FOLDS)
+        return first, second
+
+
+def is_fold(vertex: str, seam: str) -> bool:
+    """Whether a vertex, as its panel names it, has the name of a fold of a pleat of this seam."""
+    return vertex.startswith(f"{seam}.") and vertex.rpartition(".")[2] in FOLDS
