@@ -457,3 +457,15 @@ def test_a_panel_is_wrapped_around_all_of_a_body(tmp_path, body, radius):
     X = outline_from_spec(scene.shape).points[:4]
     places = PatternPlacement(scene).places(X, np.zeros(4, dtype=np.int32))
     np.testing.assert_allclose(np.hypot(*places[:, :2].T), radius, atol=1e-15)
+
+
+def test_a_picture_names_panels_and_their_edges_but_no_parts_of_their_other_halves(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    seam = '[seams.one]\nfrom = "front.top"\nto = "back.bottom"\n'
+    panels = panel("front", 'mirror = "left"') + panel("back", "move = [0, 0, 1]")
+    scene = write_scene(tmp_path, garment(panels, HUNG.format(name="back"), seam))
+    assert main(["check", str(scene), "--picture", str(tmp_path / "scene.png")]) == 0
+    named = {text.get_text() for text in figures[0].axes[0].texts}
+    assert {"front", "back", "front.top", "front.right", "back.bottom", "front.mirror"} <= named
+    assert not any(name.startswith("front.mirror.") for name in named)

@@ -136,7 +136,7 @@ def labels_beside(axes: Axes, outline: Outline, moved: Moved) -> Labels:
 
 
 def name_entities(labels: Labels, outline: Outline, moved: Moved, used: set[str], size: float = 7.5) -> None:
-    """Writes the names of regions, holes, edges and vertices beside them.
+    """Writes the names of panels, regions, holes, edges and vertices beside them.
 
     Args:
         labels: that put them into their axes.
@@ -145,6 +145,10 @@ def name_entities(labels: Labels, outline: Outline, moved: Moved, used: set[str]
         used: names that are written in any case.
         size: of the font.
     """
+    for loop in outline.loops if len(outline.piece_names) > 1 else ():
+        if loop.kind == "outline":
+            middle = loop_points(outline, loop.edges).mean(axis=0, keepdims=True)
+            labels.add(moved(middle)[0], loop.name, INK, size + 1.5, on_it=True)
     for kind, colour in (("region", INK), ("hole", INK), ("edge", NAME), ("vertex", POINT)):
         names = outline.names(kind)
         # Parts of round loops are named after these.
@@ -165,8 +169,8 @@ def name_entities(labels: Labels, outline: Outline, moved: Moved, used: set[str]
 
 def _part(name: str, outline: Outline) -> bool:
     """Whether a name was made for a part of a loop."""
-    loop, dot, _ = name.rpartition(".")
-    return bool(dot) and loop in (other.name for other in outline.loops)
+    # Of a panel all names begin with its own.
+    return any(name.startswith(f"{loop.name}.") for loop in outline.loops if loop.kind != "outline")
 
 
 def goals_of(scene: Scene) -> dict[str, np.ndarray]:

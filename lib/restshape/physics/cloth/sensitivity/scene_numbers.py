@@ -50,9 +50,8 @@ class ChangingNumber:
             here = value_below(_with_start(scene), tuple(parts)) if parts[0] in (*TABLES, *PATTERN) else None
         if isinstance(here, bool) or not isinstance(here, int | float):
             tables = ", ".join((*TABLES, *PATTERN))
-            raise UserError(
-                f"{key!r} is no number of this scene in {tables}", "--by", "name one like material.cotton.E"
-            )
+            like = f"material.{next(iter(scene.material), 'cotton')}.{parts[-1] if parts[0] == 'material' else 'E'}"
+            raise UserError(f"{key!r} is no number of this scene in {tables}", "--by", f"name one like {like}")
         self.value = float(here)
         self.parameter = parts[1] if parts[0] == "parameters" else ""
         self.parameters = _parameter_rates(scene, self.parameter) if self.parameter else {}
