@@ -469,3 +469,11 @@ def test_a_picture_names_panels_and_their_edges_but_no_parts_of_their_other_halv
     named = {text.get_text() for text in figures[0].axes[0].texts}
     assert {"front", "back", "front.top", "front.right", "back.bottom", "front.mirror"} <= named
     assert not any(name.startswith("front.mirror.") for name in named)
+
+
+def test_panels_that_overlap_are_reported_before_a_dart_that_reaches_over_the_other_one(tmp_path):
+    dart = '[darts.one]\nedge = "front.left"\nwidth = "1 cm"\nlength = "16 cm"\n'
+    other = panel("back", "at = [0.1, 0]", width=0.5, height=0.3)
+    scene = garment(panel("front", "at = [0, 0.1]"), other, HUNG.format(name="front"), HUNG.format(name="back"), dart)
+    with pytest.raises(UserError, match="panels front and back would overlap"):
+        outline_from_spec(load_scene(write_scene(tmp_path, scene)).shape)

@@ -113,7 +113,9 @@ def largest_closed(lines: Sequence[np.ndarray], where: str) -> tuple[np.ndarray,
         longest = max(range(len(joined)), key=lambda k: len(joined[k]))
         what = f"the outline is not closed: its ends are {1e3 * gaps[longest]:.3g} mm apart"
         if gaps[longest] <= CLOSES * size:
-            what = f"a closed line of {len(joined[longest])} points is no outline of a drape"
+            what = (
+                f"a closed line of {len(joined[longest])} points is no outline of a drape, which has more than {FEWEST}"
+            )
         raise UserError(what, where, "draw the outline of the drape as one closed path")
     best = max(closed, key=lambda line: abs(signed_area(line)))
     left, notes = len(joined) - 1, []
@@ -172,7 +174,10 @@ def _plain(points: np.ndarray, where: str) -> np.ndarray:
         raise UserError(f"the outline has {len(points)} points", where, f"give at most {POINTS}")
     apart = np.hypot(*(points - np.roll(points, 1, axis=0)).T) > 1e-12
     points = points[apart]
-    if len(points) < FEWEST or signed_area(points) == 0.0:
+    if len(points) < FEWEST:
+        do = f"draw the whole outline: {FEWEST} points at least"
+        raise UserError(f"the outline has {len(points)} points apart from each other", where, do)
+    if signed_area(points) == 0.0:
         raise UserError(f"an outline of {len(points)} points has no area", where, "draw the outline of the drape")
     refuse_crossing(points, where)
     return points if signed_area(points) > 0.0 else points[::-1].copy()

@@ -34,7 +34,8 @@ def read_table(path: Path) -> tuple[np.ndarray, str]:
     unit = _unit(rows[0][1], path.name) if titled else None
     points = [_point(row, f"{path.name}, line {number}") for number, row in rows[titled:]]
     if len(points) < FEWEST:
-        raise UserError(f"the table has {counted(len(points), 'point')}", path.name, "give the whole outline")
+        do = f"give the whole outline: {FEWEST} points at least"
+        raise UserError(f"the table has {counted(len(points), 'point')}", path.name, do)
     doubt = "" if unit else f"the table has no unit in its first row, such as {EXAMPLE}, and is read in millimetres"
     return np.array(points) * UNITS[unit or "mm"], doubt
 
