@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.errors import ReplayProblem
+from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.out_of_bodies import Bodies
 from restshape.physics.cloth.relaxation.binding import friction_of, layers_of
 from restshape.physics.cloth.relaxation.close_seams import close_seams, gaps_at, has_opened
 from restshape.physics.cloth.relaxation.cold_start import ColdStart
@@ -18,6 +20,7 @@ from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceRepo
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.relaxation.strategies import STRATEGIES
+from restshape.physics.cloth.untangling import Untangling
 
 log = logging.getLogger("restshape.physics")
 
@@ -99,12 +102,31 @@ def _equilibrium(
 
 
 def _come_apart(state: RelaxationState, x: np.ndarray, options: RelaxationOptions, report: ConvergenceReport) -> None:
-    """Go on from x (n, 3), which is changed, with contact of the cloth with itself where it crosses itself no more."""
-    own = state.problem.self_contact
-    if own and not own.active and own.begin(state.problem.corners(x)):
+    """Go on from x (n, 3), which is changed, with contact of the cloth with itself where it crosses itself no more.
+
+    Cloth that still crosses itself in few places is moved apart there first, where that is possible.
+    """
+    problem = state.problem
+    own = problem.self_contact
+    if not own or own.active:
+        return
+    if not own.begin(problem.corners(x)):
+        _untangle(problem, x)
+    if own.begin(problem.corners(x)):
         log.info("Cloth has come apart: it touches itself from now on")
         report.converged = False
         STRATEGIES[options.strategy](state.solver, x, options.settings.steps, report)
+
+
+def _untangle(problem: ClothProblem, x: np.ndarray) -> None:
+    """Move cloth at x (n, 3), which is changed, apart where it crosses itself; where that fails it stays."""
+    corners, contact = problem.corners(x), problem.contact
+    bodies, clear = (Bodies(contact.bodies), contact.thickness) if contact else (None, 0.0)
+    movable = ~problem.boundary.mask[problem.corner_number].any(axis=1)
+    apart = Untangling(problem.surface, bodies, clear).apart(corners, movable)
+    if apart is not None:
+        log.info("Cloth was moved apart where it crossed itself, by %.3e m", np.abs(apart - corners).max())
+        x[:] = problem.constrain(x + problem.flat(apart) - problem.flat(corners))
 
 
 def _cold_start(solver: EquilibriumSolver, options: RelaxationOptions, levels: int) -> ColdStart:
