@@ -1,4 +1,4 @@
-"""Cloth that passes through itself in few places, moved apart there: along the gradient of the length of its contours."""
+"""Cloth that passes through itself in few places, moved apart there: contours of that are made shorter until gone."""
 
 from __future__ import annotations
 
