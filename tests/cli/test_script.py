@@ -75,12 +75,18 @@ def test_what_will_be_refused_is_reported(scene, tmp_path, capsys):
     assert "3 frames will be refused: edges top and window.1" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "line", ["fly window", "window by 1", "arc left to", "insert q on bottom at 2", "idle 0", "pull top"]
-)
+@pytest.mark.parametrize("line", ["fly window", "window by 1", "arc left to", "pull top"])
 def test_lines_that_make_no_sense_get_the_grammar(scene, capsys, line):
     assert main(["script", str(scene), line]) == 2
     assert "insert NAME on EDGE at S" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "line, remedy", [("insert q on bottom at 2", "give a number below 1"), ("idle 0", "give at least 1")]
+)
+def test_numbers_out_of_bounds_are_told_their_bound(scene, capsys, line, remedy):
+    assert main(["script", str(scene), line]) == 2
+    assert remedy in capsys.readouterr().err
 
 
 def test_a_name_that_is_not_there_is_suggested(scene, capsys):

@@ -31,7 +31,7 @@ def test_ways_bending_and_policies(tmp_path, command):
         # It is laid at the height from which the potential counts, and only sinks; of friction there is no energy then.
         assert entry["initial_energy"] == 0.0 and -(0.7**2) * 0.15 * 9.81 * 0.4 < entry["energy"] < 0.0
     assert min(entry["short"] for entry in found["strategies"].values()) == 0.0
-    assert found["strategies"]["kinetic"]["factors"] <= 1 < found["strategies"]["auto"]["factors"]
+    assert min(entry["factors"] for entry in found["strategies"].values()) > 1
     assert found["policies"]["auto"]["frames"] == found["policies"]["auto"]["converged"] == 2
     for words in (
         "solution strategies from the same start",

@@ -367,10 +367,13 @@ class Contact:
         """Whether points (n, 3) that go on along a way (3,) touch no body any more.
 
         A convex body is not touched again once all go away from it; of another one that holds for the box around it.
+        Points all around a body with friction may still be held by it.
         """
-        for body in self.bodies:
+        for body, friction in zip(self.bodies, self.friction):
             distance, gradient, _ = body.hull.distance(x)
             if distance.min() <= self.thickness or (gradient @ way).min() < 0.0:
+                return False
+            if friction > 0.0 and _all_around(gradient, way):
                 return False
         return True
 
@@ -441,3 +444,13 @@ class Contact:
         if not (known and known.holds(self, x, curved)):
             known = self._penalty = KnownPenalty.of(self, x, bool(curved))
         return known.parts
+
+
+def _all_around(normals: np.ndarray, way: np.ndarray) -> bool:
+    """Whether directions (n, 3), seen along a way (3,), leave no half of the plane free."""
+    along = way / np.linalg.norm(way)
+    first = np.cross(along, np.eye(3)[np.abs(along).argmin()])
+    across = normals @ np.stack([first, np.cross(along, first)], axis=1)
+    across = across[np.linalg.norm(across, axis=1) > 1e-9]
+    angles = np.sort(np.arctan2(across[:, 1], across[:, 0]))
+    return len(angles) > 2 and np.diff(angles, append=angles[:1] + 2.0 * np.pi).max() < np.pi
