@@ -84,7 +84,7 @@ def test_lines_that_make_no_sense_get_the_grammar(scene, capsys, line):
 @pytest.mark.parametrize(
     "line, remedy", [("insert q on bottom at 2", "give a number below 1"), ("idle 0", "give at least 1")]
 )
-def test_numbers_out_of_bounds_are_told_their_bound(scene, capsys, line, remedy):
+def test_numbers_out_of_bounds_are_answered_by_the_bound(scene, capsys, line, remedy):
     assert main(["script", str(scene), line]) == 2
     assert remedy in capsys.readouterr().err
 
