@@ -72,7 +72,7 @@ def rests(folder, monkeypatch, *parts, first, then, by_newton=True, size=0.1):
 def test_small_drags_take_few_steps_of_newton_to_the_rest_that_descents_find(
     tmp_path, monkeypatch, parts, first, then, most, near, size
 ):
-    # On the mesh of 0.1 m the pushed cloth is beside a saddle: rounding says whether it buckles.
+    # On the mesh of 0.1 m rounding says whether the pushed cloth buckles.
     found = rests(tmp_path, monkeypatch, *parts, first=first, then=then, size=size)
     others = rests(tmp_path, monkeypatch, *parts, first=first, then=then, size=size, by_newton=False)
     for (state, energy), (other, expected) in zip(found, others, strict=True):
