@@ -33,6 +33,9 @@ def run(args: argparse.Namespace) -> int:
     if args.every is not None and not (args.wav and 0.0 < args.every <= 60.0):
         raise UserError("the time between blows is of a sound, and positive", "--every", "--wav scale.wav --every 0.6")
     from restshape_apps.metallophone.instrument.bars import bars_of
+    from restshape_apps.metallophone.stage import refuse_ranks
+
+    refuse_ranks()
 
     bars = bars_of(args.scenes, args.set)
     _print(bars)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from restshape.cli.options import add_set, read_scene
 from restshape.cli.parser import add_edits
+from restshape.cli.ranks import launched
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
@@ -41,7 +42,18 @@ def metallophone(args: argparse.Namespace) -> Scene:
     Raises:
         UserError: it is not a metallophone's.
     """
+    refuse_ranks()
     scene = read_scene(args)
     if scene.app != "metallophone":
         raise UserError(f"the scene is one of {scene.app!r}", str(args.scene), 'use a scene with app = "metallophone"')
     return scene
+
+
+def refuse_ranks() -> None:
+    """Refuse to run on several ranks, of which each would print and write the same.
+
+    Raises:
+        UserError: an MPI launcher started this process.
+    """
+    if launched():
+        raise UserError("modes of one shape are computed on one rank", "mpiexec", "start the command without it")

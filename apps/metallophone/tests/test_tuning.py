@@ -348,3 +348,18 @@ def test_by_one_tine_of_a_fork_that_tine_is_tuned_and_the_other_stays(tmp_path):
     (other,) = found.below
     assert other == pytest.approx(found.found.steps[0].frequencies[0], rel=2e-3)
     assert any("below the tuned tone now" in note for note in TuningReport(found, 440.0).notes())
+
+
+def test_a_bar_that_is_in_tune_stays_as_it_is(tmp_path, capsys):
+    scene, out = application.folder / "scenes" / "c5.toml", tmp_path / "c5.toml"
+    assert main(["tune", str(scene), "--to", "C5", "--by", "parameters.length", "--out", str(out)]) == 0
+    assert "after 1 solve;" in capsys.readouterr().out
+    assert load_scene(out).parameters == load_scene(scene).parameters
+
+
+def test_several_ranks_are_refused(monkeypatch, capsys):
+    monkeypatch.setenv("PMI_RANK", "0")
+    scene = application.folder / "scenes" / "c5.toml"
+    for words in (["tune", str(scene), "--to", "C5"], ["modes", str(scene)], ["instrument", str(scene)]):
+        assert main(words) == 2
+        assert "on one rank" in capsys.readouterr().err

@@ -9,6 +9,7 @@ from restshape_apps.metallophone.tuning.descent import IN_TUNE, TuningStep
 from restshape_apps.metallophone.tuning.tuning import Tuning
 
 from restshape.analysis.pitch import note
+from restshape.outputs.si_numbers import counted
 
 Rows = tuple[list[str], list[Sequence[Any]]]
 
@@ -71,7 +72,9 @@ class TuningReport:
         last = self.found.last
         tones = ", ".join(f"{f:.2f} Hz ({_named(float(f), self.a4)})" for f in last.frequencies)
         if self.found.in_tune:
-            return f"in tune with {self._wanted()}: {tones}, after {self.tuning.solves} solves{self._errors()}"
+            return (
+                f"in tune with {self._wanted()}: {tones}, after {counted(self.tuning.solves, 'solve')}{self._errors()}"
+            )
         away = ", ".join(f"{c:+.1f}" for c in last.cents)
         if self.found.blocked:
             why = f"there is no solution further on ({self.found.blocked})"
