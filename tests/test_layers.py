@@ -54,6 +54,7 @@ LAYERS = (
     "comparison",
     "export",
     "interface",
+    "live",
     "physics",
     "cli",
 )

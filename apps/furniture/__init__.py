@@ -8,7 +8,7 @@ from pathlib import Path
 
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
-from restshape.application import Application, Command, Declared, Editing, Reporting, ScriptLines
+from restshape.application import Application, Command, Declared, Editing, Explanation, Reporting, ScriptLines
 
 application = Application(
     name="furniture",
@@ -34,7 +34,7 @@ application = Application(
         arguments="restshape_apps.furniture.cli.report:arguments",
         check="restshape_apps.furniture.cli.report:check",
     ),
-    explain="restshape_apps.furniture.cli.frame_parts:FRAME_PARTS",
+    explained=Explanation(parts="restshape_apps.furniture.cli.frame_parts:FRAME_PARTS"),
     commands=(
         Command(
             "furniture-pictures",

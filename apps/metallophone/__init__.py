@@ -5,7 +5,7 @@ After section 4.4 of the thesis. Quantities of interest: frequencies, by rank or
 
 from pathlib import Path
 
-from restshape.application import Application, Command, Declared, Exporting
+from restshape.application import Application, Command, Declared, Explanation, Exporting
 
 WORKSHOP = "restshape_apps.metallophone.workshop"
 
@@ -15,7 +15,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:FREE_VIBRATIONS"),
     analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
-    costs="restshape_apps.metallophone.tuning.cost:tuning_cost",
+    explained=Explanation(costs="restshape_apps.metallophone.tuning.cost:tuning_cost"),
     exports=Exporting(
         arguments=f"{WORKSHOP}.options:arguments",
         check=f"{WORKSHOP}.options:check",

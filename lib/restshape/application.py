@@ -279,6 +279,20 @@ class Command:
 
 
 @dataclass(frozen=True)
+class Explanation:
+    """What `restshape explain` says of an application besides what it says of all.
+
+    Args:
+        parts: path ``module:attribute`` of what each part of a frame is, by its name; empty: as of all.
+        costs: path ``module:attribute`` of a function of a scene that gives lines, each what, which, why: what
+            commands of the application cost.
+    """
+
+    parts: str = ""
+    costs: str = ""
+
+
+@dataclass(frozen=True)
 class SceneKind:
     """What is different in scenes of an application that have a table of their own, such as ``[fluid]``.
 
@@ -305,9 +319,9 @@ class Application:
         lines: what `restshape script` understands; None: what it understands of shapes.
         report: None: nothing but what all have.
         exports: likewise.
-        explain: path ``module:attribute`` of what each part of a frame is, by its name, in `restshape explain`.
-        costs: path ``module:attribute`` of a function of a scene that gives lines of `restshape explain`, each what,
-            which, why: what commands of the application cost.
+        explained: what `restshape explain` says of it.
+        marks: path ``module:attribute`` of a function of a `restshape.interface.simulation.Simulation` after a frame
+            that gives what live sessions show at the hand, each a `restshape.live.shown_marks.Mark`; empty: nothing.
         takes: names of the effects of its physics that its scenes may name; None: all of them.
         needs: those among them without which it makes no sense, besides those that its physics require.
         commands: that it adds to `restshape`.
@@ -323,8 +337,8 @@ class Application:
     lines: ScriptLines | None = None
     report: Reporting | None = None
     exports: Exporting | None = None
-    explain: str = ""
-    costs: str = ""
+    explained: Explanation = Explanation()
+    marks: str = ""
     takes: tuple[str, ...] | None = None
     needs: tuple[str, ...] = ()
     commands: tuple[Command, ...] = ()
@@ -395,11 +409,16 @@ class Application:
 
     def frame_parts(self, usual: Mapping[str, str]) -> Mapping[str, str]:
         """What each part of a frame is, by its name."""
-        return cast("Mapping[str, str]", declared(self.explain)) if self.explain else usual
+        return cast("Mapping[str, str]", declared(self.explained.parts)) if self.explained.parts else usual
 
     def command_costs(self, scene: Scene) -> Sequence[tuple[str, str, str]]:
         """What commands of this application cost in a scene, for `restshape explain`: what, which, why."""
-        return cast("Sequence[tuple[str, str, str]]", _function(self.costs)(scene)) if self.costs else ()
+        costs = self.explained.costs
+        return cast("Sequence[tuple[str, str, str]]", _function(costs)(scene)) if costs else ()
+
+    def marked(self, simulation: object) -> Sequence[object]:
+        """What is shown at the hand after the last frame of a simulation, by what is imported now."""
+        return cast("Sequence[object]", _function(self.marks)(simulation)) if self.marks else ()
 
     def make_analysis(self) -> Callable[..., object]:
         """The factory of this application's analysis, imported now.

@@ -1,0 +1,82 @@
+// What the page and the server say to each other: docs/live-protocol.md has it in words.
+
+/** An event of edit scripts; places in metres. */
+export interface ScriptEvent { do: string; [key: string]: unknown; }
+
+/** From the page. `id` counts its messages; answers and frames name it. */
+export type FromPage =
+  | { type: "event"; id: number; event: ScriptEvent; latest?: boolean }   // latest: replaces one that waits
+  | { type: "show"; id: number; field?: string; predict?: "none" | "linear" | "gmls"; marks?: boolean }
+  | { type: "rates"; id: number; of: string }                             // sensitivity before the press
+  | { type: "strike"; id: number; at?: number[] }
+  | { type: "play"; id: number; speed?: number }
+  | { type: "pause"; id: number }
+  | { type: "seek"; id: number; frame: number }
+  | { type: "take"; id: number }                                          // the hand takes a played script over
+  | { type: "record"; id: number; on: boolean }
+  | { type: "save"; id: number }
+  | { type: "cancel"; id: number }
+  | { type: "restart"; id: number };
+
+export interface FieldInfo { name: string; label: string; unit: string; signed: boolean; fromZero: boolean; }
+export interface NumberInfo {                                              // a slider, or a number to type
+  key: string; value: number; text: string; unit: string; low?: number; high?: number; parameter: boolean;
+}
+export interface QuantityInfo { name: string; unit: string; limitLow?: number; limitHigh?: number; }
+export interface ThingInfo {                                               // what can be taken hold of
+  name: string; role: "vertex" | "edge" | "control" | "hole" | "group" | "body" | "support" | "plank" | "region" | "panel";
+  grabs: ("press" | "pull")[]; part: string;                               // part that draws it
+  parameters?: string[];                                                   // of a plank: "move x", "turn y", ...
+}
+
+/** From the server as text. */
+export type FromServer =
+  | { type: "welcome"; scene: string; app: string; dim: 2 | 3; role: "hand" | "looker"; trueScale: boolean;
+      fields: FieldInfo[]; field: string; numbers: NumberInfo[]; quantities: QuantityInfo[]; things: ThingInfo[];
+      events: Record<string, object>;                                      // JSON schema of each event by its name
+      script: string; player: boolean; frames: number; predicts: string[]; out: string; recordable: boolean }
+  | { type: "known"; numbers?: NumberInfo[]; things?: ThingInfo[]; quantities?: QuantityInfo[] } // what has changed
+  | { type: "done"; id: number }
+  | { type: "refused"; id: number; message: string; place: string; todo: string }
+  | { type: "rates"; id: number; of: string; rates: Record<string, number[]>; units: Record<string, string> }
+  | { type: "busy"; seconds: number; what: string }
+  | { type: "player"; playing: boolean; frame: number; frames: number }
+  | { type: "role"; role: "hand" | "looker" }
+  | { type: "saved"; id: number; path: string; events: number }
+  | { type: "lost"; message: string; restarting: boolean }
+  | { type: "note"; message: string };
+
+/** Where an array of a binary message begins, in bytes after the header; little-endian. */
+export interface ArrayPlace { at: number; type: "f4" | "u4" | "u1"; shape: number[]; }
+
+/**
+ * A part of the picture. Arrays that have not changed since the last frame are left out, and stay as they were.
+ * "surface": `points` (n, 3) f4, `displacement` (n, 3) f4, `cells` (m, 3) u4, `value` (n) f4 or `valueInCells` (m, 3) f4,
+ * `border` (k, 2) u4: the edges that are drawn as the shape's. "lines": `points`, `starts` (l) u4. "dots": `points`.
+ */
+export interface Part {
+  name: string; kind: "surface" | "lines" | "dots"; role: "shape" | "outline" | "body" | "plank" | "support" | "load" | "goal";
+  field?: string; range?: [number, number];                                // of the field in this frame
+  names?: string[];                                                        // of each line or dot
+  arrays: Record<string, ArrayPlace>; gone?: boolean;
+}
+
+export type MarkMessage =
+  | { kind: "lines"; name: string; meaning: string; starts: number[]; words: string[]; points: ArrayPlace; moved?: ArrayPlace }
+  | { kind: "arrows"; name: string; meaning: string; unit: string; words: string[]; points: ArrayPlace; vectors: ArrayPlace }
+  | { kind: "words"; text: string; at: number[] | null; meaning: string }
+  | { kind: "offer"; name: string; text: string; events: ScriptEvent[]; slide: ScriptEvent | null; slid: string; lines: MarkMessage[] }
+  | { kind: "chart"; name: string; xLabel: string; yLabel: string; curves: { name: string; x: number[]; y: number[] }[];
+      at: Record<string, number>; logarithmic: boolean }
+  | { kind: "tone"; name: string; frequencies: number[]; decays: number[]; amplitudes: number[] };
+
+/** The header of a binary message: u4 its length in bytes, the JSON (padded so that arrays begin at a multiple of 8), arrays. */
+export interface FrameMessage {
+  type: "frame"; number: number; id: number;                               // id: of the last message that it answers
+  columns: Record<string, number | string>;                                // level, ms, iterations, estimate, refused, note, predicted, q_...
+  errors: Record<string, number>;                                          // of quantities, where they are estimated
+  limits: Record<string, "holds" | "uncertain" | "fails">;
+  held: { on: string; at: number[] } | null;
+  parts: Part[];
+  marks?: MarkMessage[];                                                   // left out: as before
+}

@@ -1,0 +1,128 @@
+"""What an application says of a frame at the hand: drawings, choices, charts and tones, which any page can show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from restshape.arrays import Reals
+
+Meaning = Literal["inside", "outside", "force", "support", "load", "goal", "node", "guide", "limit", "uncertain"]
+"""Which colour of the page's style a mark has: inside or outside a valid range, a nodal line, a violated limit, ..."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Lines in the plane or in space.
+
+    Args:
+        name: what they are, for the legend; marks of one name replace each other from frame to frame.
+        points: (m, d) [m] in the shape as it lies in the frame.
+        starts: index of the first point of each line; one that is alone in its line is drawn as a dot.
+        meaning: which colour they have.
+        moved: (m, d) [m] displacements of the points, where the lines go with a deformation that is drawn; or None.
+        words: of each line, to be read beside it; empty: of none.
+    """
+
+    name: str
+    points: Reals
+    starts: Sequence[int] = (0,)
+    meaning: Meaning = "guide"
+    moved: Reals | None = None
+    words: Sequence[str] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Arrows:
+    """Vectors at points, all drawn at one scale, whose longest is as long as a part of the shape.
+
+    Args:
+        name: what they are, for the legend.
+        points: (m, d) [m] where they are.
+        vectors: (m, d) in `unit`.
+        unit: SI.
+        meaning: which colour they have.
+        words: of each arrow; empty: of none.
+    """
+
+    name: str
+    points: Reals
+    vectors: Reals
+    unit: str
+    meaning: Meaning = "force"
+    words: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Words:
+    """A line of text.
+
+    Args:
+        text: plain English.
+        at: (d,) [m] beside which it is; None: beside the hand, or among the notes where no hand is.
+        meaning: which colour it has.
+    """
+
+    text: str
+    at: Sequence[float] | None = None
+    meaning: Meaning = "guide"
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A change that can be clicked, and slid along where it has a range.
+
+    Args:
+        name: a few words.
+        text: a line that explains it.
+        events: of edit scripts, in order, that carry it out; each "do" and its keys.
+        slide: event that goes along it: with a number between 0 and 1 in its key `slid`; None: there is none.
+        slid: key of `slide` for the number.
+        lines: what it would look like.
+    """
+
+    name: str
+    text: str
+    events: Sequence[Mapping[str, object]]
+    slide: Mapping[str, object] | None = None
+    slid: str = "to"
+    lines: Sequence[Lines] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Curves over an axis, such as a resonance curve.
+
+    Args:
+        name: what it shows.
+        x_label, y_label: names of the axes with their units.
+        curves: by name, the x (m,) and y (m,) of each.
+        at: x of vertical lines by name.
+        logarithmic: the y axis is.
+    """
+
+    name: str
+    x_label: str
+    y_label: str
+    curves: Mapping[str, tuple[Reals, Reals]]
+    at: Mapping[str, float] = field(default_factory=dict)
+    logarithmic: bool = False
+
+
+@dataclass(frozen=True)
+class Tone:
+    """A sound of decaying partials, which the page plays when it has changed, and when the shape is struck.
+
+    Args:
+        frequencies: [Hz]; decays: rates [1/s] by which amplitudes fall; amplitudes: of each, the largest 1.
+        name: of the tone, such as "C5 +3 cents".
+    """
+
+    frequencies: Sequence[float]
+    decays: Sequence[float]
+    amplitudes: Sequence[float]
+    name: str = ""
+
+
+Mark = Lines | Arrows | Words | Offer | Chart | Tone
