@@ -1,0 +1,227 @@
+"""What the server and the simulating process send each other: messages over a socket pair, each with its length.
+
+A message is a u4 of its length in bytes, a u1 of its kind, and as many bytes; little-endian. Texts are JSON objects
+with a key "type", binary ones are frames, both as of `page/src/protocol.ts`. This module imports nothing of restshape,
+so that the server can use it without loading the simulation.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import select
+import socket
+import struct
+import time
+from collections.abc import Iterable, Mapping
+from typing import Self
+
+HEAD = struct.Struct("<IB")
+TEXT, BINARY = 0, 1
+LARGEST = 1 << 30
+"""Bytes of the largest message that is taken."""
+CHUNK = 1 << 18
+
+Message = str | bytes
+"""A text, or the bytes of a frame."""
+Buffer = bytes | bytearray | memoryview
+
+
+class LinkClosed(EOFError):
+    """The other side has ended."""
+
+
+class Taken:
+    """Messages that come in pieces.
+
+    Attributes:
+        whole: those that have come whole, and were not taken yet.
+    """
+
+    def __init__(self) -> None:
+        self._bytes = bytearray()
+        self.whole: list[Message] = []
+
+    def add(self, piece: bytes) -> None:
+        """Takes bytes as they come.
+
+        Raises:
+            LinkClosed: the other side says what no message is.
+        """
+        self._bytes += piece
+        at = 0
+        while len(self._bytes) - at >= HEAD.size:
+            length, kind = HEAD.unpack_from(self._bytes, at)
+            if length > LARGEST or kind not in (TEXT, BINARY):
+                raise LinkClosed("what came is no message")
+            end = at + HEAD.size + length
+            if len(self._bytes) < end:
+                break
+            content = bytes(memoryview(self._bytes)[at + HEAD.size : end])
+            self.whole.append(content.decode() if kind == TEXT else content)
+            at = end
+        del self._bytes[:at]
+
+
+def encoded(message: Mapping[str, object]) -> str:
+    """The text of a message; numbers that are none become null, for JSON has no NaN."""
+    try:
+        return json.dumps(message, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    except ValueError:
+        return json.dumps(without_nan(message), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+
+
+def without_nan(value: object) -> object:
+    """A copy of a value of JSON in which numbers that are not finite are None."""
+    if isinstance(value, float):
+        return value if value - value == 0 else None
+    if isinstance(value, Mapping):
+        return {key: without_nan(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_nan(one) for one in value]
+    return value
+
+
+class Link:
+    """The side of a process that waits: the simulating one's.
+
+    Args:
+        end: of the socket pair; the link closes it.
+    """
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end, self._taken = end, Taken()
+        end.setblocking(False)
+
+    @classmethod
+    def of_descriptor(cls, number: int) -> Self:
+        """The link of an open descriptor, such as one that a process was started with."""
+        return cls(socket.socket(fileno=number))
+
+    def waiting(self) -> list[Message]:
+        """All messages that have come, in order, without waiting for any.
+
+        Raises:
+            LinkClosed: the other side has ended, and all that it sent was taken.
+        """
+        closed: LinkClosed | None = None
+        try:
+            while self._read():
+                pass
+        except LinkClosed as error:
+            closed = error
+        found, self._taken.whole = self._taken.whole, []
+        if closed and not found:
+            raise closed
+        return found
+
+    def receive(self, seconds: float | None = None) -> Message | None:
+        """The next message; None if none has come in time.
+
+        Args:
+            seconds: that it waits at most; None: for ever.
+
+        Raises:
+            LinkClosed: the other side has ended.
+        """
+        end = None if seconds is None else time.monotonic() + seconds
+        while not self._taken.whole:
+            left = None if end is None else max(end - time.monotonic(), 0)
+            if not select.select([self._end], [], [], left)[0]:
+                return None
+            self._read()
+        return self._taken.whole.pop(0)
+
+    def _read(self) -> bool:
+        """Takes what is there; whether there was anything."""
+        try:
+            piece = self._end.recv(CHUNK)
+        except (BlockingIOError, InterruptedError):
+            return False
+        except OSError as error:
+            raise LinkClosed(str(error)) from error
+        if not piece:
+            raise LinkClosed("the other side has ended")
+        self._taken.add(piece)
+        return True
+
+    def send(self, message: Mapping[str, object]) -> None:
+        """Sends a message of text, waiting until the system has taken it.
+
+        Raises:
+            LinkClosed: the other side has ended.
+        """
+        self._send(TEXT, [encoded(message).encode()])
+
+    def send_binary(self, pieces: Iterable[Buffer]) -> None:
+        """Sends a binary message of these pieces, one after the other; errors as of `send`."""
+        self._send(BINARY, [memoryview(piece).cast("B") for piece in pieces])
+
+    def _send(self, kind: int, pieces: list[Buffer]) -> None:
+        left = [memoryview(HEAD.pack(sum(map(len, pieces)), kind)), *map(memoryview, pieces)]
+        while left:
+            try:
+                count = self._end.sendmsg(left[: os.sysconf("SC_IOV_MAX")])
+            except (BlockingIOError, InterruptedError):
+                select.select([], [self._end], [])
+                continue
+            except OSError as error:
+                raise LinkClosed(str(error)) from error
+            while left and count >= len(left[0]):
+                count -= len(left.pop(0))
+            if left:
+                left[0] = left[0][count:]
+
+    def close(self) -> None:
+        """Ends it: the other side finds it closed."""
+        self._end.close()
+
+
+class ServerLink:
+    """The side of an event loop: the server's.
+
+    Args:
+        reader, writer: of the socket.
+    """
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._reader, self._writer = reader, writer
+
+    @classmethod
+    async def of_socket(cls, end: socket.socket) -> Self:
+        """The link of an end of a socket pair, which it closes."""
+        return cls(*await asyncio.open_connection(sock=end, limit=CHUNK))
+
+    async def receive(self) -> Message:
+        """The next message.
+
+        Raises:
+            LinkClosed: the other side has ended.
+        """
+        try:
+            length, kind = HEAD.unpack(await self._reader.readexactly(HEAD.size))
+            content = await self._reader.readexactly(length)
+        except (asyncio.IncompleteReadError, OSError) as error:
+            raise LinkClosed("the other side has ended") from error
+        return content.decode() if kind == TEXT else content
+
+    def send(self, message: Mapping[str, object] | str) -> None:
+        """Sends a message of text: an object, or one that is JSON already; it never waits.
+
+        Raises:
+            LinkClosed: the link is closed.
+        """
+        if self._writer.is_closing():
+            raise LinkClosed("the other side has ended")
+        content = (message if isinstance(message, str) else encoded(message)).encode()
+        self._writer.write(HEAD.pack(len(content), TEXT) + content)
+
+    @property
+    def unsent(self) -> int:
+        """Bytes that the other side has not taken yet."""
+        return self._writer.transport.get_write_buffer_size()
+
+    def close(self) -> None:
+        """Ends it: the other side finds it closed."""
+        self._writer.close()
