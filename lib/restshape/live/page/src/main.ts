@@ -1,10 +1,23 @@
-// The page: connects to the server and shows what it says.
+// The page: the session's state, what draws it, and what drives it.
 
+import { App, type Link } from "./app";
 import { Connection } from "./connection";
+import { frameOf } from "./frames";
+import { showHead } from "./head";
+import { showSheet } from "./sheet";
 
-const page = document.getElementById("page")!;
-new Connection({
-  message: (message) => { page.textContent = JSON.stringify(message); },
-  frame: (header) => { page.textContent = JSON.stringify(header.columns); },
-  connected: (open) => { page.dataset.connected = String(open); },
+const app: App = new App((asked) => connection.send(asked));
+
+showHead(app);
+showSheet();
+
+function linked(open: boolean): void {
+  const link: Link = open ? "open" : app.welcome ? "lost" : "connecting";
+  app.tell("link", link);
+}
+
+const connection = new Connection({
+  message: (message) => app.hear(message),
+  frame: (header, bytes, base) => app.tell("frame", frameOf(header, bytes, base)),
+  connected: linked,
 });

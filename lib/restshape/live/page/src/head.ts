@@ -1,0 +1,52 @@
+// The line above the shape: which scene it is, what the last frame was, and whether there is a connection.
+
+import type { App } from "./app";
+import type { FrameMessage } from "./protocol";
+
+const LINKS = { connecting: "connecting", open: "connected", lost: "no connection: trying again" };
+const COLUMNS = ["level", "ms", "iterations", "estimate"];
+
+export function showHead(app: App): void {
+  const title = document.getElementById("title")!;
+  const status = document.getElementById("status")!;
+  const connection = document.getElementById("connection")!;
+  app.on("welcome", ({ scene, app: name }) => {
+    title.textContent = scene;
+    title.title = `${scene} (${name})`;
+    document.title = `${scene} – restshape live`;
+  });
+  app.on("link", (link) => {
+    connection.textContent = LINKS[link];
+    connection.dataset["state"] = link;
+  });
+  const cells = new Map<string, HTMLElement>();
+  app.on("frame", ({ header }) => {
+    for (const [name, text] of columns(header)) cell(status, cells, name).textContent = text;
+  });
+}
+
+function columns(header: FrameMessage): [string, string][] {
+  const shown: [string, string][] = [["frame", String(header.number)]];
+  for (const name of COLUMNS) {
+    const value = header.columns[name];
+    if (typeof value === "number" && Number.isFinite(value)) shown.push([name, short(value)]);
+    else if (typeof value === "string" && value) shown.push([name, value]);
+  }
+  return shown;
+}
+
+/** Three digits, without an exponent where that is short. */
+function short(value: number): string { return Number.isInteger(value) ? String(value) : Number(value.toPrecision(3)).toString(); }
+
+function cell(status: HTMLElement, cells: Map<string, HTMLElement>, name: string): HTMLElement {
+  const known = cells.get(name);
+  if (known) return known;
+  const group = document.createElement("div");
+  const term = document.createElement("dt");
+  const value = document.createElement("dd");
+  term.textContent = name;
+  group.append(term, value);
+  status.append(group);
+  cells.set(name, value);
+  return value;
+}
