@@ -16,10 +16,11 @@ export interface Listener {
 const QUIET = 20_000; // ms without a word of the server, which says one every 5 s, after which the socket counts as lost
 const AGAIN = 500; // ms until the first try to connect again; each further one waits longer
 const LONGEST = 5_000;
+const REPLACED = 4001; // code of a socket that was closed because the same page has opened another one
 
 export class Connection {
   private socket: WebSocket | null = null;
-  private id = 0;
+  private id = 1_000 * Date.now(); // so that numbers grow from page to page, and none comes twice
   private wait = AGAIN;
   private heard = 0;
   private timer = 0;
@@ -43,13 +44,14 @@ export class Connection {
   private connect(): void {
     clearTimeout(this.timer);
     const address = new URL("socket", location.href);
+    address.searchParams.set("page", pageName());
     address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
     const socket = new WebSocket(address);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.heard = performance.now();
     socket.onopen = () => { this.wait = AGAIN; this.listener.connected(true); };
-    socket.onclose = () => { if (this.socket === socket) this.again(); };
+    socket.onclose = (event) => { if (this.socket === socket && event.code !== REPLACED) this.again(); };
     socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => {
       this.heard = performance.now();
       if (typeof event.data !== "string") { this.take(event.data); return; }
@@ -61,6 +63,8 @@ export class Connection {
     const length = new DataView(bytes).getUint32(0, true);
     const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as FrameMessage;
     this.listener.frame(header, bytes, 4 + length);
+    // The server sends no further frames to a page that is busy with those it has.
+    this.send({ type: "shown" });
   }
 
   private again(): void {
@@ -81,4 +85,11 @@ export class Connection {
   private hurry(): void {
     if (!this.socket) { this.wait = AGAIN; this.connect(); }
   }
+}
+
+/** A name by which the server knows this page again when it is reloaded, or its socket was lost. */
+function pageName(): string {
+  const known = sessionStorage.getItem("restshape page") ?? crypto.randomUUID();
+  sessionStorage.setItem("restshape page", known);
+  return known;
 }

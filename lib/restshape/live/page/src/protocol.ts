@@ -16,7 +16,9 @@ export type FromPage =
   | { type: "record"; id: number; on: boolean }
   | { type: "save"; id: number }
   | { type: "cancel"; id: number }
-  | { type: "restart"; id: number };
+  | { type: "restart"; id: number }
+  | { type: "hand"; id: number }                                          // a looker asks for the hand; answered by "role", or "refused"
+  | { type: "shown"; id: number };                                        // a frame has been taken; says the connection itself
 
 export interface FieldInfo { name: string; label: string; unit: string; signed: boolean; fromZero: boolean; }
 export interface NumberInfo {                                              // a slider, or a number to type
