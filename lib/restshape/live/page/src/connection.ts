@@ -51,7 +51,7 @@ export class Connection {
     this.socket = socket;
     this.heard = performance.now();
     socket.onopen = () => { this.wait = AGAIN; this.listener.connected(true); };
-    socket.onclose = (event) => { if (this.socket === socket && event.code !== REPLACED) this.again(); };
+    socket.onclose = (event) => { if (this.socket === socket) this.lost(event.code); };
     socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => {
       this.heard = performance.now();
       if (typeof event.data !== "string") { this.take(event.data); return; }
@@ -65,6 +65,12 @@ export class Connection {
     this.listener.frame(header, bytes, 4 + length);
     // The server sends no further frames to a page that is busy with those it has.
     this.send({ type: "shown" });
+  }
+
+  private lost(code: number): void {
+    if (code !== REPLACED) { this.again(); return; }
+    this.socket = null; // until the person looks at this page again
+    this.listener.connected(false);
   }
 
   private again(): void {
