@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from math import ceil
+from math import ceil, isfinite
 from pathlib import Path
 from typing import Literal
 
@@ -12,7 +12,7 @@ from restshape.errors import UserError
 from restshape.interface.plain import plain
 from restshape.interface.saved import save_text
 from restshape.scene import edit_script
-from restshape.scene.edit_script import FORMAT, VERSION, Header, Script
+from restshape.scene.edit_script import FORMAT, VERSION, Drag, Header, Script
 from restshape.scene.event_line import EventLine
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table
@@ -24,6 +24,9 @@ PLACE = Path("script")
 """Where messages say that an event is, with its line."""
 TICKS = 1e4
 """Edit times in a second at which events begin that have no time of their own."""
+
+MOTION = {"line", "t", "do", "to"}
+"""What the motion of a hand to a place has, and no other event."""
 
 
 class WrittenScript:
@@ -57,6 +60,8 @@ class WrittenScript:
             UserError: it is not valid, or cannot come now; the script stays as it is.
         """
         number, known, grabbed = len(self._tables) + 2, self._reader.known, self._reader.grabbed
+        if do == "drag" and (motion := self._moved_on(number, keys)):
+            return motion
         if do not in known:
             raise UserError(f"there is no event {do!r}", f"{PLACE}: line {number}", suggestion(do, list(known)))
         fields = known[do].model_fields
@@ -74,8 +79,39 @@ class WrittenScript:
             self._reader.grabbed = grabbed
             raise
         self._tables.append(table)
-        # A whole number of ticks, and never so few that the frames of the event would have to come closer.
-        self.t = ceil((event.t + event.frame_count * FRAME_TIME) * TICKS + 0.01) / TICKS
+        self.t = _end(event.t, event.frame_count)
+        return event
+
+    def _moved_on(self, number: int, keys: Mapping[str, object]) -> EventLine | None:
+        """The motion of a hand that goes on from that of the event before to other numbers, which are all that is new.
+
+        It is for the hand that asks for many frames a second. All else of the event was validated in the one before.
+
+        Args:
+            number: of its line; keys: of the event.
+
+        Returns:
+            The event, None where it is to be validated as any other.
+        """
+        last = self._reader.events[-1] if self._reader.events else None
+        if type(last) is not Drag or last.to is None or last.model_fields_set != MOTION:
+            return None
+        to = keys.get("to")
+        if not isinstance(to, list) or len(to) != len(last.to):
+            return None
+        for key, value in keys.items():
+            if key != "to" and value is not None:
+                return None
+        for one in to:
+            if not isinstance(one, float) or not isfinite(one):
+                return None
+        # NumPy's numbers are of a kind that JSON does not know.
+        place = [float(one) for one in to]
+        event = last.model_copy(update={"line": number, "t": self.t, "to": tuple(place)})
+        self._reader.events.append(event)
+        self._reader.t = self.t
+        self._tables.append({"t": self.t, "do": "drag", "to": place})
+        self.t = _end(self.t, 1)
         return event
 
     def drop_last(self) -> None:
@@ -88,6 +124,12 @@ class WrittenScript:
         lines = [self._header.model_dump(exclude_defaults=True), *self._tables]
         text = "".join(f"{json.dumps(line, allow_nan=False)}\n" for line in lines)
         return Script(self._header, tuple(self._reader.events), warnings=tuple(self._reader.odd), text=text)
+
+
+def _end(t: float, frames: int) -> float:
+    """Edit time [s] at which the next event may begin, after one at `t` of so many frames."""
+    # A whole number of ticks, and never so few that the frames of the event would have to come closer.
+    return ceil((t + frames * FRAME_TIME) * TICKS + 0.01) / TICKS
 
 
 def load_script(path: str | Path, scene: Scene | None = None) -> Script:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Self
-
-import numpy as np
+from typing import TYPE_CHECKING, Self, TypeVar
 
 from restshape.errors import UserError
 from restshape.findings import Finding, decode_findings
@@ -15,13 +13,20 @@ from restshape.replay.columns import quantity_names
 
 if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
-    from restshape.arrays import Indices, Reals
+    from restshape.arrays import AnyArray, Indices, Reals
     from restshape.replay.loop import Replay
     from restshape.replay.request import Request
     from restshape.scene.model import Scene
 
 QUANTITY = "q_"
 """Before the name of a quantity, in the column that has it."""
+Array = TypeVar("Array", bound="AnyArray")
+
+
+def read_only(array: Array) -> Array:
+    """An array that nobody else writes into, for reading alone."""
+    array.flags.writeable = False
+    return array
 
 
 class LastAnswer:
@@ -37,6 +42,15 @@ class LastAnswer:
     def __init__(self, replay: Replay, request: Request) -> None:
         self.replay, self.request = replay, request
         self.count, self.closed = 0, False
+        self._cells: tuple[tuple[int, int], Indices] | None = None
+
+    def mesh(self) -> ShownMesh:
+        """The mesh of the last frame; frames of one topology share the array of its cells."""
+        space = self.replay.solver.space
+        version = (id(space), space.topology)
+        if self._cells is None or self._cells[0] != version:
+            self._cells = version, read_only(space.cells.copy())
+        return ShownMesh(read_only(space.X.copy()), self._cells[1], CELL_TYPES[space.cells.shape[1]])
 
     def frame(self, row: RowValues) -> ShownFrame:
         """The frame of a row, which is the last one from now on."""
@@ -46,7 +60,10 @@ class LastAnswer:
 
 @dataclass(frozen=True)
 class ShownMesh:
-    """The mesh of a frame, in arrays of its own: they stay as they are when the edit goes on.
+    """The mesh of a frame, in arrays that can be read alone and stay as they are when the edit goes on.
+
+    The places are a copy, for those of the solver change in place. So are the cells, which all frames share whose mesh
+    has the same ones.
 
     Args:
         points: (n, 2) or (n, 3) places [m] of the nodes in the rest shape.
@@ -64,7 +81,8 @@ class ShownFrame:
 
     The row and the quantities stay. Mesh and fields are read when they are first asked for, while the frame is the last
     one; from then on they stay, too. So do those of the last frame before a hand lets go, or a simulation is closed.
-    All arrays are copies, which belong to who asks for them: those of the solver change in place from frame to frame.
+    Arrays can be read alone; to change one, copy it. Fields are those of the solver without a copy, for it makes new
+    ones in each frame that changes them.
 
     Attributes:
         row: a value a column, as `restshape replay --csv` writes them; times are in ms.
@@ -98,7 +116,8 @@ class ShownFrame:
     def fields(self) -> dict[str, Reals]:
         """Fields by name: (n,) or (n, c) of the nodes, (ne,) or (ne, c) of the cells, as recordings have them.
 
-        In SI units, copies. The frame of a refused edit has those of the last solution, one without an answer NaN.
+        In SI units, without a copy, for reading alone: the solver makes new ones in each frame. The frame of a refused
+        edit has those of the last solution, one without an answer NaN.
 
         Raises:
             UserError: the frame is not the last one any more.
@@ -106,17 +125,17 @@ class ShownFrame:
         replay = self._replay()
         space, known = replay.solver.space, replay.solver.known
         at_nodes, in_cells = replay.analysis.fields() if known else replay.analysis.blank_fields(space)
-        return {name: np.array(field) for name, field in (in_cells | at_nodes).items()}
+        return {name: read_only(field.view()) for name, field in (in_cells | at_nodes).items()}
 
     @cached_property
     def mesh(self) -> ShownMesh:
-        """Nodes and cells, which fields are of; copies.
+        """Nodes and cells, which fields are of; the arrays are no views of the solver's.
 
         Raises:
             UserError: the frame is not the last one any more.
         """
-        space = self._replay().solver.space
-        return ShownMesh(np.array(space.X), np.array(space.cells), CELL_TYPES[space.cells.shape[1]])
+        self._replay()
+        return self._answer.mesh()
 
     @cached_property
     def scene(self) -> Scene:

@@ -235,6 +235,8 @@ PLAIN_EVENTS: dict[str, type[EventLine]] = {"idle": Idle, "analyse": Analyse, "u
 """Events that every session has."""
 SUPPORTS = "supports."
 """Before the name of a support that an event means, where an entity or a body has the same name."""
+PLACED = (Press, Drag)
+"""Events with places of the hand, which may be in space."""
 GRABBING = ("press", "pull")
 WHILE_GRABBED = ("drag", "release", "idle", "set", "analyse")
 """What may happen while the hand holds something."""
@@ -487,8 +489,10 @@ class ScriptReader:
 
     def check_place(self, event: EventLine, number: int) -> None:
         """Refuses a place in space where the hand holds a part of a shape, which is in the plane."""
+        if not isinstance(event, PLACED):
+            return
         name = str(getattr(event, "on", self.grabbed))
-        if not isinstance(event, Press | Drag) or self._is_in_space(name):
+        if self._is_in_space(name):
             return
         given = [("at", event.at)] if isinstance(event, Press) else [("to", event.to)]
         given += [(f"path.{k}", place) for k, place in enumerate(getattr(event, "path", None) or ())]
