@@ -85,6 +85,11 @@ class Simulation(Edits):
         return self._replay.session.scene
 
     @property
+    def replay(self) -> Replay:
+        """What computes the frames, for what shows more of them than their arrays: it may be read, and never changed."""
+        return self._replay
+
+    @property
     def script(self) -> Script:
         """What was done, as a script that `save_script` writes; that of a closed simulation stays."""
         return self._written.script()

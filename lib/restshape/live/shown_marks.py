@@ -44,6 +44,8 @@ class Arrows:
         unit: SI.
         meaning: which colour they have.
         words: of each arrow; empty: of none.
+        moved: (m, d) [m] displacements of the points, where the arrows go with a deformation that is drawn; or None.
+        tips: of each arrow, whether it ends at its point, as one that pushes does; empty: all of them begin there.
     """
 
     name: str
@@ -52,6 +54,8 @@ class Arrows:
     unit: str
     meaning: Meaning = "force"
     words: Sequence[str] = ()
+    moved: Reals | None = None
+    tips: Sequence[bool] = ()
 
 
 @dataclass(frozen=True)
@@ -62,11 +66,13 @@ class Words:
         text: plain English.
         at: (d,) [m] beside which it is; None: beside the hand, or among the notes where no hand is.
         meaning: which colour it has.
+        moved: (d,) [m] displacement of that place, where it goes with a deformation that is drawn; or None.
     """
 
     text: str
     at: Sequence[float] | None = None
     meaning: Meaning = "guide"
+    moved: Sequence[float] | None = None
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,29 @@
-"""Goals of recorded scenes, as curves that pictures show."""
+"""Goals of scenes, recorded ones too, as curves that pictures and live sessions show."""
+
+from collections.abc import Iterator, Mapping
+from typing import cast
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
+from restshape.application import application_of
 from restshape.replay.layout import bad
 from restshape.replay.recording import Recording
 from restshape.report.field import physics_of
+from restshape.scene.model import Scene
 from restshape.scene.physics import Section
 from restshape.scene.plain_values import tables_in
 from restshape.scene.scene_parameters import read_parameters
 from restshape.scene.source import Source
+
+
+def goals_in(scene: Scene) -> Iterator[tuple[str, np.ndarray]]:
+    """The goals of a scene as it is now, by name: points (m, 2) [m]."""
+    for one in application_of(scene).physics:
+        for key, section in one.sections.items():
+            if section.curve and key in scene.sections:
+                for name, table in cast("Mapping[str, BaseModel]", scene.sections[key]).items():
+                    yield name, section.curve_of(table)
 
 
 def goals_of(recording: Recording) -> tuple[np.ndarray, ...]:

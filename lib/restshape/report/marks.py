@@ -7,6 +7,7 @@ import numpy as np
 from restshape.outputs.si_numbers import digits_apart, si
 from restshape.replay.recording import Recording
 from restshape.replay.rounding import cleared
+from restshape.report.extreme_words import DIGITS, EXTREMES, extreme_words
 from restshape.report.field import ShownField
 from restshape.report.recorded_quantities import quantity_specs
 from restshape.report.tables import places_of_frame
@@ -15,12 +16,8 @@ SYMBOLS = (("o", "○"), ("s", "□"), ("^", "△"), ("D", "◇"))
 """Markers, and letters that look like them."""
 CROSS, CROSS_LETTER = "x", "×"
 """Of a singular place."""
-DIGITS = 4
-"""Of a value, or more where those of a frame lie close together."""
 SAME = 1e-9
 """Relative difference up to which a value of the field is that of a quantity."""
-EXTREMES = ("max", "min", "absmax", "peak")
-"""Reductions to a value that the field has somewhere."""
 
 
 @dataclass(frozen=True)
@@ -93,18 +90,9 @@ def _of_quantities(
         of_all = spec.get("at", "all") == "all"
         if same[place] and (of_all or (nodes[same] == nodes[place]).all()):
             error = float(recording.table.get(f"{name}_error", np.full(recording.n, np.nan))[i])
-            found.append(
-                (place, f"{name} {si(value, field.look.unit, digits)}{_beside(cleared(error, value), field.look.unit)}")
-            )
+            words = extreme_words(name, value, cleared(error, value), field.look.unit, digits)
+            found.append((place, words))
     return found
-
-
-def _beside(error: float, unit: str) -> str:
-    """The estimated error behind a value; empty where there is none.
-
-    It is no ±, which elsewhere has twice the estimated error behind it: see `replay.constraints`.
-    """
-    return f" (error {si(abs(error), unit, 2)})" if np.isfinite(error) else ""
 
 
 def _of_field(field: ShownField, flat: np.ndarray) -> list[tuple[int, str]]:

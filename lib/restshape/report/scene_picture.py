@@ -19,14 +19,13 @@ from restshape.report.conditions import (
     ACCELERATION,
     SUPPORT,
     Moved,
-    accelerations,
     draw_loads,
     draw_supports,
-    in_plane,
     load_colours,
 )
 from restshape.report.entity_outlines import place_of, smooth
 from restshape.report.legends import first_named
+from restshape.report.load_vectors import accelerations, in_plane
 from restshape.report.name_labels import Labels
 from restshape.report.style import BODY, GOAL, INK, new_figure
 from restshape.scene.condition_words import load_words, support_words

@@ -65,8 +65,9 @@ export interface Part {
 
 export type MarkMessage =
   | { kind: "lines"; name: string; meaning: string; starts: number[]; words: string[]; points: ArrayPlace; moved?: ArrayPlace }
-  | { kind: "arrows"; name: string; meaning: string; unit: string; words: string[]; points: ArrayPlace; vectors: ArrayPlace }
-  | { kind: "words"; text: string; at: number[] | null; meaning: string }
+  | { kind: "arrows"; name: string; meaning: string; unit: string; words: string[]; points: ArrayPlace; vectors: ArrayPlace;
+      moved?: ArrayPlace; tips: boolean[] }                                // tips: of each arrow, whether it ends at its point; empty: none
+  | { kind: "words"; text: string; at: number[] | null; meaning: string; moved?: number[] }
   | { kind: "offer"; name: string; text: string; events: ScriptEvent[]; slide: ScriptEvent | null; slid: string; lines: MarkMessage[] }
   | { kind: "chart"; name: string; xLabel: string; yLabel: string; curves: { name: string; x: number[]; y: number[] }[];
       at: Record<string, number>; logarithmic: boolean }

@@ -1,0 +1,148 @@
+"""Marks at the places where quantities that are extremes have their values, and words of limits that are reached."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from restshape.application import application_of
+from restshape.errors import UserError
+from restshape.findings import OMITTED, Finding
+from restshape.live.shown_marks import Mark, Meaning, Words
+from restshape.replay.columns import error_column, quantity_column
+from restshape.replay.constraints import LIMIT, UNCERTAINTY, formatted_constraint, value_and_bound
+from restshape.report.extreme_words import EXTREMES, extreme_words
+from restshape.report.field import IN_CELLS
+
+if TYPE_CHECKING:
+    from restshape.arrays import Indices, Reals
+    from restshape.live.seen_frame import SeenFrame
+    from restshape.scene.quantity import Quantity
+
+AXES = {"x": 0, "y": 1, "z": 2}
+
+
+@dataclass(frozen=True, eq=False)
+class LookedAt:
+    """What a quantity is taken from.
+
+    Args:
+        name: of the quantity; unit: its SI unit.
+        field: in which it is an extreme; empty where it is no extreme of a field.
+        column: of vectors in that field; None: their size, or of numbers.
+        reduce: which extreme.
+        nodes: (k,) among which it is; None: all.
+    """
+
+    name: str
+    unit: str
+    field: str
+    column: int | None
+    reduce: str
+    nodes: Indices | None
+
+
+class ExtremeMarks:
+    """Finds where quantities of each frame are; what they are taken from stays as long as the mesh keeps its layout."""
+
+    def __init__(self) -> None:
+        self._bound: tuple[object, object, int] = (None, None, -1)
+        self._looked_at: dict[str, LookedAt] = {}
+
+    def __call__(self, seen: SeenFrame) -> list[Mark]:
+        """The words of extremes and of limits of a frame; nothing where it shows no answer."""
+        if not seen.solved:
+            return []
+        scene, space = seen.scene, seen.space
+        if scene is not self._bound[0] or space is not self._bound[1] or space.topology != self._bound[2]:
+            self._bound = scene, space, space.topology
+            self._looked_at = {one.name: one for one in _looked_at(seen)}
+        findings = {one.subjects[0]: one for one in seen.frame.findings if _on_limit(one)}
+        marks: list[Mark] = []
+        for name, one in self._looked_at.items():
+            node, found = self._node(one, seen), findings.pop(name, None)
+            if found is not None:
+                marks.append(_words(_limit_words(found), _meaning(found), node, seen))
+            elif one.field and node is not None:
+                marks.append(_words(_said(one, seen), "guide", node, seen))
+        return [*marks, *(_words(_limit_words(one), _meaning(one), None, seen) for one in findings.values())]
+
+    def _node(self, one: LookedAt, seen: SeenFrame) -> int | None:
+        """The node at which a quantity has its value, or the middle one of the place where it is taken."""
+        if not one.field:
+            return None if one.nodes is None or not len(one.nodes) else int(one.nodes[len(one.nodes) // 2])
+        values, nodes = _values(one, seen)
+        if one.reduce in ("absmax", "peak"):
+            values = np.abs(values)
+        place = int(values.argmin() if one.reduce == "min" else values.argmax())
+        return int(place if nodes is None else nodes[place])
+
+
+def _looked_at(seen: SeenFrame) -> Iterator[LookedAt]:
+    """What the quantities of a frame's scene are taken from."""
+    looks = {look.quantity: key for one in application_of(seen.scene).physics for key, look in one.pictured.items()}
+    for name, quantity in seen.scene.quantities.items():
+        nodes = None
+        if quantity.at is not None:
+            try:
+                nodes = seen.space.nodes_of(quantity.at)
+            except UserError:
+                continue
+        field, column = _field_of(quantity, looks) if quantity.reduce in EXTREMES else ("", None)
+        field = next((key for key in (field, field + IN_CELLS) if field and key in seen.frame.fields), "")
+        yield LookedAt(name, quantity.unit, field, column, str(quantity.reduce), nodes)
+
+
+def _field_of(quantity: Quantity, looks: dict[tuple[str, object] | None, str]) -> tuple[str, int | None]:
+    """The field that an extreme is taken from, and its column; no name where there is none."""
+    if quantity.kind == "displacement":
+        return "displacement", AXES.get(str(quantity.displacement))
+    return looks.get((quantity.kind, getattr(quantity, quantity.kind)), ""), None
+
+
+def _values(one: LookedAt, seen: SeenFrame) -> tuple[Reals, Indices | None]:
+    """The values (k,) among which a quantity is the extreme, and their nodes (k,); None: those of all nodes."""
+    field, nodes = seen.frame.fields[one.field], one.nodes
+    if one.field.endswith(IN_CELLS):
+        flat, cells = field.ravel(), seen.space.cells.ravel()
+        chosen = np.ones(len(cells), dtype=bool) if nodes is None else np.isin(cells, nodes)
+        return flat[chosen], cells[chosen]
+    field = field if nodes is None else field[nodes]
+    if field.ndim == 1:
+        return field, nodes
+    return (np.linalg.norm(field, axis=1) if one.column is None else field[:, one.column]), nodes
+
+
+def _said(one: LookedAt, seen: SeenFrame) -> str:
+    """The quantity with its value, and its estimated error where there is one."""
+    row = seen.frame.row
+    error = float(row.get(error_column(quantity_column(one.name)), np.nan))
+    return extreme_words(one.name, float(row[quantity_column(one.name)]), error, one.unit)
+
+
+def _on_limit(finding: Finding) -> bool:
+    return finding.kind in (LIMIT, UNCERTAINTY) and finding.detail != OMITTED and bool(finding.subjects)
+
+
+def _limit_words(finding: Finding) -> str:
+    """A limit that does not hold, or of which that is not known."""
+    if finding.kind == LIMIT:
+        return formatted_constraint(finding)
+    value, bound = value_and_bound(finding)
+    return f"{finding.subjects[0]} is {value}, nearer to its limit of {bound} than it is known"
+
+
+def _meaning(finding: Finding) -> Meaning:
+    return "limit" if finding.kind == LIMIT else "uncertain"
+
+
+def _words(text: str, meaning: Meaning, node: int | None, seen: SeenFrame) -> Mark:
+    """A line of text at a node; at no place without one."""
+    if node is None:
+        return Words(text, None, meaning)
+    nodes = np.array([node])
+    at, moved = seen.places(nodes)[0].tolist(), seen.moved(nodes)
+    return Words(text, at, meaning, None if moved is None else moved[0].tolist())

@@ -1,0 +1,53 @@
+"""What marks of shapes look at: the last frame of a simulation, with what it shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from restshape.arrays import Indices, Reals
+    from restshape.fem.space import PlaneSpace
+    from restshape.interface.shown_frame import ShownFrame
+    from restshape.interface.simulation import Simulation
+    from restshape.scene.model import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class SeenFrame:
+    """The last frame of a simulation of a shape.
+
+    Args:
+        frame: its row and its fields; scene: the values that hold in it.
+        space: on whose nodes its fields are, and which knows the outline's names.
+        deformed: displacements (n, 2) or (n, 3) [m] of the nodes; None where it has none.
+    """
+
+    frame: ShownFrame
+    scene: Scene
+    space: PlaneSpace
+    deformed: Reals | None
+
+    @classmethod
+    def of(cls, simulation: Simulation) -> SeenFrame:
+        """The last frame of a simulation."""
+        frame, replay = simulation.frame, simulation.replay
+        return cls(frame, replay.session.scene, replay.solver.space, frame.fields.get("displacement"))
+
+    @property
+    def solved(self) -> bool:
+        """Whether it shows an answer, its own or one that is predicted."""
+        return self.deformed is None or bool(np.isfinite(self.deformed[0]).all())
+
+    def moved(self, nodes: Indices) -> Reals | None:
+        """The displacements [m] of nodes; None where there are none to be drawn."""
+        return None if self.deformed is None or not self.solved else self.deformed[nodes]
+
+    def places(self, nodes: Indices) -> Reals:
+        """The places [m] of nodes at rest, with as many components as their displacements have."""
+        X = self.space.X[nodes]
+        if self.deformed is None or self.deformed.shape[1] <= X.shape[1]:
+            return X
+        return np.pad(X, [(0, 0)] * (X.ndim - 1) + [(0, self.deformed.shape[1] - X.shape[1])])
