@@ -34,6 +34,7 @@ application = Application(
         arguments="restshape_apps.furniture.cli.report:arguments",
         check="restshape_apps.furniture.cli.report:check",
     ),
+    marks="restshape_apps.furniture.marks.piece_marks:piece_marks",
     explained=Explanation(parts="restshape_apps.furniture.cli.frame_parts:FRAME_PARTS"),
     commands=(
         Command(

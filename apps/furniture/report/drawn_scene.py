@@ -10,8 +10,9 @@ from textwrap import shorten, wrap
 from restshape_apps.furniture.guidance.doubts import judged
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.physics.plank_phrases import phrases
+from restshape_apps.furniture.physics.worst_load_case import worst_case
 from restshape_apps.furniture.report.furniture import bounds, draw_piece, marks_redundant, slenderness
-from restshape_apps.furniture.report.piece_frames import FEW, REDUNDANT, worst_case
+from restshape_apps.furniture.report.piece_frames import FEW, REDUNDANT
 from restshape_apps.furniture.report.piece_sheet import BAR, finish_sheet
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 from restshape_apps.furniture.shape.plank_scene import piece_of

@@ -14,11 +14,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize, to_rgb
 from matplotlib.figure import Figure
+from restshape_apps.furniture.guidance.range_way import way_of
+from restshape_apps.furniture.physics.foot_forces import foot_forces
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture
 from restshape_apps.furniture.physics.joint_compliance import utilisation_range
-from restshape_apps.furniture.physics.plank_findings import MOST_UTILISATION
+from restshape_apps.furniture.physics.joint_label import joint_label
 from restshape_apps.furniture.report.labels import Labels
 from restshape_apps.furniture.report.status_colour import DOUBT
+from restshape_apps.furniture.shape.changed_planks import LEAST, changed_planks
 from restshape_apps.furniture.shape.planks import Piece, Plank
 
 from restshape.guidance.ranges import Ranges
@@ -55,8 +58,6 @@ JOINT, OVERLOADED = 0.011, 0.015
 """Radius of a joint, and of one that breaks, in parts of the piece's size."""
 STEEPEST = 0.25
 """Part of its length that an arrow of a way is seen with at least where it is made longer."""
-LEAST = 1e-4
-"""The shortest way that has one, in parts of the piece's size."""
 SPOT = 0.015
 """Half of the place that words leave free for the circle at what is under the hand, in parts of the piece's size."""
 REDUNDANT = 8
@@ -222,7 +223,7 @@ def draw_piece(
     sides = draw_box(view.image.scene, axes, camera, low, high, factor, unit, _points(axes, window))
     view.planks((end or piece).planks)
     if end:
-        view.planks([plank for plank, other in zip(end.planks, _changed(piece, end)) if other], ghosts=True)
+        view.planks([plank for plank, other in zip(end.planks, changed_planks(piece, end)) if other], ghosts=True)
     _draw_forces(view, Furniture(end, furniture.compliance) if end else furniture, case, numbers)
     if end:
         _draw_moves(view, piece, end, direction_view.direction)
@@ -337,29 +338,11 @@ def marks_redundant(panels: Sequence[Axes]) -> bool:
     return any("\N{EN DASH}" in text.get_text() for axes in panels for text in axes.texts)
 
 
-def joint_label(utilisation: float) -> str:
-    """The utilisation of a joint that breaks, or what breaks it where no amount is borne: one fastener bears no twist.
-
-    Args:
-        utilisation: above 1; infinite of that.
-    """
-    if utilisation > MOST_UTILISATION:
-        return "twist"
-    return f"{np.ceil(100.0 * utilisation) / 100.0:.2f}" if utilisation < 100.0 else f"{utilisation:.3g}"
-
-
 def _draw_feet(view: PieceView, furniture: Furniture, forces: Forces, numbers: bool) -> None:
-    points = furniture.geometry().contacts.reshape(-1, 4, 3)
-    pushed = forces.contacts.reshape(-1, 4, 3)
-    whole = pushed.sum(axis=1)
+    places, whole = foot_forces(furniture.geometry(), forces)
     largest = max(float(np.linalg.norm(whole, axis=1).max(initial=0.0)), 1e-300)
-    for place, part, force in zip(points, pushed, whole):
+    for at, force in zip(places, whole):
         size = float(np.linalg.norm(force))
-        if size < 1e-3 * largest:
-            continue
-        # Where the pressure has its middle.
-        weights = np.maximum(np.linalg.norm(part, axis=1), 1e-300)
-        at = weights @ place / weights.sum()
         tail = at - max(ARROW * size / largest, 0.3 * ARROW) * view.size * force / size
         view.arrow(tail, at, FOOT)
         if numbers:
@@ -424,13 +407,6 @@ def in_one_view(panels: Sequence[Axes]) -> None:
         axes.set_ylim(min(low for low, _ in up), max(high for _, high in up))
 
 
-def _changed(piece: Piece, end: Piece) -> np.ndarray:
-    """Which planks (n,) an edit moves, lengthens or adds."""
-    moved = [np.abs(a.corners() - b.corners()).max() for a, b in zip(piece.planks, end.planks)]
-    added = [np.inf] * (len(end.planks) - len(piece.planks))
-    return np.array([*moved, *added]) > LEAST * piece.size
-
-
 def _draw_moves(view: PieceView, piece: Piece, end: Piece, direction: np.ndarray) -> None:
     """Arrows on the planks that an edit is of, at what of them goes furthest; a plank that grows has two."""
     edited = np.flatnonzero(np.abs(direction).max(axis=1))
@@ -452,14 +428,8 @@ def _draw_moves(view: PieceView, piece: Piece, end: Piece, direction: np.ndarray
 
 def _draw_range(view: PieceView, furniture: Furniture, direction_view: DesignDirectionView, ranges: Ranges) -> None:
     """The way of the plank that moves most, with the part of it that is valid and its ends, in degrees of a turn."""
-    step = 1e-3
-    before, after = furniture.moved(), furniture.moved(step * direction_view.direction)
+    at, speed = way_of(furniture, direction_view.direction)
     furniture.test()
-    plank = int(np.argmax(np.abs(direction_view.direction).max(axis=1)))
-    starts, ends = (np.array([piece.planks[plank].end(side) for side in range(6)]) for piece in (before, after))
-    speeds = (ends - starts) / step
-    side = int(np.argmax(np.linalg.norm(speeds, axis=1)))
-    at, speed = starts[side], speeds[side]
     turning = float(np.abs(direction_view.direction[:, 3:6]).max())
     alone = turning > 0.0 and not np.any(np.delete(direction_view.direction, (3, 4, 5), axis=1))
     usual = (np.degrees(turning), "°") if alone else (1e3 * float(np.linalg.norm(speed)), " mm")

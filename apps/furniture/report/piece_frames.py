@@ -16,6 +16,7 @@ from restshape_apps.furniture.guidance.amounts import UNITS
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.physics.plank_findings import DEPENDS, DOUBTFUL
 from restshape_apps.furniture.physics.plank_phrases import phrases
+from restshape_apps.furniture.physics.worst_load_case import worst_case
 from restshape_apps.furniture.report.furniture import (
     DesignDirectionView,
     bounds,
@@ -153,19 +154,6 @@ def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Des
             doubts=doubts,
         )
     return furniture, direction_view, 0 if result.flaws & LOST else worst_case(furniture)
-
-
-def worst_case(furniture: Furniture) -> int:
-    """The case of the loads that the constraint status is of: in which most is missing of what could balance them, else
-    a joint is used most, by moments that do not count where these make it doubtful."""
-    every = [furniture.forces(case) for case in range(len(furniture.cases))]
-    unbalanced = np.array([one.unbalanced for one in every])
-    # Rounding decides nothing.
-    if unbalanced.max() > 1e-6:
-        return int(np.argmax(unbalanced))
-    most = [one.utilisation.max(initial=0.0) for one in every]
-    moments = [one.moment_utilisation.max(initial=0.0) for one in every]
-    return int(np.argmax(moments if max(most) <= 1.0 < max(moments) else most))
 
 
 def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:

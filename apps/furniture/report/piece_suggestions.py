@@ -9,6 +9,7 @@ from textwrap import shorten, wrap
 import numpy as np
 from restshape_apps.furniture.guidance.suggested import Suggestion
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
+from restshape_apps.furniture.physics.worst_load_case import worst_case
 from restshape_apps.furniture.report import guided
 from restshape_apps.furniture.report.furniture import (
     DesignDirectionView,
@@ -24,7 +25,6 @@ from restshape_apps.furniture.report.piece_frames import (
     caption,
     pieces,
     shown_piece,
-    worst_case,
 )
 from restshape_apps.furniture.report.piece_sheet import ACROSS, EACH, finish_sheet, width_of
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT

@@ -78,6 +78,16 @@ class PlankSession(ScriptSession):
         """The parameter under the hand; None where there is none."""
         return self.design_direction
 
+    @property
+    def grabbed_at(self) -> np.ndarray | None:
+        """The place (3,) [m] where the hand took hold of a plank; None where it has none, or only a parameter of it."""
+        return None if self._grab is None or self._grab.number is not None else self._grab.origin
+
+    @property
+    def chosen(self) -> Suggestion | None:
+        """The suggestion that can be slid along; None where there is none."""
+        return None if self._chosen is None else self._chosen[1]
+
     def _carried_out(self, event: Any) -> Iterator[Step]:
         self.design_direction = self.design_direction if self._grab else None
         return super()._carried_out(event)

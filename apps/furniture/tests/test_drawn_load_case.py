@@ -4,9 +4,11 @@ import pytest
 from matplotlib.colors import to_hex
 from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.joint_compliance import utilisation_range
+from restshape_apps.furniture.physics.joint_label import joint_label
 from restshape_apps.furniture.physics.plank_findings import load_case
-from restshape_apps.furniture.report.furniture import draw_piece, joint_label, marks_redundant, redundant_label
-from restshape_apps.furniture.report.piece_frames import caption, worst_case
+from restshape_apps.furniture.physics.worst_load_case import worst_case
+from restshape_apps.furniture.report.furniture import draw_piece, marks_redundant, redundant_label
+from restshape_apps.furniture.report.piece_frames import caption
 from restshape_apps.furniture.report.status_colour import DOUBT
 from restshape_apps.furniture.tests.furniture_scenes import EDGE_STOOL, post
 from small_scenes import make_replay

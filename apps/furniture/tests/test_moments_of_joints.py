@@ -8,8 +8,8 @@ import pytest
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, decode_ranges, encode_ranges
 from restshape_apps.furniture.physics.furniture import Compliance, Forces, Furniture
 from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, utilisation_range
+from restshape_apps.furniture.physics.joint_label import joint_label
 from restshape_apps.furniture.pieces import SCENES, drawn
-from restshape_apps.furniture.report.furniture import joint_label
 from restshape_apps.furniture.report.guided import CAUSES, doubt_causes
 from restshape_apps.furniture.tests.furniture_scenes import ARM, STEP_STOOL, post
 from small_scenes import make_replay

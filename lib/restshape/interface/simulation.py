@@ -86,7 +86,7 @@ class Simulation(Edits):
 
     @property
     def replay(self) -> Replay:
-        """What computes the frames, for what shows more of them than their arrays: it may be read, and never changed."""
+        """What computes the frames, for what shows more of them: it may be read, and never changed."""
         return self._replay
 
     @property

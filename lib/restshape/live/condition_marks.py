@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,45 +26,92 @@ PUSHES = -1e-9
 """Cosine with the normal out of the body below which a load pushes on it."""
 
 
-@dataclass(frozen=True, eq=False)
-class ActsOn:
-    """Where a support or a load acts, as nodes of a mesh.
-
-    Args:
-        name: of the support or load.
-        load: None of a support.
-        sides: (m, 2) nodes of facets in order; nodes: (k,) of vertices, where there are no facets.
-        inner: the node nearest to the middle of the material, where the load acts inside; None elsewhere.
-    """
-
-    name: str
-    load: Load | None
-    sides: Indices
-    nodes: Indices
-    inner: Indices | None = None
-
-
 class ConditionMarks:
-    """Marks of the supports, loads and accelerations of each frame; those of one that rests are the same objects."""
+    """Marks of the supports, loads and accelerations of each frame.
+
+    What they act on stays as long as the mesh keeps its layout and the scene its values; those of a frame that rests
+    are the same objects.
+    """
 
     def __init__(self) -> None:
         self._bound: tuple[object, ...] = ()
-        self._acting: list[ActsOn] = []
-        self._inner: Indices = np.zeros(1, dtype=np.int32)
+        self._acting: list[ActsOn | LoadArrows] = []
         self._shown: tuple[tuple[object, ...], list[Mark]] = ((), [])
 
     def __call__(self, seen: SeenFrame) -> list[Mark]:
         """The marks of a frame."""
-        scene, space = seen.scene, seen.space
-        bound = scene, space, space.topology
+        space = seen.space
+        bound = seen.scene, space, space.topology
         if not _same(bound, self._bound):
-            self._bound, self._inner = bound, _inner_node(space)
-            self._acting = list(_acting(scene, space, self._inner))
+            self._bound, self._acting = bound, [*_supports(seen.scene, space), *_loads(seen.scene, space)]
         drawn = *bound, space.geometry, seen.deformed
         if not _same(drawn, self._shown[0]):
-            marks = [mark for one in self._acting if (mark := _mark(one, seen)) is not None]
-            self._shown = drawn, [*marks, *_accelerations(seen, self._inner)]
+            self._shown = drawn, [one.mark(seen) for one in self._acting]
         return self._shown[1]
+
+
+@dataclass(frozen=True, eq=False)
+class ActsOn:
+    """Edges or points on which a support, or a load without a direction, acts.
+
+    Args:
+        name: what it is.
+        nodes: (m,) along its lines, one line after the other; starts: index of the first of each.
+    """
+
+    name: str
+    nodes: Indices
+    starts: Sequence[int]
+
+    def mark(self, seen: SeenFrame) -> Mark:
+        """The lines of a frame."""
+        return Lines(self.name, seen.places(self.nodes), self.starts, "support", seen.moved(self.nodes))
+
+
+class LoadArrows:
+    """Arrows of a load, or of an acceleration; made again where the places on which it acts have moved.
+
+    Args:
+        name: what it is; load: None of an acceleration.
+        ends: (m, 2) nodes between which the arrows stand, on facets in order: the body is on their left.
+        inside: it acts in the body, not on facets.
+        vector: (2,) of an acceleration.
+    """
+
+    def __init__(self, name: str, load: Load | None, ends: Indices, inside: bool, vector: Reals | None = None) -> None:
+        self.name, self.load, self.ends, self.inside, self.vector = name, load, ends, inside, vector
+        self._at: Reals | None = None
+        self._last: Mark = Lines("", np.empty((0, 2)))
+
+    def mark(self, seen: SeenFrame) -> Mark:
+        """The arrows of a frame."""
+        moved, at = seen.moved(self.ends), seen.places(self.ends)
+        if self._at is None or not np.array_equal(at, self._at):
+            self._at, self._last = at, self._made(seen.scene, at)
+        if moved is None or not isinstance(self._last, Arrows | Lines):
+            return self._last
+        return replace(self._last, moved=0.5 * (moved[:, 0] + moved[:, 1]))
+
+    def _made(self, scene: Scene, ends: Reals) -> Mark:
+        """The arrows between places (m, 2, d); lines where the load has no direction."""
+        at, along = 0.5 * (ends[:, 0] + ends[:, 1]), ends[:, 1, :2] - ends[:, 0, :2]
+        outwards = np.stack([along[:, 1], -along[:, 0]], axis=1)
+        outwards /= np.maximum(np.hypot(*along.T)[:, None], 1e-300)
+        if self.load is None:
+            assert self.vector is not None, "an acceleration has a vector"
+            vectors: Reals | None = self.vector[None]
+            unit, key = "m/s²", self.name
+        else:
+            place = Place([], at, at[:, :2], outwards, at[0, :2])
+            vectors = load_vectors(scene, self.name, self.load, place, self.inside)
+            unit, key = UNITS.get(self.load.kind, ""), f"load {self.name}"
+        if vectors is None or not vectors.any():
+            return Lines(key, at, range(len(at)), "load")
+        sizes = np.hypot(*vectors.T)
+        tips = (vectors * outwards).sum(axis=1) < PUSHES * sizes
+        words = [""] * len(vectors)
+        words[len(words) // 2] = si(float(sizes[len(words) // 2]), unit)
+        return Arrows(key, at, vectors, unit, "load", words, None, tips.tolist())
 
 
 def _same(these: tuple[object, ...], those: tuple[object, ...]) -> bool:
@@ -74,95 +121,54 @@ def _same(these: tuple[object, ...], those: tuple[object, ...]) -> bool:
     )
 
 
-def _inner_node(space: PlaneSpace) -> Indices:
-    """The node (1,) nearest to the middle of all nodes: in the material, whatever holes it has."""
+def _supports(scene: Scene, space: PlaneSpace) -> Iterator[ActsOn]:
+    """What the supports of a scene act on; what an edit has removed is left out."""
+    for name, support in scene.supports.items():
+        for on in support.on:
+            sides, vertices = _sides(space, on), _vertices(space, on)
+            if len(sides):
+                # A line goes on as long as the next facet begins where the last one has ended.
+                starts = np.flatnonzero(np.append(True, sides[1:, 0] != sides[:-1, 1]))
+                after = np.append(starts[1:], len(sides))
+                nodes = np.insert(sides[:, 0], after, sides[after - 1, 1])
+                yield ActsOn(f"support {name}", nodes, (starts + np.arange(len(starts))).tolist())
+            elif len(vertices):
+                yield ActsOn(f"support {name}", vertices, range(len(vertices)))
+
+
+def _loads(scene: Scene, space: PlaneSpace) -> Iterator[LoadArrows]:
+    """The arrows of the loads and accelerations of a scene; those inside stand near the middle of the material."""
     X = space.X
-    return np.array([int(((X - X.mean(axis=0)) ** 2).sum(axis=1).argmin())], dtype=np.int32)
-
-
-def _acting(scene: Scene, space: PlaneSpace, inner: Indices) -> Iterator[ActsOn]:
-    """Where the supports and loads of a scene act."""
-    conditions = [(name, None, one.on) for name, one in scene.supports.items()]
-    for name, load, on in (*conditions, *((name, one, one.on) for name, one in scene.loads.items())):
-        for place in on:
-            inside = load is not None and (load.kind == "body" or place == "all")
-            try:
-                sides, nodes = space.facets[space.facets_of(place)][:, :2], space.nodes_of(place)
-            except UserError:
-                # What an edit has removed acts nowhere.
+    inner = np.full((1, 2), ((X - X.mean(axis=0)) ** 2).sum(axis=1).argmin(), dtype=np.int32)
+    for name, load in scene.loads.items():
+        for on in load.on:
+            if load.kind == "body" or on == "all":
+                yield LoadArrows(name, load, inner, inside=True)
                 continue
-            yield ActsOn(name, load, sides, nodes[:ALONG], inner if inside else None)
+            sides, vertices = _sides(space, on), _vertices(space, on)
+            if not len(sides):
+                sides = np.stack([vertices, vertices], axis=1)
+            if len(sides):
+                few = min(len(sides), ALONG)
+                spread = ((np.arange(few) + 0.5) * (len(sides) / few)).astype(np.int32)
+                yield LoadArrows(name, load, sides[spread], inside=False)
+    for name, value in accelerations(scene).items():
+        if (way := in_plane(scene, name, value)).any():
+            yield LoadArrows(name, None, inner, inside=True, vector=way)
 
 
-def _mark(one: ActsOn, seen: SeenFrame) -> Mark | None:
-    if one.load is None:
-        return _support(one, seen)
-    kind = one.load.kind
-    if one.inner is not None:
-        return _inside(one, seen, one.load, one.inner)
-    if len(one.sides):
-        chosen = one.sides[_spread(len(one.sides))]
-        ends = seen.space.X[chosen]
-        along = ends[:, 1] - ends[:, 0]
-        outwards = np.column_stack([along[:, 1], -along[:, 0]])
-        outwards /= np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-300)
-        at, moved = seen.places(chosen).mean(axis=1), seen.moved(chosen)
-        moved = None if moved is None else moved.mean(axis=1)
-    elif len(one.nodes):
-        at, moved, outwards = seen.places(one.nodes), seen.moved(one.nodes), np.zeros((len(one.nodes), 2))
-    else:
-        return None
-    vectors = load_vectors(seen.scene, one.name, one.load, Place([], at, at[:, :2], outwards, at[0, :2]), False)
-    if vectors is None or not vectors.any():
-        return Lines(f"load {one.name}", at, range(len(at)), "load", moved)
-    pushes = (vectors * outwards).sum(axis=1) < PUSHES * np.linalg.norm(vectors, axis=1)
-    unit = UNITS.get(kind, "")
-    return Arrows(f"load {one.name}", at, vectors, unit, "load", _on_middle(vectors, unit), moved, pushes.tolist())
+def _sides(space: PlaneSpace, on: str) -> Indices:
+    """The ends (m, 2) of the facets of an entity, in order; none where there is no such entity."""
+    try:
+        found: Indices = space.facets[space.facets_of(on)][:, :2]
+    except UserError:
+        found = np.empty((0, 2), dtype=np.int32)
+    return found
 
 
-def _inside(one: ActsOn, seen: SeenFrame, load: Load, inner: Indices) -> Mark | None:
-    """The arrow of a load on all of a body."""
-    at, none = seen.places(inner), np.zeros((1, 2))
-    vectors = load_vectors(seen.scene, one.name, load, Place([], at, at[:, :2], none, at[0, :2]), True)
-    if vectors is None or not vectors.any():
-        return None
-    unit = UNITS.get(load.kind, "")
-    return Arrows(f"load {one.name}", at, vectors, unit, "load", _on_middle(vectors, unit), seen.moved(inner))
-
-
-def _support(one: ActsOn, seen: SeenFrame) -> Mark | None:
-    """The edges that a support holds, or its points."""
-    if len(one.sides):
-        # A line goes on as long as the next facet begins where it has ended.
-        starts = np.flatnonzero(np.append(True, one.sides[1:, 0] != one.sides[:-1, 1]))
-        ends = one.sides[np.append(starts[1:], len(one.sides)) - 1, 1]
-        nodes = np.insert(one.sides[:, 0], np.append(starts[1:], len(one.sides)), ends)
-        begins = (starts + np.arange(len(starts))).tolist()
-    elif len(one.nodes):
-        nodes, begins = one.nodes, list(range(len(one.nodes)))
-    else:
-        return None
-    return Lines(f"support {one.name}", seen.places(nodes), begins, "support", seen.moved(nodes))
-
-
-def _accelerations(seen: SeenFrame, inner: Indices) -> Iterator[Mark]:
-    """An arrow for each acceleration of all bodies, such as gravity, in the middle."""
-    for name, value in accelerations(seen.scene).items():
-        way = in_plane(seen.scene, name, value)
-        if way.any():
-            at, words = seen.places(inner), [si(float(np.hypot(*way)), "m/s²")]
-            yield Arrows(name, at, way[None], "m/s²", "load", words, seen.moved(inner))
-
-
-def _spread(count: int) -> Indices:
-    """Which of so many facets along a chain have arrows."""
-    few = min(count, ALONG)
-    return ((np.arange(few) + 0.5) * (count / few)).astype(np.int32)
-
-
-def _on_middle(vectors: Reals, unit: str) -> list[str]:
-    """The size of the arrow in the middle, and no words of the others."""
-    words = [""] * len(vectors)
-    middle = len(vectors) // 2
-    words[middle] = si(float(np.linalg.norm(vectors[middle])), unit)
-    return words
+def _vertices(space: PlaneSpace, on: str) -> Indices:
+    """The nodes (k,) of an entity; none where there is no such entity."""
+    try:
+        return space.nodes_of(on)
+    except UserError:
+        return np.empty(0, dtype=np.int32)

@@ -23,23 +23,22 @@ class SeenFrame:
         frame: its row and its fields; scene: the values that hold in it.
         space: on whose nodes its fields are, and which knows the outline's names.
         deformed: displacements (n, 2) or (n, 3) [m] of the nodes; None where it has none.
+        solved: it shows an answer, its own or one that is predicted.
     """
 
     frame: ShownFrame
     scene: Scene
     space: PlaneSpace
     deformed: Reals | None
+    solved: bool = True
 
     @classmethod
     def of(cls, simulation: Simulation) -> SeenFrame:
         """The last frame of a simulation."""
         frame, replay = simulation.frame, simulation.replay
-        return cls(frame, replay.session.scene, replay.solver.space, frame.fields.get("displacement"))
-
-    @property
-    def solved(self) -> bool:
-        """Whether it shows an answer, its own or one that is predicted."""
-        return self.deformed is None or bool(np.isfinite(self.deformed[0]).all())
+        return cls(
+            frame, replay.session.scene, replay.solver.space, frame.fields.get("displacement"), replay.solver.known
+        )
 
     def moved(self, nodes: Indices) -> Reals | None:
         """The displacements [m] of nodes; None where there are none to be drawn."""

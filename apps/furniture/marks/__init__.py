@@ -1,0 +1,1 @@
+"""What a piece of furniture shows at the hand in live sessions."""
