@@ -4,7 +4,7 @@ const PREFIXES: Record<number, string> = {
   [-12]: "p", [-9]: "n", [-6]: "µ", [-3]: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T",
 };
 // Units whose prefix would be read for another one, or is not used.
-const UNPREFIXED = ["1", "m²", "m^2", "m³", "m^3", "kg", "K", "deg", "°", "cent", "%"];
+const UNPREFIXED = ["ms", "1", "m²", "m^2", "m³", "m^3", "kg", "K", "deg", "°", "cent", "%"];
 
 /** The factor and unit in which a number of this size reads well, such as 1e-6 and "MPa". */
 export function scaledUnit(size: number, unit: string): { factor: number; unit: string } {

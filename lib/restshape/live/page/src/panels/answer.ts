@@ -1,0 +1,68 @@
+// How the frame's answer came about and what it cost, and whether frames of a drag are solved or predicted.
+
+import type { App } from "../app";
+import { ChangingText, element } from "./element";
+import { answerText, levelText, numberOf, textOf } from "./frame_values";
+import type { Painter } from "./painter";
+import { digitsText, percentText, siText } from "./si_text";
+import type { FrameMessage } from "../protocol";
+
+const SHOWN: Record<string, (frame: FrameMessage) => string> = {
+  answer: answerText,
+  "error of the answer": (frame) => shareText(numberOf(frame, "estimate")),
+  "error of the prediction": (frame) => shareText(numberOf(frame, "prediction_error")),
+  level: levelText,
+  time: (frame) => siText(numberOf(frame, "ms") / 1000, "s", 3),
+  iterations: (frame) => iterationsText(frame),
+  unknowns: (frame) => countText(numberOf(frame, "unknowns")),
+  elements: (frame) => countText(numberOf(frame, "elements")),
+  limits: (frame) => [textOf(frame, "constraint_status"), textOf(frame, "violated_constraints")].filter(Boolean).join(": "),
+  note: (frame) => textOf(frame, "note"),
+};
+
+export function showAnswer(app: App, painter: Painter): HTMLElement {
+  const rows = Object.entries(SHOWN).map(([name, read]) => {
+    const text = new ChangingText();
+    return { line: element("div", {}, element("dt", {}, name), element("dd", {}, text.node)), text, read };
+  });
+  const write = () => {
+    if (!app.frame) return;
+    for (const { line, text, read } of rows) {
+      const shown = read(app.frame.header);
+      text.set(shown);
+      const empty = shown === "";
+      if (line.hidden !== empty) line.hidden = empty;
+    }
+  };
+  app.on("frame", () => painter.soon(write));
+  return element("div", {}, predictChoice(app), element("dl", { class: "answer" }, ...rows.map((row) => row.line)));
+}
+
+/** Solved, or predicted in one of the ways that the scene can. */
+function predictChoice(app: App): HTMLElement {
+  const group = element("fieldset", { class: "row choice" }, element("legend", {}, "frames of a drag"));
+  app.on("welcome", ({ predicts }) => {
+    const ways = ["none", ...predicts.filter((way) => way !== "none")];
+    group.replaceChildren(group.firstChild!, ...ways.map((way) => {
+      const box = element("input", { type: "radio", name: "predict", value: way, checked: way === "none" });
+      box.addEventListener("change", () => app.send({ type: "show", predict: way as "none" | "linear" | "gmls" }));
+      return element("label", {}, box, way === "none" ? "solved" : `predicted (${way})`);
+    }));
+    group.hidden = ways.length < 2;
+  });
+  group.hidden = true;
+  return group;
+}
+
+function shareText(value: number): string {
+  return Number.isNaN(value) ? "" : `± ${percentText(value)}`;
+}
+
+function iterationsText(frame: FrameMessage): string {
+  const newton = numberOf(frame, "newton"), linear = countText(numberOf(frame, "iterations"));
+  return newton > 0 ? `${linear} linear, ${newton} Newton` : linear;
+}
+
+function countText(value: number): string {
+  return Number.isNaN(value) ? "" : value >= 1e7 ? digitsText(value) : value.toFixed(0);
+}

@@ -1,0 +1,51 @@
+// Every event of edit scripts as a form.
+
+import type { App } from "../app";
+import type { ScriptEvent } from "../protocol";
+import { element } from "./element";
+import { EventForm } from "./event_form";
+import { eventText } from "./schema_fields";
+import type { Stage } from "./stage";
+
+const NAMES = "names-of-things", KEYS = "keys-of-numbers";
+
+export function showEvents(app: App, stage: Stage): HTMLElement {
+  const names = element("datalist", { id: NAMES }), keys = element("datalist", { id: KEYS });
+  const choice = element("select", { "aria-label": "event" });
+  const text = element("p", { class: "help" });
+  const place = element("div");
+  let form: EventForm | null = null;
+  let selected = "";
+  const send = (event: ScriptEvent) => { app.act(event); };
+  const show = () => {
+    const schema = app.welcome?.events[choice.value];
+    if (!schema) return;
+    form = new EventForm(choice.value, schema, { lists: { names: NAMES, keys: KEYS }, pick: (what) => stage.pick(what), send });
+    text.textContent = eventText(schema);
+    place.replaceChildren(form.body);
+    if (selected) form.suggest(selected);
+  };
+  choice.addEventListener("change", show);
+  app.on("welcome", (welcome) => {
+    const before = choice.value;
+    const known = Object.keys(welcome.events).sort();
+    choice.replaceChildren(...known.map((name) => element("option", { value: name }, name)));
+    choice.value = known.includes(before) ? before : known.includes("set") ? "set" : known[0] ?? "";
+    fill(names, app.things.map((thing) => thing.name));
+    fill(keys, welcome.numbers.map((number) => number.key));
+    show();
+  });
+  app.on("known", (known) => {
+    if (known.things) fill(names, known.things.map((thing) => thing.name));
+    if (known.numbers) fill(keys, known.numbers.map((number) => number.key));
+  });
+  app.on("selected", (thing) => {
+    selected = thing?.name ?? "";
+    if (selected) form?.suggest(selected);
+  });
+  return element("div", { class: "events" }, element("label", { class: "row" }, element("span", {}, "do"), choice), text, place, names, keys);
+}
+
+function fill(list: HTMLDataListElement, values: string[]): void {
+  list.replaceChildren(...[...new Set(values)].map((value) => element("option", { value })));
+}

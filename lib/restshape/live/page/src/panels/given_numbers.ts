@@ -1,0 +1,53 @@
+// Numbers of the scene at a slider or a keyboard: their units, ranges and steps.
+
+import type { NumberInfo, ScriptEvent } from "../protocol";
+import { quantityOf } from "./typed_values";
+
+const WITH_UNIT = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*(\S.*?)?\s*$/i;
+
+/** Text of a scene such as "10 mm" as its number and unit; a formula has none. */
+export function textParts(text: string): { number: number; unit: string } | null {
+  const found = WITH_UNIT.exec(text.replace("−", "-"));
+  return found ? { number: Number(found[1]), unit: found[2] ?? "" } : null;
+}
+
+/** What is sent for typed text: a bare number has the unit that the scene writes there. */
+export function typedValue(typed: string, before: string): number | string | null {
+  const value = quantityOf(typed);
+  const unit = textParts(before)?.unit ?? "";
+  return typeof value === "number" && unit ? `${typed.trim()} ${unit}` : value;
+}
+
+export interface SliderRange { low: number; high: number; step: number; unit: string; factor: number; }
+
+/** The range of a slider in the unit that the scene writes, which is `factor` of the number's own. */
+export function sliderRange(info: NumberInfo): SliderRange {
+  const parts = textParts(info.text);
+  const factor = parts && parts.unit && info.value !== 0 && parts.number !== 0 ? parts.number / info.value : 1;
+  const unit = factor === 1 && !(parts?.unit && parts.number === info.value) ? "" : parts!.unit;
+  const value = info.value * factor;
+  const size = Math.abs(value) || 1;
+  let low = info.low !== undefined ? info.low * factor : value > 0 ? value / 2 : value - size;
+  let high = info.high !== undefined ? info.high * factor : value > 0 ? value * 2 : value + size;
+  if (factor < 0) [low, high] = [high, low];
+  const step = 10 ** Math.floor(Math.log10(Math.max(high - low, Number.MIN_VALUE)) - 2.4);
+  return { low: rounded(low, step), high: rounded(high, step), step, unit, factor };
+}
+
+/** A multiple of a power of ten without digits beyond it. */
+export function rounded(value: number, step: number): number {
+  const decimals = Math.min(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), 15);
+  return Number((Math.round(value / step) * step).toFixed(decimals));
+}
+
+/** The event that gives a number the place of its slider. */
+export function slid(info: NumberInfo, range: SliderRange, place: number): ScriptEvent {
+  return { do: "set", key: info.key, value: range.unit ? `${place} ${range.unit}` : place };
+}
+
+/** The numbers whose keys hold all words that are searched for, parameters first. */
+export function foundNumbers(numbers: NumberInfo[], words: string, most: number): { shown: NumberInfo[]; more: number } {
+  const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
+  const found = numbers.filter((one) => wanted.every((word) => one.key.toLowerCase().includes(word)));
+  return { shown: found.slice(0, most), more: Math.max(0, found.length - most) };
+}

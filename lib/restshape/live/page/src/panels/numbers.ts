@@ -1,0 +1,94 @@
+// Sliders and typed numbers: parameters of the scene, and all its other numbers by a search.
+
+import type { App } from "../app";
+import type { NumberInfo } from "../protocol";
+import { element, mark } from "./element";
+import { foundNumbers, rounded, slid, sliderRange, typedValue, type SliderRange } from "./given_numbers";
+import type { Painter } from "./painter";
+
+const MOST = 12;                                       // found numbers that are shown at a time
+
+/** A number with its slider and its text, which stay while it changes. */
+class NumberLine {
+  readonly body: HTMLElement;
+  private readonly slider: HTMLInputElement;
+  private readonly text: HTMLInputElement;
+  private range: SliderRange;
+  private sliding = false;
+
+  constructor(private info: NumberInfo, private readonly app: App) {
+    this.range = sliderRange(info);
+    this.slider = element("input", { type: "range", "aria-label": `${info.key}, slider` });
+    this.text = element("input", { type: "text", "aria-label": info.key, spellcheck: false, size: 9 });
+    this.body = element("div", { class: "number" }, element("label", { title: info.key }, shortened(info)), this.text, this.slider);
+    this.slider.addEventListener("input", () => this.slide());
+    this.slider.addEventListener("change", () => { this.sliding = false; });
+    this.text.addEventListener("change", () => this.typed());
+    this.arrange();
+  }
+
+  /** Takes a new value in, unless the hand is on it. */
+  update(info: NumberInfo): void {
+    this.info = info;
+    if (this.sliding || document.activeElement === this.text) return;
+    const range = sliderRange(info);
+    const place = info.value * range.factor;
+    if (range.unit !== this.range.unit || place < this.range.low || place > this.range.high || info.low !== undefined) this.range = range;
+    this.arrange();
+  }
+
+  private arrange(): void {
+    const { low, high, step, factor } = this.range;
+    for (const [name, value] of Object.entries({ min: low, max: high, step })) mark(this.slider, name, String(value));
+    this.slider.value = String(this.info.value * factor);
+    this.text.value = this.info.text;
+    mark(this.slider, "aria-valuetext", this.info.text);
+  }
+
+  private slide(): void {
+    this.sliding = true;
+    const event = slid(this.info, this.range, rounded(Number(this.slider.value), this.range.step));
+    this.text.value = String(event["value"]);
+    mark(this.slider, "aria-valuetext", this.text.value);
+    this.app.act(event, true);
+  }
+
+  private typed(): void {
+    const value = typedValue(this.text.value, this.info.text);
+    if (value === null) this.text.value = this.info.text;
+    else this.app.act({ do: "set", key: this.info.key, value });
+  }
+}
+
+export function showNumbers(app: App, painter: Painter): HTMLElement {
+  const parameters = element("div", { class: "numbers" }), found = element("div", { class: "numbers" });
+  const search = element("input", { type: "search", placeholder: "search numbers of the scene", "aria-label": "search numbers of the scene" });
+  const more = element("p", { class: "help", role: "status" });
+  const lines = new Map<string, NumberLine>();
+  const lineOf = (info: NumberInfo) => {
+    let line = lines.get(info.key);
+    if (line) line.update(info);
+    else lines.set(info.key, line = new NumberLine(info, app));
+    return line.body;
+  };
+  const arrange = (into: HTMLElement, infos: NumberInfo[]) => {
+    const wanted = infos.map(lineOf);
+    // Lines that are there already are left where they are, so that what is typed into stays under the cursor.
+    if (wanted.length !== into.children.length || wanted.some((body, index) => into.children[index] !== body)) into.replaceChildren(...wanted);
+  };
+  const show = () => {
+    const numbers = app.welcome?.numbers ?? [];
+    arrange(parameters, numbers.filter((one) => one.parameter));
+    const { shown, more: rest } = foundNumbers(numbers.filter((one) => !one.parameter), search.value, search.value ? 4 * MOST : MOST);
+    arrange(found, shown);
+    more.textContent = rest ? `and ${rest} more: type words of their keys` : shown.length ? "" : "no number has these words in its key";
+  };
+  search.addEventListener("input", () => painter.soon(show));
+  app.on("welcome", () => { lines.clear(); show(); });
+  app.on("known", ({ numbers }) => { if (numbers) painter.soon(show); });
+  return element("div", {}, parameters, search, found, more);
+}
+
+function shortened(info: NumberInfo): string {
+  return info.parameter ? info.key.replace(/^parameters\./, "") : info.key;
+}

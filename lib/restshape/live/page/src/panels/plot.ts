@@ -1,0 +1,186 @@
+// A small plot on a canvas: curves over an axis, with ticks, units, limits and a place that is marked.
+
+import { element, mark } from "./element";
+import { inkOf, onNewInk, type Ink } from "./ink";
+import { extremes, pixel, thinned, valueAt, type Axis } from "./plot_geometry";
+import { axisRange, powerTicks, tickLabels, ticks } from "./ticks";
+
+export interface Curve { name: string; x: ArrayLike<number>; y: ArrayLike<number>; }
+export interface Drawing {
+  curves: Curve[];
+  xLabel: string;
+  yLabel: string;
+  limits?: { value: number; name: string }[];       // lines across
+  at?: Record<string, number>;                      // upright lines by name
+  logarithmic?: boolean;
+  factor?: number;                                  // of y, to the unit of yLabel
+  spoken: string;                                   // what is said to who does not see it
+}
+
+const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
+const FONT = "11px system-ui, sans-serif";
+
+export class Plot {
+  readonly canvas: HTMLCanvasElement;
+  private width = 0;
+  private ink: Ink | null = null;
+  private drawing: Drawing | null = null;
+
+  /** `height` [px]; `chosen`: is told the x at which the plot is pressed. */
+  constructor(private readonly height = 110, chosen?: (x: number) => void) {
+    this.canvas = element("canvas", { class: "plot", role: "img" });
+    this.canvas.style.height = `${height}px`;
+    new ResizeObserver(([entry]) => {
+      this.width = Math.round(entry!.contentRect.width);
+      this.redraw();
+    }).observe(this.canvas);
+    onNewInk(() => { this.ink = null; this.redraw(); });
+    if (chosen) {
+      this.canvas.classList.add("choosable");
+      this.canvas.addEventListener("click", (event) => chosen(valueAt(this.across, event.offsetX)));
+    }
+  }
+
+  private across: Axis = { low: 0, high: 1, from: 0, to: 1, logarithmic: false };
+
+  draw(drawing: Drawing): void {
+    this.drawing = drawing;
+    this.redraw();
+  }
+
+  private redraw(): void {
+    const { drawing, width, height } = this;
+    if (!drawing || width < 60) return;
+    const ratio = Math.min(devicePixelRatio || 1, 3);
+    const wide = Math.round(width * ratio), high = Math.round(height * ratio);
+    if (this.canvas.width !== wide || this.canvas.height !== high) Object.assign(this.canvas, { width: wide, height: high });
+    const pen = this.canvas.getContext("2d");
+    if (!pen) return;
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    pen.font = FONT;
+    this.ink ??= inkOf(this.canvas);
+    const up = this.axisUp(drawing);
+    const labels = this.yTicks(drawing, up);
+    const left = Math.ceil(Math.max(...labels.map(([, text]) => pen.measureText(text).width), 10)) + 8;
+    this.across = this.axisAcross(drawing, left);
+    this.frame(pen, drawing, labels, up, left);
+    this.lines(pen, drawing, up);
+    mark(this.canvas, "aria-label", drawing.spoken);
+  }
+
+  private axisUp(drawing: Drawing): Axis {
+    const logarithmic = drawing.logarithmic ?? false;
+    let low = Infinity, high = -Infinity;
+    const widen = (values: ArrayLike<number>) => {
+      const [least, greatest] = extremes(values, logarithmic);
+      low = Math.min(low, least);
+      high = Math.max(high, greatest);
+    };
+    for (const curve of drawing.curves) widen(curve.y);
+    const apart = high - low;
+    // A limit far away would flatten the curve: it is left out, and said to be there by the words beside the value.
+    widen((drawing.limits ?? []).map((limit) => limit.value).filter((value) =>
+      !Number.isFinite(apart) || (value > low - 3 * apart && value < high + 3 * apart) || apart === 0));
+    const [from, to] = axisRange(low, high, logarithmic);
+    return { low: from, high: to, from: this.height - 30, to: 16, logarithmic };
+  }
+
+  private axisAcross(drawing: Drawing, left: number): Axis {
+    let low = Infinity, high = -Infinity;
+    for (const curve of drawing.curves) {
+      const [least, greatest] = extremes(curve.x);
+      low = Math.min(low, least);
+      high = Math.max(high, greatest);
+    }
+    if (!(high > low)) [low, high] = Number.isFinite(low) ? [low, low + 1] : [0, 1];
+    return { low, high, from: left, to: this.width - 10, logarithmic: false };
+  }
+
+  private yTicks(drawing: Drawing, up: Axis): [number, string][] {
+    const factor = drawing.factor ?? 1;
+    const count = Math.max(2, Math.floor(this.height / 34));
+    const places = up.logarithmic ? powerTicks(up.low * factor, up.high * factor, count) : ticks(up.low * factor, up.high * factor, count);
+    const words = tickLabels(places);
+    return places.map((place, index) => [place / factor, words[index]!]);
+  }
+
+  private frame(pen: CanvasRenderingContext2D, drawing: Drawing, labels: [number, string][], up: Axis, left: number): void {
+    const ink = this.ink!, bottom = this.height - 30, right = this.width - 10;
+    pen.lineWidth = 1;
+    pen.strokeStyle = ink.faint;
+    pen.fillStyle = ink.text;
+    pen.textAlign = "right";
+    pen.textBaseline = "middle";
+    pen.beginPath();
+    for (const [value, text] of labels) {
+      const y = Math.round(pixel(up, value)) + 0.5;
+      pen.moveTo(left, y);
+      pen.lineTo(right, y);
+      pen.fillText(text, left - 4, y);
+    }
+    pen.textAlign = "center";
+    pen.textBaseline = "top";
+    const across = this.across;
+    const places = ticks(across.low, across.high, Math.max(2, Math.floor((right - left) / 70)));
+    tickLabels(places).forEach((text, index) => {
+      const x = Math.round(pixel(across, places[index]!)) + 0.5;
+      pen.moveTo(x, bottom);
+      pen.lineTo(x, bottom + 3);
+      const half = pen.measureText(text).width / 2;
+      pen.fillText(text, Math.min(Math.max(x, half), this.width - half), bottom + 4);
+    });
+    pen.stroke();
+    pen.textAlign = "right";
+    pen.fillText(drawing.xLabel, right, bottom + 16);
+    pen.textAlign = "left";
+    pen.fillText(drawing.yLabel, 0, 1);
+  }
+
+  private lines(pen: CanvasRenderingContext2D, drawing: Drawing, up: Axis): void {
+    const ink = this.ink!, bottom = this.height - 30, right = this.width - 10, across = this.across;
+    pen.save();
+    pen.beginPath();
+    pen.rect(across.from, 14, right - across.from + 1, bottom - 13);
+    pen.clip();
+    pen.lineWidth = 1.5;
+    drawing.curves.forEach((curve, index) => {
+      pen.strokeStyle = ink.curves[index % ink.curves.length]!;
+      pen.setLineDash(DASHES[Math.floor(index / ink.curves.length) % DASHES.length]!);
+      strokePolyline(pen, thinned(curve.x, curve.y, across, up));
+    });
+    pen.lineWidth = 1;
+    for (const limit of drawing.limits ?? []) {
+      pen.strokeStyle = pen.fillStyle = ink.limit;
+      pen.setLineDash([5, 3]);
+      const y = Math.round(pixel(up, limit.value)) + 0.5;
+      strokePolyline(pen, [across.from, y, right, y]);
+      pen.textAlign = "right";
+      pen.textBaseline = y < 30 ? "top" : "bottom";
+      pen.fillText(limit.name, right - 2, y);
+    }
+    for (const [name, value] of Object.entries(drawing.at ?? {})) {
+      pen.strokeStyle = pen.fillStyle = ink.text;
+      pen.setLineDash([2, 2]);
+      const x = Math.round(pixel(across, value)) + 0.5;
+      strokePolyline(pen, [x, 14, x, bottom]);
+      pen.textBaseline = "top";
+      pen.textAlign = x > (across.from + right) / 2 ? "right" : "left";
+      pen.fillText(name, x + (pen.textAlign === "right" ? -3 : 3), 16);
+    }
+    pen.restore();
+  }
+}
+
+function strokePolyline(pen: CanvasRenderingContext2D, line: number[]): void {
+  pen.beginPath();
+  let begins = true;
+  for (let index = 0; index < line.length; index += 2) {
+    const x = line[index]!, y = line[index + 1]!;
+    if (Number.isNaN(y)) { begins = true; continue; }
+    // A value by itself between frames without one is a dot.
+    if (begins) { pen.moveTo(x, y); pen.lineTo(x + 0.75, y); } else pen.lineTo(x, y);
+    begins = false;
+  }
+  pen.stroke();
+}

@@ -1,0 +1,67 @@
+// Where the curves of a plot lie, in pixels.
+
+export interface Axis { low: number; high: number; from: number; to: number; logarithmic: boolean; }
+
+/** The pixel of a value; NaN where it has none. */
+export function pixel(axis: Axis, value: number): number {
+  const { low, high, from, to } = axis;
+  const share = axis.logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+  return from + share * (to - from);
+}
+
+/** The value at a pixel. */
+export function valueAt(axis: Axis, place: number): number {
+  const share = (place - axis.from) / (axis.to - axis.from);
+  return axis.logarithmic ? axis.low * (axis.high / axis.low) ** share : axis.low + share * (axis.high - axis.low);
+}
+
+/** The smallest and largest number among values, (Infinity, -Infinity) where there is none; of positive ones where asked. */
+export function extremes(values: ArrayLike<number>, positive = false): [number, number] {
+  let low = Infinity, high = -Infinity;
+  for (let index = 0; index < values.length; index += 1) {
+    const value = values[index]!;
+    if (!Number.isFinite(value) || (positive && value <= 0)) continue;
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return [low, high];
+}
+
+/**
+ * A polyline through values with at most four points a column of pixels: first, least, greatest and last value of each,
+ * so that no peak is lost. NaN parts it.
+ *
+ * Returns x and y [px] in turn.
+ */
+export function thinned(x: ArrayLike<number>, y: ArrayLike<number>, across: Axis, up: Axis): number[] {
+  const line: number[] = [];
+  let column = NaN, least = 0, greatest = 0, last = 0;
+  const put = (index: number) => line.push(pixel(across, x[index]!), pixel(up, y[index]!));
+  const close = () => {
+    if (Number.isNaN(column)) return;
+    const [one, other] = least < greatest ? [least, greatest] : [greatest, least];
+    for (const index of new Set([one, other, last])) put(index);
+    column = NaN;
+  };
+  for (let index = 0; index < y.length; index += 1) {
+    const value = y[index]!;
+    if (!Number.isFinite(value) || (up.logarithmic && value <= 0)) {
+      close();
+      if (line.length && !Number.isNaN(line[line.length - 1]!)) line.push(NaN, NaN);
+      continue;
+    }
+    const here = Math.floor(pixel(across, x[index]!));
+    if (here !== column) {
+      close();
+      column = here;
+      put(index);
+      least = greatest = last = index;
+      continue;
+    }
+    if (value < y[least]!) least = index;
+    if (value > y[greatest]!) greatest = index;
+    last = index;
+  }
+  close();
+  return line;
+}

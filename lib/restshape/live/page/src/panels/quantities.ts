@@ -1,0 +1,56 @@
+// The quantities of the frame: values with units, estimated errors, limits and whether they hold.
+
+import type { App } from "../app";
+import type { FrameMessage, QuantityInfo } from "../protocol";
+import { ChangingText, element, mark } from "./element";
+import { limitsOf, quantityValue, spoken, STATUSES } from "./frame_values";
+import type { Painter } from "./painter";
+import { errorText, siText } from "./si_text";
+
+interface Row { info: QuantityInfo; value: ChangingText; error: ChangingText; status: ChangingText; line: HTMLElement; }
+
+/** `plotted`: is told which quantities are chosen for plots. */
+export function showQuantities(app: App, painter: Painter, plotted: (name: string, on: boolean) => void): HTMLElement {
+  const body = element("tbody");
+  const table = element("table", { class: "quantities" },
+    element("caption", {}, "Quantities"),
+    element("thead", {}, element("tr", {}, ...["quantity", "value", "limit", "plot"].map((title) => element("th", { scope: "col" }, title)))),
+    body);
+  let rows: Row[] = [];
+  const build = (quantities: QuantityInfo[]) => {
+    rows = quantities.map((info, index) => rowOf(info, index < 3, plotted));
+    body.replaceChildren(...rows.map((row) => row.line));
+    table.hidden = rows.length === 0;
+    if (app.frame) write();
+  };
+  const write = () => { if (app.frame) for (const row of rows) update(row, app.frame.header); };
+  app.on("welcome", ({ quantities }) => build(quantities));
+  app.on("known", ({ quantities }) => { if (quantities) build(quantities); });
+  app.on("frame", () => painter.soon(write));
+  table.hidden = true;
+  return table;
+}
+
+function rowOf(info: QuantityInfo, chosen: boolean, plotted: (name: string, on: boolean) => void): Row {
+  const value = new ChangingText(), error = new ChangingText(), status = new ChangingText();
+  const box = element("input", { type: "checkbox", "aria-label": `plot ${spoken(info.name)}`, checked: chosen });
+  box.addEventListener("change", () => plotted(info.name, box.checked));
+  const limits = limitsOf(info).map((limit) => `${limit.name} ${siText(limit.value, info.unit, 3)}`).join(", ");
+  const line = element("tr", {},
+    element("th", { scope: "row" }, spoken(info.name)),
+    element("td", { class: "value" }, value.node, element("small", {}, error.node)),
+    element("td", { class: "limit" }, element("span", { class: "status" }, status.node), element("small", {}, limits)),
+    element("td", {}, box));
+  plotted(info.name, chosen);
+  return { info, value, error, status, line };
+}
+
+function update(row: Row, frame: FrameMessage): void {
+  const { info } = row;
+  const value = quantityValue(frame, info.name);
+  row.value.set(siText(value, info.unit));
+  row.error.set(errorText(frame.errors[info.name], value, info.unit));
+  const status = frame.limits[info.name];
+  row.status.set(status ? `${STATUSES[status].sign} ${STATUSES[status].word}` : "");
+  mark(row.line, "data-limit", status ?? null);
+}
