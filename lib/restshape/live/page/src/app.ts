@@ -9,6 +9,7 @@ export type Rates = Extract<FromServer, { type: "rates" }>;
 export type Player = Extract<FromServer, { type: "player" }>;
 export type Known = Extract<FromServer, { type: "known" }>;
 export type Busy = Extract<FromServer, { type: "busy" }>;
+export type Written = Extract<FromServer, { type: "written" }>;
 export type Saved = Extract<FromServer, { type: "saved" }>;
 export type Lost = Extract<FromServer, { type: "lost" }>;
 
@@ -31,6 +32,7 @@ export interface Happenings {
   player: Player;
   role: "hand" | "looker";
   saved: Saved;
+  written: Written;
   lost: Lost;
   note: string;
   link: Link;
@@ -102,6 +104,7 @@ export class App {
       case "busy": this.tell("busy", message); break;
       case "player": this.tell("player", message); break;
       case "saved": this.tell("saved", message); break;
+      case "written": this.tell("written", message); break;
       case "lost": this.tell("lost", message); break;
       default:
     }

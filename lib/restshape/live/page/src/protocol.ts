@@ -45,6 +45,7 @@ export type FromServer =
   | { type: "player"; playing: boolean; frame: number; frames: number }
   | { type: "role"; role: "hand" | "looker" }
   | { type: "saved"; id: number; path: string; events: number }
+  | { type: "written"; lines: string; count: number }                   // what the script has gained, and its events now
   | { type: "lost"; message: string; restarting: boolean }
   | { type: "note"; message: string };
 

@@ -34,13 +34,6 @@ export function mark(of: Element, name: string, value: string | null): void {
   else of.setAttribute(name, value);
 }
 
-/** A panel: a section with a heading that opens and closes it. */
-export function section(title: string, open: boolean, ...children: Node[]): HTMLDetailsElement {
-  const made = element("details", { class: "panel" }, element("summary", {}, title), ...children);
-  made.open = open;
-  return made;
-}
-
 export function button(text: string, title: string, pressed: () => void): HTMLButtonElement {
   return element("button", { type: "button", title, click: pressed }, text);
 }

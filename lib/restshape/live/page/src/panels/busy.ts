@@ -1,0 +1,23 @@
+// What takes long: since when, what it is, and a button that gives it up.
+
+import type { App } from "../app";
+import { button, ChangingText, element } from "./element";
+
+export function showBusy(app: App): HTMLElement {
+  const text = new ChangingText();
+  const cancel = button("Cancel", "give this frame up; the shape stays as it was", () => {
+    app.send({ type: "cancel" });
+    cancel.disabled = true;
+  });
+  const body = element("div", { class: "busy", role: "status", hidden: true },
+    element("progress", { "aria-label": "computing" }), element("span", {}, text.node), cancel);
+  const end = () => { if (!body.hidden) body.hidden = true; };
+  app.on("busy", ({ seconds, what }) => {
+    text.set(`${what} ${seconds.toFixed(seconds < 10 ? 1 : 0)} s`);
+    if (body.hidden) cancel.disabled = app.role === "looker";
+    body.hidden = false;
+  });
+  for (const over of ["frame", "done", "refused", "welcome"] as const) app.on(over, end);
+  app.on("lost", ({ restarting }) => { if (!restarting) end(); });
+  return body;
+}

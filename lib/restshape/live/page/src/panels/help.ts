@@ -1,0 +1,34 @@
+// Help for the keyboard: key ? opens it.
+
+import { button, element } from "./element";
+
+const KEYS: [string, string][] = [
+  ["Tab", "goes from one part of the page to the next; in the shape, through what can be held"],
+  ["Enter", "takes hold of what is selected, and lets go"],
+  ["Arrows", "move what is held; with Shift ten times as far"],
+  ["Escape", "lets go; ends picking a place"],
+  ["Ctrl+Z", "takes the last edit back"],
+  ["Ctrl+Shift+Z, Ctrl+Y", "does it again"],
+  ["Ctrl+S", "writes the script"],
+  ["Space", "plays and pauses a recorded script"],
+  [", and .", "one frame back, one frame on"],
+  ["?", "opens and closes this help"],
+];
+
+export function showHelp(): HTMLElement {
+  const dialog = element("dialog", { class: "help-dialog", "aria-label": "Keys" });
+  const close = button("Close", "Escape", () => dialog.close());
+  dialog.append(element("h2", {}, "Keys"),
+    element("dl", {}, ...KEYS.flatMap(([key, what]) => [element("dt", {}, element("kbd", {}, key)), element("dd", {}, what)])), close);
+  const toggle = () => (dialog.open ? dialog.close() : dialog.showModal());
+  addEventListener("keydown", (event) => {
+    const at = event.target;
+    const typed = at instanceof HTMLElement && at.closest("input:not([type=range], [type=checkbox], [type=radio]), textarea");
+    if (event.key !== "?" || typed || event.ctrlKey || event.metaKey) return;
+    toggle();
+    event.preventDefault();
+  });
+  const opener = button("?", "keys (?)", toggle);
+  opener.setAttribute("aria-label", "keys");
+  return element("span", {}, opener, dialog);
+}

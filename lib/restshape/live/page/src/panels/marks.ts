@@ -1,0 +1,34 @@
+// What the application says of a frame, given to what draws, offers, charts and sounds it.
+
+import type { App } from "../app";
+import { Charts } from "./charts";
+import { byKind, type MarksByKind } from "./decoded_marks";
+import { Offers } from "./offers";
+import { showFrameWords } from "./frame_words";
+import type { Painter } from "./painter";
+import { Sound } from "./sound";
+import { MarkGroup, type Stage } from "./stage";
+
+export interface MarkPanels { offers: HTMLElement; charts: HTMLElement; sound: HTMLElement; words: HTMLElement; }
+
+export function showMarks(app: App, stage: Stage, painter: Painter): MarkPanels {
+  const offers = new Offers(app, stage), charts = new Charts(painter), sound = new Sound(app, stage);
+  const group = new MarkGroup(stage, "marks"), words = showFrameWords();
+  let now: MarksByKind | null = null, answers = 0;
+  const write = () => {
+    if (!now) return;
+    group.draw(now.drawn);
+    words.show(now.drawn);
+    offers.show(now.offers);
+    charts.show(now.charts);
+    sound.show(now.tones, answers);
+    now = null;
+  };
+  app.on("frame", ({ header, read }) => {
+    if (!header.marks) return;
+    now = byKind(header.marks, read);
+    answers = header.id;
+    painter.soon(write);
+  });
+  return { offers: offers.body, charts: charts.body, sound: sound.body, words: words.body };
+}

@@ -1,0 +1,52 @@
+// The panels of the page, each put into its section of index.html.
+
+import type { App } from "../app";
+import { showAnswer } from "./answer";
+import { showBusy } from "./busy";
+import { showEditButtons } from "./edit_buttons";
+import { showEvents } from "./events";
+import { showHelp } from "./help";
+import { showLog } from "./log";
+import { showLook } from "./look";
+import { showMarks } from "./marks";
+import { showNumbers } from "./numbers";
+import { Painter } from "./painter";
+import { showPlayer } from "./player";
+import { Plots } from "./plots";
+import { showQuantities } from "./quantities";
+import { showRates } from "./rates";
+import { showScript } from "./script_list";
+import type { Stage } from "./stage";
+
+/** Puts all panels into the page. Gives what tells when and how long they write. */
+export function showPanels(app: App, stage: Stage): Painter {
+  const painter = new Painter();
+  const plots = new Plots(app, painter);
+  const quantities = showQuantities(app, painter, (name, on) => plots.choose(name, on));
+  const marks = showMarks(app, stage, painter);
+  const edit = showEditButtons(app);
+  edit.append(showHelp());
+  put("panel-edit", edit, showScript(app, painter));
+  put("panel-quantities", quantities, marks.words, showRates(app), showAnswer(app, painter));
+  put("panel-plots", heading("Over the edit"), plots.body);
+  put("panel-numbers", heading("Parameters and numbers"), showNumbers(app, painter));
+  put("panel-offers", marks.offers);
+  put("panel-charts", marks.charts);
+  put("panel-sound", marks.sound);
+  put("panel-events", heading("Events"), showEvents(app, stage));
+  put("panel-look", showLook(app));
+  put("panel-notes", showLog(app));
+  put("player", showPlayer(app));
+  put("stage", showBusy(app));
+  return painter;
+}
+
+function heading(text: string): HTMLElement {
+  const made = document.createElement("h2");
+  made.textContent = text;
+  return made;
+}
+
+function put(id: string, ...bodies: HTMLElement[]): void {
+  document.getElementById(id)?.append(...bodies);
+}

@@ -1,0 +1,76 @@
+// The tone of the shape: played when it has changed, and when the shape is struck.
+
+import type { App } from "../app";
+import type { ToneMark } from "./decoded_marks";
+import { button, ChangingText, element } from "./element";
+import { digitsText } from "./si_text";
+import type { Stage } from "./stage";
+import { alike } from "./tone_parameters";
+import { TonePlayer } from "./tone_player";
+
+const APART = 350;                                      // [ms] between tones at least, while the shape changes
+
+export class Sound {
+  readonly body = element("div", { hidden: true });
+  private readonly player = new TonePlayer();
+  private readonly text = new ChangingText();
+  private tone: ToneMark | null = null;
+  private played = -Infinity;
+  private timer = 0;
+  private struck = 0;                                   // number of the strike that waits for its tone
+
+  constructor(private readonly app: App, private readonly stage: Stage) {
+    const volume = element("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0.7, "aria-label": "volume" });
+    volume.addEventListener("input", () => this.player.setVolume(Number(volume.value)));
+    const mute = button("mute", "play no tones", () => {
+      this.player.muted = !this.player.muted;
+      mute.setAttribute("aria-pressed", String(this.player.muted));
+    });
+    mute.setAttribute("aria-pressed", "false");
+    this.body.append(element("h2", {}, "Sound"), element("p", {}, this.text.node),
+      element("div", { class: "row" }, button("strike", "strike where the mallet is", () => this.strike()),
+        button("strike at …", "press the shape where it is struck", () => void this.strikeAt()), mute),
+      element("label", { class: "row" }, element("span", {}, "volume"), volume));
+  }
+
+  /** Takes the tones of a frame, which answers the message of this number. */
+  show(tones: ToneMark[], id: number): void {
+    const tone = tones[0] ?? null;
+    if (this.body.hidden === (tone !== null)) this.body.hidden = tone === null;
+    if (!tone) return;
+    const before = this.tone;
+    this.tone = tone;
+    this.text.set(toneText(tone));
+    if (this.struck && id >= this.struck) {
+      this.struck = 0;
+      this.play();
+    } else if (before && !alike(before, tone)) this.playSoon();
+  }
+
+  private strike(): void {
+    this.struck = 0;
+    if (!this.app.send({ type: "strike" }) && !this.tone) return;
+    this.play();
+  }
+
+  private async strikeAt(): Promise<void> {
+    const at = await this.stage.pick("strike");
+    if (!at) return;
+    this.struck = this.app.send({ type: "strike", at: at.slice(0, this.app.welcome?.dim ?? 2) });
+  }
+
+  private playSoon(): void {
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => this.play(), Math.max(0, this.played + APART - performance.now()));
+  }
+
+  private play(): void {
+    if (this.tone && this.player.play(this.tone)) this.played = performance.now();
+  }
+}
+
+/** The name of a tone and its strongest partials. */
+function toneText(tone: ToneMark): string {
+  const first = tone.frequencies.slice(0, 4).map((frequency) => digitsText(frequency, 4)).join(", ");
+  return `${tone.name ? `${tone.name}: ` : ""}${first} Hz`;
+}
