@@ -36,6 +36,7 @@ ALLOWED = {
     ("apps/furniture/session/plank_session.py", "carried"): "carried out",
     ("apps/metallophone", "sound"): "what is heard",
     ("lib/restshape/outputs/kinds.py", "sound"): "a WAV file",
+    ("lib/restshape/live/frame_header.py", "held"): "what the hand has, in messages of the page",
     ("lib/restshape/physics/elasticity/inspection.py", "sound"): "its speed",
     ("lib/restshape/cli/console.py", "broken"): "a broken pipe",
     ("lib/restshape/mesh/generate.py", "broken"): "a mesh file",

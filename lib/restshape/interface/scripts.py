@@ -119,10 +119,23 @@ class WrittenScript:
         self._tables.pop()
         self._reader.events.pop()
 
+    @property
+    def count(self) -> int:
+        """Events so far."""
+        return len(self._tables)
+
+    def last_line(self) -> str:
+        """The text of the last event, without the end of its line."""
+        return json.dumps(self._tables[-1], allow_nan=False)
+
+    def text(self) -> str:
+        """The text of the script so far."""
+        lines = [self._header.model_dump(exclude_defaults=True), *self._tables]
+        return "".join(f"{json.dumps(line, allow_nan=False)}\n" for line in lines)
+
     def script(self) -> Script:
         """The script so far."""
-        lines = [self._header.model_dump(exclude_defaults=True), *self._tables]
-        text = "".join(f"{json.dumps(line, allow_nan=False)}\n" for line in lines)
+        text = self.text()
         return Script(self._header, tuple(self._reader.events), warnings=tuple(self._reader.odd), text=text)
 
 

@@ -1,6 +1,6 @@
 """The field that pictures show by colours: which one, and its values at the nodes of each cell."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,19 +67,43 @@ def shown_field(recording: Recording, name: str | None = None) -> ShownField | N
             what, known = f"the recording has no field {name!r}", ", ".join(dict.fromkeys(recorded)) or "none"
             raise UserError(what, "--field", f"use one of those that it has: {known}")
         return ShownField(name, looks.get(name) or NAMES.get(name) or PictureField(name, ""))
-    limited = set(limits_of(recording))
-    quantities = [*quantities_from(recording, looks)]
+    cells = [key for key, info in recording.fields.items() if info.where == "cell_data" and not info.components]
+    chosen = chosen_field(recorded, looks, quantity_specs(recording.header), set(limits_of(recording)), cells)
+    return ShownField(chosen, looks.get(chosen) or PictureField(chosen, "")) if chosen else None
+
+
+def chosen_field(
+    names: Collection[str],
+    looks: Mapping[str, PictureField],
+    specs: Mapping[str, Mapping[str, object]],
+    limited: Collection[str],
+    cells: Sequence[str],
+) -> str:
+    """The name of the field that pictures show of some, as `shown_field` chooses it; empty where it is none.
+
+    Args:
+        names: of the fields; looks: those that the physics declare.
+        specs: of the quantities by name; limited: those of them that have a limit.
+        cells: fields that are a number a cell.
+    """
+    quantities = [*_from_fields(specs, looks)]
     quantities.sort(key=lambda found: found[0] not in limited)
     for candidate in [*(field for _, field in quantities), *looks]:
-        if candidate in recorded:
-            return ShownField(candidate, looks[candidate])
-    cells = [key for key, info in recording.fields.items() if info.where == "cell_data" and not info.components]
-    return ShownField(cells[0], PictureField(cells[0], "")) if cells else None
+        if candidate in names:
+            return candidate
+    return cells[0] if cells else ""
 
 
 def quantities_from(recording: Recording, looks: Mapping[str, PictureField]) -> Iterator[tuple[str, str]]:
     """Quantities of the recorded scene that are taken from one of these fields, each with the field's name."""
-    for name, spec in quantity_specs(recording.header).items():
+    yield from _from_fields(quantity_specs(recording.header), looks)
+
+
+def _from_fields(
+    specs: Mapping[str, Mapping[str, object]], looks: Mapping[str, PictureField]
+) -> Iterator[tuple[str, str]]:
+    """Quantities that are taken from one of these fields, each with the field's name."""
+    for name, spec in specs.items():
         for field, look in looks.items():
             if look.quantity and spec.get(look.quantity[0]) == look.quantity[1]:
                 yield name, field

@@ -29,6 +29,8 @@ export interface ThingInfo {                                               // wh
   name: string; role: "vertex" | "edge" | "control" | "hole" | "group" | "body" | "support" | "plank" | "region" | "panel";
   grabs: ("press" | "pull")[]; part: string;                               // part that draws it
   parameters?: string[];                                                   // of a plank: "move x", "turn y", ...
+  lines?: string[];                                                        // names of the lines, or dots, that draw it; else its own
+  triangles?: [number, number];                                            // first of the part's that draw it, how many; else all
 }
 
 /** From the server as text. */

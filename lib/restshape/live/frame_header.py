@@ -1,0 +1,75 @@
+"""What the header of a frame says besides its picture: columns, errors, limits, and what the hand holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from restshape.findings import decode_findings
+from restshape.replay.columns import error_column
+from restshape.replay.constraints import FAILS, HOLDS, LIMIT, UNCERTAIN, UNCERTAINTY
+
+if TYPE_CHECKING:
+    from restshape.analysis.row_values import RowValues
+    from restshape.scene.model import Scene
+
+Column = float | int | str
+
+
+def columns_of(row: RowValues) -> dict[str, Column]:
+    """The columns of a row that say something: no empty texts, and no numbers that are none."""
+    found: dict[str, Column] = {}
+    for name, value in row.items():
+        if isinstance(value, str):
+            if value:
+                found[name] = value
+        elif isinstance(value, int):
+            found[name] = value
+        elif value - value == 0.0:
+            found[name] = float(value)
+    return found
+
+
+def errors_of(row: RowValues, scene: Scene) -> dict[str, float]:
+    """Estimated errors of quantities, of those alone that have one."""
+    found = {}
+    for name in scene.quantities:
+        error = row.get(error_column(name))
+        if isinstance(error, float) and isfinite(error):
+            found[name] = float(error)
+    return found
+
+
+def limits_of_frame(row: RowValues, scene: Scene) -> dict[str, str]:
+    """Whether the limits of quantities hold, of those that have one."""
+    limited = [name for name, one in scene.quantities.items() if one.min is not None or one.max is not None]
+    if not limited or row["refused"]:
+        return {}
+    found = dict.fromkeys(limited, HOLDS)
+    for one in decode_findings(str(row["findings"])):
+        status = {LIMIT: FAILS, UNCERTAINTY: UNCERTAIN}.get(one.kind)
+        if status:
+            found |= {name: status for name in one.subjects if name in found}
+    return found
+
+
+def header_of(
+    number: int, answers: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None
+) -> dict[str, object]:
+    """The header of a frame, but its parts and marks.
+
+    Args:
+        number: of the frame; answers: number of the message that it answers.
+        row: of the frame; scene: with the values that hold in it.
+        hand: what it holds, and where it is; None: it holds nothing.
+    """
+    return {
+        "type": "frame",
+        "number": number,
+        "id": answers,
+        "columns": columns_of(row),
+        "errors": errors_of(row, scene),
+        "limits": limits_of_frame(row, scene),
+        "held": hand,
+    }

@@ -1,0 +1,126 @@
+"""What can be taken hold of, as lines and dots of the picture, each with its name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.arrays import AnyArray, Reals
+from restshape.errors import UserError
+from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.shape.outline import Outline
+
+
+@dataclass(frozen=True)
+class Thing:
+    """An entity, a body, or a support, which a hand may take hold of.
+
+    Args:
+        name: that events use; role: what it is, as `ThingInfo.role` of `page/src/protocol.ts`.
+        grabs: events that take hold of it.
+        part: of the picture, which draws it.
+        lines: names of the lines, or dots, that draw it; empty: those of its own name.
+        parameters: that may be held in its stead.
+        triangles: the first of the part's triangles that draw it, and how many; None: all of it.
+    """
+
+    name: str
+    role: str
+    grabs: Sequence[str]
+    part: str
+    lines: Sequence[str] = ()
+    parameters: Sequence[str] = ()
+    triangles: tuple[int, int] | None = None
+
+    def said(self) -> dict[str, object]:
+        """What the page gets."""
+        found: dict[str, object] = {"name": self.name, "role": self.role, "grabs": [*self.grabs], "part": self.part}
+        more = {"lines": [*self.lines], "parameters": [*self.parameters], "triangles": self.triangles}
+        return found | {key: value for key, value in more.items() if value}
+
+
+class OutlineParts:
+    """The edges of an outline as lines, its vertices and the control points of its curves as dots.
+
+    Arrays that have not changed from frame to frame are the same objects.
+    """
+
+    def __init__(self) -> None:
+        self._outline: Outline | None = None
+        self._topology = -1
+        self._parts: list[PicturePart] = []
+        self._parameters: list[Reals] = []
+        self._first = np.zeros(1, dtype=np.int32)
+        self._controls: list[tuple[int, str]] = []
+
+    def __call__(self, outline: Outline | None) -> list[PicturePart]:
+        """The parts of an outline; none without one."""
+        if outline is None or outline is self._outline:
+            return self._parts
+        if outline.topology != self._topology or self._bent(outline):
+            self._cut(outline)
+        self._outline = outline
+        lines = in_space(outline.points_on_all(self._first, np.concatenate(self._parameters)))
+        starts = self._parts[0].arrays["starts"]
+        places: dict[str, dict[str, AnyArray]] = {"outline": {"points": lines, "starts": starts}}
+        places["vertices"] = {"points": in_space(outline.points[: len(outline.vertex_names)])}
+        places["controls"] = {"points": in_space(outline.points[[k for k, _ in self._controls]])}
+        self._parts = [PicturePart(p.name, p.kind, p.role, places[p.name], p.said) for p in self._parts]
+        return self._parts
+
+    def _bent(self, outline: Outline) -> bool:
+        """Whether curves have bent since they were cut into pieces."""
+        return self._outline is not None and outline.bulges is not self._outline.bulges
+
+    def _cut(self, outline: Outline) -> None:
+        """Cut the edges of a layout into pieces."""
+        self._topology = outline.topology
+        error = 5e-4 * outline.size
+        self._parameters = [_pieces(outline, edge, error) for edge in range(len(outline.edges))]
+        self._first = np.concatenate([[0], np.cumsum([len(s) for s in self._parameters])]).astype(np.int32)
+        self._controls = [(k, edge.name) for edge in outline.edges for k in edge.inner]
+        starts = self._first[:-1].astype("<u4")
+        self._parts = [
+            PicturePart(
+                "outline", "lines", "outline", {"starts": starts}, {"names": [edge.name for edge in outline.edges]}
+            ),
+            PicturePart("vertices", "dots", "outline", {}, {"names": list(outline.vertex_names)}),
+            PicturePart("controls", "dots", "outline", {}, {"names": [name for _, name in self._controls]}),
+        ]
+
+
+def _pieces(outline: Outline, edge: int, error: float) -> Reals:
+    """Parameters along an edge, a few where it has too many pieces."""
+    try:
+        return outline.pieces(edge, error)
+    except UserError:
+        return np.linspace(0.0, 1.0, 65)
+
+
+def things_of(outline: Outline | None) -> list[Thing]:
+    """What of an outline can be taken hold of."""
+    if outline is None:
+        return []
+    edges = outline.edges
+    found = [Thing(name, "vertex", ("press",), "vertices") for name in outline.vertex_names]
+    for edge in edges:
+        curved = edge.kind != "line"
+        found.append(Thing(edge.name, "edge", ("press", "pull") if curved else ("press",), "outline"))
+    found += [
+        Thing(name, "control", ("pull",), "controls")
+        for name in dict.fromkeys(edge.name for edge in edges if edge.inner)
+    ]
+    panels = outline.piece_names
+    for loop in outline.loops:
+        role = loop.kind if loop.kind != "outline" else "panel" if panels != ("outline",) else ""
+        if role:
+            names = [edges[edge].name for edge, _ in loop.edges]
+            found.append(Thing(loop.name, role, ("press",), "outline", names))
+    for name in outline.groups:
+        entity = outline.entity(name)
+        part = "outline" if entity.edges else "vertices"
+        names = [edges[e].name for e in entity.edges] or [outline.vertex_names[v] for v in entity.vertices]
+        found.append(Thing(name, "group", ("press",), part, names))
+    return found

@@ -1,0 +1,61 @@
+"""Marks of applications as they travel: see `MarkMessage` of `page/src/protocol.ts`."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+
+import numpy as np
+
+from restshape.interface.plain import plain
+from restshape.live.frame_arrays import MessageBody, in_space
+from restshape.live.shown_marks import Arrows, Chart, Lines, Offer, Tone, Words
+
+
+@singledispatch
+def placed(mark: object, body: MessageBody) -> dict[str, object]:
+    """What the header of a message says of a mark, whose arrays are added to its body."""
+    raise TypeError(f"{type(mark).__name__} is no mark")
+
+
+@placed.register(Lines)
+def _(mark: Lines, body: MessageBody) -> dict[str, object]:
+    moved = {} if mark.moved is None else {"moved": body.add(in_space(mark.moved))}
+    said = {"kind": "lines", "name": mark.name, "meaning": mark.meaning, "words": list(mark.words)}
+    return said | {"starts": list(map(int, mark.starts)), "points": body.add(in_space(mark.points))} | moved
+
+
+@placed.register(Arrows)
+def _(mark: Arrows, body: MessageBody) -> dict[str, object]:
+    said = {"kind": "arrows", "name": mark.name, "meaning": mark.meaning, "unit": mark.unit, "words": list(mark.words)}
+    return said | {"points": body.add(in_space(mark.points)), "vectors": body.add(in_space(mark.vectors))}
+
+
+@placed.register(Words)
+def _(mark: Words, body: MessageBody) -> dict[str, object]:
+    at = None if mark.at is None else [float(one) for one in mark.at]
+    return {"kind": "words", "text": mark.text, "at": at, "meaning": mark.meaning}
+
+
+@placed.register(Offer)
+def _(mark: Offer, body: MessageBody) -> dict[str, object]:
+    slide = plain(mark.slide)
+    said = {"kind": "offer", "name": mark.name, "text": mark.text, "events": plain(mark.events)}
+    return said | {"slide": slide, "slid": mark.slid, "lines": [placed(one, body) for one in mark.lines]}
+
+
+@placed.register(Chart)
+def _(mark: Chart, body: MessageBody) -> dict[str, object]:
+    curves = [{"name": name, "x": _numbers(x), "y": _numbers(y)} for name, (x, y) in mark.curves.items()]
+    said = {"kind": "chart", "name": mark.name, "xLabel": mark.x_label, "yLabel": mark.y_label, "curves": curves}
+    return said | {"at": {name: float(x) for name, x in mark.at.items()}, "logarithmic": mark.logarithmic}
+
+
+@placed.register(Tone)
+def _(mark: Tone, body: MessageBody) -> dict[str, object]:
+    partials = {key: _numbers(getattr(mark, key)) for key in ("frequencies", "decays", "amplitudes")}
+    return {"kind": "tone", "name": mark.name, **partials}
+
+
+def _numbers(values: object) -> list[float]:
+    found: list[float] = np.asarray(values, dtype=float).tolist()
+    return found

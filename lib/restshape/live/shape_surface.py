@@ -1,0 +1,118 @@
+"""The shape of a frame as a surface of triangles, with its displacement and the field that gives the colours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from restshape.arrays import AnyArray, Indices, Integers, Reals
+from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.live.surface_cells import ShownTriangles, triangles_of
+
+MODE = "mode_"
+"""Begins the names of modes, which are drawn as displacements of an arbitrary size."""
+
+
+class ShownSpace(Protocol):
+    """The mesh of a frame.
+
+    Attributes:
+        X: (n, d) [m]; cells: (ne, k); topology: version of the cells.
+    """
+
+    X: Reals
+    cells: Indices
+    topology: int
+
+
+@dataclass(frozen=True)
+class Colours:
+    """Which field gives the colours.
+
+    Args:
+        name: of it; source: name in the analysis: with an ending where each cell has values of its own.
+        in_cells: it is of cells.
+    """
+
+    name: str
+    source: str
+    in_cells: bool
+
+
+class ShapeSurface:
+    """The part "shape" of the picture of each frame; arrays that have not changed are the same objects."""
+
+    def __init__(self) -> None:
+        self._version: tuple[object, int] = (None, -1)
+        self._triangles = ShownTriangles.none()
+        self._known: dict[str, tuple[AnyArray, AnyArray]] = {}
+
+    @property
+    def triangles(self) -> ShownTriangles:
+        """Those of the last frame."""
+        return self._triangles
+
+    def __call__(
+        self, space: ShownSpace, at_nodes: Mapping[str, Reals], in_cells: Mapping[str, Reals], colours: Colours | None
+    ) -> PicturePart:
+        """The part of a frame.
+
+        Args:
+            space: its mesh; at_nodes, in_cells: its fields, as `Analysis.fields` gives them.
+            colours: which of them gives the colours; None: none does.
+        """
+        version = (space, space.topology)
+        if self._version[0] is not space or self._version[1] != space.topology:
+            self._version, self._known = version, {}
+            self._triangles = triangles_of(space.X, space.cells)
+        shown = self._triangles
+        arrays = {"points": self._placed("points", space.X), "cells": shown.corners, "border": shown.border}
+        moved = at_nodes.get("displacement")
+        moved = at_nodes.get(_mode(at_nodes, colours)) if moved is None else moved
+        if moved is not None:
+            arrays["displacement"] = self._placed("displacement", moved)
+        said: dict[str, object] = {}
+        if colours is not None:
+            given = (in_cells if colours.in_cells else at_nodes)[colours.source]
+            key = "valueInCells" if colours.in_cells else "value"
+            arrays[key], known = self._valued(key, given, colours.in_cells)
+            said = {"field": colours.name, "range": known}
+        return PicturePart("shape", "surface", "shape", arrays, said)
+
+    def _placed(self, key: str, values: Reals) -> AnyArray:
+        """Places, or displacements, in space; those of before where they are the same."""
+        before = self._known.get(key)
+        if before is not None and np.array_equal(before[0], values, equal_nan=True):
+            return before[1]
+        found = in_space(values if self._triangles.nodes is None else values[self._triangles.nodes])
+        if key == "displacement":
+            np.nan_to_num(found, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+        self._known[key] = np.array(values), found
+        return found
+
+    def _valued(self, key: str, values: Reals, in_cells: bool) -> tuple[AnyArray, list[float] | None]:
+        """The values that give colours, and the least and the largest of all that are known."""
+        scalar = values
+        if values.ndim == 2 and not (in_cells and values.shape[1] == self._triangles.cell_size):
+            scalar = np.linalg.norm(values, axis=1)
+        before = self._known.get(key)
+        if before is None or before[0].shape != scalar.shape or not np.array_equal(before[0], scalar, equal_nan=True):
+            shown = self._triangles.spread(scalar) if in_cells else self._triangles.chosen(scalar)
+            self._known[key] = before = np.array(scalar), shown.astype("<f4")
+        finite = scalar[np.isfinite(scalar)]
+        return before[1], [float(finite.min()), float(finite.max())] if finite.size else None
+
+
+def _mode(at_nodes: Mapping[str, Reals], colours: Colours | None) -> str:
+    """The mode that is drawn as a displacement: the one that is shown, else the first."""
+    number = colours.name.rpartition("_")[2] if colours and MODE in colours.name else "1"
+    wanted = f"{MODE}{number}"
+    return wanted if wanted in at_nodes else f"{MODE}1"
+
+
+def index_range(values: Integers) -> tuple[int, int]:
+    """The first of some rising indices, and how many there are."""
+    return (int(values[0]), len(values)) if len(values) else (0, 0)

@@ -1,0 +1,123 @@
+"""Cells of meshes as triangles to draw: of first and second order, in the plane and in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from restshape.analysis.nodal_lines import QUARTERS
+from restshape.arrays import AnyArray, Integers, Reals
+
+TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+"""Corners of the faces of a tetrahedron, which look outwards."""
+MIDDLES = np.array([[6, 5, 4], [4, 8, 7], [5, 9, 8], [7, 9, 6]])
+"""Nodes in the middles of the sides of these faces, of the second order."""
+HEXAHEDRON = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+"""Corners of the faces of a hexahedron, likewise."""
+SHARP = np.cos(np.radians(35.0))
+"""Cosine of the angle between two faces above which their common side is drawn."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShownTriangles:
+    """ShownTriangles that show cells.
+
+    Args:
+        corners: (m, 3) u4 rows of the shown nodes; border: (b, 2) u4 sides that are drawn as the shape's.
+        nodes: (n,) of the mesh that are shown; None: all.
+        cell: (m,) the cell of each triangle; local: (m, 3) which of its nodes the corners are.
+        cell_size: nodes of a cell.
+    """
+
+    corners: AnyArray
+    border: AnyArray
+    nodes: Integers | None
+    cell: Integers
+    local: Integers
+    cell_size: int
+
+    @classmethod
+    def none(cls) -> ShownTriangles:
+        """No triangles."""
+        empty = np.empty((0, 3), dtype=np.int64)
+        return cls(empty.astype("<u4"), empty[:, :2].astype("<u4"), None, empty[:, 0], empty, 3)
+
+    def chosen(self, values: Reals) -> Reals:
+        """Of values (n, ...) of all nodes those of the shown ones."""
+        return values if self.nodes is None else values[self.nodes]
+
+    def spread(self, values: Reals) -> Reals:
+        """Values (ne,) of cells, or (ne, k) of their nodes, at the corners (m, 3) of the triangles."""
+        if values.ndim == 1:
+            return np.repeat(values[self.cell, None], 3, axis=1)
+        found: Reals = values[self.cell[:, None], self.local]
+        return found
+
+
+def triangles_of(X: Reals, cells: AnyArray) -> ShownTriangles:
+    """ShownTriangles that show cells, as they lie.
+
+    Args:
+        X: (n, d) places of the nodes [m].
+        cells: (ne, k): 3 or 6 nodes of triangles, 4 or 10 of tetrahedra, 8 of hexahedra.
+    """
+    cells = cells.astype(np.int64)
+    number, k = np.arange(len(cells)), cells.shape[1]
+    if k in (3, 6):
+        parts = np.array([[0, 1, 2]] if k == 3 else QUARTERS)
+        cell, local = np.tile(number, len(parts)), np.repeat(parts, len(cells), axis=0)
+    elif k == 8:
+        quads = np.concatenate([HEXAHEDRON[:, [0, 1, 2]], HEXAHEDRON[:, [0, 2, 3]]])
+        cell, local = np.repeat(number, len(quads)), np.tile(quads, (len(cells), 1))
+    elif k in (4, 10):
+        cell, local = _skin(cells)
+    else:
+        return ShownTriangles.none()
+    corners = cells[cell[:, None], local]
+    if k == 8:
+        sides = np.concatenate(
+            [HEXAHEDRON[:2][:, [i, (i + 1) % 4]] for i in range(4)] + [np.array([[0, 4]]) + i for i in range(4)]
+        )
+        border = cells[:, sides].reshape(-1, 2)
+    else:
+        border = drawn_sides(X, corners, creased=k in (4, 10))
+    nodes = np.unique(corners) if k in (4, 10) else None
+    if nodes is not None:
+        place = np.zeros(len(X), dtype=np.int64)
+        place[nodes] = np.arange(len(nodes))
+        corners, border = place[corners], place[border]
+    return ShownTriangles(corners.astype("<u4"), border.astype("<u4"), nodes, cell, local, k)
+
+
+def _skin(cells: Integers) -> tuple[Integers, Integers]:
+    """The cell, and the local nodes (m, 3), of each triangle of the faces that one tetrahedron alone has."""
+    faces = np.sort(cells[:, TETRAHEDRON].reshape(-1, 3), axis=1)
+    _, first, counts = np.unique(faces, axis=0, return_index=True, return_counts=True)
+    outer = np.sort(first[counts == 1])
+    cell, face = outer // 4, outer % 4
+    if cells.shape[1] == 4:
+        return cell, TETRAHEDRON[face]
+    six = np.column_stack([TETRAHEDRON[face], MIDDLES[face]])
+    return np.tile(cell, 4), np.concatenate([six[:, part] for part in QUARTERS])
+
+
+def drawn_sides(X: Reals, corners: Integers, creased: bool) -> Integers:
+    """The sides (b, 2) that one triangle alone has; of a creased surface those between faces at an angle, too."""
+    ends = np.sort(corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    key = ends[:, 0] << 32 | ends[:, 1]
+    order = np.argsort(key, kind="stable")
+    rising = key[order]
+    new = np.concatenate([[True], rising[1:] != rising[:-1]]) if len(rising) else np.zeros(0, dtype=bool)
+    first = np.flatnonzero(new)
+    counts = np.diff(np.append(first, len(rising)))
+    found = ends[order[first[counts == 1]]]
+    if not creased:
+        return found
+    a, b, c = (X[corners[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    pairs = first[counts == 2]
+    one, other = order[pairs] // 3, order[pairs + 1] // 3
+    sharp = (normals[one] * normals[other]).sum(axis=1) < SHARP
+    return np.concatenate([found, ends[order[pairs[sharp]]]])
