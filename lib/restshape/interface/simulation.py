@@ -100,11 +100,6 @@ class Simulation(Edits):
         return self._written
 
     @property
-    def computed_by(self) -> Replay:
-        """The frame loop that computes the frames; what it holds changes in place from frame to frame."""
-        return self._replay
-
-    @property
     def t(self) -> float:
         """Edit time [s] at which the next event begins, unless it has a `t` of its own: 60 frames are a second."""
         return self._written.t

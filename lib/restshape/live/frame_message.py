@@ -5,7 +5,6 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping, Sequence
 
-from restshape.arrays import AnyArray
 from restshape.live.frame_arrays import ALIGNED, MessageBody, PicturePart
 from restshape.live.link import Buffer, encoded
 from restshape.live.mark_messages import placed
@@ -15,41 +14,48 @@ LENGTH = struct.Struct("<I")
 
 
 class FrameEncoder:
-    """Makes messages of frames, without the arrays that the other side has.
+    """Makes messages of frames, without what the other side has already.
 
-    Which it has is known by identity: arrays that are sent never change.
+    Which it has is known by identity: parts, arrays and marks that were sent never change.
     """
 
     def __init__(self) -> None:
-        self._sent: dict[str, dict[str, AnyArray]] = {}
+        self._parts: dict[str, PicturePart] = {}
+        self._marks: Sequence[Mark] = ()
 
     def forget(self) -> None:
-        """The next message has all arrays."""
-        self._sent = {}
+        """The next message has all."""
+        self._parts, self._marks = {}, ()
 
     def __call__(
-        self, header: Mapping[str, object], parts: Sequence[PicturePart], marks: Sequence[Mark] | None = None
+        self, header: Mapping[str, object], parts: Sequence[PicturePart], marks: Sequence[Mark] = ()
     ) -> list[Buffer]:
         """The pieces of the message of a frame.
 
         Args:
             header: but its parts and marks.
             parts: of the picture; those of the frame before that are not among them are gone.
-            marks: at the hand; None: as before.
+            marks: at the hand.
         """
-        body = MessageBody()
-        said = [self._part(part, body) for part in parts]
-        names = {part.name for part in parts}
-        said += [{"name": name, "gone": True, "arrays": {}} for name in self._sent if name not in names]
-        self._sent = {part.name: dict(part.arrays) for part in parts}
+        body, names = MessageBody(), {part.name for part in parts}
+        said = [self._part(part, body) for part in parts if part is not self._parts.get(part.name)]
+        said = [one for one in said if one]
+        said += [{"name": name, "gone": True, "arrays": {}} for name in self._parts if name not in names]
+        self._parts = {part.name: part for part in parts}
         whole = {**header, "parts": said}
-        if marks is not None:
+        if len(marks) != len(self._marks) or any(one is not other for one, other in zip(marks, self._marks)):
             whole["marks"] = [placed(mark, body) for mark in marks]
+            self._marks = [*marks]
         text = encoded(whole).encode()
         text += b" " * (-(LENGTH.size + len(text)) % ALIGNED)
         return [LENGTH.pack(len(text)), text, *body.pieces]
 
     def _part(self, part: PicturePart, body: MessageBody) -> dict[str, object]:
-        known = self._sent.get(part.name, {})
-        arrays = {key: body.add(values) for key, values in part.arrays.items() if known.get(key) is not values}
+        """What has changed of a part, whose arrays that are no more are empty; nothing where all is as before."""
+        known = self._parts.get(part.name)
+        before = known.arrays if known else {}
+        arrays = {key: body.add(values) for key, values in part.arrays.items() if before.get(key) is not values}
+        arrays |= {key: body.add(before[key][:0]) for key in before if key not in part.arrays}
+        if known and not arrays and known.said == part.said:
+            return {}
         return {"name": part.name, "kind": part.kind, "role": part.role, **part.said, "arrays": arrays}

@@ -37,7 +37,7 @@ class LiveSimulation:
         self.predict: Predict = "none"
         self.hand: dict[str, object] | None = None
         self.sim = self._opened()
-        self.picture = FramePicture(self.sim.computed_by)
+        self.picture = FramePicture(self.sim.replay)
         self._file = GrowingText(out, self.sim.written.text()) if out else None
 
     def _opened(self) -> Simulation:
@@ -100,7 +100,7 @@ class LiveSimulation:
         old.close()
         self.redo(events, progress)
         field = self.picture.field
-        self.picture = FramePicture(self.sim.computed_by)
+        self.picture = FramePicture(self.sim.replay)
         self.picture.field = field if field in self.picture.choice.looks else self.picture.field
 
     @property

@@ -19,21 +19,24 @@ def placed(mark: object, body: MessageBody) -> dict[str, object]:
 
 @placed.register(Lines)
 def _(mark: Lines, body: MessageBody) -> dict[str, object]:
-    moved = {} if mark.moved is None else {"moved": body.add(in_space(mark.moved))}
     said = {"kind": "lines", "name": mark.name, "meaning": mark.meaning, "words": list(mark.words)}
-    return said | {"starts": list(map(int, mark.starts)), "points": body.add(in_space(mark.points))} | moved
+    return (
+        said | {"starts": list(map(int, mark.starts)), "points": body.add(in_space(mark.points))} | _moved(mark, body)
+    )
 
 
 @placed.register(Arrows)
 def _(mark: Arrows, body: MessageBody) -> dict[str, object]:
     said = {"kind": "arrows", "name": mark.name, "meaning": mark.meaning, "unit": mark.unit, "words": list(mark.words)}
-    return said | {"points": body.add(in_space(mark.points)), "vectors": body.add(in_space(mark.vectors))}
+    arrays = {"points": body.add(in_space(mark.points)), "vectors": body.add(in_space(mark.vectors))}
+    return said | arrays | {"tips": [bool(one) for one in mark.tips]} | _moved(mark, body)
 
 
 @placed.register(Words)
 def _(mark: Words, body: MessageBody) -> dict[str, object]:
-    at = None if mark.at is None else [float(one) for one in mark.at]
-    return {"kind": "words", "text": mark.text, "at": at, "meaning": mark.meaning}
+    at = None if mark.at is None else _numbers(mark.at)
+    moved = {} if mark.moved is None else {"moved": _numbers(mark.moved)}
+    return {"kind": "words", "text": mark.text, "at": at, "meaning": mark.meaning, **moved}
 
 
 @placed.register(Offer)
@@ -54,6 +57,11 @@ def _(mark: Chart, body: MessageBody) -> dict[str, object]:
 def _(mark: Tone, body: MessageBody) -> dict[str, object]:
     partials = {key: _numbers(getattr(mark, key)) for key in ("frequencies", "decays", "amplitudes")}
     return {"kind": "tone", "name": mark.name, **partials}
+
+
+def _moved(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:
+    """Where the displacements of its points are, where it has any."""
+    return {} if mark.moved is None else {"moved": body.add(in_space(mark.moved))}
 
 
 def _numbers(values: object) -> list[float]:

@@ -179,6 +179,7 @@ def arguments(words: Sequence[str]) -> Namespace:
     parser.add_argument("--out", type=Path)
     parser.add_argument("--force", action="store_true")
     parser.add_argument("--policy")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides")
     return parser.parse_args(words)
 
 
@@ -187,7 +188,7 @@ def main(words: Sequence[str]) -> int:
     options = arguments(words)
     link = Link.of_descriptor(options.link)
     try:
-        live = LiveSimulation(load_scene(options.scene, ()), options.policy, options.out)
+        live = LiveSimulation(load_scene(options.scene, options.overrides), options.policy, options.out)
     except UserError as error:
         link.send({"type": "lost", "message": str(error), "restarting": False})
         link.close()

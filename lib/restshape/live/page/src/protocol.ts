@@ -55,7 +55,8 @@ export type FromServer =
 export interface ArrayPlace { at: number; type: "f4" | "u4" | "u1"; shape: number[]; }
 
 /**
- * A part of the picture. Arrays that have not changed since the last frame are left out, and stay as they were.
+ * A part of the picture. Arrays that have not changed since the last frame are left out, and stay as they were; one of no
+ * elements is there no more.
  * "surface": `points` (n, 3) f4, `displacement` (n, 3) f4, `cells` (m, 3) u4, `value` (n) f4 or `valueInCells` (m, 3) f4,
  * `border` (k, 2) u4: the edges that are drawn as the shape's. "lines": `points`, `starts` (l) u4. "dots": `points`.
  */
