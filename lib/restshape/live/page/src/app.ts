@@ -40,12 +40,13 @@ export interface Happenings {
   held: ThingInfo | null;          // what is in the hand
   tool: Tool;
   look: Look;
+  drawn: number;                   // id of the last message that the picture answers
   latency: number;                 // ms from the message to the drawn frame that answers it
 }
 
 /** How frames are drawn. */
 export interface Look {
-  colours: "auto" | "viridis" | "RdBu" | "none";
+  colours: string;                 // a colour map's name; "auto": the field's own; "none"
   scale: number;                   // of displacements; the page chooses it where autoScale is set
   autoScale: boolean;
   wireframe: boolean;

@@ -2,14 +2,17 @@
 
 import { App, type Link } from "./app";
 import { Connection } from "./connection";
+import { Scene } from "./draw/scene";
 import { frameOf } from "./frames";
 import { showHead } from "./head";
 import { showSheet } from "./sheet";
 
 const app: App = new App((asked) => connection.send(asked));
 
+const canvas = document.getElementById("canvas") as HTMLCanvasElement;
 showHead(app);
 showSheet();
+const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!);
 
 function linked(open: boolean): void {
   const link: Link = open ? "open" : app.welcome ? "lost" : "connecting";

@@ -1,0 +1,57 @@
+// The colours of the field beside its values, with its extremes.
+
+import { siText, scaledUnit } from "../panels/si_text";
+import type { FieldInfo } from "../protocol";
+import { colourTable, type ColourMap } from "./colour_maps";
+
+export interface BarState { field: FieldInfo | null; map: ColourMap; ends: [number, number]; low: number; high: number; note: string; }
+
+export class ColourBar {
+  private readonly caption = document.createElement("figcaption");
+  private readonly strip = document.createElement("canvas");
+  private readonly scale = document.createElement("div");
+  private readonly extremes = document.createElement("div");
+  private readonly values = [0, 1, 2].map(() => document.createElement("span"));
+  private map: ColourMap | null = null;
+
+  constructor(private readonly into: HTMLElement) {
+    this.strip.width = 256;
+    this.strip.height = 1;
+    this.scale.className = "scale";
+    this.extremes.className = "extremes";
+    this.values.forEach((value, i) => { value.style.left = `${50 * i}%`; });
+    this.scale.append(...this.values);
+    into.append(this.caption, this.strip, this.scale, this.extremes);
+  }
+
+  show(state: BarState): void {
+    const { field, map, ends, low, high, note } = state;
+    for (const element of [this.strip, this.scale]) element.hidden = !field;
+    this.into.hidden = !field && !note;
+    if (!field) {
+      put(this.caption, "");
+      put(this.extremes, note);
+      return;
+    }
+    this.paint(map);
+    const size = Math.max(Math.abs(ends[0]), Math.abs(ends[1]));
+    const { factor, unit } = scaledUnit(size, field.unit);
+    put(this.caption, unit ? `${field.label} [${unit}]` : field.label);
+    [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]].forEach((value, i) => put(this.values[i]!, plain(value * factor)));
+    put(this.extremes, `${siText(low, field.unit)} to ${siText(high, field.unit)}${note ? ` · ${note}` : ""}`);
+  }
+
+  private paint(map: ColourMap): void {
+    if (map === this.map) return;
+    this.map = map;
+    const pixels = new ImageData(256, 1);
+    pixels.data.set(colourTable(map));
+    this.strip.getContext("2d")?.putImageData(pixels, 0, 0);
+  }
+}
+
+function plain(value: number): string { return Number(value.toPrecision(3)).toString().replace("-", "−"); }
+
+function put(element: HTMLElement, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}

@@ -1,0 +1,68 @@
+// Round dots of as many pixels at any distance.
+
+import { BufferGeometry, Color, GLSL3, Points, ShaderMaterial, type IUniform } from "three";
+
+import { refresh, room } from "./buffers";
+import type { Shared } from "./shared";
+
+const VERTEX = /* glsl */ `
+in vec3 shift;
+uniform float scale, width, pixels, moves;
+void main() {
+  gl_Position = projectionMatrix * (modelViewMatrix * vec4(position + moves * scale * shift, 1.0));
+  gl_Position.z -= 4e-4 * gl_Position.w;
+  gl_PointSize = width * pixels + 1.0;
+}`;
+
+const FRAGMENT = /* glsl */ `
+uniform vec3 colour, rim;
+uniform float width, pixels;
+layout(location = 0) out vec4 shown;
+void main() {
+  float r = length(gl_PointCoord - 0.5) * (width * pixels + 1.0);
+  float cover = clamp(0.5 * width * pixels + 0.5 - r, 0.0, 1.0);
+  float inner = clamp(0.5 * width * pixels - 1.2 * pixels + 0.5 - r, 0.0, 1.0);
+  if (cover <= 0.0) discard;
+  shown = vec4(mix(rim, colour, inner), cover);
+}`;
+
+export interface DotLook { colour: Color; rim: Color; width: number; through?: boolean; moves?: boolean; }
+
+export class Dots {
+  readonly points: Points<BufferGeometry, ShaderMaterial>;
+  readonly colour: IUniform<Color>;
+  private readonly moves: IUniform<number>;
+
+  constructor(shared: Shared, look: DotLook) {
+    this.colour = { value: look.colour };
+    this.moves = { value: look.moves === false ? 0 : 1 };
+    this.points = new Points(new BufferGeometry(), new ShaderMaterial({
+      glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, depthWrite: false, depthTest: !look.through,
+      uniforms: {
+        scale: shared.scale, pixels: shared.pixels, moves: this.moves,
+        colour: this.colour, rim: { value: look.rim }, width: { value: look.width },
+      },
+    }));
+    this.points.frustumCulled = false;
+    this.points.matrixAutoUpdate = false;
+  }
+
+  set(points: Float32Array, shifts: Float32Array, count = points.length / 3): void {
+    const { geometry } = this.points;
+    room(geometry, "position", count, 3).set(points.subarray(0, 3 * count));
+    const all = room(geometry, "shift", count, 3);
+    if (shifts.length) all.set(shifts.subarray(0, 3 * count));
+    else all.fill(0);
+    refresh(geometry, "position", count);
+    refresh(geometry, "shift", count);
+    geometry.setDrawRange(0, count);
+    this.points.visible = count > 0;
+  }
+
+  clear(): void { this.points.visible = false; }
+
+  dispose(): void {
+    this.points.geometry.dispose();
+    this.points.material.dispose();
+  }
+}

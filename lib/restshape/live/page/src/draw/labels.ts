@@ -1,0 +1,63 @@
+// Words beside places: elements over the canvas, which move with the picture and do not cover each other.
+
+import { Vector3 } from "three";
+
+import type { View } from "./view";
+
+export interface Word { text: string; at: ArrayLike<number>; meaning: string; }
+interface Shown { element: HTMLSpanElement; at: Vector3; width: number; height: number; }
+
+const BESIDE = 9; // pixels from the place
+
+export class Labels {
+  private readonly sets = new Map<string, Shown[]>();
+  private readonly work = new Vector3();
+
+  constructor(private readonly over: HTMLElement) {}
+
+  /** Words under a name, in place of those before; none: takes them away. */
+  set(name: string, words: readonly Word[]): void {
+    const shown = this.sets.get(name) ?? [];
+    while (shown.length > words.length) shown.pop()!.element.remove();
+    while (shown.length < words.length) shown.push(this.make());
+    words.forEach((word, i) => write(shown[i]!, word));
+    if (words.length) this.sets.set(name, shown);
+    else this.sets.delete(name);
+  }
+
+  /** Moves all words to where their places are seen. */
+  place(view: View, width: number, height: number): void {
+    const taken: [number, number, number, number][] = [];
+    for (const shown of this.sets.values()) {
+      for (const one of shown) {
+        const { x, y, z } = view.toScreen(one.at.x, one.at.y, one.at.z, this.work);
+        const left = x + BESIDE + one.width > width ? x - BESIDE - one.width : x + BESIDE;
+        const top = Math.min(Math.max(y - one.height - 4, 0), height - one.height);
+        const box: [number, number, number, number] = [left, top, left + one.width, top + one.height];
+        const free = z < 1 && x > -20 && y > -20 && x < width + 20 && y < height + 20 && !taken.some((other) => meet(box, other));
+        if (free) taken.push(box);
+        one.element.style.visibility = free ? "visible" : "hidden";
+        one.element.style.transform = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+      }
+    }
+  }
+
+  private make(): Shown {
+    const element = document.createElement("span");
+    this.over.append(element);
+    return { element, at: new Vector3(), width: 0, height: 0 };
+  }
+}
+
+function write(shown: Shown, word: Word): void {
+  shown.at.set(word.at[0] ?? 0, word.at[1] ?? 0, word.at[2] ?? 0);
+  shown.element.style.color = `var(--${word.meaning}, var(--guide))`;
+  if (shown.element.textContent === word.text) return;
+  shown.element.textContent = word.text;
+  shown.width = shown.element.offsetWidth;
+  shown.height = shown.element.offsetHeight;
+}
+
+function meet(a: [number, number, number, number], b: [number, number, number, number]): boolean {
+  return a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+}

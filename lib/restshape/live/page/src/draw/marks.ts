@@ -1,0 +1,151 @@
+// What others draw over the shape by a name: lines, arrows, dots and words.
+
+import type { Object3D } from "three";
+
+import { Dots } from "./dots";
+import type { Labels, Word } from "./labels";
+import { Segments } from "./segments";
+import type { Shared } from "./shared";
+import type { Theme } from "./theme";
+
+/** Lines through points, three numbers each. A line of one point is a dot. moved: displacements of the points. */
+export interface LinesDrawn {
+  points: Float32Array; starts: ArrayLike<number>; meaning: string; moved?: Float32Array | null; words?: readonly string[]; width?: number;
+}
+/** Vectors at points, all at one scale, the longest as long as a part of the shape. */
+export interface ArrowsDrawn { points: Float32Array; vectors: Float32Array; meaning: string; words?: readonly string[]; }
+
+const NONE = new Float32Array(0);
+const LONGEST = 0.16; // of the shape's size: the longest arrow
+const HEAD = 11; // pixels
+const ORDER = 20; // above the shape
+
+interface Drawn { lines?: Segments; heads?: Segments; dots?: Dots; }
+
+export class Marks {
+  private readonly drawn = new Map<string, Drawn>();
+
+  constructor(
+    private readonly group: Object3D, private readonly shared: Shared, private readonly theme: Theme,
+    private readonly labels: Labels, private readonly changed: () => void,
+  ) {}
+
+  /** Draws lines under a name, in place of those before; null takes them away. */
+  setLines(name: string, lines: LinesDrawn | null): void {
+    const drawn = this.begin(name, lines);
+    if (!lines) return;
+    const { points, starts, meaning } = lines;
+    const moved = lines.moved ?? NONE;
+    drawn.heads?.clear();
+    drawn.lines ??= this.segments(0);
+    drawn.lines.look(this.theme.colour(meaning), lines.width ?? 2.5);
+    drawn.lines.setLines(points, moved, starts);
+    this.setDots(drawn, points, moved, starts, meaning);
+    const scale = moved.length ? this.shared.scale.value : 0;
+    this.labels.set(name, wordsOf(lines.words, meaning, (i) => middleOf(points, moved, scale, starts, i)));
+  }
+
+  /** Draws arrows under a name. size: of the shape [m]. */
+  setArrows(name: string, arrows: ArrowsDrawn | null, size: number): void {
+    const drawn = this.begin(name, arrows);
+    if (!arrows) return;
+    const { points, vectors, meaning } = arrows;
+    const { ends, starts } = arrowLines(points, vectors, LONGEST * size);
+    drawn.dots?.clear();
+    drawn.lines ??= this.segments(0);
+    drawn.heads ??= this.segments(HEAD);
+    for (const segments of [drawn.lines, drawn.heads]) {
+      segments.look(this.theme.colour(meaning), 2);
+      segments.setLines(ends, NONE, starts);
+    }
+    this.labels.set(name, wordsOf(arrows.words, meaning, (i) => [...ends.subarray(6 * i + 3, 6 * i + 6)]));
+  }
+
+  setWords(name: string, words: readonly Word[] | null): void {
+    this.labels.set(name, words ?? []);
+    this.changed();
+  }
+
+  private begin(name: string, what: unknown): Drawn {
+    const drawn = this.drawn.get(name) ?? {};
+    if (what) this.drawn.set(name, drawn);
+    else this.take(name, drawn);
+    this.changed();
+    return drawn;
+  }
+
+  private segments(head: number): Segments {
+    const made = new Segments(this.shared, { colour: this.theme.colour("guide"), width: 2, through: true, head });
+    made.mesh.renderOrder = ORDER;
+    this.group.add(made.mesh);
+    return made;
+  }
+
+  private setDots(drawn: Drawn, points: Float32Array, moved: Float32Array, starts: ArrayLike<number>, meaning: string): void {
+    const alone = lonely(points.length / 3, starts);
+    if (!alone.length) {
+      drawn.dots?.clear();
+      return;
+    }
+    if (!drawn.dots) {
+      drawn.dots = new Dots(this.shared, { colour: this.theme.colour(meaning), rim: this.theme.colour("ground"), width: 10, through: true });
+      drawn.dots.points.renderOrder = ORDER;
+      this.group.add(drawn.dots.points);
+    }
+    drawn.dots.colour.value = this.theme.colour(meaning);
+    drawn.dots.set(taken(points, alone), moved.length ? taken(moved, alone) : NONE);
+  }
+
+  private take(name: string, drawn: Drawn): void {
+    for (const segments of [drawn.lines, drawn.heads]) {
+      if (segments) this.group.remove(segments.mesh);
+      segments?.dispose();
+    }
+    if (drawn.dots) this.group.remove(drawn.dots.points);
+    drawn.dots?.dispose();
+    this.drawn.delete(name);
+    this.labels.set(name, []);
+  }
+}
+
+/** Numbers of the points that are alone in their lines. */
+function lonely(count: number, starts: ArrayLike<number>): number[] {
+  const alone: number[] = [];
+  for (let i = 0; i < starts.length; i += 1) {
+    const end = i + 1 < starts.length ? starts[i + 1]! : count;
+    if (end - starts[i]! === 1) alone.push(starts[i]!);
+  }
+  return alone;
+}
+
+function taken(points: Float32Array, which: readonly number[]): Float32Array {
+  return Float32Array.from(which.flatMap((i) => [...points.subarray(3 * i, 3 * i + 3)]));
+}
+
+function middleOf(points: Float32Array, moved: Float32Array, scale: number, starts: ArrayLike<number>, line: number): number[] {
+  const begin = starts[line] ?? 0;
+  const end = line + 1 < starts.length ? starts[line + 1]! : points.length / 3;
+  const at = 3 * (begin + ((end - begin) >> 1));
+  return [0, 1, 2].map((k) => points[at + k]! + (scale ? scale * moved[at + k]! : 0));
+}
+
+function wordsOf(words: readonly string[] | undefined, meaning: string, at: (i: number) => number[]): Word[] {
+  return (words ?? []).map((text, i) => ({ text, at: at(i), meaning })).filter(({ text }) => text);
+}
+
+/** Lines from points along vectors, the longest of a given length. */
+export function arrowLines(points: Float32Array, vectors: Float32Array, longest: number): { ends: Float32Array; starts: number[] } {
+  let most = 0;
+  for (let i = 0; i < vectors.length; i += 3) most = Math.max(most, Math.hypot(vectors[i]!, vectors[i + 1]!, vectors[i + 2]!));
+  const factor = most > 0 ? longest / most : 0;
+  const ends = new Float32Array(2 * points.length);
+  const starts: number[] = [];
+  for (let i = 0; i < points.length; i += 3) {
+    starts.push((2 * i) / 3);
+    for (let k = 0; k < 3; k += 1) {
+      ends[2 * i + k] = points[i + k]!;
+      ends[2 * i + 3 + k] = points[i + k]! + factor * vectors[i + k]!;
+    }
+  }
+  return { ends, starts };
+}

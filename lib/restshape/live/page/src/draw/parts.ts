@@ -1,0 +1,125 @@
+// The parts of the picture by name, as frames give them.
+
+import type { Object3D } from "three";
+
+import type { Part } from "../protocol";
+import { Bounds } from "./bounds";
+import { Dots } from "./dots";
+import { Segments } from "./segments";
+import type { Shared } from "./shared";
+import { Surface, type Read } from "./surface";
+import type { Theme } from "./theme";
+
+const NONE = new Float32Array(0);
+const ORDER = { surface: 0, border: 4, lines: 6, dots: 8 };
+
+/** A part as it is now, with what draws it. */
+export interface Shown {
+  part: Part;
+  surface?: Surface;
+  border?: Segments;
+  lines?: Segments;
+  dots?: Dots;
+  points: Float32Array;
+  shifts: Float32Array;
+  starts: Uint32Array;
+  names: readonly string[];
+}
+
+export class Parts {
+  readonly all = new Map<string, Shown>();
+  readonly bounds = new Bounds();
+  version = 0;                                       // counts changes of names and numbers of points
+
+  constructor(private readonly group: Object3D, private readonly shared: Shared, private readonly theme: Theme, private readonly dim: 2 | 3) {}
+
+  update(parts: readonly Part[], read: Read): void {
+    for (const part of parts) {
+      if (part.gone) this.take(part.name);
+      else this.change(part, read);
+    }
+  }
+
+  clear(): void { for (const name of [...this.all.keys()]) this.take(name); }
+
+  *surfaces(): Generator<Surface> { for (const { surface } of this.all.values()) if (surface) yield surface; }
+
+  /** The box around all places, without displacements. */
+  measure(): Bounds {
+    this.bounds.clear();
+    for (const { points } of this.all.values()) this.bounds.add(points);
+    return this.bounds;
+  }
+
+  private change(part: Part, read: Read): void {
+    let shown = this.all.get(part.name);
+    if (shown && shown.part.kind !== part.kind) {
+      this.take(part.name);
+      shown = undefined;
+    }
+    if (!shown) this.all.set(part.name, (shown = this.make(part)));
+    const { points, displacement, starts } = part.arrays;
+    const before = shown.points.length;
+    if (points) shown.points = read(points) as Float32Array;
+    if (displacement) shown.shifts = read(displacement) as Float32Array;
+    else if (shown.shifts.length !== shown.points.length) shown.shifts = NONE;
+    if (starts) shown.starts = read(starts) as Uint32Array;
+    if (part.names) shown.names = part.names;
+    if (part.names ?? starts ?? shown.points.length !== before) this.version += 1;
+    shown.part = part;
+    this.draw(shown, part, read);
+  }
+
+  private draw(shown: Shown, part: Part, read: Read): void {
+    const { surface, border, lines, dots, points, shifts } = shown;
+    if (surface) {
+      surface.update(part, read);
+      const edges = part.arrays["border"];
+      if (edges) shown.starts = read(edges) as Uint32Array; // of a surface: pairs of points
+      if (border && (edges ?? part.arrays["points"] ?? part.arrays["displacement"])) border.setPairs(points, shifts, shown.starts);
+    }
+    if (lines && (part.arrays["points"] ?? part.arrays["displacement"])) lines.setLines(points, shifts, shown.starts);
+    if (dots && (part.arrays["points"] ?? part.arrays["displacement"])) dots.set(points, shifts);
+  }
+
+  private make(part: Part): Shown {
+    const shown: Shown = { part, points: NONE, shifts: NONE, starts: new Uint32Array(0), names: [] };
+    const lit = this.dim === 3;
+    if (part.kind === "surface") {
+      const shape = part.role === "shape";
+      shown.surface = new Surface(this.shared, lit, part.role !== "plank", shape, this.theme.colour(BODY[part.role]));
+      shown.border = new Segments(this.shared, { colour: this.theme.colour("ink"), width: shape ? 1.5 : 1, opacity: shape ? 0.9 : 0.6 });
+      this.add(shown.surface.mesh, ORDER.surface + (shape ? 0.5 : 0));
+      this.add(shown.border.mesh, ORDER.border);
+    } else if (part.kind === "lines") {
+      const rest = part.role === "outline";
+      shown.lines = new Segments(this.shared, { colour: this.theme.colour(LINE[part.role]), width: rest ? 1.25 : 2, moves: !rest });
+      this.add(shown.lines.mesh, ORDER.lines);
+    } else {
+      shown.dots = new Dots(this.shared, { colour: this.theme.colour("ground"), rim: this.theme.colour(LINE[part.role]), width: 7, moves: part.role !== "outline" });
+      this.add(shown.dots.points, ORDER.dots);
+    }
+    return shown;
+  }
+
+  private add(object: Object3D, order: number): void {
+    object.renderOrder = order;
+    this.group.add(object);
+  }
+
+  private take(name: string): void {
+    const shown = this.all.get(name);
+    if (!shown) return;
+    for (const drawn of [shown.surface, shown.border, shown.lines, shown.dots]) {
+      if (!drawn) continue;
+      this.group.remove("mesh" in drawn ? drawn.mesh : drawn.points);
+      drawn.dispose();
+    }
+    this.all.delete(name);
+    this.version += 1;
+  }
+}
+
+/** Names of colours in the style sheet, by role. */
+const BODY = { shape: "body", outline: "body", body: "solid", plank: "plank", support: "support", load: "load", goal: "goal" };
+const LINE = { shape: "ink", outline: "rest", body: "soft", plank: "soft", support: "support", load: "load", goal: "goal" };

@@ -1,0 +1,198 @@
+// The picture: what frames bring is drawn once, when something has changed.
+
+import { ColorManagement, Group, LinearSRGBColorSpace, Scene as Drawn, WebGLRenderer } from "three";
+
+import type { App, Frame, Look, Welcome } from "../app";
+import type { FieldInfo } from "../protocol";
+import { chosenMap, ends } from "./colour_maps";
+import { ColourBar } from "./colour_bar";
+import { Labels, type Word } from "./labels";
+import { Marks, type ArrowsDrawn, type LinesDrawn } from "./marks";
+import { Parts } from "./parts";
+import { autoScale, largest } from "./scale";
+import { Shared } from "./shared";
+import { Theme } from "./theme";
+import { View } from "./view";
+
+ColorManagement.enabled = false; // colours of maps are shown as they are
+
+export class Scene {
+  readonly theme = new Theme();
+  readonly shared = new Shared();
+  readonly labels: Labels;
+  readonly marks: Marks;
+  readonly overlay = new Group();                    // of the hand: what lights up
+  parts: Parts;
+  view: View;
+  onDraw: (() => void)[] = [];                       // before a drawing
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Drawn();
+  private readonly group = new Group();
+  private readonly bar: ColourBar;
+  private field: FieldInfo | null = null;
+  private asked = false;
+  private answered = 0;
+  private fitted = false;
+  private width = 1;
+  private height = 1;
+
+  /** Throws where the browser has no WebGL 2. */
+  constructor(private readonly app: App, readonly canvas: HTMLCanvasElement, labels: HTMLElement, bar: HTMLElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: "high-performance" });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.labels = new Labels(labels);
+    this.bar = new ColourBar(bar);
+    this.marks = new Marks(this.scene, this.shared, this.theme, this.labels, () => this.request());
+    this.scene.add(this.group, this.overlay);
+    this.parts = new Parts(this.group, this.shared, this.theme, 2);
+    this.view = new View(canvas, 2, () => this.request());
+    this.theme.onChange(() => this.recolour());
+    this.recolour();
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    canvas.addEventListener("webglcontextrestored", () => this.request());
+    app.on("welcome", (welcome) => this.begin(welcome));
+    app.on("frame", (frame) => this.take(frame));
+    app.on("look", (look) => this.restyle(look));
+  }
+
+  setLines(name: string, lines: LinesDrawn | null): void { this.marks.setLines(name, lines); }
+  setArrows(name: string, arrows: ArrowsDrawn | null): void { this.marks.setArrows(name, arrows, this.size); }
+  setWords(name: string, words: readonly Word[] | null): void { this.marks.setWords(name, words); }
+
+  /** Size of the scene [m]. */
+  get size(): number { return this.parts.bounds.size() || 1; }
+
+  /** Draws once, at the browser's next turn. */
+  request(): void {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => this.draw());
+  }
+
+  fit(): void {
+    const bounds = this.parts.measure();
+    if (bounds.empty) return;
+    this.view.fit(bounds);
+    this.request();
+  }
+
+  /** The picture as it is now, drawn at once so that its pixels can be read. */
+  pixels(): HTMLCanvasElement {
+    this.renderer.render(this.scene, this.view.camera);
+    return this.canvas;
+  }
+
+  private begin(welcome: Welcome): void {
+    const same = this.view.dim === welcome.dim && this.fitted;
+    this.parts.clear();
+    if (!same) {
+      this.view.dispose();
+      this.view = new View(this.canvas, welcome.dim, () => this.request());
+      this.parts = new Parts(this.group, this.shared, this.theme, welcome.dim);
+      this.fitted = false;
+      this.resize();
+    }
+    this.shared.scale.value = 1;
+    this.field = null;
+    this.request();
+  }
+
+  private take({ header, read }: Frame): void {
+    this.parts.update(header.parts, read);
+    for (const part of header.parts) this.nameField(part.field);
+    this.answered = Math.max(this.answered, header.id);
+    if (!this.fitted && this.parts.all.size) {
+      this.fitted = true;
+      this.fit();
+    } else if (!this.fitted) this.parts.measure();
+    this.rescale();
+    this.colour();
+    this.request();
+  }
+
+  private nameField(name: string | undefined): void {
+    if (name) this.field = this.app.welcome?.fields.find((field) => field.name === name) ?? this.field;
+  }
+
+  private restyle(look: Look): void {
+    this.shared.wires.value = look.wireframe ? 1 : 0;
+    for (const { lines, dots, part } of this.parts.all.values()) {
+      if (part.role !== "outline") continue;
+      if (lines) lines.mesh.visible = look.rest && !lines.empty;
+      if (dots) dots.points.visible = look.handles;
+    }
+    this.rescale();
+    this.colour();
+    this.request();
+  }
+
+  private rescale(): void {
+    const { look, welcome } = this.app;
+    const before = this.shared.scale.value;
+    let scale = look.scale;
+    if (look.autoScale) scale = welcome?.trueScale ? 1 : autoScale(before, this.largest(), this.size);
+    if (scale === before) return;
+    this.shared.scale.value = scale;
+    for (const surface of this.parts.surfaces()) surface.turnNormals();
+  }
+
+  private largest(): number {
+    let most = 0;
+    for (const surface of this.parts.surfaces()) most = Math.max(most, largest(surface.shifts));
+    return most;
+  }
+
+  private colour(): void {
+    const { look } = this.app;
+    let low = Infinity;
+    let high = -Infinity;
+    for (const surface of this.parts.surfaces()) {
+      surface.setColoured(look.colours !== "none");
+      if (!surface.hasValues) continue;
+      low = Math.min(low, surface.low);
+      high = Math.max(high, surface.high);
+    }
+    const { signed, fromZero } = this.field ?? { signed: false, fromZero: false };
+    const span = look.range ?? ends(low, high, signed, fromZero);
+    const map = chosenMap(look.colours, signed);
+    this.shared.ends.value.set(...span);
+    this.shared.colours(map);
+    const known = low <= high && look.colours !== "none" ? this.field : null;
+    this.bar.show({ field: known, map, ends: span, low, high, note: this.deformation() });
+  }
+
+  private deformation(): string {
+    let any = false;
+    for (const surface of this.parts.surfaces()) any ||= surface.hasShifts;
+    const scale = this.shared.scale.value;
+    return any && scale !== 1 ? `displacements × ${scale.toLocaleString("en")}` : "";
+  }
+
+  private recolour(): void {
+    this.renderer.setClearColor(this.theme.colour("ground"));
+    this.shared.glowing.value = this.theme.colour("lit");
+    this.request();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    this.width = Math.max(clientWidth, 1);
+    this.height = Math.max(clientHeight, 1);
+    const ratio = Math.min(devicePixelRatio || 1, 2);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(this.width, this.height, false);
+    this.shared.size.value.set(this.width * ratio, this.height * ratio);
+    this.shared.pixels.value = ratio;
+    this.view.resize(this.width, this.height);
+    this.draw();
+  }
+
+  private draw(): void {
+    this.asked = false;
+    for (const before of this.onDraw) before();
+    this.renderer.render(this.scene, this.view.camera);
+    this.labels.place(this.view, this.width, this.height);
+    if (this.answered) this.app.tell("drawn", this.answered);
+    this.answered = 0;
+  }
+}

@@ -1,0 +1,137 @@
+// Straight pieces of lines, as many pixels wide at any distance: one instance of a rectangle each; or the heads of arrows.
+
+import {
+  BufferAttribute, Color, GLSL3, InstancedBufferGeometry, Mesh, ShaderMaterial, type IUniform,
+} from "three";
+
+import { refresh, room } from "./buffers";
+import type { Shared } from "./shared";
+
+const VERTEX = /* glsl */ `
+in vec3 begin, end, beginShift, endShift;
+uniform float scale, width, moves, headLength, pixels;
+uniform vec2 size;
+out float vAcross, vHalf;
+void main() {
+  vec4 a = projectionMatrix * (modelViewMatrix * vec4(begin + moves * scale * beginShift, 1.0));
+  vec4 b = projectionMatrix * (modelViewMatrix * vec4(end + moves * scale * endShift, 1.0));
+  vec2 way = (b.xy / b.w - a.xy / a.w) * size;
+  float span = length(way);
+  vec2 along = span > 1e-6 ? way / span : vec2(1.0, 0.0);
+  vec2 across = vec2(-along.y, along.x);
+  float wide = width * pixels;
+  float head = headLength * pixels;
+  vHalf = 0.5 * wide;
+  vec4 place = position.x < 0.5 ? a : b;
+  vec2 off;
+  if (head > 0.0) { // a triangle whose tip is the end
+    vHalf = 1e3;
+    vAcross = 0.0;
+    place = b;
+    off = position.x > 0.5 ? vec2(0.0) : -along * head + across * position.y * 0.38 * head;
+    if (span < 1.0) off = vec2(0.0);
+  } else {
+    vAcross = position.y * (vHalf + 1.0);
+    off = across * vAcross + along * (position.x - 0.5) * 0.6 * wide;
+  }
+  place.xy += 2.0 * off / size * place.w;
+  place.z -= 2e-4 * place.w;
+  gl_Position = place;
+}`;
+
+const FRAGMENT = /* glsl */ `
+uniform vec3 colour;
+uniform float opacity;
+in float vAcross, vHalf;
+layout(location = 0) out vec4 shown;
+void main() {
+  float cover = clamp(vHalf + 0.5 - abs(vAcross), 0.0, 1.0);
+  shown = vec4(colour, opacity * cover);
+}`;
+
+export interface SegmentLook { colour: Color; width: number; opacity?: number; through?: boolean; moves?: boolean; head?: number; }
+
+export class Segments {
+  readonly mesh: Mesh<InstancedBufferGeometry, ShaderMaterial>;
+  readonly colour: IUniform<Color>;
+  private readonly moves: IUniform<number>;
+  private readonly width: IUniform<number>;
+  private count = 0;
+
+  /** through: seen through surfaces. moves: with displacements. head: length of an arrow's head in pixels. */
+  constructor(shared: Shared, look: SegmentLook) {
+    this.colour = { value: look.colour };
+    this.width = { value: look.width };
+    this.moves = { value: look.moves === false ? 0 : 1 };
+    const geometry = new InstancedBufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array([0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0]), 3));
+    geometry.setIndex([0, 1, 2, 0, 2, 3]);
+    geometry.instanceCount = 0;
+    this.mesh = new Mesh(geometry, new ShaderMaterial({
+      glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, depthWrite: false,
+      depthTest: !look.through, side: 2,
+      uniforms: {
+        scale: shared.scale, size: shared.size, pixels: shared.pixels, colour: this.colour, moves: this.moves,
+        width: this.width, opacity: { value: look.opacity ?? 1 }, headLength: { value: look.head ?? 0 },
+      },
+    }));
+    this.mesh.frustumCulled = false;
+    this.mesh.matrixAutoUpdate = false;
+  }
+
+  look(colour: Color, width: number): void {
+    this.colour.value = colour;
+    this.width.value = width;
+  }
+
+  /** Pieces between pairs of points; `pairs` are numbers of points, two each. */
+  setPairs(points: Float32Array, shifts: Float32Array, pairs: ArrayLike<number>): void {
+    const count = pairs.length >> 1;
+    const { geometry } = this.mesh;
+    const begins = room(geometry, "begin", count, 3, true), ends = room(geometry, "end", count, 3, true);
+    const beginShifts = room(geometry, "beginShift", count, 3, true), endShifts = room(geometry, "endShift", count, 3, true);
+    for (let i = 0; i < count; i += 1) {
+      const a = 3 * pairs[2 * i]!;
+      const b = 3 * pairs[2 * i + 1]!;
+      for (let k = 0; k < 3; k += 1) {
+        begins[3 * i + k] = points[a + k]!;
+        ends[3 * i + k] = points[b + k]!;
+        beginShifts[3 * i + k] = shifts.length ? shifts[a + k]! : 0;
+        endShifts[3 * i + k] = shifts.length ? shifts[b + k]! : 0;
+      }
+    }
+    this.shown(count);
+  }
+
+  /** Lines through points, each from its start to that of the next. */
+  setLines(points: Float32Array, shifts: Float32Array, starts: ArrayLike<number>): void {
+    this.setPairs(points, shifts, pairsOf(points.length / 3, starts));
+  }
+
+  private shown(count: number): void {
+    const { geometry } = this.mesh;
+    for (const name of ["begin", "end", "beginShift", "endShift"]) refresh(geometry, name, count);
+    geometry.instanceCount = count;
+    this.count = count;
+    this.mesh.visible = count > 0;
+  }
+
+  get empty(): boolean { return this.count === 0; }
+
+  clear(): void { this.mesh.geometry.instanceCount = 0; this.count = 0; this.mesh.visible = false; }
+
+  dispose(): void {
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+  }
+}
+
+/** Numbers of the points at both ends of each straight piece. */
+export function pairsOf(count: number, starts: ArrayLike<number>): number[] {
+  const pairs: number[] = [];
+  for (let line = 0; line < starts.length; line += 1) {
+    const end = line + 1 < starts.length ? starts[line + 1]! : count;
+    for (let i = starts[line]!; i + 1 < end; i += 1) pairs.push(i, i + 1);
+  }
+  return pairs;
+}

@@ -1,0 +1,136 @@
+// A surface of triangles that are filled in place from the arrays of frames.
+
+import { BufferGeometry, Color, DoubleSide, GLSL3, Mesh, ShaderMaterial, type IUniform } from "three";
+
+import type { ArrayPlace, Part } from "../protocol";
+import { refresh, room } from "./buffers";
+import { addNormals } from "./normals";
+import type { Shared } from "./shared";
+import { SURFACE_FRAGMENT, SURFACE_VERTEX } from "./surface_shader";
+
+export type Read = (place: ArrayPlace) => Float32Array | Uint32Array | Uint8Array;
+const UNKNOWN = 1e30;
+const NONE = new Float32Array(0);
+
+export class Surface {
+  readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
+  points: Float32Array = NONE;
+  shifts: Float32Array = NONE;
+  cells = new Uint32Array(0);
+  low = 0;
+  high = 0;
+  private values: Float32Array = NONE;
+  private inCells = false;
+  private normals: Float32Array = NONE;
+  private readonly light: IUniform<number>;
+  private readonly coloured: IUniform<number> = { value: 0 };
+  private readonly glow: IUniform<number> = { value: 0 };
+
+  /** lit: with light and shade, as in space. smooth: nodes have normals. colour: of what has no values. */
+  constructor(private readonly shared: Shared, private readonly lit: boolean, private readonly smooth: boolean, wired: boolean, colour: Color) {
+    this.light = { value: lit ? 1 : 0 };
+    const { scale, ends, map, wires, glowing } = shared;
+    const material = new ShaderMaterial({
+      glslVersion: GLSL3, vertexShader: SURFACE_VERTEX, fragmentShader: SURFACE_FRAGMENT, side: DoubleSide,
+      depthTest: lit, depthWrite: lit, polygonOffset: lit, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+      uniforms: {
+        scale, ends, map, glowing, body: { value: colour }, wires: wired ? wires : { value: 0 }, glow: this.glow,
+        lit: this.light, coloured: this.coloured, opacity: { value: 1 },
+      },
+    });
+    this.mesh = new Mesh(new BufferGeometry(), material);
+    this.mesh.frustumCulled = false;
+    this.mesh.matrixAutoUpdate = false;
+  }
+
+  /** Takes the arrays of a part that have changed. */
+  update(part: Part, read: Read): void {
+    const { points, displacement, cells, value, valueInCells } = part.arrays;
+    if (points) this.points = read(points) as Float32Array;
+    if (cells) this.cells = read(cells) as Uint32Array<ArrayBuffer>;
+    if (displacement) this.shifts = read(displacement) as Float32Array;
+    else if (points && this.shifts.length !== this.points.length) this.shifts = NONE;
+    if (value ?? valueInCells) {
+      this.values = read((value ?? valueInCells)!) as Float32Array;
+      this.inCells = !value;
+    }
+    if (points ?? displacement ?? cells ?? value ?? valueInCells) this.fill(Boolean(points ?? cells), Boolean(displacement ?? points ?? cells));
+    if (part.range) [this.low, this.high] = part.range;
+    else if (value ?? valueInCells) this.findRange();
+  }
+
+  /** Normals for the scale at which displacements are drawn. */
+  turnNormals(): void {
+    if (!this.smooth || !this.lit) return;
+    if (this.normals.length !== this.points.length) this.normals = new Float32Array(this.points.length);
+    addNormals(this.normals, this.points, this.shifts, this.shared.scale.value, this.cells);
+    const count = this.cells.length;
+    scatter(room(this.mesh.geometry, "normal", count, 3), this.normals, this.cells);
+    refresh(this.mesh.geometry, "normal", count);
+  }
+
+  get hasValues(): boolean { return this.values.length > 0; }
+  get hasShifts(): boolean { return this.shifts.length > 0; }
+
+  /** How much it lights up: 0, not at all. */
+  setGlow(how: number): void { this.glow.value = how; }
+
+  setColoured(on: boolean): void { this.coloured.value = on && this.hasValues ? 1 : 0; }
+
+  dispose(): void {
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+  }
+
+  private fill(places: boolean, shifts: boolean): void {
+    const { geometry } = this.mesh;
+    const count = this.cells.length;
+    if (places) {
+      scatter(room(geometry, "position", count, 3), this.points, this.cells);
+      refresh(geometry, "position", count);
+    }
+    if (shifts) {
+      const all = room(geometry, "shift", count, 3);
+      if (this.hasShifts) scatter(all, this.shifts, this.cells);
+      else all.fill(0);
+      refresh(geometry, "shift", count);
+      this.turnNormals();
+    }
+    this.fillValues(count);
+    geometry.setDrawRange(0, count);
+  }
+
+  private fillValues(count: number): void {
+    const { geometry } = this.mesh;
+    const all = room(geometry, "worth", count, 1);
+    const { values, cells } = this;
+    if (!this.hasValues) all.fill(UNKNOWN, 0, count);
+    else for (let i = 0; i < count; i += 1) {
+      const value = values[this.inCells ? i : cells[i]!]!;
+      all[i] = value === value ? value : UNKNOWN;
+    }
+    refresh(geometry, "worth", count);
+  }
+
+  private findRange(): void {
+    let low = Infinity;
+    let high = -Infinity;
+    for (let i = 0; i < this.values.length; i += 1) {
+      const value = this.values[i]!;
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+    this.low = low;
+    this.high = high;
+  }
+}
+
+/** Three numbers of a node to each corner of a triangle. */
+function scatter(to: Float32Array, from: Float32Array, cells: Uint32Array): void {
+  for (let i = 0, k = 0; i < cells.length; i += 1, k += 3) {
+    const at = 3 * cells[i]!;
+    to[k] = from[at]!;
+    to[k + 1] = from[at + 1]!;
+    to[k + 2] = from[at + 2]!;
+  }
+}

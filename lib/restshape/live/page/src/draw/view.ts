@@ -1,0 +1,139 @@
+// Where the picture is seen from: the plane from above with pan and zoom, space from a camera that goes around.
+
+import { MOUSE, OrthographicCamera, PerspectiveCamera, TOUCH, Vector2, Vector3 } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+import type { Bounds } from "./bounds";
+
+const MARGIN = 1.14; // of the shape's size
+const ANGLE = 28; // degrees that the camera in space sees
+const FROM = new Vector3(0.55, -0.95, 0.55).normalize();
+
+export interface Ray { origin: Vector3; direction: Vector3; }
+
+export class View {
+  readonly camera: OrthographicCamera | PerspectiveCamera;
+  readonly controls: OrbitControls;
+  private width = 1;
+  private height = 1;
+  private half = new Vector2(1, 1);                  // of what the plane view shows without zoom
+  private readonly work = new Vector3();
+
+  constructor(canvas: HTMLCanvasElement, readonly dim: 2 | 3, changed: () => void) {
+    this.camera = dim === 2 ? new OrthographicCamera() : new PerspectiveCamera(ANGLE);
+    this.camera.up.set(0, dim === 2 ? 1 : 0, dim === 2 ? 0 : 1);
+    this.camera.position.set(0, dim === 2 ? 0 : -1, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.zoomToCursor = true;
+    this.controls.enableRotate = dim === 3;
+    this.controls.screenSpacePanning = true;
+    this.controls.mouseButtons = { LEFT: dim === 2 ? MOUSE.PAN : MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
+    this.controls.touches = { ONE: dim === 2 ? TOUCH.PAN : TOUCH.ROTATE, TWO: TOUCH.DOLLY_PAN };
+    this.controls.addEventListener("change", changed);
+  }
+
+  resize(width: number, height: number): void {
+    this.width = width;
+    this.height = height;
+    if (this.camera instanceof PerspectiveCamera) this.camera.aspect = width / height;
+    else this.frame(this.camera);
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Shows all of a box. */
+  fit(bounds: Bounds): void {
+    const middle = bounds.middle(new Vector3());
+    this.controls.target.copy(middle);
+    if (this.camera instanceof PerspectiveCamera) this.back(this.camera, bounds);
+    else {
+      this.half.set(Math.max(bounds.width(0), 1e-9) / 2, Math.max(bounds.width(1), 1e-9) / 2).multiplyScalar(MARGIN);
+      this.camera.zoom = 1;
+      this.camera.position.set(middle.x, middle.y, middle.z + 2 * bounds.size());
+      this.camera.near = 0;
+      this.camera.far = 4 * bounds.size();
+      this.frame(this.camera);
+    }
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+  }
+
+  private back(camera: PerspectiveCamera, bounds: Bounds): void {
+    const radius = Math.max(0.5 * bounds.size(), 1e-9);
+    const angle = (ANGLE * Math.PI) / 360;
+    const narrow = Math.min(angle, Math.atan(Math.tan(angle) * camera.aspect));
+    const far = (radius / Math.sin(narrow)) * 1.02;
+    camera.position.copy(this.controls.target).addScaledVector(FROM, far);
+    camera.near = far / 100;
+    camera.far = far * 20;
+    this.controls.minDistance = radius / 50;
+    this.controls.maxDistance = 10 * far;
+  }
+
+  /** Keeps the same scale in both directions. */
+  private frame(camera: OrthographicCamera): void {
+    const scale = Math.max(this.half.x / this.width, this.half.y / this.height);
+    camera.right = scale * this.width;
+    camera.left = -camera.right;
+    camera.top = scale * this.height;
+    camera.bottom = -camera.top;
+  }
+
+  /** Pixels of a place, from the upper left of the canvas; z is less than 1 before the far end. */
+  toScreen(x: number, y: number, z: number, to: Vector3): Vector3 {
+    to.set(x, y, z).project(this.camera);
+    return to.set((0.5 + 0.5 * to.x) * this.width, (0.5 - 0.5 * to.y) * this.height, to.z);
+  }
+
+  /** The ray through a pixel. */
+  ray(x: number, y: number): Ray {
+    const at = new Vector3((2 * x) / this.width - 1, 1 - (2 * y) / this.height, -1).unproject(this.camera);
+    if (this.camera instanceof PerspectiveCamera) {
+      return { origin: this.camera.position.clone(), direction: at.sub(this.camera.position).normalize() };
+    }
+    return { origin: at, direction: new Vector3(0, 0, -1) };
+  }
+
+  /** Metres in a pixel at a place. */
+  pixel(at: Vector3): number {
+    if (this.camera instanceof PerspectiveCamera) {
+      const depth = this.work.copy(at).applyMatrix4(this.camera.matrixWorldInverse).z;
+      return (2 * Math.abs(depth) * Math.tan((ANGLE * Math.PI) / 360)) / this.height;
+    }
+    return (this.camera.right - this.camera.left) / this.camera.zoom / this.width;
+  }
+
+  /** Goes along or around by pixels, as a hand on the picture would. */
+  move(x: number, y: number): void {
+    const right = new Vector3().setFromMatrixColumn(this.camera.matrix, 0);
+    const up = new Vector3().setFromMatrixColumn(this.camera.matrix, 1);
+    if (this.dim === 3) return this.around(-x / 200, -y / 200);
+    const step = this.pixel(this.controls.target);
+    const by = right.multiplyScalar(-x * step).addScaledVector(up, y * step);
+    this.camera.position.add(by);
+    this.controls.target.add(by);
+    this.controls.update();
+  }
+
+  zoom(factor: number): void {
+    if (this.camera instanceof PerspectiveCamera) {
+      this.camera.position.sub(this.controls.target).divideScalar(factor).add(this.controls.target);
+    } else {
+      this.camera.zoom *= factor;
+      this.camera.updateProjectionMatrix();
+    }
+    this.controls.update();
+    this.controls.dispatchEvent({ type: "change" });
+  }
+
+  private around(azimuth: number, polar: number): void {
+    const from = this.camera.position.clone().sub(this.controls.target);
+    const length = from.length();
+    const height = Math.min(Math.max(Math.acos(from.z / length) + polar, 0.02), Math.PI - 0.02);
+    const turn = Math.atan2(from.y, from.x) + azimuth;
+    from.set(Math.sin(height) * Math.cos(turn), Math.sin(height) * Math.sin(turn), Math.cos(height));
+    this.camera.position.copy(this.controls.target).addScaledVector(from, length);
+    this.controls.update();
+  }
+
+  dispose(): void { this.controls.dispose(); }
+}
