@@ -4,15 +4,29 @@ import { App, type Link } from "./app";
 import { Connection } from "./connection";
 import { Scene } from "./draw/scene";
 import { frameOf } from "./frames";
+import { joinHand } from "./hand/hand";
 import { showHead } from "./head";
+import { Latency } from "./latency";
 import { showSheet } from "./sheet";
 
-const app: App = new App((asked) => connection.send(asked));
-
-const canvas = document.getElementById("canvas") as HTMLCanvasElement;
+const app: App = new App((asked) => latency.sent(connection.send(asked)));
+const latency = new Latency(app);
 showHead(app);
 showSheet();
-const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!);
+show();
+
+function show(): void {
+  const canvas = document.getElementById("canvas") as HTMLCanvasElement;
+  if (!document.createElement("canvas").getContext("webgl2")) {
+    const unable = document.getElementById("unable")!;
+    unable.textContent = "This browser has no WebGL 2, with which the page draws. Switch hardware acceleration on, or open the address in "
+      + "a current Firefox, Chrome, Edge or Safari.";
+    unable.hidden = false;
+    return;
+  }
+  const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!);
+  joinHand(app, scene);
+}
 
 function linked(open: boolean): void {
   const link: Link = open ? "open" : app.welcome ? "lost" : "connecting";

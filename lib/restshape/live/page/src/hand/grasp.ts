@@ -1,0 +1,58 @@
+// Something in the hand: from the press to the release, as events of edit scripts.
+
+import type { App } from "../app";
+import type { ScriptEvent, ThingInfo } from "../protocol";
+import type { Grip } from "./targets";
+
+const IN_SPACE = ["body", "support", "plank"];
+
+/** Places of events: entities of the shape lie in their plane. */
+export function coordinates(app: App, thing: ThingInfo | null, at: readonly number[]): number[] {
+  const three = app.welcome?.dim === 3 && (!thing || IN_SPACE.includes(thing.role));
+  return at.slice(0, three ? 3 : 2).map((value) => Number(value.toPrecision(9)));
+}
+
+export class Grasp {
+  private pressed = false;
+  private ended = false;
+  private last: string | null = null;
+  readonly thing: ThingInfo;
+
+  /** parameter: of a plank, which the hand changes in place of its place. */
+  constructor(private readonly app: App, readonly grip: Grip, private readonly pull: boolean, readonly parameter: string | null) {
+    this.thing = grip.target.thing;
+    app.tell("held", this.thing);
+  }
+
+  /** Moves it to a place [m], or changes its parameter by an amount. The first time is the press. */
+  move(to: readonly number[] | number): void {
+    const drag: ScriptEvent = typeof to === "number"
+      ? { do: "drag", by: Number(to.toPrecision(6)) } : { do: "drag", to: coordinates(this.app, this.thing, to) };
+    const text = JSON.stringify(drag);
+    if (text === this.last || this.ended || !this.press()) return;
+    this.last = text;
+    this.app.act(drag, true);
+  }
+
+  release(): void {
+    if (this.ended) return;
+    this.ended = true;
+    if (this.pressed) this.app.act({ do: "release" });
+    this.app.tell("held", null);
+  }
+
+  private press(): boolean {
+    if (this.pressed) return true;
+    const { thing, grip, pull, parameter } = this;
+    const event: ScriptEvent = { do: pull ? "pull" : "press", on: thing.name };
+    if (parameter) event["parameter"] = parameter;
+    else event["at"] = coordinates(this.app, thing, grip.at);
+    this.pressed = this.app.act(event) > 0;
+    return this.pressed;
+  }
+}
+
+/** Whether a pull takes hold of a thing: asked for, or all that it allows. */
+export function pulls(thing: ThingInfo, asked: boolean): boolean {
+  return thing.grabs.includes("pull") && (asked || !thing.grabs.includes("press"));
+}

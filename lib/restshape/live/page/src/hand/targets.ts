@@ -1,0 +1,190 @@
+// What of the picture can be taken hold of, and where: things of the session, found in its parts.
+
+import { Vector3 } from "three";
+
+import type { Parts, Shown } from "../draw/parts";
+import type { Scene } from "../draw/scene";
+import type { ThingInfo } from "../protocol";
+import { boxArea, inside, nearestOnPath, rayHit, type Triple } from "./nearest";
+
+export type Path = readonly [number, number];        // numbers of the first point, and of the one after the last
+export interface Target { thing: ThingInfo; shown: Shown; dots: number[]; paths: Path[]; }
+/** at: where it is taken hold of, in the shape without displacements. dot: number of the dot, where it is one. */
+export interface Grip { target: Target; at: [number, number, number]; dot: number | null; }
+
+const ORDER = ["vertex", "control", "edge", "hole", "region", "panel", "group", "support", "body", "plank"];
+
+export class Targets {
+  private all: Target[] = [];
+  private things: readonly ThingInfo[] = [];
+  private version = -1;
+  private parts: Parts | null = null;
+  private readonly flat = new Map<Shown, Float32Array>();
+  private readonly work = new Vector3();
+
+  constructor(private readonly scene: Scene) {}
+
+  /** All in the order in which keys go through them. */
+  list(things: readonly ThingInfo[]): readonly Target[] {
+    const { parts } = this.scene;
+    if (things === this.things && parts === this.parts && parts.version === this.version) return this.all;
+    this.things = things;
+    this.parts = parts;
+    this.version = parts.version;
+    this.all = things.map((thing) => target(thing, parts)).filter((one): one is Target => one !== null);
+    this.all.sort((a, b) => ORDER.indexOf(a.thing.role) - ORDER.indexOf(b.thing.role));
+    return this.all;
+  }
+
+  find(things: readonly ThingInfo[], name: string): Target | null {
+    return this.list(things).find(({ thing }) => thing.name === name) ?? null;
+  }
+
+  /** What is under a pixel: a vertex before a control point before an edge before what lies inside. reach: pixels. */
+  at(things: readonly ThingInfo[], x: number, y: number, reach: number, free: (thing: ThingInfo) => boolean): Grip | null {
+    const all = this.list(things).filter(({ thing }) => free(thing));
+    this.flat.clear();
+    return this.dotAt(all, x, y, reach) ?? this.edgeAt(all, x, y, reach) ?? this.areaAt(all, x, y) ?? this.bodyAt(all, x, y);
+  }
+
+  /** Where a target is taken hold of by keys: its middle; of several dots the first. */
+  grip(target: Target): Grip {
+    const { shown, dots, paths, thing } = target;
+    if (dots.length) return { target, at: placeOf(shown, dots[0]!), dot: dots[0]! };
+    if (thing.role === "edge" && paths[0]) {
+      const [begin, end] = paths[0];
+      return { target, at: placeOf(shown, (begin + end - 1) >> 1), dot: null };
+    }
+    return { target, at: middle(target), dot: null };
+  }
+
+  private dotAt(all: readonly Target[], x: number, y: number, reach: number): Grip | null {
+    let found: Grip | null = null;
+    let best = reach;
+    for (const target of all) {
+      for (const dot of target.dots) {
+        const xy = this.pixels(target.shown);
+        const distance = Math.hypot(xy[2 * dot]! - x, xy[2 * dot + 1]! - y) + (target.thing.role === "vertex" ? 0 : 1);
+        if (distance >= best) continue;
+        best = distance;
+        found = { target, at: placeOf(target.shown, dot), dot };
+      }
+    }
+    return found;
+  }
+
+  private edgeAt(all: readonly Target[], x: number, y: number, reach: number): Grip | null {
+    let found: Grip | null = null;
+    let best = reach * 0.8;
+    for (const target of all) {
+      if (!["edge", "support"].includes(target.thing.role)) continue;
+      for (const [begin, end] of target.paths) {
+        const near = nearestOnPath(this.pixels(target.shown), begin, end, x, y);
+        if (near.distance >= best) continue;
+        best = near.distance;
+        const a = placeOf(target.shown, near.piece);
+        const b = placeOf(target.shown, Math.min(near.piece + 1, end - 1));
+        found = { target, at: [0, 1, 2].map((k) => a[k]! + near.part * (b[k]! - a[k]!)) as [number, number, number], dot: null };
+      }
+    }
+    return found;
+  }
+
+  private areaAt(all: readonly Target[], x: number, y: number): Grip | null {
+    let found: Target | null = null;
+    let best = Infinity;
+    for (const target of all) {
+      if (!["hole", "region", "panel"].includes(target.thing.role) || !target.paths.length) continue;
+      const xy = this.pixels(target.shown);
+      const area = boxArea(xy, target.paths);
+      if (area >= best || !inside(xy, target.paths, x, y)) continue;
+      best = area;
+      found = target;
+    }
+    if (!found) return null;
+    return { target: found, at: this.inPlane(x, y, placeOf(found.shown, found.paths[0]![0])[2]), dot: null };
+  }
+
+  /** The place of the plane at a height that is under a pixel. */
+  inPlane(x: number, y: number, height: number): [number, number, number] {
+    const { origin, direction } = this.scene.view.ray(x, y);
+    const t = direction.z ? (height - origin.z) / direction.z : 0;
+    return [origin.x + t * direction.x, origin.y + t * direction.y, height];
+  }
+
+  private bodyAt(all: readonly Target[], x: number, y: number): Grip | null {
+    const { origin, direction } = this.scene.view.ray(x, y);
+    const from: Triple = [origin.x, origin.y, origin.z];
+    const way: Triple = [direction.x, direction.y, direction.z];
+    let best = Infinity;
+    let found: Target | null = null;
+    for (const shown of this.scene.parts.all.values()) {
+      const { surface } = shown;
+      if (!surface?.mesh.visible) continue;
+      const here = all.filter((target) => target.shown === shown);
+      const ranges = here.length ? here : [null]; // what cannot be held still hides what is behind
+      for (const target of ranges) {
+        const [first, count] = target?.thing.triangles ?? [0, surface.cells.length / 3];
+        const t = rayHit(surface.points, surface.shifts, this.scene.shared.scale.value, surface.cells, first, first + count, from, way);
+        if (t < best) [best, found] = [t, target];
+      }
+    }
+    if (!found) return null;
+    return { target: found, at: [0, 1, 2].map((k) => from[k]! + best * way[k]!) as [number, number, number], dot: null };
+  }
+
+  /** Pixels of a part's points as they lie on the screen; of each only once a look. */
+  private pixels(shown: Shown): Float32Array {
+    const known = this.flat.get(shown);
+    if (known) return known;
+    const xy = new Float32Array((2 * shown.points.length) / 3);
+    for (let i = 0, k = 0; k < xy.length; i += 3, k += 2) {
+      this.scene.view.toScreen(shown.points[i]!, shown.points[i + 1]!, shown.points[i + 2]!, this.work);
+      xy[k] = this.work.x;
+      xy[k + 1] = this.work.y;
+    }
+    this.flat.set(shown, xy);
+    return xy;
+  }
+}
+
+function target(thing: ThingInfo, parts: Parts): Target | null {
+  const shown = parts.all.get(thing.part);
+  if (!shown) return null;
+  const names = new Set(thing.lines?.length ? thing.lines : [thing.name]);
+  const dots: number[] = [];
+  const paths: Path[] = [];
+  shown.names.forEach((name, i) => {
+    if (!names.has(name)) return;
+    if (shown.part.kind === "dots") dots.push(i);
+    else if (shown.part.kind === "lines") paths.push([shown.starts[i]!, shown.starts[i + 1] ?? shown.points.length / 3]);
+  });
+  return { thing, shown, dots, paths };
+}
+
+export function placeOf(shown: Shown, i: number): [number, number, number] {
+  return [shown.points[3 * i] ?? 0, shown.points[3 * i + 1] ?? 0, shown.points[3 * i + 2] ?? 0];
+}
+
+/** The middle of the box around a target. */
+export function middle(target: Target): [number, number, number] {
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  for (const i of numbersOf(target)) {
+    const place = placeOf(target.shown, i);
+    for (let k = 0; k < 3; k += 1) {
+      low[k] = Math.min(low[k]!, place[k]!);
+      high[k] = Math.max(high[k]!, place[k]!);
+    }
+  }
+  return [0, 1, 2].map((k) => (low[k]! <= high[k]! ? 0.5 * (low[k]! + high[k]!) : 0)) as [number, number, number];
+}
+
+/** Numbers of the points that a target is drawn through. */
+export function* numbersOf({ shown, dots, paths, thing }: Target): Generator<number> {
+  yield* dots;
+  for (const [begin, end] of paths) for (let i = begin; i < end; i += 1) yield i;
+  if (!shown.surface) return;
+  const [first, count] = thing.triangles ?? [0, shown.surface.cells.length / 3];
+  for (let i = 3 * first; i < 3 * (first + count); i += 1) yield shown.surface.cells[i]!;
+}
