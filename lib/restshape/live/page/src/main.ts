@@ -7,6 +7,7 @@ import { frameOf } from "./frames";
 import { joinHand } from "./hand/hand";
 import { showHead } from "./head";
 import { Latency } from "./latency";
+import { showPanels } from "./panels/panels";
 import { showSheet } from "./sheet";
 
 const app: App = new App((asked) => latency.sent(connection.send(asked)));
@@ -25,7 +26,7 @@ function show(): void {
     return;
   }
   const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!);
-  joinHand(app, scene);
+  showPanels(app, joinHand(app, scene));
 }
 
 function linked(open: boolean): void {
