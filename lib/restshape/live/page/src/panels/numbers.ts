@@ -6,7 +6,8 @@ import { element, mark } from "./element";
 import { foundNumbers, rounded, slid, sliderRange, typedValue, type SliderRange } from "./given_numbers";
 import type { Painter } from "./painter";
 
-const MOST = 12;                                       // found numbers that are shown at a time
+const MOST = 48;                                       // found numbers that are shown at a time
+const FIRST = 6;                                       // shown before anything is searched for
 
 /** A number with its slider and its text, which stay while it changes. */
 class NumberLine {
@@ -79,7 +80,7 @@ export function showNumbers(app: App, painter: Painter): HTMLElement {
   const show = () => {
     const numbers = app.welcome?.numbers ?? [];
     arrange(parameters, numbers.filter((one) => one.parameter));
-    const { shown, more: rest } = foundNumbers(numbers.filter((one) => !one.parameter), search.value, search.value ? 4 * MOST : MOST);
+    const { shown, more: rest } = foundNumbers(numbers.filter((one) => !one.parameter), search.value, search.value ? MOST : FIRST);
     arrange(found, shown);
     more.textContent = rest ? `and ${rest} more: type words of their keys` : shown.length ? "" : "no number has these words in its key";
   };

@@ -35,7 +35,7 @@ function rowOf(info: QuantityInfo, chosen: boolean, plotted: (name: string, on: 
   const value = new ChangingText(), error = new ChangingText(), status = new ChangingText();
   const box = element("input", { type: "checkbox", "aria-label": `plot ${spoken(info.name)}`, checked: chosen });
   box.addEventListener("change", () => plotted(info.name, box.checked));
-  const limits = limitsOf(info).map((limit) => `${limit.name} ${siText(limit.value, info.unit, 3)}`).join(", ");
+  const limits = limitText(info);
   const line = element("tr", {},
     element("th", { scope: "row" }, spoken(info.name)),
     element("td", { class: "value" }, value.node, element("small", {}, error.node)),
@@ -53,4 +53,9 @@ function update(row: Row, frame: FrameMessage): void {
   const status = frame.limits[info.name];
   row.status.set(status ? `${STATUSES[status].sign} ${STATUSES[status].word}` : "");
   mark(row.line, "data-limit", status ?? null);
+}
+
+function limitText(info: QuantityInfo): string {
+  const values = limitsOf(info).map((limit) => siText(limit.value, info.unit, 3));
+  return values.length > 1 ? values.join(" to ") : limitsOf(info).map((limit) => `${limit.name} ${values[0]!}`).join("");
 }

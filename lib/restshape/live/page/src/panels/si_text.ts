@@ -34,6 +34,7 @@ export function digitsText(value: number, digits = 4): string {
 
 /** A value with its unit, such as 240.9 MPa. `like`: a number whose prefix it takes. */
 export function siText(value: number, unit: string, digits = 4, like = value): string {
+  if (Number.isNaN(value)) return "–";
   const scale = scaledUnit(like, unit);
   const text = digitsText(value * scale.factor, digits);
   return scale.unit ? `${text} ${scale.unit}` : text;

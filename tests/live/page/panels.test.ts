@@ -1,0 +1,159 @@
+// Tests of the panels' pure functions, run by tests/live/test_panel_units.py.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+
+import { FrameHistory } from "../../../lib/restshape/live/page/src/panels/frame_history";
+import { foundNumbers, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
+import { extremes, pixel, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
+import { arrowTurn, rateText } from "../../../lib/restshape/live/page/src/panels/rate_text";
+import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
+import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
+import { errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
+import { axisRange, powerTicks, tickLabels, ticks } from "../../../lib/restshape/live/page/src/panels/ticks";
+import { alike, partials, volumeGain } from "../../../lib/restshape/live/page/src/panels/tone_parameters";
+import { pointText, TypedError, valueOf } from "../../../lib/restshape/live/page/src/panels/typed_values";
+
+test("numbers have SI prefixes as on the console", () => {
+  assert.equal(siText(240_876_036, "Pa"), "240.9 MPa");
+  assert.equal(siText(2.1e-4, "m", 3), "210 µm");
+  assert.equal(siText(-999_999.99, "N"), "−1.000 MN");
+  assert.equal(siText(12_345, "cent"), "12345 cent");
+  assert.equal(siText(0.25, "1"), "0.2500");
+  assert.equal(siText(NaN, "Pa"), "–");
+  assert.equal(siText(2e9, "m^2"), "2.000e9 m²");
+  assert.equal(errorText(2e6, 2e8, "Pa"), "± 2.0 MPa (1.0 %)");
+  assert.equal(errorText(Infinity, 1, "Pa"), "no limit under refinement");
+  assert.equal(errorText(undefined, 1, "Pa"), "");
+});
+
+test("ticks are round numbers inside of the range", () => {
+  assert.deepEqual(ticks(0, 10, 5), [0, 2, 4, 6, 8, 10]);
+  assert.deepEqual(ticks(-0.13, 0.21, 4), [-0.1, 0, 0.1, 0.2]);
+  assert.deepEqual(tickLabels([-0.1, 0, 0.1, 0.2]), ["−0.1", "0.0", "0.1", "0.2"]);
+  assert.deepEqual(powerTicks(0.5, 2e6, 4), [1, 100, 10_000, 1e6]);
+  for (let trial = 0; trial < 200; trial += 1) {
+    const low = (Math.random() - 0.5) * 10 ** (6 * Math.random() - 3), high = low + 10 ** (6 * Math.random() - 3);
+    const found = ticks(low, high, 4);
+    assert.ok(found.length >= 2 && found.length <= 9, `${found.length} ticks from ${low} to ${high}`);
+    assert.ok(found.every((one) => one >= low - 1e-6 * (high - low) && one <= high + 1e-6 * (high - low)));
+    assert.equal(new Set(tickLabels(found)).size, found.length, `labels of ${found.join()} are told apart`);
+  }
+  const [low, high] = axisRange(3, 3);
+  assert.ok(low < 3 && high > 3);
+});
+
+test("thinned lines keep extremes and gaps", () => {
+  const many = 10_000;
+  const x = Float64Array.from({ length: many }, (_, index) => index);
+  const y = Float64Array.from(x, (value) => Math.sin(value / 900));
+  y[5_432] = 7;
+  y[8_000] = NaN;
+  const across: Axis = { low: 0, high: many, from: 40, to: 340, logarithmic: false };
+  const up: Axis = { low: -1, high: 7, from: 100, to: 10, logarithmic: false };
+  const line = thinned(x, y, across, up);
+  assert.ok(line.length / 2 < 4.1 * 301, `${line.length / 2} points`);
+  const heights = line.filter((_, index) => index % 2);
+  assert.equal(Math.min(...heights.filter(Number.isFinite)), pixel(up, 7));
+  assert.equal(heights.filter(Number.isNaN).length, 1);
+  const log: Axis = { low: 1, high: 1000, from: 90, to: 0, logarithmic: true };
+  assert.ok(Math.abs(pixel(log, 10) - 60) < 1e-9 && Math.abs(valueAt(log, 60) - 10) < 1e-9);
+  assert.deepEqual(extremes([NaN, -1, 4], true), [4, 4]);
+});
+
+test("a history is cut where the hand takes over, and kept where a script is scrubbed", () => {
+  const history = new FrameHistory();
+  for (let frame = 0; frame < 200; frame += 1) history.add(frame, [["q", frame]], false);
+  history.add(50, [["q", -1]], true);
+  assert.equal(history.series("q").all[199], 199);
+  history.add(60, [["q", -2]], false);
+  assert.deepEqual([...history.series("q").all.subarray(58)], [58, 59, -2]);
+  history.add(63, [["q", 5]], false);
+  assert.deepEqual([...history.series("q").all.subarray(60)], [-2, NaN, NaN, 5]);
+});
+
+const POINT = { type: "array", items: { anyOf: [{ type: "number" }, { type: "string" }] }, minItems: 2, maxItems: 3 };
+const SCHEMA = {
+  properties: {
+    t: { type: "number" }, do: { const: "drag" }, frames: { default: 1, type: "integer", minimum: 1 },
+    to: { anyOf: [POINT, { type: "null" }], default: null }, path: { anyOf: [{ type: "array", items: { $ref: "#/$defs/P" }, minItems: 2 }, { type: "null" }] },
+    on: { type: "string" }, mouth: { enum: ["kept", "straight"], type: "string" }, value: {},
+  },
+  required: ["t", "do", "on"], $defs: { P: POINT },
+};
+
+test("a schema becomes fields, whose typed texts become values", () => {
+  const fields = new Map(fieldsOf(SCHEMA).map((field) => [field.name, field]));
+  assert.deepEqual([...fields.keys()][0], "on");
+  assert.deepEqual([...fields.values()].map((one) => `${one.name} ${one.kind}`).sort(),
+    ["frames whole", "mouth choice", "on name", "path points", "to point", "value any"]);
+  const value = (name: string, text: string) => valueOf(fields.get(name)!, text);
+  assert.deepEqual(value("to", "0.3, 20 mm"), [0.3, "20 mm"]);
+  assert.deepEqual(value("path", "0, 1; 2, 3, 4"), [[0, 1], [2, 3, 4]]);
+  assert.deepEqual(value("value", "[1, 2]"), [1, 2]);
+  assert.equal(value("value", "steel"), "steel");
+  assert.equal(value("frames", ""), undefined);
+  for (const [name, text] of [["to", "1"], ["path", "0, 1"], ["frames", "1.5"], ["frames", "2 mm"], ["on", " "]]) {
+    assert.throws(() => value(name!, text!), TypedError, `${name}: ${text}`);
+  }
+  assert.equal(pointText([0.123456, -1e-9, 7], 2), "0.12346, 0");
+});
+
+test("numbers of the scene keep the unit that the scene writes", () => {
+  const info = { key: "parameters.width", value: 0.01, text: "10 mm", unit: "m", parameter: true, low: 0.005, high: 0.02 };
+  const range = sliderRange(info);
+  assert.deepEqual([range.low, range.high, range.unit], [5, 20, "mm"]);
+  assert.deepEqual(slid(info, range, 12.5), { do: "set", key: "parameters.width", value: "12.5 mm" });
+  assert.equal(typedValue("12", "10 mm"), "12 mm");
+  assert.equal(typedValue("1 cm", "10 mm"), "1 cm");
+  assert.equal(typedValue("12", "0.3"), 12);
+  const plain = sliderRange({ key: "k", value: -2, text: "-2", unit: "", parameter: false });
+  assert.ok(plain.low < -2 && plain.high > -2 && plain.unit === "");
+  assert.ok(sliderRange({ key: "k", value: 0, text: "0", unit: "", parameter: false }).high > 0);
+  const numbers = ["material.steel.thickness", "material.steel.density", "loads.top.value"].map((key) => ({ ...info, key }));
+  assert.deepEqual(foundNumbers(numbers, "steel th", 5).shown.map((one) => one.key), ["material.steel.thickness"]);
+  assert.equal(foundNumbers(numbers, "", 2).more, 1);
+});
+
+test("a tone does not clip, has only what is heard, and ends", () => {
+  const tone = { frequencies: [523, 2093, 4, 40_000, 6000], decays: [3, 12, 1, 1, 0], amplitudes: [1, 0.5, 1, 1, 1e-6] };
+  const played = partials(tone);
+  assert.deepEqual(played.map((one) => one.frequency), [523, 2093]);
+  assert.ok(played.reduce((sum, one) => sum + one.gain, 0) <= 0.5 + 1e-12);
+  assert.ok(Math.abs(played[0]!.seconds - Math.log(1000) / 3) < 1e-9);
+  assert.deepEqual(partials({ frequencies: [], decays: [], amplitudes: [] }), []);
+  const mark = { kind: "tone", name: "", ...tone } as const;
+  const shifted = (cents: number) => ({ ...mark, frequencies: mark.frequencies.map((one) => one * 2 ** (cents / 1200)) });
+  assert.ok(alike(mark, shifted(0.5)) && !alike(mark, shifted(2)) && !alike(null, mark));
+  assert.equal(volumeGain(0), 0);
+  assert.equal(volumeGain(1), 1);
+});
+
+test("rates are read for each millimetre, and point where the quantity grows", () => {
+  assert.equal(rateText([2e9, -1e9], "Pa/m", 1e8), "+2.00 MPa/mm in x, −1.00 MPa/mm in y (2.2 % of it per mm)");
+  assert.equal(rateText([0, 0], "Pa/m", 1), "does not change");
+  assert.equal(arrowTurn([0, 2]), -90);
+  assert.equal(arrowTurn([-1]), 180);
+  assert.equal(arrowTurn([0, 0]), null);
+});
+
+test("lines of a script are events, and drags of many frames are one", () => {
+  const events = eventsOf('{"format": "restshape-edits", "version": 1}\n{"t": 0, "do": "press", "on": "a"}\n{"t": 1, "do": "drag", "to": [0.1, 2]}\n{"t"');
+  assert.deepEqual(events.map(eventLine), ["press · on a", "drag · to (0.1, 2)"]);
+  assert.ok(continues(events[1]!, events[1]!) && !continues(events[0]!, events[1]!) && !continues(null, events[1]!));
+  assert.ok(!continues({ do: "set", key: "a" }, { do: "set", key: "b" }));
+});
+
+test("every event of all applications has a form that asks for each of its keys by its kind", () => {
+  const models = JSON.parse(readFileSync(process.env["SCRIPT_SCHEMA"]!, "utf-8")).$defs as Record<string, { properties: Record<string, object> }>;
+  assert.ok(Object.keys(models).length > 20);
+  for (const [name, model] of Object.entries(models)) {
+    const fields = fieldsOf(model);
+    assert.deepEqual(new Set(["do", "note", "t", ...fields.map((field) => field.name)]), new Set(["do", "note", "t", ...Object.keys(model.properties)]));
+    for (const field of fields) {
+      assert.notEqual(field.help, "", `${name}: ${field.name}`);
+      assert.equal(field.kind === "any", field.name === "value", `${name}: ${field.name} is asked for as ${field.kind}`);
+    }
+  }
+});
