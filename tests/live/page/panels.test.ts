@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { FrameHistory } from "../../../lib/restshape/live/page/src/panels/frame_history";
 import { foundNumbers, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
 import { extremes, pixel, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
-import { arrowTurn, rateText } from "../../../lib/restshape/live/page/src/panels/rate_text";
+import { arrowTurn, rateText, shareText } from "../../../lib/restshape/live/page/src/panels/rate_text";
 import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
 import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
 import { errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
@@ -130,9 +130,10 @@ test("a tone does not clip, has only what is heard, and ends", () => {
   assert.equal(volumeGain(1), 1);
 });
 
-test("rates are read for each millimetre, and point where the quantity grows", () => {
-  assert.equal(rateText([2e9, -1e9], "Pa/m", 1e8), "+2.00 MPa/mm in x, −1.00 MPa/mm in y (2.2 % of it per mm)");
-  assert.equal(rateText([0, 0], "Pa/m", 1), "does not change");
+test("rates are read for each millimetre, or percent, and point where the quantity grows", () => {
+  assert.equal(rateText([2e9, -1e9], "Pa", 1e8), "+2.00 MPa in x, −1.00 MPa in y a mm (2.2 %)");
+  assert.equal(rateText([0, 0], "Pa", 1), "does not change");
+  assert.equal(shareText(-2e10, 0.01, "Pa", 2e8), "−2.00 MPa (−1.0 %)");
   assert.equal(arrowTurn([0, 2]), -90);
   assert.equal(arrowTurn([-1]), 180);
   assert.equal(arrowTurn([0, 0]), null);

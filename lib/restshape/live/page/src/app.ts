@@ -27,6 +27,7 @@ export interface Happenings {
   frame: Frame;
   done: { id: number };
   refused: Refusal;
+  declined: Refusal;               // of what was asked by the way: nobody needs to read it
   rates: Rates;
   busy: Busy;
   player: Player;
@@ -69,6 +70,7 @@ export class App {
   tool: Tool = "hold";
   look: Look = { colours: "auto", scale: 1, autoScale: true, wireframe: true, rest: true, handles: true, range: null };
 
+  private readonly byTheWay = new Set<number>();
   private readonly listeners = new Map<keyof Happenings, Set<(what: never) => void>>();
 
   /** Sends a message; gives its id, or 0 where there is no connection. */
@@ -100,7 +102,7 @@ export class App {
       case "welcome": this.tell("welcome", message); break;
       case "known": this.tell("known", message); break;
       case "done": this.tell("done", message); break;
-      case "refused": this.tell("refused", message); break;
+      case "refused": this.tell(this.byTheWay.delete(message.id) ? "declined" : "refused", message); break;
       case "rates": this.tell("rates", message); break;
       case "busy": this.tell("busy", message); break;
       case "player": this.tell("player", message); break;
@@ -109,6 +111,13 @@ export class App {
       case "lost": this.tell("lost", message); break;
       default:
     }
+  }
+
+  /** Asks for something that may be refused without a word to the user. */
+  wonder(asked: Asked): number {
+    const id = this.send(asked);
+    this.byTheWay.add(id);
+    return id;
   }
 
   changeLook(change: Partial<Look>): void { this.tell("look", { ...this.look, ...change }); }

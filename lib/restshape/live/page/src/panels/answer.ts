@@ -41,12 +41,17 @@ export function showAnswer(app: App, painter: Painter): HTMLElement {
 /** Solved, or predicted in one of the ways that the scene can. */
 function predictChoice(app: App): HTMLElement {
   const group = element("fieldset", { class: "row choice" }, element("legend", {}, "frames of a drag"));
+  let way = "none";
   app.on("welcome", ({ predicts }) => {
     const ways = ["none", ...predicts.filter((way) => way !== "none")];
-    group.replaceChildren(group.firstChild!, ...ways.map((way) => {
-      const box = element("input", { type: "radio", name: "predict", value: way, checked: way === "none" });
-      box.addEventListener("change", () => app.send({ type: "show", predict: way as "none" | "linear" | "gmls" }));
-      return element("label", {}, box, way === "none" ? "solved" : `predicted (${way})`);
+    const chosen = ways.includes(way) ? way : "none";
+    group.replaceChildren(group.firstChild!, ...ways.map((one) => {
+      const box = element("input", { type: "radio", name: "predict", value: one, checked: one === chosen });
+      box.addEventListener("change", () => {
+        way = one;
+        app.send({ type: "show", predict: one as "none" | "linear" | "gmls" });
+      });
+      return element("label", {}, box, one === "none" ? "solved" : `predicted (${one})`);
     }));
     group.hidden = ways.length < 2;
   });

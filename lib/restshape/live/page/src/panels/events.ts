@@ -15,7 +15,7 @@ export function showEvents(app: App, stage: Stage): HTMLElement {
   const text = element("p", { class: "help" });
   const place = element("div");
   let form: EventForm | null = null;
-  let selected = "";
+  let selected = "", schemas = "";
   const send = (event: ScriptEvent) => { app.act(event); };
   const show = () => {
     const schema = app.welcome?.events[choice.value];
@@ -27,12 +27,14 @@ export function showEvents(app: App, stage: Stage): HTMLElement {
   };
   choice.addEventListener("change", show);
   app.on("welcome", (welcome) => {
-    const before = choice.value;
+    const before = choice.value, same = JSON.stringify(welcome.events) === schemas;
+    schemas = JSON.stringify(welcome.events);
+    fill(names, app.things.map((thing) => thing.name));
+    fill(keys, welcome.numbers.map((number) => number.key));
+    if (same) return;                                 // a page that has come back keeps what is typed
     const known = Object.keys(welcome.events).sort();
     choice.replaceChildren(...known.map((name) => element("option", { value: name }, name)));
     choice.value = known.includes(before) ? before : known.includes("set") ? "set" : known[0] ?? "";
-    fill(names, app.things.map((thing) => thing.name));
-    fill(keys, welcome.numbers.map((number) => number.key));
     show();
   });
   app.on("known", (known) => {

@@ -5,8 +5,12 @@ import { button, element } from "./element";
 const KEYS: [string, string][] = [
   ["Tab", "goes from one part of the page to the next; in the shape, through what can be held"],
   ["Enter", "takes hold of what is selected, and lets go"],
-  ["Arrows", "move what is held; with Shift ten times as far"],
+  ["Arrows", "move what is held, or the picture; with Shift ten times as far, with Alt a tenth"],
+  ["Page up, Page down", "move what is held up and down in space"],
   ["Escape", "lets go; ends picking a place"],
+  ["Delete", "deletes what is selected"],
+  ["I", "inserts a vertex in the edge that is selected"],
+  ["F, + and −", "show all, closer, farther"],
   ["Ctrl+Z", "takes the last edit back"],
   ["Ctrl+Shift+Z, Ctrl+Y", "does it again"],
   ["Ctrl+S", "writes the script"],

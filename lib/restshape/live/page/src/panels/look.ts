@@ -1,9 +1,10 @@
 // How frames are drawn: field, colours, scale of the deformation, wireframe, marks.
 
 import type { App, Look } from "../app";
+import { COLOUR_MAPS } from "../draw/colour_maps";
 import { element } from "./element";
 
-const COLOURS: Record<Look["colours"], string> = { auto: "by the field", viridis: "viridis", RdBu: "red and blue", none: "none" };
+const COLOURS = { auto: "by the field", ...Object.fromEntries(COLOUR_MAPS.map((name) => [name, name])), none: "none" };
 const SWITCHES: [keyof Look & ("wireframe" | "rest" | "handles"), string][] = [
   ["wireframe", "edges of the mesh"], ["rest", "outline before deformation"], ["handles", "what can be held"],
 ];
@@ -16,7 +17,7 @@ export function showLook(app: App): HTMLElement {
     field.value = welcome.field;
   });
   const colours = element("select", {}, ...Object.entries(COLOURS).map(([name, text]) => element("option", { value: name }, text)));
-  colours.addEventListener("change", () => app.changeLook({ colours: colours.value as Look["colours"] }));
+  colours.addEventListener("change", () => app.changeLook({ colours: colours.value }));
   const marks = checkbox("marks", true, (on) => app.send({ type: "show", marks: on }));
   const switches = SWITCHES.map(([name, text]) => ({ name, ...checkbox(text, app.look[name], (on) => app.changeLook({ [name]: on })) }));
   const scale = scaleLine(app);

@@ -17,7 +17,7 @@ class NumberLine {
   private range: SliderRange;
   private sliding = false;
 
-  constructor(private info: NumberInfo, private readonly app: App) {
+  constructor(private info: NumberInfo, private readonly app: App, chosen: (key: string) => void) {
     this.range = sliderRange(info);
     this.slider = element("input", { type: "range", "aria-label": `${info.key}, slider` });
     this.text = element("input", { type: "text", "aria-label": info.key, spellcheck: false, size: 9 });
@@ -25,6 +25,7 @@ class NumberLine {
     this.slider.addEventListener("input", () => this.slide());
     this.slider.addEventListener("change", () => { this.sliding = false; });
     this.text.addEventListener("change", () => this.typed());
+    this.body.addEventListener("focusin", () => chosen(info.key));
     this.arrange();
   }
 
@@ -61,7 +62,8 @@ class NumberLine {
   }
 }
 
-export function showNumbers(app: App, painter: Painter): HTMLElement {
+/** `chosen`: is told the key of a number whose slider or text is in the hand. */
+export function showNumbers(app: App, painter: Painter, chosen: (key: string) => void): HTMLElement {
   const parameters = element("div", { class: "numbers" }), found = element("div", { class: "numbers" });
   const search = element("input", { type: "search", placeholder: "search numbers of the scene", "aria-label": "search numbers of the scene" });
   const more = element("p", { class: "help", role: "status" });
@@ -69,7 +71,7 @@ export function showNumbers(app: App, painter: Painter): HTMLElement {
   const lineOf = (info: NumberInfo) => {
     let line = lines.get(info.key);
     if (line) line.update(info);
-    else lines.set(info.key, line = new NumberLine(info, app));
+    else lines.set(info.key, line = new NumberLine(info, app, chosen));
     return line.body;
   };
   const arrange = (into: HTMLElement, infos: NumberInfo[]) => {
@@ -85,7 +87,7 @@ export function showNumbers(app: App, painter: Painter): HTMLElement {
     more.textContent = rest ? `and ${rest} more: type words of their keys` : shown.length ? "" : "no number has these words in its key";
   };
   search.addEventListener("input", () => painter.soon(show));
-  app.on("welcome", () => { lines.clear(); show(); });
+  app.on("welcome", show);
   app.on("known", ({ numbers }) => { if (numbers) painter.soon(show); });
   return element("div", {}, parameters, search, found, more);
 }

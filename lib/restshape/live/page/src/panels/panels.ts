@@ -24,12 +24,13 @@ export function showPanels(app: App, stage: Stage): Painter {
   const plots = new Plots(app, painter);
   const quantities = showQuantities(app, painter, (name, on) => plots.choose(name, on));
   const marks = showMarks(app, stage, painter);
+  const rates = showRates(app);
   const edit = showEditButtons(app);
   edit.append(showHelp());
   put("panel-edit", edit, showScript(app, painter));
-  put("panel-quantities", quantities, marks.words, showRates(app), showAnswer(app, painter));
+  put("panel-quantities", quantities, marks.words, rates.body, showAnswer(app, painter));
   put("panel-plots", heading("Over the edit"), plots.body);
-  put("panel-numbers", heading("Parameters and numbers"), showNumbers(app, painter));
+  put("panel-numbers", heading("Parameters and numbers"), showNumbers(app, painter, rates.of));
   put("panel-offers", marks.offers);
   put("panel-charts", marks.charts);
   put("panel-sound", marks.sound);

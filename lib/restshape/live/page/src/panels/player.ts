@@ -38,7 +38,7 @@ export function showPlayer(app: App): HTMLElement {
   addEventListener("keydown", (event) => {
     const at = event.target;
     const elsewhere = at instanceof HTMLElement && at.closest("input, select, button, textarea, summary, dialog");
-    if (body.hidden || elsewhere || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (body.hidden || elsewhere || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === " ") toggle();
     else if (event.key === ",") seek(state.frame - 1);
     else if (event.key === ".") seek(state.frame + 1);

@@ -27,7 +27,12 @@ export class Plots {
       if (this.others.value) this.choose(this.others.value, !this.plots.has(this.others.value));
       this.others.value = "";
     });
-    app.on("welcome", () => { this.history.clear(); });
+    // A page that comes back to the same scene goes on with what it has seen.
+    let scene = "";
+    app.on("welcome", (welcome) => {
+      if (welcome.scene !== scene) this.history.clear();
+      scene = welcome.scene;
+    });
     app.on("frame", () => this.take());
     app.on("player", () => this.askAll());
   }

@@ -7,7 +7,9 @@ import { limitsOf, quantityValue, spoken, STATUSES } from "./frame_values";
 import type { Painter } from "./painter";
 import { errorText, siText } from "./si_text";
 
-interface Row { info: QuantityInfo; value: ChangingText; error: ChangingText; status: ChangingText; line: HTMLElement; }
+const PLOTTED = 3;                                     // the first ones are plotted from the start
+
+interface Row { info: QuantityInfo; value: ChangingText; error: ChangingText; status: ChangingText; limits: ChangingText; line: HTMLElement; }
 
 /** `plotted`: is told which quantities are chosen for plots. */
 export function showQuantities(app: App, painter: Painter, plotted: (name: string, on: boolean) => void): HTMLElement {
@@ -18,31 +20,37 @@ export function showQuantities(app: App, painter: Painter, plotted: (name: strin
     body);
   let rows: Row[] = [];
   const build = (quantities: QuantityInfo[]) => {
-    rows = quantities.map((info, index) => rowOf(info, index < 3, plotted));
-    body.replaceChildren(...rows.map((row) => row.line));
-    table.hidden = rows.length === 0;
-    if (app.frame) write();
+    // Limits that are formulas change with their parameters: the rows stay.
+    if (quantities.length !== rows.length || quantities.some((info, index) => info.name !== rows[index]!.info.name)) {
+      rows = quantities.map((info, index) => rowOf(info, index < PLOTTED, plotted));
+      body.replaceChildren(...rows.map((row) => row.line));
+      table.hidden = rows.length === 0;
+    }
+    rows.forEach((row, index) => {
+      row.info = quantities[index]!;
+      row.limits.set(limitText(row.info));
+    });
+    write();
   };
   const write = () => { if (app.frame) for (const row of rows) update(row, app.frame.header); };
   app.on("welcome", ({ quantities }) => build(quantities));
-  app.on("known", ({ quantities }) => { if (quantities) build(quantities); });
+  app.on("known", ({ quantities }) => { if (quantities) painter.soon(() => build(quantities)); });
   app.on("frame", () => painter.soon(write));
   table.hidden = true;
   return table;
 }
 
 function rowOf(info: QuantityInfo, chosen: boolean, plotted: (name: string, on: boolean) => void): Row {
-  const value = new ChangingText(), error = new ChangingText(), status = new ChangingText();
+  const value = new ChangingText(), error = new ChangingText(), status = new ChangingText(), limits = new ChangingText();
   const box = element("input", { type: "checkbox", "aria-label": `plot ${spoken(info.name)}`, checked: chosen });
   box.addEventListener("change", () => plotted(info.name, box.checked));
-  const limits = limitText(info);
   const line = element("tr", {},
     element("th", { scope: "row" }, spoken(info.name)),
     element("td", { class: "value" }, value.node, element("small", {}, error.node)),
-    element("td", { class: "limit" }, element("span", { class: "status" }, status.node), element("small", {}, limits)),
+    element("td", { class: "limit" }, element("span", { class: "status" }, status.node), element("small", {}, limits.node)),
     element("td", {}, box));
   plotted(info.name, chosen);
-  return { info, value, error, status, line };
+  return { info, value, error, status, limits, line };
 }
 
 function update(row: Row, frame: FrameMessage): void {

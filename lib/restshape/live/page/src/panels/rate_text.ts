@@ -12,20 +12,24 @@ export function arrowTurn(rate: number[]): number | null {
 }
 
 /**
- * A derivative for each millimetre where it is per metre, along x, y and z, and what that is of the value.
+ * How a quantity changes with a place: for each millimetre along x, y and z, and what that is of the value.
  *
- * unit: of the derivative, such as "Pa/m"; value: of the quantity.
+ * rate: in `unit` a metre; unit, value: of the quantity.
  */
 export function rateText(rate: number[], unit: string, value: number): string {
-  const metres = unit.endsWith("/m");
-  const step = metres ? 1e-3 : 1;
-  const own = metres ? unit.slice(0, -2) : unit;
-  const size = Math.max(...rate.map((one) => Math.abs(one * step)).filter(Number.isFinite), 0);
+  const steps = rate.map((one) => one / 1000);
+  const size = Math.max(...steps.map(Math.abs).filter(Number.isFinite), 0);
   if (size === 0) return "does not change";
-  const parts = rate.map((one, index) => {
-    const sign = one > 0 ? "+" : "";
-    return `${sign}${siText(one * step, own, 3, size)}${metres ? "/mm" : ""}${rate.length > 1 ? ` in ${WAYS[index]}` : ""}`;
-  });
-  const share = Math.hypot(...rate) * step / Math.abs(value);
-  return `${parts.join(", ")}${metres && Number.isFinite(share) ? ` (${percentText(share)} of it per mm)` : ""}`;
+  const parts = steps.map((one, index) => `${one > 0 ? "+" : ""}${siText(one, unit, 3, size)} in ${WAYS[index]}`);
+  const share = Math.hypot(...steps) / Math.abs(value);
+  return `${parts.join(", ")} a mm${Number.isFinite(share) ? ` (${percentText(share)})` : ""}`;
+}
+
+/** How a quantity changes with a number of the scene: what one percent more of the number makes of it. */
+export function shareText(rate: number, number: number, unit: string, value: number): string {
+  const change = 0.01 * number * rate;
+  if (change === 0) return "does not change";
+  const sign = change > 0 ? "+" : "";
+  const share = change / Math.abs(value);
+  return `${sign}${siText(change, unit, 3)}${Number.isFinite(share) ? ` (${sign}${percentText(share)})` : ""}`;
 }

@@ -3,18 +3,20 @@
 import type { App, Rates } from "../app";
 import { element } from "./element";
 import { quantityValue, spoken } from "./frame_values";
-import { arrowTurn, rateText } from "./rate_text";
+import { arrowTurn, rateText, shareText } from "./rate_text";
 
 const REST = 400;                                       // [ms] without a frame until rates are asked for again
 const SVG = "http://www.w3.org/2000/svg";
 
-export function showRates(app: App): HTMLElement {
+export interface RatePanel { body: HTMLElement; of(name: string): void; }
+
+export function showRates(app: App): RatePanel {
   const list = element("ul", { class: "rates" });
   const title = element("h2");
   const body = element("div", { hidden: true, "aria-live": "polite" }, title, list);
   let of = "", asked = 0, timer = 0;
   const ask = () => {
-    if (of && !app.held) asked = app.send({ type: "rates", of });
+    if (of && !app.held) asked = app.wonder({ type: "rates", of });
   };
   const select = (name: string) => {
     if (name === of) return;
@@ -25,22 +27,25 @@ export function showRates(app: App): HTMLElement {
   app.on("selected", (thing) => select(thing?.name ?? ""));
   app.on("rates", (rates) => {
     if (rates.id !== asked || rates.of !== of) return;
-    title.textContent = `As ${of} moves`;
+    title.textContent = of.includes(".") ? `With 1 % more of ${of}` : `As ${of} moves`;
     list.replaceChildren(...lines(app, rates));
     body.hidden = list.children.length === 0;
   });
-  app.on("refused", ({ id }) => { if (id === asked) body.hidden = true; });
+  app.on("declined", ({ id }) => { if (id === asked) body.hidden = true; });
   app.on("frame", ({ header }) => {
     clearTimeout(timer);
     if (of && !header.held) timer = window.setTimeout(ask, REST);
   });
-  return body;
+  return { body, of: select };
 }
 
 function lines(app: App, rates: Rates): HTMLElement[] {
   return Object.entries(rates.rates).map(([name, rate]) => {
     const value = app.frame ? quantityValue(app.frame.header, name) : NaN;
-    return element("li", {}, arrow(rate), element("span", {}, `${spoken(name)}: ${rateText(rate, rates.units[name] ?? "", value)}`));
+    const unit = rates.units[name] ?? "";
+    const number = rates.of.includes(".") ? app.welcome?.numbers.find((one) => one.key === rates.of)?.value ?? NaN : NaN;
+    const text = rates.of.includes(".") ? shareText(rate[0] ?? NaN, number, unit, value) : rateText(rate, unit, value);
+    return element("li", {}, arrow(rate), element("span", {}, `${spoken(name)}: ${text}`));
   });
 }
 
