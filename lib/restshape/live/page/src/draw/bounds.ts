@@ -6,11 +6,12 @@ export class Bounds {
   readonly low = [Infinity, Infinity, Infinity];
   readonly high = [-Infinity, -Infinity, -Infinity];
 
-  /** Takes places in, three numbers each. */
-  add(points: Float32Array): void {
+  /** Takes places in, three numbers each: at points + scale * shifts; shifts may be empty. */
+  add(points: Float32Array, shifts: Float32Array, scale: number): void {
+    const s = shifts.length ? scale : 0;
     for (let i = 0; i < points.length; i += 3) {
       for (let k = 0; k < 3; k += 1) {
-        const value = points[i + k]!;
+        const value = points[i + k]! + (s ? s * shifts[i + k]! : 0);
         if (value < this.low[k]!) this.low[k] = value;
         if (value > this.high[k]!) this.high[k] = value;
       }

@@ -16,7 +16,7 @@ export interface LinesDrawn {
 export interface ArrowsDrawn { points: Float32Array; vectors: Float32Array; meaning: string; words?: readonly string[]; }
 
 const NONE = new Float32Array(0);
-const LONGEST = 0.16; // of the shape's size: the longest arrow
+const LONGEST = 0.1; // of the shape's size: the longest arrow
 const HEAD = 11; // pixels
 const ORDER = 20; // above the shape
 

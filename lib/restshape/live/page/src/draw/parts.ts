@@ -5,6 +5,7 @@ import type { Object3D } from "three";
 import type { Part } from "../protocol";
 import { Bounds } from "./bounds";
 import { Dots } from "./dots";
+import { follow } from "./follow";
 import { Segments } from "./segments";
 import type { Shared } from "./shared";
 import { Surface, type Read } from "./surface";
@@ -38,16 +39,33 @@ export class Parts {
       if (part.gone) this.take(part.name);
       else this.change(part, read);
     }
+    if (parts.some(({ role }) => role === "shape" || role === "outline")) this.bend();
+  }
+
+  /** Handles go where the shape is drawn. */
+  private bend(): void {
+    const shape = [...this.all.values()].find(({ surface, part }) => surface && part.role === "shape");
+    if (!shape) return;
+    const size = this.bounds.size() || this.measure().size();
+    for (const shown of this.all.values()) {
+      if (shown.part.role !== "outline" || shown.part.arrays["displacement"]) continue;
+      if (shape.shifts.length === 0) shown.shifts = NONE;
+      else {
+        if (shown.shifts.length !== shown.points.length) shown.shifts = new Float32Array(shown.points.length);
+        follow(shown.shifts, shown.points, shape.starts, shape.points, shape.shifts, size);
+      }
+      shown.dots?.set(shown.points, shown.shifts);
+    }
   }
 
   clear(): void { for (const name of [...this.all.keys()]) this.take(name); }
 
   *surfaces(): Generator<Surface> { for (const { surface } of this.all.values()) if (surface) yield surface; }
 
-  /** The box around all places, without displacements. */
+  /** The box around all places, as they are drawn. */
   measure(): Bounds {
     this.bounds.clear();
-    for (const { points } of this.all.values()) this.bounds.add(points);
+    for (const { points, shifts, surface } of this.all.values()) this.bounds.add(points, surface ? shifts : NONE, this.shared.scale.value);
     return this.bounds;
   }
 
@@ -62,7 +80,7 @@ export class Parts {
     const before = shown.points.length;
     if (points) shown.points = read(points) as Float32Array;
     if (displacement) shown.shifts = read(displacement) as Float32Array;
-    else if (shown.shifts.length !== shown.points.length) shown.shifts = NONE;
+    else if (shown.shifts.length !== shown.points.length) shown.shifts = NONE; // of an outline: found by what it follows
     if (starts) shown.starts = read(starts) as Uint32Array;
     if (part.names) shown.names = part.names;
     if (part.names ?? starts ?? shown.points.length !== before) this.version += 1;
@@ -96,7 +114,7 @@ export class Parts {
       shown.lines = new Segments(this.shared, { colour: this.theme.colour(LINE[part.role]), width: rest ? 1.25 : 2, moves: !rest });
       this.add(shown.lines.mesh, ORDER.lines);
     } else {
-      shown.dots = new Dots(this.shared, { colour: this.theme.colour("ground"), rim: this.theme.colour(LINE[part.role]), width: 7, moves: part.role !== "outline" });
+      shown.dots = new Dots(this.shared, { colour: this.theme.colour("ground"), rim: this.theme.colour(LINE[part.role]), width: 7 });
       this.add(shown.dots.points, ORDER.dots);
     }
     return shown;

@@ -94,6 +94,7 @@ export class Scene {
     }
     this.shared.scale.value = 1;
     this.field = null;
+    if (welcome.things.some(({ role }) => role === "plank")) this.app.changeLook({ wireframe: false });
     this.request();
   }
 
@@ -101,13 +102,19 @@ export class Scene {
     this.parts.update(header.parts, read);
     for (const part of header.parts) this.nameField(part.field);
     this.answered = Math.max(this.answered, header.id);
-    if (!this.fitted && this.parts.all.size) {
-      this.fitted = true;
-      this.fit();
-    } else if (!this.fitted) this.parts.measure();
-    this.rescale();
+    if (this.fitted) this.rescale();
+    else this.first();
     this.colour();
     this.request();
+  }
+
+  /** Of the first frame all is shown. */
+  private first(): void {
+    if (!this.parts.all.size) return;
+    this.fitted = true;
+    this.parts.measure();
+    this.rescale();
+    this.fit();
   }
 
   private nameField(name: string | undefined): void {
@@ -130,7 +137,8 @@ export class Scene {
     const { look, welcome } = this.app;
     const before = this.shared.scale.value;
     let scale = look.scale;
-    if (look.autoScale) scale = welcome?.trueScale ? 1 : autoScale(before, this.largest(), this.size);
+    const rigid = welcome?.trueScale || this.app.things.some(({ role }) => role === "plank");
+    if (look.autoScale) scale = rigid ? 1 : autoScale(before, this.largest(), this.size);
     if (scale === before) return;
     this.shared.scale.value = scale;
     for (const surface of this.parts.surfaces()) surface.turnNormals();

@@ -45,7 +45,7 @@ void main() {
     vec3 near = smoothstep(vec3(0.0), width * 1.2, vCorner);
     float edge = 1.0 - min(near.x, min(near.y, near.z));
     float small = max(width.x, max(width.y, width.z)); // triangles of a few pixels would be all edge
-    colour = mix(colour, vec3(dot(colour, vec3(0.3, 0.59, 0.11)) > 0.35 ? 0.0 : 1.0), 0.34 * wires * edge * (1.0 - smoothstep(0.1, 0.4, small)));
+    colour = mix(colour, vec3(1.0), 0.38 * wires * edge * (1.0 - smoothstep(0.1, 0.4, small)));
   }
   shown = vec4(mix(colour, glowing, glow), opacity);
 }`;

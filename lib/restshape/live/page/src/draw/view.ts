@@ -5,7 +5,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import type { Bounds } from "./bounds";
 
-const MARGIN = 1.14; // of the shape's size
+const MARGIN = 1.3; // of the shape's size: displacements and arrows have room
 const ANGLE = 28; // degrees that the camera in space sees
 const FROM = new Vector3(0.55, -0.95, 0.55).normalize();
 

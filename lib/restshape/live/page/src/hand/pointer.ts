@@ -54,7 +54,7 @@ export class Pointer {
 
   private down(event: PointerEvent): void {
     if (this.handed) return;
-    this.scene.canvas.focus({ preventScroll: true });
+    this.scene.canvas.focus({ preventScroll: true, focusVisible: false } as FocusOptions);
     const { controls } = this.scene.view;
     if (this.finger) return this.second(event);
     controls.enabled = true;
@@ -173,6 +173,7 @@ export class Pointer {
   private refresh(): void {
     const { selected, things } = this.app;
     this.selected.show(selected && this.targets.find(things, selected.name), null);
-    if (this.grasp) this.hover.show(this.targets.find(things, this.grasp.thing.name), this.grasp.grip.dot);
+    const { lit } = this.hover;
+    if (lit) this.hover.show(this.targets.find(things, lit.name), this.hover.dot);
   }
 }

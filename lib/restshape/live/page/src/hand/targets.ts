@@ -102,7 +102,11 @@ export class Targets {
       found = target;
     }
     if (!found) return null;
-    return { target: found, at: this.inPlane(x, y, placeOf(found.shown, found.paths[0]![0])[2]), dot: null };
+    const [first] = found.paths[0]!;
+    const rest = placeOf(found.shown, first);
+    const drawn = drawnAt(found.shown, first, this.scene.shared.scale.value);
+    const at = this.inPlane(x, y, drawn[2]);
+    return { target: found, at: [0, 1, 2].map((k) => at[k]! + rest[k]! - drawn[k]!) as [number, number, number], dot: null };
   }
 
   /** The place of the plane at a height that is under a pixel. */
@@ -139,7 +143,7 @@ export class Targets {
     if (known) return known;
     const xy = new Float32Array((2 * shown.points.length) / 3);
     for (let i = 0, k = 0; k < xy.length; i += 3, k += 2) {
-      this.scene.view.toScreen(shown.points[i]!, shown.points[i + 1]!, shown.points[i + 2]!, this.work);
+      this.scene.view.toScreen(...drawnAt(shown, i / 3, this.scene.shared.scale.value), this.work);
       xy[k] = this.work.x;
       xy[k + 1] = this.work.y;
     }
@@ -160,6 +164,13 @@ function target(thing: ThingInfo, parts: Parts): Target | null {
     else if (shown.part.kind === "lines") paths.push([shown.starts[i]!, shown.starts[i + 1] ?? shown.points.length / 3]);
   });
   return { thing, shown, dots, paths };
+}
+
+/** Where a point is drawn. */
+export function drawnAt(shown: Shown, i: number, scale: number): [number, number, number] {
+  const { points, shifts } = shown;
+  const s = shifts.length ? scale : 0;
+  return [0, 1, 2].map((k) => (points[3 * i + k] ?? 0) + (s ? s * shifts[3 * i + k]! : 0)) as [number, number, number];
 }
 
 export function placeOf(shown: Shown, i: number): [number, number, number] {

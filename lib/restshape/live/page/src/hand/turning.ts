@@ -5,7 +5,7 @@ import { Vector3 } from "three";
 import type { App } from "../app";
 import type { Scene } from "../draw/scene";
 import { Steps } from "./steps";
-import { middle, numbersOf, placeOf, type Target } from "./targets";
+import { drawnAt, middle, numbersOf, type Target } from "./targets";
 import type { Tools } from "./tools";
 
 const ROLES = ["edge", "hole", "group", "region", "panel", "body"];
@@ -70,7 +70,7 @@ export class Turning {
   private box(target: Target): { left: number; right: number; top: number; bottom: number } {
     const box = { left: Infinity, right: -Infinity, top: Infinity, bottom: -Infinity };
     for (const i of numbersOf(target)) {
-      const { x, y } = this.scene.view.toScreen(...placeOf(target.shown, i), this.work);
+      const { x, y } = this.scene.view.toScreen(...drawnAt(target.shown, i, this.scene.shared.scale.value), this.work);
       box.left = Math.min(box.left, x);
       box.right = Math.max(box.right, x);
       box.top = Math.min(box.top, y);
