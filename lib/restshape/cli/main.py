@@ -31,6 +31,7 @@ COMMANDS = (
     "schema",
     "info",
     "replay",
+    "live",
     "sweep",
     "report",
     "compare",

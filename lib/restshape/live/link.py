@@ -217,6 +217,17 @@ class ServerLink:
         content = (message if isinstance(message, str) else encoded(message)).encode()
         self._writer.write(HEAD.pack(len(content), TEXT) + content)
 
+    async def drained(self) -> None:
+        """Waits until the other side has taken most of what was sent.
+
+        Raises:
+            LinkClosed: it has ended.
+        """
+        try:
+            await self._writer.drain()
+        except OSError as error:
+            raise LinkClosed("the other side has ended") from error
+
     @property
     def unsent(self) -> int:
         """Bytes that the other side has not taken yet."""

@@ -121,6 +121,18 @@ class ScriptFile(OutputFile):
         return not self.is_file() or not self.stat().st_size or _signature_holds(self)
 
 
+class LiveScriptFile(OutputFile):
+    """The script of a live session; the command refuses what is there already, unless it may be replaced."""
+
+    what = "an edit script"
+    noun = "a script"
+    endings = (".jsonl",)
+
+    def known(self, head: bytes) -> bool:
+        """Whether it begins as scripts do."""
+        return head.startswith((b'{"format": "restshape-edits"', b'{"format":"restshape-edits"'))
+
+
 class SchemaFile(OutputFile):
     """A JSON schema of scenes or scripts."""
 

@@ -1,0 +1,240 @@
+"""A live session as the server leads it: between the pages and the process that simulates."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections import OrderedDict
+from contextlib import suppress
+from typing import Any
+
+from restshape.live.link import LinkClosed, ServerLink
+from restshape.live.server_messages import OWN, BadMessage, checked, refused
+from restshape.live.server_pages import REPLACED, Page, Pages
+from restshape.live.server_process import SimulatingProcess
+from restshape.live.server_state import ShownState
+from restshape.live.server_waiting import Waiting
+from restshape.live.server_work import Work
+
+Table = dict[str, Any]
+
+PATIENCE = 0.5
+"""Seconds after which pages are said that a frame takes long, and between two such words."""
+HEARTBEAT = 5.0
+"""Seconds between two empty texts, by which a page knows that its socket is alive."""
+MOST_ASKED = 10_000
+"""Messages whose pages are known, to which answers go."""
+LAST_WORDS = 30.0
+"""Seconds that the simulating process has to finish its recording."""
+FREE = "no page has the hand"
+ELSEWHERE = "another page has the hand"
+TAKE_IT = "close that page; the next one that asks has the hand"
+
+
+class LiveSession:
+    """One session, from the first process that simulates until it is ended.
+
+    Args:
+        process: that simulates; it has been started.
+
+    Attributes:
+        state: that pages show; pages: that are open.
+    """
+
+    def __init__(self, process: SimulatingProcess) -> None:
+        self.state, self.pages = ShownState(), Pages()
+        self._process = process
+        self._waiting, self._work = Waiting(), Work()
+        self._asked: OrderedDict[int, Page] = OrderedDict()
+        self._restart = asyncio.Event()
+        self._why = ""
+        self._restarted, self._fruitless = False, 0
+        self._ending = False
+        self._link: ServerLink | None = None
+
+    async def lead(self) -> int:
+        """Passes on what is said, until the session is ended; the exit code of the simulating process."""
+        beside = [asyncio.create_task(one) for one in (self._say_busy(), self._beat())]
+        try:
+            while True:
+                await self._simulate()
+                code = await asyncio.to_thread(self._process.wait, LAST_WORDS)
+                if self._ending or not code or not self._process.can_start or not (self.state.welcome or self._why):
+                    return code
+                await self._start_again(code)
+                if self._ending:
+                    return code
+        finally:
+            for task in beside:
+                task.cancel()
+
+    async def _simulate(self) -> None:
+        """Hears what one process says, until it has ended."""
+        link = self._link = await ServerLink.of_socket(self._process.end)
+        sending = asyncio.create_task(self._send_all(link))
+        try:
+            with suppress(LinkClosed):
+                if self._restarted:
+                    link.send({"type": "resume", "lines": self._process.lines})
+                while True:
+                    self._hear(await link.receive())
+        finally:
+            sending.cancel()
+            self._link = None
+            link.close()
+
+    async def _send_all(self, link: ServerLink) -> None:
+        """Sends what waits, as fast as the process takes it."""
+        with suppress(LinkClosed):
+            while True:
+                message, text = await self._waiting.take()
+                self._work.begin(message)
+                link.send(text)
+                await link.drained()
+
+    async def _start_again(self, code: int) -> None:
+        """Has another process go on with the script, at once or when a page asks for it."""
+        why = self._why or f"the simulation has ended by itself ({ended_by(code)})"
+        self._fruitless += 1
+        at_once = self._fruitless <= 2
+        self.pages.say({"type": "lost", "message": why, "restarting": at_once})
+        left = self._work.start() + [message["id"] for message in self._waiting.clear()]
+        for number in left:
+            self._answer(number, refused(number, why))
+        self._restart.clear()
+        if not at_once:
+            await self._restart.wait()
+            self._work.start()
+        if self._ending:
+            return
+        self._why, self._restarted = "", True
+        self.state.frames.begin_anew()
+        self._process.start_again()
+
+    def _hear(self, message: str | bytes) -> None:
+        """Keeps what the process says, and passes it on."""
+        if isinstance(message, bytes):
+            header = self.state.frames.add(message)
+            self._work.frame(header.get("id", 0))
+            self._fruitless = 0
+            self.pages.wake()
+            return
+        said = json.loads(message)
+        kind = said["type"]
+        if kind == "written":
+            self._process.lines += said["lines"]
+            self._process.events = said["count"]
+            return
+        self.state.hear(said)
+        if kind == "welcome":
+            self._greet_all()
+        elif "id" in said:
+            self._work.answer(said["id"])
+            self._answer(said["id"], message)
+        else:
+            self.pages.say(message)
+
+    def _greet_all(self) -> None:
+        for page in self.pages:
+            self._greet(page)
+
+    def _greet(self, page: Page) -> None:
+        for message in self.state.greeting(self.pages.role(page)):
+            page.say(message, at_once=True)
+
+    def _answer(self, number: int, message: Table | str) -> None:
+        """Says an answer to the page that has asked, if it is still there."""
+        if page := self._asked.pop(number, None):
+            page.say(message)
+
+    async def join(self, page: Page) -> None:
+        """A page has opened."""
+        before = self.pages.join(page)
+        self._greet(page)
+        if before:
+            await before.close(REPLACED, "the same page has opened another socket")
+
+    def leave(self, page: Page) -> None:
+        """A page has gone; what its hand holds stays held until another hand lets go of it."""
+        self.pages.leave(page)
+        if self.pages.hand is None:
+            self.pages.say({"type": "note", "message": FREE})
+
+    def said(self, page: Page, text: str) -> None:
+        """A page has said something."""
+        try:
+            message = checked(text)
+        except BadMessage as error:
+            page.say(refused(error.number, error.what))
+            return
+        kind, number = message["type"], message["id"]
+        if kind == "shown":
+            page.shown()
+        elif kind == "hand":
+            self._ask(page, number)
+        elif self.pages.hand is not page:
+            page.say(refused(number, ELSEWHERE if self.pages.hand else FREE, TAKE_IT if self.pages.hand else ""))
+        elif kind in OWN:
+            self._end_frame(page, number, kind)
+        else:
+            self._pass_on(page, message, text)
+
+    def _ask(self, page: Page, number: int) -> None:
+        if self.pages.ask(page):
+            page.say({"type": "role", "role": "hand"})
+        else:
+            page.say(refused(number, ELSEWHERE, TAKE_IT))
+
+    def _pass_on(self, page: Page, message: Table, text: str) -> None:
+        number = message["id"]
+        if not self._waiting.add(message, text):
+            page.say(refused(number, "too much waits already", "wait until it was answered"))
+            return
+        self.state.shows(message)
+        self._asked[number] = page
+        while len(self._asked) > MOST_ASKED:
+            self._asked.popitem(last=False)
+
+    def _end_frame(self, page: Page, number: int, kind: str) -> None:
+        """Ends the process, which is started again where it was before the frame; or starts one that has ended."""
+        if self._link is None:
+            self._restart.set()
+        elif not self._process.can_start:
+            page.say(refused(number, "the simulation runs on several ranks, and cannot be started again"))
+            return
+        elif kind == "restart" or self._work.busy:
+            self._why = "it was ended by hand, and goes on before its last frame"
+            self._fruitless = 0
+            self._process.kill()
+        page.say({"type": "done", "id": number})
+
+    async def _say_busy(self) -> None:
+        while True:
+            await asyncio.sleep(PATIENCE)
+            seconds = self._work.seconds()
+            if seconds >= PATIENCE:
+                self.pages.say({"type": "busy", "seconds": round(seconds, 1), "what": self._work.what})
+
+    async def _beat(self) -> None:
+        while True:
+            await asyncio.sleep(HEARTBEAT)
+            self.pages.say("")
+
+    async def end(self) -> None:
+        """Has the process finish what it writes, and closes the pages."""
+        self._ending = True
+        self.pages.say({"type": "lost", "message": "the session has ended", "restarting": False})
+        if self._link:
+            with suppress(LinkClosed):
+                self._link.send({"type": "end"})
+        else:
+            self._restart.set()
+
+    def end_now(self) -> None:
+        """Ends the process, whatever it still writes."""
+        self._process.kill()
+
+
+def ended_by(code: int) -> str:
+    """How a process has ended, in words."""
+    return f"signal {-code}" if code < 0 else f"exit code {code}"

@@ -1,0 +1,47 @@
+"""What a page that opens now has to know, besides the frames: kept from what the simulating process has said."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from restshape.live.server_frames import KeptFrames
+
+Table = dict[str, Any]
+
+
+class ShownState:
+    """The state of the session as pages show it.
+
+    Attributes:
+        frames: so far; welcome: what was said at the start, with what has changed since; None: nothing yet.
+    """
+
+    def __init__(self) -> None:
+        self.frames = KeptFrames()
+        self.welcome: Table | None = None
+        self._player: Table | None = None
+
+    @property
+    def playing(self) -> bool:
+        """Whether a script is played at this moment."""
+        return bool(self._player and self._player.get("playing"))
+
+    def hear(self, message: Table) -> None:
+        """Keeps what stays true of a message."""
+        kind = message["type"]
+        if kind == "welcome":
+            self.welcome = message
+        elif kind == "player":
+            self._player = message
+        elif kind == "known" and self.welcome:
+            self.welcome |= {key: value for key, value in message.items() if key != "type"}
+
+    def shows(self, message: Table) -> None:
+        """The page that has the hand has chosen what is shown."""
+        if self.welcome and "field" in message:
+            self.welcome["field"] = message["field"]
+
+    def greeting(self, role: str) -> list[Table]:
+        """What a page of this role is said when it opens."""
+        welcome = [self.welcome | {"role": role}] if self.welcome else []
+        return welcome + ([self._player] if welcome and self._player else [])

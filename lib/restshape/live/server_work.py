@@ -1,0 +1,58 @@
+"""What the simulating process is at, and for how long: so that pages can say so, and offer to end it."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+Table = dict[str, Any]
+
+STARTING = "starting"
+
+
+class Work:
+    """The messages that were sent, and those that were answered.
+
+    Attributes:
+        what: is done: "starting", or what the last event does.
+    """
+
+    def __init__(self) -> None:
+        self.what = STARTING
+        self._since = time.monotonic()
+        self._sent: list[int] = []
+        self._starting = True
+
+    def start(self) -> list[int]:
+        """The process is another one; the numbers of messages that the one before has not answered."""
+        left, self._sent, self._starting, self.what = self._sent, [], True, STARTING
+        self._since = time.monotonic()
+        return left
+
+    def begin(self, message: Table) -> None:
+        """A message goes to the process."""
+        if not self._sent:
+            self._since = time.monotonic()
+        self._sent.append(message["id"])
+        event = message.get("event")
+        self.what = str(event.get("do")) if isinstance(event, dict) else message["type"]
+
+    def answer(self, number: int) -> None:
+        """A message was answered, and with it all before it."""
+        self._sent = [one for one in self._sent if one > number]
+        self._since = time.monotonic()
+
+    def frame(self, number: int) -> None:
+        """A frame has come, which answers a message; others of the same event may follow."""
+        self._starting = False
+        self._since = time.monotonic()
+        self._sent = [one for one in self._sent if one >= number]
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is not answered yet."""
+        return self._starting or bool(self._sent)
+
+    def seconds(self) -> float:
+        """How long the process has been at it, without a frame."""
+        return time.monotonic() - self._since if self.busy else 0.0
