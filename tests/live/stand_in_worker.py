@@ -63,12 +63,12 @@ class Shown:
 
 def main(words: list[str]) -> int:
     """Answers until the link closes."""
-    if "bad" in words:
-        print("restshape live: bad.toml: it is bad", file=sys.stderr)
-        return 2
     if "dead" in words:
         return 7
     shown = Shown(Link.of_descriptor(int(words[words.index("--link") + 1])))
+    if "bad" in words:
+        shown.link.send({"type": "lost", "message": "bad.toml: it is bad", "restarting": False})
+        return 2
     if "--resume" in words:
         shown.done = len(json.loads(shown.link.receive())["lines"])
     shown.greet()

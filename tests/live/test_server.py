@@ -236,12 +236,13 @@ def test_a_hand_that_sends_at_1000_hz_is_kept_up_with(tmp_path):
     run(tmp_path, story)
 
 
-@pytest.mark.parametrize(("word", "code"), [("bad", 2), ("dead", 7)])
-def test_a_process_that_never_shows_anything_ends_the_session_with_its_code(word: str, code: int):
-    async def led() -> int:
-        return await LiveSession(StandIn([word])).lead()
+@pytest.mark.parametrize(("word", "code", "why"), [("bad", 2, "bad.toml: it is bad"), ("dead", 7, "")])
+def test_a_process_that_never_shows_anything_ends_the_session_with_its_code(word: str, code: int, why: str):
+    async def led() -> tuple[int, str]:
+        session = LiveSession(StandIn([word]))
+        return await session.lead(), session.failure
 
-    assert asyncio.run(led()) == code
+    assert asyncio.run(led()) == (code, why)
 
 
 def test_a_process_that_dies_again_and_again_waits_for_a_hand_to_start_it(tmp_path):

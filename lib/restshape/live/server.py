@@ -14,6 +14,7 @@ from pathlib import Path
 
 from aiohttp import web
 
+from restshape.errors import printable
 from restshape.live.server_address import Address, listening
 from restshape.live.server_browser import open_browser
 from restshape.live.server_process import SimulatingProcess
@@ -70,6 +71,8 @@ async def _served(process: SimulatingProcess, how: Serving, found: socket.socket
         end.forget()
         await session.pages.close()
         await runner.cleanup()
+    if session.failure:
+        print(printable(f"restshape live: {session.failure}"), file=sys.stderr)
     if how.script and process.events:
         print(f"script: {how.script}, {process.events} events")
     return end.exit_code if end.signals else _positive(code)

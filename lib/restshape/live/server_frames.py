@@ -53,11 +53,11 @@ class KeptFrames:
         self._keys: Table = {}
         self._parts: dict[str, KeptPart] = {}
         self._marks: tuple[list[Any], memoryview, int] = ([], memoryview(b""), 0)
-        self._begun_anew = False
+        self._begun_again = False
 
-    def begin_anew(self) -> None:
+    def begin_again(self) -> None:
         """The simulating process is another one: parts that its first frame does not have are gone."""
-        self._begun_anew = True
+        self._begun_again = True
 
     def add(self, message: bytes) -> Table:
         """Takes the next frame; its header.
@@ -70,14 +70,14 @@ class KeptFrames:
         came = [taken_part(part, content, known.get(part["name"]), self.count + 1) for part in header.pop("parts")]
         if "marks" in header:
             self._marks = header.pop("marks"), content, self.count + 1
-        elif self._begun_anew:
+        elif self._begun_again:
             self._marks = [], content, self.count + 1
         self.count += 1
-        self._keys, self._last, self._whole = header, message, not self._begun_anew
-        if self._begun_anew:
+        self._keys, self._last, self._whole = header, message, not self._begun_again
+        if self._begun_again:
             left = set(known) - {part.keys["name"] for part in came}
             came += [KeptPart(gone_keys(known[name].keys), self.count) for name in left]
-            self._begun_anew = False
+            self._begun_again = False
         known.update({part.keys["name"]: part for part in came})
         return header
 

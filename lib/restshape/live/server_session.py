@@ -14,7 +14,7 @@ from restshape.live.server_pages import REPLACED, Page, Pages
 from restshape.live.server_process import SimulatingProcess
 from restshape.live.server_state import ShownState
 from restshape.live.server_waiting import Waiting
-from restshape.live.server_work import Work
+from restshape.live.server_work import WorkInProgress
 
 Table = dict[str, Any]
 
@@ -39,12 +39,13 @@ class LiveSession:
 
     Attributes:
         state: that pages show; pages: that are open.
+        failure: why nothing could be simulated at all; empty: something was.
     """
 
     def __init__(self, process: SimulatingProcess) -> None:
-        self.state, self.pages = ShownState(), Pages()
+        self.state, self.pages, self.failure = ShownState(), Pages(), ""
         self._process = process
-        self._waiting, self._work = Waiting(), Work()
+        self._waiting, self._work = Waiting(), WorkInProgress()
         self._asked: OrderedDict[int, Page] = OrderedDict()
         self._restart = asyncio.Event()
         self._why = ""
@@ -108,7 +109,7 @@ class LiveSession:
         if self._ending:
             return
         self._why, self._restarted = "", True
-        self.state.frames.begin_anew()
+        self.state.frames.begin_again()
         self._process.start_again()
 
     def _hear(self, message: str | bytes) -> None:
@@ -126,6 +127,8 @@ class LiveSession:
             self._process.events = said["count"]
             return
         self.state.hear(said)
+        if kind == "lost" and not self.state.welcome:
+            self.failure = said["message"]
         if kind == "welcome":
             self._greet_all()
         elif "id" in said:

@@ -10,7 +10,7 @@ Table = dict[str, Any]
 STARTING = "starting"
 
 
-class Work:
+class WorkInProgress:
     """The messages that were sent, and those that were answered.
 
     Attributes:
