@@ -73,8 +73,8 @@ def main(words: list[str]) -> int:
         shown.done = len(json.loads(shown.link.receive())["lines"])
     shown.greet()
     try:
-        while (message := json.loads(shown.link.receive()))["type"] != "end":
-            shown.take(message)
+        while True:
+            shown.take(json.loads(shown.link.receive()))
     except LinkClosed:
         pass
     return 0

@@ -228,6 +228,11 @@ class ServerLink:
         except OSError as error:
             raise LinkClosed("the other side has ended") from error
 
+    def finish(self) -> None:
+        """Says no more: the other side finds the link closed, and can be heard until it ends."""
+        if self._writer.can_write_eof():
+            self._writer.write_eof()
+
     @property
     def unsent(self) -> int:
         """Bytes that the other side has not taken yet."""

@@ -228,8 +228,7 @@ class LiveSession:
         self._ending = True
         self.pages.say({"type": "lost", "message": "the session has ended", "restarting": False})
         if self._link:
-            with suppress(LinkClosed):
-                self._link.send({"type": "end"})
+            self._link.finish()
         else:
             self._restart.set()
 
