@@ -15,6 +15,8 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:FREE_VIBRATIONS"),
     analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
+    marks="restshape_apps.metallophone.tone_marks:tone_marks",
+    strike="restshape_apps.metallophone.tone_marks:struck_tone",
     explained=Explanation(costs="restshape_apps.metallophone.tuning.cost:tuning_cost"),
     exports=Exporting(
         arguments=f"{WORKSHOP}.options:arguments",

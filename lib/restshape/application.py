@@ -322,6 +322,8 @@ class Application:
         explained: what `restshape explain` says of it.
         marks: path ``module:attribute`` of a function of a `restshape.interface.simulation.Simulation` after a frame
             that gives what live sessions show at the hand, each a `restshape.live.shown_marks.Mark`; empty: nothing.
+        strike: path ``module:attribute`` of a function of such a simulation and of a place [m], or None, that gives the
+            `restshape.live.shown_marks.Tone` of its shape struck there; empty: it has none.
         takes: names of the effects of its physics that its scenes may name; None: all of them.
         needs: those among them without which it makes no sense, besides those that its physics require.
         commands: that it adds to `restshape`.
@@ -339,6 +341,7 @@ class Application:
     exports: Exporting | None = None
     explained: Explanation = Explanation()
     marks: str = ""
+    strike: str = ""
     takes: tuple[str, ...] | None = None
     needs: tuple[str, ...] = ()
     commands: tuple[Command, ...] = ()
@@ -419,6 +422,14 @@ class Application:
     def marked(self, simulation: object) -> Sequence[object]:
         """What is shown at the hand after the last frame of a simulation, by what is imported now."""
         return cast("Sequence[object]", _function(self.marks)(simulation)) if self.marks else ()
+
+    def struck(self, simulation: object, at: Sequence[float] | None = None) -> object | None:
+        """The tone of the shape of a simulation struck at a place [m]; None where it has none.
+
+        Raises:
+            UserError: the place is off the shape.
+        """
+        return _function(self.strike)(simulation, at) if self.strike else None
 
     def make_analysis(self) -> Callable[..., object]:
         """The factory of this application's analysis, imported now.

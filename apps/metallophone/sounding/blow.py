@@ -32,3 +32,16 @@ def struck(
             s = pole(f, share)
             sound += phi**2 * f * np.imag(excitation(s, contact, t) * np.exp(s * t))
     return normalised(sound)
+
+
+def partials(
+    frequencies: np.ndarray, deflections: np.ndarray, damping: np.ndarray, contact: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """The sizes (k,), the largest 1, and rates (k,) [1/s] of decay of what `struck` adds up, once the mallet is off.
+
+    Sizes are those that sines which die away from the blow on would have had at it; arguments as of `struck`.
+    """
+    poles = [pole(float(f), float(share)) for f, share in zip(frequencies, damping)]
+    pushed = np.array([abs(excitation(s, contact, np.array([contact]))[0]) for s in poles])
+    sizes = frequencies * deflections**2 * pushed
+    return sizes / max(float(sizes.max(initial=0.0)), 1e-300), 2.0 * np.pi * frequencies * damping
