@@ -14,6 +14,6 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
-    marks="restshape.live.shape_marks:shape_marks",
+    marks="restshape_apps.bridge.score_marks:score_marks",
     takes=("solid", "gravity", "large_deformation"),
 )

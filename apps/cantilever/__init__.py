@@ -13,7 +13,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
-    marks="restshape.live.shape_marks:shape_marks",
+    marks="restshape_apps.cantilever.miss_marks:miss_marks",
     takes=("solid", "large_deformation", "gravity"),
     needs=("large_deformation",),
 )

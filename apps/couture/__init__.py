@@ -16,6 +16,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.cloth.cloth_declaration:CLOTH"),
     analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",
+    marks="restshape_apps.couture.drape_marks:drape_marks",
     commands=(
         Command("drapes", "draw single frames of a recording of cloth", "restshape_apps.couture.drapes_command"),
         Command(

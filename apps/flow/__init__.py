@@ -13,6 +13,6 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.flow.flow_declaration:FLOW"),
     analysis="restshape.physics.flow.flow_analyses:flow_analysis",
-    marks="restshape.live.shape_marks:shape_marks",
+    marks="restshape_apps.flow.force_marks:force_marks",
     needs=("flow",),
 )

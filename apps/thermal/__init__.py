@@ -13,7 +13,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.heat.heat_declaration:HEAT"),
     analysis="restshape.physics.heat.heat_analyses:heat_analysis",
-    marks="restshape.live.shape_marks:shape_marks",
+    marks="restshape_apps.thermal.isotherm_marks:isotherm_marks",
     kinds={
         "fluid": SceneKind(
             physics=Declared(

@@ -17,7 +17,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:MOVING_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:transient_analysis",
-    marks="restshape.live.shape_marks:shape_marks",
+    marks="restshape_apps.vibration.resonance_marks:resonance_marks",
     commands=(
         Command("participation", "modes on moving ground, and peaks by a spectrum", "restshape_apps.vibration.modes"),
         Command("harmonic", "steady motion over the frequency of the ground", "restshape_apps.vibration.harmonic"),

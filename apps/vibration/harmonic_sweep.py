@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from restshape_apps.vibration.stage import Structure
 
+from restshape.analysis.base_modes import BaseModes
 from restshape.analysis.harmonic import harmonic_response
 from restshape.analysis.modes_beside import present_modes
 
@@ -50,11 +51,7 @@ def sweep(shape: Structure, frequencies: np.ndarray, acceleration: float = 1.0) 
         omega = 2.0 * np.pi * frequency
         found.append(shape.looked(harmonic_response(stiffness, mass, damping, omega, load)))
     relative = {name: np.array([one[name] for one in found]) for name in shape.looks}
-    ground = -acceleration / (2.0 * np.pi * frequencies) ** 2
-    ratios = {
-        name: np.abs(values + ground * shape.direction[shape.columns[name]]) / np.abs(ground)
-        for name, values in relative.items()
-    }
+    ratios = shape.transmissibility(relative, frequencies, acceleration)
     return Sweep(np.asarray(frequencies), acceleration, relative, ratios)
 
 
@@ -77,12 +74,39 @@ def resonant_frequencies(shape: Structure, low: float, high: float, points: int)
         count *= 2
         modes = present_modes(shape.analysis, count)
     beyond = len(modes.omega) == count and modes.frequencies[-1] < high
+    frequencies = np.union1d(np.linspace(low, high, points), points_at_resonances(shape, modes, low, high))
+    return frequencies, float(modes.frequencies[-1]) if beyond else np.inf
+
+
+def points_at_resonances(shape: Structure, modes: BaseModes, low: float, high: float) -> np.ndarray:
+    """The points (m,) [Hz] about the resonances of modes between two frequencies; see `resonant_frequencies`."""
     damping = modes.damping(shape.analysis.state.integration.damping)
     peaked = (damping > 0.0) & (damping < np.sqrt(0.5))
     f, z = modes.frequencies[peaked, None], damping[peaked, None]
     near = (f * np.sqrt(1.0 - 2.0 * z**2) + z * f * np.array(NEAR_RESONANCE)).ravel()
-    frequencies = np.union1d(np.linspace(low, high, points), near[(near > low) & (near < high)])
-    return frequencies, float(modes.frequencies[-1]) if beyond else np.inf
+    return near[(near > low) & (near < high)]
+
+
+def modal_sweep(
+    shape: Structure, modes: BaseModes, low: float, high: float, points: int, acceleration: float = 1.0
+) -> Sweep:
+    """The steady motions of a shape by its lowest modes alone, without a solve.
+
+    What higher modes add far below their resonances is left out: it is less than near the resonances of these.
+
+    Args:
+        shape: with the scene's damping; modes: of it.
+        low, high: of the range [Hz], not negative; points: how many are evenly spaced, besides those at resonances.
+        acceleration: amplitude of the ground [m/s^2].
+    """
+    even = np.linspace(low, high, points + 1)[1:] if low == 0.0 else np.linspace(low, high, points)
+    frequencies = np.union1d(even, points_at_resonances(shape, modes, low, high))
+    omega = 2.0 * np.pi * frequencies[:, None]
+    twice = 2.0 * modes.damping(shape.analysis.state.integration.damping) * modes.omega
+    answers = -acceleration * modes.participation / (modes.omega**2 - omega**2 + 1j * twice * omega)
+    looked = [shape.looked(modes.shapes[:, k]) for k in range(len(modes.omega))]
+    relative = {name: answers @ np.array([one[name].real for one in looked]) for name in shape.looks}
+    return Sweep(frequencies, acceleration, relative, shape.transmissibility(relative, frequencies, acceleration))
 
 
 def resonant_sweep(shape: Structure, low: float, high: float, points: int, acceleration: float = 1.0) -> Sweep:

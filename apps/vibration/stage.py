@@ -57,6 +57,21 @@ class Structure:
         real, imaginary = np.ascontiguousarray(whole.real), np.ascontiguousarray(whole.imag)
         return {name: complex(look(real), look(imaginary)) for name, look in self.looks.items()}
 
+    def transmissibility(
+        self, relative: dict[str, np.ndarray], frequencies: np.ndarray, acceleration: float
+    ) -> dict[str, np.ndarray]:
+        """The amplitudes (m,) in space over that of the ground, by quantity, of complex ones relative to it.
+
+        Args:
+            relative: amplitudes (m,) [m] by quantity.
+            frequencies: (m,) positive [Hz]; acceleration: amplitude of the ground [m/s^2].
+        """
+        ground = -acceleration / (2.0 * np.pi * frequencies) ** 2
+        return {
+            name: np.abs(values + ground * self.direction[self.columns[name]]) / np.abs(ground)
+            for name, values in relative.items()
+        }
+
 
 def add_structure(parser: argparse.ArgumentParser) -> None:
     """Declares the arguments that name a scene, a frame of its edits, and outputs."""
