@@ -49,7 +49,7 @@ class DrapeMarks:
             self._of = of
             self._marks = [
                 *_seams(state, seen),
-                *_touching(state, seen),
+                *_touching(state),
                 *_stretched(state),
                 *_words(state, of[1]),
             ]
@@ -85,19 +85,21 @@ def _open(state: RelaxationState, seams: Seams, seen: SeenFrame) -> list[Mark]:
     return [Lines("open seam", np.repeat(at, 2, axis=0), (0,), "limit", moved, words)]
 
 
-def _touching(state: RelaxationState, seen: SeenFrame) -> list[Mark]:
-    """The nodes that touch a body, a dot each."""
+def _touching(state: RelaxationState) -> list[Mark]:
+    """What touches a body, corners of triangles and the places between them that contact looks at, a dot each."""
     problem = state.problem
     if problem is None or problem.contact is None:
         return []
-    contact, x = problem.contact, np.ascontiguousarray(problem.corners(state.x))
-    near = np.zeros(len(x), dtype=bool)
+    contact, corners = problem.contact, problem.corners(state.x)
+    here = np.ascontiguousarray(contact.place(corners))
+    near = np.zeros(len(here), dtype=bool)
     for body in contact.bodies:
-        near |= body.distances(x) < contact.thickness
-    nodes = np.flatnonzero(near)
-    if not len(nodes):
+        near |= body.distances(here) < contact.thickness
+    if not near.any():
         return []
-    return [Lines("touches a body", seen.places(nodes), range(len(nodes)), "force", seen.moved(nodes))]
+    flat = np.pad(problem.X[: len(corners)], [(0, 0), (0, 1)])
+    at = contact.place(np.ascontiguousarray(flat))[near]
+    return [Lines("touches a body", at, range(len(at)), "force", here[near] - at)]
 
 
 def _stretched(state: RelaxationState) -> list[Mark]:

@@ -1,0 +1,89 @@
+"""What shapes show at the hand: supports and loads, extremes, limits, singular places, lines of one value."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from marked_edits import rows_with_and_without
+
+import restshape
+from restshape.live.isolines import isolines, round_levels
+from restshape.live.kept_marks import kept
+from restshape.live.shape_marks import shape_marks
+from restshape.live.shown_marks import Arrows, Lines, Words
+
+BRACKET = Path(__file__).parents[2] / "docs" / "examples" / "bracket.toml"
+COARSE = ("mesh.size='30 mm'", "mesh.near.window='15 mm'")
+
+
+@pytest.fixture(scope="module")
+def bracket():
+    with restshape.open(restshape.load(BRACKET, *COARSE)) as simulation:
+        yield simulation
+
+
+def marks_of(simulation, kind):
+    return [one for one in shape_marks(simulation) if isinstance(one, kind)]
+
+
+def test_supports_are_lines_that_stay_and_loads_are_arrows_with_their_vectors(bracket):
+    scene = bracket.scene
+    supports = [one for one in marks_of(bracket, Lines) if one.meaning == "support"]
+    assert [one.name for one in supports] == [f"support {name}" for name in scene.supports]
+    assert not supports[0].moved.any() and supports[0].points.shape == supports[0].moved.shape
+    (name, load), *_ = scene.loads.items()
+    (arrows,) = (one for one in marks_of(bracket, Arrows) if one.name == f"load {name}")
+    value = getattr(load, load.kind)
+    assert arrows.unit == {"force": "N", "traction": "Pa"}[load.kind]
+    assert np.allclose(arrows.vectors, np.array(value, dtype=float))
+
+
+def test_an_extreme_is_said_where_the_field_has_it(bracket):
+    frame = bracket.frame
+    names = [name for name, one in bracket.scene.quantities.items() if one.reduce == "max" and one.kind == "stress"]
+    assert names
+    for name in names:
+        (words,) = (one for one in marks_of(bracket, Words) if one.text.startswith(f"{name} "))
+        node = int(((frame.mesh.points - words.at) ** 2).sum(axis=1).argmin())
+        assert np.array_equal(frame.mesh.points[node], words.at)
+        assert frame.von_mises[node] == pytest.approx(frame.quantities[name], rel=1e-12)
+        assert np.array_equal(words.moved, frame.displacement[node])
+
+
+def test_a_limit_that_fails_is_said_at_its_place():
+    (name, *_) = (
+        name for name, one in restshape.load(BRACKET).quantities.items() if one.reduce == "max" and one.kind == "stress"
+    )
+    with restshape.open(restshape.load(BRACKET, *COARSE, f"quantities.{name}.max='1 Pa'")) as simulation:
+        (words,) = (one for one in marks_of(simulation, Words) if one.meaning == "limit")
+        assert words.text.startswith(f"{name} is ") and words.text.endswith("at most 1 Pa") and words.at is not None
+
+
+def test_marks_of_a_frame_that_rests_are_the_same_objects_and_go_with_the_simulation(bracket):
+    first = marks_of(bracket, Lines)
+    assert first and all(one is other for one, other in zip(first, marks_of(bracket, Lines)))
+    assert kept(bracket, dict) is kept(bracket, dict)
+
+
+def test_marks_change_nothing():
+    scene = restshape.load(BRACKET, *COARSE)
+    drag = {"do": "drag", "path": [[0.1, 0.06], [0.102, 0.062]]}
+    events = [{"do": "press", "on": "window"}, drag, {"do": "release"}, {"do": "idle", "frames": 1}]
+    marked, plain = rows_with_and_without(scene, events)
+    assert len(plain) == 5 and marked == plain
+
+
+def test_lines_of_one_value_lie_where_a_linear_field_has_it():
+    X = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    cells = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
+    (lines,) = isolines("isotherms", X, cells, 300.0 + 8.0 * X[:, 0], "K")
+    levels = [words for words in lines.words if words]
+    assert levels == [f"{k} K" for k in range(301, 308)]
+    assert np.allclose(lines.points[:, 0] * 8.0, np.round(lines.points[:, 0] * 8.0), atol=1e-12)
+    assert isolines("none", X, cells, np.ones(4), "K") == []
+
+
+def test_levels_are_round_and_few():
+    for low, high in ((0.0, 1.0), (293.15, 299.8), (-3e-7, 8e-7)):
+        levels = round_levels(low, high)
+        assert 3 <= len(levels) <= 8 and all(low < level < high for level in levels)
