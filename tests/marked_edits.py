@@ -14,7 +14,7 @@ from restshape.live.shown_marks import Mark
 Event = Mapping[str, object]
 
 
-def carried_out(simulation: Simulation, event: Event) -> Iterator[ShownFrame]:
+def frames_of(simulation: Simulation, event: Event) -> Iterator[ShownFrame]:
     """The frames of an event as scripts have it."""
     keys = dict(event)
     return simulation.each(str(keys.pop("do")), **keys)
@@ -35,7 +35,7 @@ def rows_with_and_without(scene: restshape.Scene, events: list[Event], predict: 
             if marked:
                 last_marks(simulation)
             for event in events:
-                for frame in carried_out(simulation, event):
+                for frame in frames_of(simulation, event):
                     if marked:
                         last_marks(simulation)
                     assert not frame.refused, frame.refused

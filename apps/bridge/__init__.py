@@ -6,7 +6,7 @@ the score.
 
 from pathlib import Path
 
-from restshape.application import Application, Declared
+from restshape.application import Application, Declared, HandMarks
 
 application = Application(
     name="bridge",
@@ -14,6 +14,6 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
-    marks="restshape_apps.bridge.score_marks:score_marks",
+    marks=HandMarks("restshape_apps.bridge.score_marks:score_marks"),
     takes=("solid", "gravity", "large_deformation"),
 )

@@ -5,7 +5,7 @@ Quantities of interest: the mean distance of the deformed outline from a goal, a
 
 from pathlib import Path
 
-from restshape.application import Application, Declared
+from restshape.application import Application, Declared, HandMarks
 
 application = Application(
     name="cantilever",
@@ -13,7 +13,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
-    marks="restshape_apps.cantilever.miss_marks:miss_marks",
+    marks=HandMarks("restshape_apps.cantilever.miss_marks:miss_marks"),
     takes=("solid", "large_deformation", "gravity"),
     needs=("large_deformation",),
 )

@@ -6,7 +6,7 @@ equilibrium.
 
 from pathlib import Path
 
-from restshape.application import Application, Command, Declared
+from restshape.application import Application, Command, Declared, HandMarks
 
 SUMMARY = "write a sewing pattern in another format, or as a scene"
 
@@ -16,7 +16,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.cloth.cloth_declaration:CLOTH"),
     analysis="restshape.physics.cloth.relaxation.relaxation_analysis:RelaxationAnalysis",
-    marks="restshape_apps.couture.drape_marks:drape_marks",
+    marks=HandMarks("restshape_apps.couture.drape_marks:drape_marks"),
     commands=(
         Command("drapes", "draw single frames of a recording of cloth", "restshape_apps.couture.drapes_command"),
         Command(

@@ -5,7 +5,7 @@ Quantities of interest: drag and lift, differences of pressure, discharges.
 
 from pathlib import Path
 
-from restshape.application import Application, Declared
+from restshape.application import Application, Declared, HandMarks
 
 application = Application(
     name="flow",
@@ -13,6 +13,6 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.flow.flow_declaration:FLOW"),
     analysis="restshape.physics.flow.flow_analyses:flow_analysis",
-    marks="restshape_apps.flow.force_marks:force_marks",
+    marks=HandMarks("restshape_apps.flow.force_marks:force_marks"),
     needs=("flow",),
 )

@@ -8,7 +8,16 @@ from pathlib import Path
 
 from restshape_apps.furniture.session.grammar import GRAMMAR
 
-from restshape.application import Application, Command, Declared, Editing, Explanation, Reporting, ScriptLines
+from restshape.application import (
+    Application,
+    Command,
+    Declared,
+    Editing,
+    Explanation,
+    HandMarks,
+    Reporting,
+    ScriptLines,
+)
 
 application = Application(
     name="furniture",
@@ -34,7 +43,7 @@ application = Application(
         arguments="restshape_apps.furniture.cli.report:arguments",
         check="restshape_apps.furniture.cli.report:check",
     ),
-    marks="restshape_apps.furniture.marks.piece_marks:piece_marks",
+    marks=HandMarks("restshape_apps.furniture.marks.piece_marks:piece_marks"),
     explained=Explanation(parts="restshape_apps.furniture.cli.frame_parts:FRAME_PARTS"),
     commands=(
         Command(

@@ -5,7 +5,7 @@ After section 4.4 of the thesis. Quantities of interest: frequencies, by rank or
 
 from pathlib import Path
 
-from restshape.application import Application, Command, Declared, Explanation, Exporting
+from restshape.application import Application, Command, Declared, Explanation, Exporting, HandMarks
 
 WORKSHOP = "restshape_apps.metallophone.workshop"
 
@@ -15,8 +15,9 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:FREE_VIBRATIONS"),
     analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
-    marks="restshape_apps.metallophone.tone_marks:tone_marks",
-    strike="restshape_apps.metallophone.tone_marks:struck_tone",
+    marks=HandMarks(
+        "restshape_apps.metallophone.tone_marks:tone_marks", "restshape_apps.metallophone.tone_marks:struck_tone"
+    ),
     explained=Explanation(costs="restshape_apps.metallophone.tuning.cost:tuning_cost"),
     exports=Exporting(
         arguments=f"{WORKSHOP}.options:arguments",

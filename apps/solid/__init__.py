@@ -6,7 +6,7 @@ critical load factors.
 
 from pathlib import Path
 
-from restshape.application import Application, Command, Declared
+from restshape.application import Application, Command, Declared, HandMarks
 
 application = Application(
     name="solid",
@@ -14,6 +14,6 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:PLANE_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:steady_analysis",
-    marks="restshape_apps.solid.buckling_marks:buckling_marks",
+    marks=HandMarks("restshape_apps.solid.buckling_marks:buckling_marks"),
     commands=(Command("buckling", "draw the modes in which a solid buckles", "restshape_apps.solid.buckling_command"),),
 )

@@ -5,7 +5,7 @@ Quantities of interest: temperatures, means and extremes, heat that leaves by an
 
 from pathlib import Path
 
-from restshape.application import Application, Declared, SceneKind
+from restshape.application import Application, Declared, HandMarks, SceneKind
 
 application = Application(
     name="thermal",
@@ -13,7 +13,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.heat.heat_declaration:HEAT"),
     analysis="restshape.physics.heat.heat_analyses:heat_analysis",
-    marks="restshape_apps.thermal.isotherm_marks:isotherm_marks",
+    marks=HandMarks("restshape_apps.thermal.isotherm_marks:isotherm_marks"),
     kinds={
         "fluid": SceneKind(
             physics=Declared(

@@ -9,7 +9,7 @@ Quantities of interest: those of static solids, peaks over a frame's time steps,
 
 from pathlib import Path
 
-from restshape.application import Application, Command, Declared
+from restshape.application import Application, Command, Declared, HandMarks
 
 application = Application(
     name="vibration",
@@ -17,7 +17,7 @@ application = Application(
     folder=Path(__file__).parent,
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:MOVING_SOLIDS"),
     analysis="restshape.physics.elasticity.elasticity_analyses:transient_analysis",
-    marks="restshape_apps.vibration.resonance_marks:resonance_marks",
+    marks=HandMarks("restshape_apps.vibration.resonance_marks:resonance_marks"),
     commands=(
         Command("participation", "modes on moving ground, and peaks by a spectrum", "restshape_apps.vibration.modes"),
         Command("harmonic", "steady motion over the frequency of the ground", "restshape_apps.vibration.harmonic"),

@@ -279,6 +279,21 @@ class Command:
 
 
 @dataclass(frozen=True)
+class HandMarks:
+    """What live sessions show at the hand; each a path ``module:attribute`` of a function.
+
+    Args:
+        shown: of a `restshape.interface.simulation.Simulation` after a frame, its marks, each a
+            `restshape.live.shown_marks.Mark`; empty: there are none.
+        struck: of such a simulation and a place [m], or None, the `restshape.live.shown_marks.Tone` of its shape struck
+            there; empty: it has none.
+    """
+
+    shown: str = ""
+    struck: str = ""
+
+
+@dataclass(frozen=True)
 class Explanation:
     """What `restshape explain` says of an application besides what it says of all.
 
@@ -320,10 +335,7 @@ class Application:
         report: None: nothing but what all have.
         exports: likewise.
         explained: what `restshape explain` says of it.
-        marks: path ``module:attribute`` of a function of a `restshape.interface.simulation.Simulation` after a frame
-            that gives what live sessions show at the hand, each a `restshape.live.shown_marks.Mark`; empty: nothing.
-        strike: path ``module:attribute`` of a function of such a simulation and of a place [m], or None, that gives the
-            `restshape.live.shown_marks.Tone` of its shape struck there; empty: it has none.
+        marks: what live sessions show of a frame at the hand.
         takes: names of the effects of its physics that its scenes may name; None: all of them.
         needs: those among them without which it makes no sense, besides those that its physics require.
         commands: that it adds to `restshape`.
@@ -340,8 +352,7 @@ class Application:
     report: Reporting | None = None
     exports: Exporting | None = None
     explained: Explanation = Explanation()
-    marks: str = ""
-    strike: str = ""
+    marks: HandMarks = HandMarks()
     takes: tuple[str, ...] | None = None
     needs: tuple[str, ...] = ()
     commands: tuple[Command, ...] = ()
@@ -421,7 +432,7 @@ class Application:
 
     def marked(self, simulation: object) -> Sequence[object]:
         """What is shown at the hand after the last frame of a simulation, by what is imported now."""
-        return cast("Sequence[object]", _function(self.marks)(simulation)) if self.marks else ()
+        return cast("Sequence[object]", _function(self.marks.shown)(simulation)) if self.marks.shown else ()
 
     def struck(self, simulation: object, at: Sequence[float] | None = None) -> object | None:
         """The tone of the shape of a simulation struck at a place [m]; None where it has none.
@@ -429,7 +440,7 @@ class Application:
         Raises:
             UserError: the place is off the shape.
         """
-        return _function(self.strike)(simulation, at) if self.strike else None
+        return _function(self.marks.struck)(simulation, at) if self.marks.struck else None
 
     def make_analysis(self) -> Callable[..., object]:
         """The factory of this application's analysis, imported now.

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from marked_edits import carried_out, last_marks, rows_with_and_without
+from marked_edits import frames_of, last_marks, rows_with_and_without
 from restshape_apps.furniture.guidance.valid_ranges import decode_ranges
 
 import restshape
@@ -61,17 +61,17 @@ def test_the_joint_that_breaks_is_named_with_its_utilisation(table):
     assert said["weak: joint leg-4 on top at 1.29 of its strength"] == "limit"
 
 
-def test_suggestions_are_offers_that_can_be_carried_out_and_slid_along(table):
+def test_suggestions_are_offers_that_can_be_chosen_and_slid_along(table):
     offers = [one for one in last_marks(table).values() if isinstance(one, Offer)]
     assert len(offers) == table.frame.row["suggested"] == 4
     assert [offer.slide is None for offer in offers] == [False, False, True, True]
     turned = offers[0].lines[0]
     assert turned.words == ["leg-4"] and len(turned.points) == 16
     (choose,) = offers[0].events
-    (frame,) = carried_out(table, choose)
+    (frame,) = frames_of(table, choose)
     (along,) = (one for one in last_marks(table).values() if isinstance(one, Offer))
     assert np.allclose(turned.points.max(axis=0), frame.mesh.points[32:40].max(axis=0))
-    (frame,) = carried_out(table, along.slide | {along.slid: 0.5})
+    (frame,) = frames_of(table, along.slide | {along.slid: 0.5})
     assert not frame.refused and "joints that break" not in last_marks(table)
     table.undo()
     table.undo()
