@@ -16,7 +16,7 @@ application = Application(
     physics=Declared("restshape.physics.elasticity.elasticity_declaration:FREE_VIBRATIONS"),
     analysis="restshape.physics.free_vibration.vibrating_bodies:modal_analysis",
     marks=HandMarks(
-        "restshape_apps.metallophone.tone_marks:tone_marks", "restshape_apps.metallophone.tone_marks:struck_tone"
+        "restshape_apps.metallophone.tone_marks:tone_marks", "restshape_apps.metallophone.struck_tone:struck_tone"
     ),
     explained=Explanation(costs="restshape_apps.metallophone.tuning.cost:tuning_cost"),
     exports=Exporting(

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from restshape_apps.metallophone.hung import hung
-from restshape_apps.metallophone.sound_command import CONTACT
-from restshape_apps.metallophone.sounding.blow import partials
-from restshape_apps.metallophone.sounding.damping import damping_of
-from restshape_apps.metallophone.sounding.place import struck_place
+from restshape_apps.metallophone.struck_tone import struck_tone
 
 from restshape.analysis.hanging import OUT_OF_PLANE
 from restshape.analysis.hanging_columns import NOTE, PLACES
@@ -18,7 +14,7 @@ from restshape.analysis.nodal_lines import linear_triangles, nodal_lines
 from restshape.analysis.pitch import tone_words
 from restshape.live.kept_marks import kept
 from restshape.live.shape_marks import shape_marks
-from restshape.live.shown_marks import Lines, Mark, Tone, Words
+from restshape.live.shown_marks import Lines, Mark, Words
 
 if TYPE_CHECKING:
     from restshape.analysis.modal import ModalAnalysis
@@ -35,21 +31,6 @@ MOVING = ("drag", "pull", "set")
 def tone_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a plate that sounds."""
     return [*shape_marks(simulation), *kept(simulation, ToneMarks)(simulation)]
-
-
-def struck_tone(simulation: Simulation, at: Sequence[float] | None = None) -> Tone:
-    """The tone of a plate struck by a mallet at a place [m]; None: where mode 1 moves most.
-
-    Raises:
-        UserError: the place is off the plate.
-    """
-    analysis = cast("ModalAnalysis", simulation.replay.analysis)
-    _, deflections = struck_place(analysis, None if at is None else at[:2])
-    frequencies = analysis.frequencies
-    sizes, decays = partials(frequencies, deflections, damping_of(analysis).shares, CONTACT)
-    row = simulation.frame.row
-    name = tone_words(str(row["tone"]), float(row["cents"]))
-    return Tone(frequencies.tolist(), decays.tolist(), sizes.tolist(), name)
 
 
 class ToneMarks:
