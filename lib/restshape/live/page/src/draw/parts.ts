@@ -62,11 +62,16 @@ export class Parts {
 
   *surfaces(): Generator<Surface> { for (const { surface } of this.all.values()) if (surface) yield surface; }
 
-  /** The box around all places, as they are drawn. */
-  measure(): Bounds {
-    this.bounds.clear();
-    for (const { points, shifts, surface } of this.all.values()) this.bounds.add(points, surface ? shifts : NONE, this.shared.scale.value);
-    return this.bounds;
+  /** Measures the box around all places without displacements. */
+  measure(): Bounds { return this.box(this.bounds, 0); }
+
+  /** The box around all places as they are drawn. */
+  drawnBox(): Bounds { return this.box(new Bounds(), this.shared.scale.value); }
+
+  private box(bounds: Bounds, scale: number): Bounds {
+    bounds.clear();
+    for (const { points, shifts, surface } of this.all.values()) bounds.add(points, surface ? shifts : NONE, scale);
+    return bounds;
   }
 
   private change(part: Part, read: Read): void {

@@ -70,7 +70,8 @@ export class Scene {
   }
 
   fit(): void {
-    const bounds = this.parts.measure();
+    this.parts.measure();
+    const bounds = this.parts.drawnBox();
     if (bounds.empty) return;
     this.view.fit(bounds);
     this.request();
