@@ -1,0 +1,127 @@
+// Tests of the drawing's and the hand's pure functions, run by tests/live/test_page_units.py.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+
+import { Bounds } from "../../../lib/restshape/live/page/src/draw/bounds";
+import { chosenMap, colourTable, ends } from "../../../lib/restshape/live/page/src/draw/colour_maps";
+import { follow } from "../../../lib/restshape/live/page/src/draw/follow";
+import { arrowLines } from "../../../lib/restshape/live/page/src/draw/marks";
+import { addNormals } from "../../../lib/restshape/live/page/src/draw/normals";
+import { autoScale, largest, readable } from "../../../lib/restshape/live/page/src/draw/scale";
+import { pairsOf } from "../../../lib/restshape/live/page/src/draw/segments";
+import { frameOf } from "../../../lib/restshape/live/page/src/frames";
+import { newName } from "../../../lib/restshape/live/page/src/hand/names";
+import { boxArea, inside, nearestOnPath, rayHit } from "../../../lib/restshape/live/page/src/hand/nearest";
+import { turn } from "../../../lib/restshape/live/page/src/hand/turning";
+import { placeOnWay } from "../../../lib/restshape/live/page/src/hand/ways";
+import type { FrameMessage } from "../../../lib/restshape/live/page/src/protocol";
+
+interface Known { viridis: number[][]; RdBu: number[][]; message: string; }
+const known = JSON.parse(readFileSync(process.env["PAGE_KNOWN"]!, "utf8")) as Known;
+
+function close(found: ArrayLike<number>, wanted: ArrayLike<number>, error = 1e-6): void {
+  assert.equal(found.length, wanted.length);
+  for (let i = 0; i < wanted.length; i += 1) assert.ok(Math.abs(found[i]! - wanted[i]!) <= error, `${i}: ${found[i]} is not ${wanted[i]}`);
+}
+
+test("colours are those of reports", () => {
+  for (const map of ["viridis", "RdBu"] as const) {
+    const table = colourTable(map);
+    known[map].forEach((colour, i) => assert.deepEqual([...table.subarray(4 * i, 4 * i + 3)], colour, `${map} ${i}`));
+  }
+  assert.equal(chosenMap("auto", true), "RdBu");
+  assert.equal(chosenMap("auto", false), "viridis");
+  assert.equal(chosenMap("viridis", true), "viridis");
+});
+
+test("ends of colours suit the field", () => {
+  assert.deepEqual(ends(2, 5, false, false), [2, 5]);
+  assert.deepEqual(ends(2, 5, false, true), [0, 5]);
+  assert.deepEqual(ends(-1, 3, true, false), [-3, 3]);
+  assert.deepEqual(ends(4, 4, false, false), [4, 8]);
+  assert.deepEqual(ends(Infinity, -Infinity, false, false), [0, 1]);
+});
+
+test("arrays of a message are read where they lie", () => {
+  const bytes = Uint8Array.from(Buffer.from(known.message, "base64")).buffer;
+  const length = new DataView(bytes).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as FrameMessage;
+  const { read } = frameOf(header, bytes, 4 + length);
+  const { points, cells } = header.parts[0]!.arrays;
+  const places = read(points!);
+  assert.equal(places.buffer, bytes);
+  close(places, [0, 0, 0, 1, 0, 0, 0, 2, 0]);
+  assert.deepEqual([...read(cells!)], [0, 1, 2]);
+  assert.throws(() => read({ at: points!.at, type: "f4", shape: [1_000, 3] }), RangeError);
+});
+
+test("the nearest point of a path, and what is inside of one", () => {
+  const square = Float32Array.from([0, 0, 10, 0, 10, 10, 0, 10, 0, 0]);
+  const near = nearestOnPath(square, 0, 5, 4, -3);
+  assert.deepEqual([near.distance, near.piece], [3, 0]);
+  assert.ok(Math.abs(near.part - 0.4) < 1e-12);
+  assert.equal(inside(square, [[0, 5]], 5, 5), true);
+  assert.equal(inside(square, [[0, 5]], 11, 5), false);
+  // The same square as two paths that do not follow each other.
+  const apart = Float32Array.from([10, 10, 0, 10, 0, 0, 0, 0, 10, 0, 10, 10]);
+  assert.equal(inside(apart, [[0, 3], [3, 6]], 2, 9), true);
+  assert.equal(boxArea(apart, [[0, 3], [3, 6]]), 100);
+});
+
+test("a ray hits the nearer triangle, where it is drawn", () => {
+  const points = Float32Array.from([0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0, -3, 4, 0, -3, 0, 4, -3]);
+  const cells = Uint32Array.from([3, 4, 5, 0, 1, 2]);
+  const none = new Float32Array(0);
+  assert.equal(rayHit(points, none, 1, cells, 0, 2, [1, 1, 10], [0, 0, -1]), 10);
+  assert.equal(rayHit(points, none, 1, cells, 0, 1, [1, 1, 10], [0, 0, -1]), 13);
+  assert.equal(rayHit(points, none, 1, cells, 0, 2, [3, 3, 10], [0, 0, -1]), Infinity);
+  const shifts = new Float32Array(18);
+  for (let i = 2; i < 9; i += 3) shifts[i] = 0.5;
+  assert.equal(rayHit(points, shifts, 4, cells, 0, 2, [1, 1, 10], [0, 0, -1]), 8);
+});
+
+test("a hand in space goes in a plane or along an axis", () => {
+  const from = [1, 2, 3] as const;
+  close(placeOnWay("screen", from, [5, 6, 13], [0, 0, -1], [0, 0, -1])!, [5, 6, 3]);
+  close(placeOnWay("xz", from, [5, -8, 13], [0, 1, 0], [0, 1, 0])!, [5, 2, 13]);
+  close(placeOnWay("x", from, [5, -8, 13], [0, 1, 0], [0, 1, 0])!, [5, 2, 3]);
+  const slanted = Math.SQRT1_2;
+  close(placeOnWay("z", [0, 0, 0], [1, -4, 0], [0, slanted, slanted], [0, 1, 0])!, [0, 0, 4]);
+  assert.equal(placeOnWay("y", from, [5, -8, 13], [0, 1, 0], [0, 1, 0]), null);
+  assert.equal(placeOnWay("xy", from, [5, -8, 13], [0, 1, 0], [0, 1, 0]), null);
+});
+
+test("displacements are drawn at a factor that reads well", () => {
+  assert.deepEqual([readable(137), readable(0.034), readable(5.1), readable(0.7)], [100, 0.02, 5, 1]);
+  close([largest(Float32Array.from([3, 4, 0, 1, 0, 0]))], [5]);
+  const scale = autoScale(1, 1e-3, 2);
+  assert.equal(scale, 100);
+  assert.equal(autoScale(scale, 2e-3, 2), scale);
+  assert.ok(autoScale(scale, 2e-2, 2) < scale);
+  assert.equal(autoScale(7, 0, 2), 7);
+});
+
+test("the outline goes with the border of the mesh", () => {
+  const points = Float32Array.from([0, 0, 0, 2, 0, 0, 2, 1, 0]);
+  const shifts = Float32Array.from([0, 0, 0, 0, 2, 0, 0, 4, 0]);
+  const found = new Float32Array(9);
+  follow(found, Float32Array.from([0.5, 0, 0, 2, 0.25, 0, 0, 0.8, 0]), Uint32Array.from([0, 1, 1, 2]), points, shifts, 2.2);
+  close(found, [0, 0.5, 0, 0, 2.5, 0, 0, 0, 0]);
+});
+
+test("lines, arrows, normals, boxes, names and turns", () => {
+  assert.deepEqual(pairsOf(5, [0, 3]), [0, 1, 1, 2, 3, 4]);
+  const { ends: arrows, starts } = arrowLines(Float32Array.from([0, 0, 0, 1, 1, 0]), Float32Array.from([0, 2, 0, 1, 0, 0]), 0.5);
+  close(arrows, [0, 0, 0, 0, 0.5, 0, 1, 1, 0, 1.25, 1, 0]);
+  assert.deepEqual(starts, [0, 2]);
+  const normals = new Float32Array(9);
+  addNormals(normals, Float32Array.from([0, 0, 0, 2, 0, 0, 0, 3, 0]), new Float32Array(0), 1, Uint32Array.from([0, 1, 2]));
+  close(normals, [0, 0, 6, 0, 0, 6, 0, 0, 6]);
+  const box = new Bounds();
+  box.add(Float32Array.from([0, 0, 0, 3, 4, 0]), Float32Array.from([0, 0, 0, 0, 0, 6]), 2);
+  assert.equal(box.size(), 13);
+  assert.equal(newName("hole_", new Set(["hole_1", "hole_3"])), "hole_2");
+  close([turn({ x: 1, y: 0 }, { x: 0, y: -1 })], [Math.PI / 2]);
+});
