@@ -19,6 +19,10 @@ export class Latency {
   }
 
   private answered(id: number): void {
-    if (this.ids[id % KEPT] === id) this.app.tell("latency", performance.now() - this.times[id % KEPT]!);
+    if (this.ids[id % KEPT] !== id) return;
+    const ms = performance.now() - this.times[id % KEPT]!;
+    this.app.tell("latency", ms);
+    // For who measures the page from outside, such as `restshape bench live`.
+    document.dispatchEvent(new CustomEvent("restshape-drawn", { detail: { id, ms } }));
   }
 }
