@@ -20,12 +20,32 @@ HEAD = """# Python interface: every name
 Written by `python scripts/interface_page.py` from the docstrings of what `import restshape` offers.
 [Python](python.md) shows how it is used.
 """
-SHOWN = ("load", "changed", "new_scene", "save_scene", "load_script", "new_script", "save_script", "open", "replay")
-KINDS = ("Simulation", "Hand", "ShownFrame", "ShownMesh", "UserError", "RefusedFrame")
+SHOWN = (
+    "load",
+    "changed",
+    "new_scene",
+    "save_scene",
+    "load_script",
+    "new_script",
+    "save_script",
+    "open",
+    "replay",
+    "recording",
+)
+KINDS = (
+    "Simulation",
+    "Hand",
+    "Run",
+    "ShownFrame",
+    "ShownMesh",
+    "OpenedRecording",
+    "FrameOnFile",
+    "UserError",
+    "RefusedFrame",
+)
 ELSEWHERE = {
     "Scene": "the validated model of a scene: its fields are the tables of the [scene format](scene-format.md)",
     "Script": "an edit script: `header`, `events`, `text`; events are models of the [script format](script-format.md)",
-    "Recording": "a [recording](recording-format.md) opened for reading: `table`, `header`, `fields`, `field(i, name)`",
 }
 """What other pages describe."""
 

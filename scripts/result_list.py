@@ -84,7 +84,7 @@ def recorded(name: str, scene: str, edits: str = "", *settings: str) -> str:
 
 def bench(kind: str, words: str, files: Sequence[str], *scenes: str) -> Result:
     """A study of `restshape bench`."""
-    code = (f"restshape_studies.commands.bench_{kind}", "restshape_studies.bench.*", "restshape.replay.run")
+    code = (f"restshape_studies.commands.bench_{kind}", "restshape_studies.bench.*", "restshape.interface.run")
     return Result(tuple(files), (f"restshape bench {words}",), code, scenes, timed=True)
 
 

@@ -39,6 +39,7 @@ application = Application(
         summary="restshape_apps.furniture.report.guided:summary",
         tables="restshape_apps.furniture.cli.guidance:print_guidance",
         pictures="restshape_apps.furniture.cli.report:draw",
+        sheet="restshape_apps.furniture.cli.report:draw_sheet",
         true_scale="planks are drawn where they are",
         arguments="restshape_apps.furniture.cli.report:arguments",
         check="restshape_apps.furniture.cli.report:check",

@@ -21,10 +21,11 @@ OFFERED = {
     "errors": ("UserError",),
     "interface.shown_frame": ("ShownFrame", "ShownMesh"),
     "interface.hand": ("Hand",),
+    "interface.opened_recording": ("FrameOnFile", "OpenedRecording", "recording"),
+    "interface.run": ("Run",),
     "interface.scenes": ("changed", "load", "new_scene", "save_scene"),
     "interface.scripts": ("load_script", "new_script", "save_script"),
     "interface.simulation": ("RefusedFrame", "Simulation", "open"),
-    "replay.recording": ("Recording",),
     "scene.edit_script": ("Script",),
     "scene.model": ("Scene",),
 }

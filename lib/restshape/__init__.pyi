@@ -2,6 +2,10 @@
 
 from restshape.errors import UserError as UserError
 from restshape.interface.hand import Hand as Hand
+from restshape.interface.opened_recording import FrameOnFile as FrameOnFile
+from restshape.interface.opened_recording import OpenedRecording as OpenedRecording
+from restshape.interface.opened_recording import recording as recording
+from restshape.interface.run import Run as Run
 from restshape.interface.scenes import changed as changed
 from restshape.interface.scenes import load as load
 from restshape.interface.scenes import new_scene as new_scene
@@ -15,7 +19,6 @@ from restshape.interface.simulation import RefusedFrame as RefusedFrame
 from restshape.interface.simulation import Simulation as Simulation
 from restshape.interface.simulation import open as open
 from restshape.interface.simulation import replay as replay
-from restshape.replay.recording import Recording as Recording
 from restshape.scene.edit_script import Script as Script
 from restshape.scene.model import Scene as Scene
 

@@ -151,6 +151,7 @@ class Reporting:
         summary: of `Rows`, the keys that their summary has besides.
         tables: prints tables of `Rows`.
         pictures: draws a recording into a folder, as the options of `restshape report` say; the paths of its pictures.
+        sheet: draws the frame of a number, or of None the characteristic ones, into one PNG, whose path follows.
         true_scale: why what is drawn cannot be exaggerated; no path.
         arguments: adds options to the parser of `restshape report`; empty: there are none.
         check: raises a `UserError` of options that make no sense; empty: all do.
@@ -159,6 +160,7 @@ class Reporting:
     summary: str
     tables: str
     pictures: str
+    sheet: str
     true_scale: str
     arguments: str = ""
     check: str = ""
@@ -185,6 +187,10 @@ class Reporting:
     def draw(self, recording: object, folder: Path, options: Namespace) -> list[Path]:
         """Draws a recording; the paths of the pictures."""
         return cast("list[Path]", _function(self.pictures)(recording, folder, options))
+
+    def draw_sheet(self, recording: object, at: int | None, path: Path) -> None:
+        """Draws the frame of a number, or of None the characteristic ones, into one PNG."""
+        _function(self.sheet)(recording, at, path)
 
 
 @dataclass(frozen=True)

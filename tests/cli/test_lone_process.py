@@ -63,15 +63,15 @@ def test_who_shares_the_process_keeps_it_and_its_collections(ended, monkeypatch)
 def test_a_replay_collects_from_its_first_frame_on_and_ends_with_its_code(tmp_path, outside):
     program = (
         "import atexit, gc, sys\n"
-        "from restshape.replay import run\n"
+        "from restshape.interface.run import Run\n"
         "from restshape.cli.main import main\n"
-        "before = run.run_replay\n"
+        "before = Run.to_end\n"
         "def noted(*words, **named):\n"
         "    print('collects', gc.isenabled())\n"
         "    found = before(*words, **named)\n"
         "    print('collects', gc.isenabled(), gc.get_freeze_count() > 10000)\n"
         "    return found\n"
-        "run.run_replay = noted\n"
+        "Run.to_end = noted\n"
         "atexit.register(lambda: print('said goodbye'))\n"
         f"sys.argv = ['restshape', 'replay', {str(BRACKET)!r}]\n"
         "main()\n"

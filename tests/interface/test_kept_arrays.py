@@ -10,7 +10,7 @@ import restshape
 
 ROOT = Path(__file__).parents[2]
 APPS, BRACKET = ROOT / "apps", ROOT / "docs" / "examples" / "bracket.toml"
-SCENES = {"steady_flow": "50 mm", "csm3": "20 mm", "building": "", "fins": "", "darts": "", "shelf-1": ""}
+SCENES = {"steady_flow": "50 mm", "csm3": "20 mm", "building": "", "fins": "", "incline": "", "shelf-1": ""}
 """Scenes of many kinds of analysis, with the size of their mesh where their own takes long."""
 
 

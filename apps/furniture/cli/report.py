@@ -8,6 +8,8 @@ from restshape.errors import UserError
 
 MOVING = 24
 """Frames that are animated at most."""
+FRAMES = 6
+"""On a sheet where nobody says otherwise."""
 SEARCHES = 3
 """Searches for suggestions that are drawn where nobody says otherwise."""
 
@@ -54,3 +56,10 @@ def draw(recording: Any, folder: Path, options: Namespace) -> list[Path]:
         pictures.append(folder / f"animation.{options.animation}")
         draw_piece_animation(recording, animated_frames(recording, MOVING), pictures[-1])
     return pictures
+
+
+def draw_sheet(recording: Any, at: int | None, path: Path) -> None:
+    """Draws the frame of a number into one PNG; without a number characteristic ones."""
+    from restshape_apps.furniture.report.piece_frames import draw_piece_frames, telling_frames
+
+    draw_piece_frames(recording, telling_frames(recording, FRAMES) if at is None else [at], path)

@@ -6,6 +6,7 @@ range."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import ceil
 from pathlib import Path
 from textwrap import shorten, wrap
@@ -41,6 +42,7 @@ from restshape.errors import UserError
 from restshape.guidance.ranges import Ranges
 from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import HOLDS, LIMIT
+from restshape.replay.frame_recording import FrameRecording
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.report.frames import scene_name
@@ -104,6 +106,10 @@ def pieces(recording: Recording, wanted: Sequence[int]) -> Iterator[PlankFrame]:
     Raises:
         UserError: the recording's scene and script make other pieces now.
     """
+    if isinstance(recording, FrameRecording):
+        assert isinstance(recording.edit, PlankFrame), "it is of furniture"
+        yield replace(recording.edit, index=0)
+        return
     header, path = recording.header, recording.path
     scene = recorded_scene(header["scene_values"], path.with_name(Path(header["scene"]).name or "scene"))
     if "planks" not in scene.sections:
@@ -159,7 +165,7 @@ def shown_piece(recording: Recording, frame: PlankFrame) -> tuple[Furniture, Des
 def caption(recording: Recording, i: int, case: str = "") -> tuple[str, str]:
     """What a frame is, in lines, and their colour, which shows whether it holds."""
     row = row_of(recording, i)
-    lines = [f"frame {i}, t = {recording.times[i]:.2f} s: {row['event']} (line {row['line']})"]
+    lines = [f"frame {recording.number(i)}, t = {recording.times[i]:.2f} s: {row['event']} (line {row['line']})"]
     if hand := grabbed(row):
         factor, unit = UNITS[hand.unit]
         far = f"{factor * float(row['at']):+.4g} {unit}".replace("-", "\N{MINUS SIGN}")
@@ -205,7 +211,7 @@ def meaning(recording: Recording, chosen: Sequence[int], ranges: bool, numbers: 
     return ". ".join(parts)
 
 
-def draw_piece_frames(recording: Recording, chosen: np.ndarray, path: Path) -> None:
+def draw_piece_frames(recording: Recording, chosen: np.ndarray | Sequence[int], path: Path) -> None:
     """Writes the contact sheet as a PNG.
 
     Args:

@@ -13,7 +13,7 @@ from math import log2
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from restshape.application import Application, application_of
+from restshape.application import Application
 from restshape.cli.doubtful import print_doubtful, untrusted_words
 from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
 from restshape.cli.lone_process import set_up
@@ -28,7 +28,7 @@ from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
 from restshape.outputs.si_numbers import counted, si, unit_of
-from restshape.policy import GUESSES, POLICIES, policy
+from restshape.policy import GUESSES, POLICIES
 from restshape.replay.level_names import LEVEL_NAMES
 from restshape.scene.key_aliases import notes
 from restshape.surroundings import start_petsc
@@ -117,7 +117,8 @@ def _request(args: argparse.Namespace) -> Request:
     """
     from restshape.calibration import Calibration
     from restshape.replay.request import Request
-    from restshape.scene.edit_script import Script, load_script
+    from restshape.replay.request_recorder import refuse_other_names
+    from restshape.scene.edit_script import load_script
 
     if args.fields is not None:
         names = [name.strip() for name in args.fields.split(",") if name.strip()]
@@ -126,24 +127,25 @@ def _request(args: argparse.Namespace) -> Request:
         given = args.estimate if args.estimate.isdecimal() else json.dumps(args.estimate)
         args.set = [*args.set, f"solve.estimate={given}"]
     scene = read_scene(args)
-    _check_name(args.out)
-    app = application_of(scene)
-    script = load_script(args.edits, scene, keep_good=True) if args.edits else Script.empty(scene)
-    chosen = policy(args.policy or scene.solve.policy, args.guess)
-    calibration, given = Calibration.load(args.calibration), (tuple(args.petsc), args.predict, tuple(args.set))
+    if args.out:
+        refuse_other_names(args.out, "--out ")
+    script = load_script(args.edits, scene, keep_good=True) if args.edits else None
+    known = Calibration.load(args.calibration)
     if args.out and first_rank():
         from restshape.replay.recorder import refuse_other_files
 
         refuse_other_files(args.out)
-    return Request(scene, script, app, chosen, calibration, *given)
+    return Request.of(scene, script, args.policy, args.guess, known, args.petsc, args.predict, args.set)
 
 
 def _replayed(
     args: argparse.Namespace, request: Request, begin_frame: Callable[[], None], process: Begun | None
 ) -> int:
     """The exit code of a replay that says when each frame begins, with the process that will record it."""
+    from restshape.replay.request_recorder import recorder_of
+
     first = first_rank()
-    recorder = _start_recorder(args.out, request, process) if process else None
+    recorder = recorder_of(request, args.out, process) if process else None
     try:
         if recorder:
             keep_frames(recorder)
@@ -210,22 +212,6 @@ def _regret(args: argparse.Namespace, request: Request, begin_frame: Callable[[]
     return 0
 
 
-def _check_name(out: Path | None) -> None:
-    """Refuse a file whose name hides what it is; a folder the recorder refuses."""
-    if out and out.suffix != ".vtkhdf" and not out.is_dir():
-        raise UserError("a recording's name ends in .vtkhdf", f"--out {out}", f"--out {out.with_suffix('.vtkhdf')}")
-
-
-def _start_recorder(path: Path, request: Request, process: Begun) -> Recorder:
-    """The recorder, whose process has begun."""
-    from restshape.replay.columns import columns_of
-    from restshape.replay.recorder import Recorder
-
-    # It opens the file while PETSc starts.
-    columns = columns_of(request.scene, request.application, request.predict)
-    return Recorder.start(path, request.header(), columns, wait=False, process=process)
-
-
 def _run(
     args: argparse.Namespace, request: Request, recorder: Recorder | None, begin_frame: Callable[[], None]
 ) -> dict[str, Any]:
@@ -234,7 +220,7 @@ def _run(
     from petsc4py import PETSc
 
     from restshape.cli.progress import progress
-    from restshape.replay.run import run_replay
+    from restshape.interface.run import Run
 
     frames = request.script.frame_count
     with progress(not first_rank(), frames) as count, agreeing(PETSc.COMM_WORLD.tompi4py()) as end_if_asked:
@@ -245,7 +231,7 @@ def _run(
             begin_frame()
             count(1)
 
-        return run_replay(request, recorder, args.parity, args.csv, on_frame, keep_rows=False, say=count.say)
+        return Run(request, recorder, parity=args.parity, csv=args.csv, say=count.say).to_end(on_frame)
 
 
 def _stop_other_ranks(error: BaseException) -> None:

@@ -67,7 +67,7 @@ def agreeing(ranks: Any) -> Iterator[Callable[[], None]]:
         return
     from mpi4py import MPI
 
-    from restshape.replay.run import AgreedInterrupt
+    from restshape.interface.run import AgreedInterrupt
 
     def end_together() -> None:
         number = ranks.allreduce(_received[0] if _received else 0, op=MPI.MAX)

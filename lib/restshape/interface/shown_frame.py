@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Self, TypeVar
 
 from restshape.errors import UserError
-from restshape.findings import Finding, decode_findings
+from restshape.interface.readable_frame import ReadableFrame, ShownMesh
 from restshape.replay.cell_types import CELL_TYPES
-from restshape.replay.columns import quantity_names
 
 if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
     from restshape.arrays import AnyArray, Indices, Reals
     from restshape.replay.loop import Replay
+    from restshape.replay.recorder import Recorder
     from restshape.replay.request import Request
     from restshape.scene.model import Scene
+    from restshape.shape.script_frame import ScriptFrame
 
-QUANTITY = "q_"
-"""Before the name of a quantity, in the column that has it."""
 Array = TypeVar("Array", bound="AnyArray")
 
 
@@ -44,6 +42,28 @@ class LastAnswer:
         self.count, self.closed = 0, False
         self._cells: tuple[tuple[int, int], Indices] | None = None
 
+    @classmethod
+    def begun(cls, request: Request, recorder: Recorder | None = None) -> Self:
+        """Before the first frame of what is replayed: all that simulates goes through here.
+
+        Args:
+            request: what is replayed; recorder: takes each frame; on rank 0 only.
+
+        Raises:
+            UserError: the scene cannot be simulated, or not be predicted.
+        """
+        from petsc4py import PETSc
+
+        from restshape.replay.loop import Replay
+        from restshape.replay.petsc_options import refusal
+
+        try:
+            return cls(Replay(request, PETSc.COMM_WORLD, recorder), request)
+        except PETSc.Error as error:
+            if not request.petsc:
+                raise
+            raise refusal(error, request.petsc) from error
+
     def mesh(self) -> ShownMesh:
         """The mesh of the last frame; frames of one topology share the array of its cells."""
         space = self.replay.solver.space
@@ -58,25 +78,7 @@ class LastAnswer:
         return ShownFrame(row, self)
 
 
-@dataclass(frozen=True)
-class ShownMesh:
-    """The mesh of a frame, in arrays that can be read alone and stay as they are when the edit goes on.
-
-    The places are a copy, for those of the solver change in place. So are the cells, which all frames share whose mesh
-    has the same ones.
-
-    Args:
-        points: (n, 2) or (n, 3) places [m] of the nodes in the rest shape.
-        cells: (ne, k) int32 nodes of each cell, corners first.
-        cell_type: VTK's number of their shape and order, such as 5 for triangles and 22 for those of second order.
-    """
-
-    points: Reals
-    cells: Indices
-    cell_type: int
-
-
-class ShownFrame:
+class ShownFrame(ReadableFrame):
     """One frame of an edit: its row, and the answer that it shows.
 
     The row and the quantities stay. Mesh and fields are read when they are first asked for, while the frame is the last
@@ -92,26 +94,6 @@ class ShownFrame:
         self.row = row
         self._answer, self._count = answer, answer.count
 
-    @property
-    def index(self) -> int:
-        """Its number in the edit, from 0."""
-        return int(self.row["index"])
-
-    @property
-    def refused(self) -> str:
-        """Why it shows the last shape, or the last answer, instead of what was asked for; empty where it does not."""
-        return str(self.row["refused"])
-
-    @property
-    def quantities(self) -> dict[str, float]:
-        """The scene's quantities by name, in SI units; not numbers where the frame has no answer."""
-        return {name: float(self.row[QUANTITY + name]) for name in quantity_names(list(self.row))}
-
-    @property
-    def findings(self) -> tuple[Finding, ...]:
-        """What there is to know of the frame besides numbers, such as limits that do not hold."""
-        return tuple(decode_findings(str(self.row["findings"])))
-
     @cached_property
     def fields(self) -> dict[str, Reals]:
         """Fields by name: (n,) or (n, c) of the nodes, (ne,) or (ne, c) of the cells, as recordings have them.
@@ -122,10 +104,17 @@ class ShownFrame:
         Raises:
             UserError: the frame is not the last one any more.
         """
+        at_nodes, in_cells = self._fields
+        return in_cells | at_nodes
+
+    @cached_property
+    def _fields(self) -> tuple[dict[str, Reals], dict[str, Reals]]:
+        """Fields of the nodes, and those of the cells."""
         replay = self._replay()
         space, known = replay.solver.space, replay.solver.known
         at_nodes, in_cells = replay.analysis.fields() if known else replay.analysis.blank_fields(space)
-        return {name: read_only(field.view()) for name, field in (in_cells | at_nodes).items()}
+        views = [{name: read_only(one.view()) for name, one in fields.items()} for fields in (at_nodes, in_cells)]
+        return views[0], views[1]
 
     @cached_property
     def mesh(self) -> ShownMesh:
@@ -145,27 +134,6 @@ class ShownFrame:
             UserError: the frame is not the last one any more.
         """
         return self._replay().session.scene
-
-    @property
-    def displacement(self) -> Reals:
-        """(n, 2) or (n, 3) [m] displacement of the nodes.
-
-        Raises:
-            UserError: this physics has none, or the frame is not the last one any more.
-        """
-        return self.field("displacement")
-
-    @property
-    def von_mises(self) -> Reals:
-        """(n,) [Pa] von Mises stress at the nodes, recovered from that of the cells.
-
-        Where regions of different materials meet it jumps, and the field "von_mises_in_cells" has it instead: (ne, k)
-        at the nodes of each cell.
-
-        Raises:
-            UserError: this physics has none, or the frame is not the last one any more.
-        """
-        return self.field("von_mises")
 
     def derivative(self, of: str) -> dict[str, Reals]:
         """How each quantity changes with the design at this frame, by its name.
@@ -192,19 +160,26 @@ class ShownFrame:
         Raises:
             UserError: the frame is not the last one any more.
         """
-        _ = self.mesh, self.fields, self.scene
+        _ = self.mesh, self.fields, self.scene, self._of_session
         return self
 
-    def field(self, name: str) -> Reals:
-        """A field of `fields`.
+    @cached_property
+    def _of_session(self) -> tuple[ScriptFrame, dict[str, object]]:
+        """The frame of the session, and what a recording says besides."""
+        replay = self._replay()
+        assert replay.rows.edit is not None, "there is a frame"
+        return replay.rows.edit, {"singular": dict(replay.errors.singular.ever)}
 
-        Raises:
-            UserError: there is no such field, or the frame is not the last one any more.
-        """
-        if name not in self.fields:
-            known = ", ".join(self.fields) or "none"
-            raise UserError(f"there is no field {name!r}", f"frame {self.index}", f"use one of those it has: {known}")
-        return self.fields[name]
+    def _repr_png_(self) -> bytes | None:
+        """The frame as `restshape report` draws it, for notebooks; None where it was not kept, or none is drawn."""
+        from restshape.replay.frame_recording import FrameRecording
+        from restshape.report.sheet import sheet
+
+        try:
+            mesh, fields, (edit, extra) = self.mesh, self._fields, self._of_session
+        except UserError:
+            return None
+        return sheet(FrameRecording(self._answer.request, extra, edit, self.row, mesh.points, mesh.cells, *fields), 0)
 
     def _replay(self) -> Replay:
         """What holds its answer."""
@@ -216,8 +191,3 @@ class ShownFrame:
             what = f"the edit has gone on, to frame {answer.count - 1}, and its answer is another one"
             raise UserError(what, where, "read mesh and fields of a frame before the next one")
         return answer.replay
-
-    def __repr__(self) -> str:
-        """What it is, in one line."""
-        found = ", ".join(f"{name}={value:.6g}" for name, value in self.quantities.items())
-        return f"<frame {self.index}: {self.refused or found or self.row['event']}>"

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
 
 from petsc4py import PETSc
 
-from restshape.application import application_of
-from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.interface.edits import Edits
 from restshape.interface.hand import Hand
+from restshape.interface.run import Run
 from restshape.interface.scripts import When, WrittenScript
 from restshape.interface.shown_frame import LastAnswer, ShownFrame
-from restshape.policy import policy as policy_named
-from restshape.replay.loop import Replay
 from restshape.replay.request import Request
+from restshape.replay.request_recorder import recorder_of
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 
@@ -72,9 +71,9 @@ class Simulation(Edits):
         strict: bool = True,
     ) -> None:
         self._written = WrittenScript(scene, analysis)
-        request = request_of(scene, self._written.script(), policy, guess, predict)
-        self._replay = Replay(request, PETSc.COMM_WORLD)
-        self._answer = LastAnswer(self._replay, request)
+        request = Request.of(scene, self._written.script(), policy, guess, predict=predict)
+        self._answer = LastAnswer.begun(request)
+        self._replay = self._answer.replay
         self._strict, self.closed = strict, False
         self._rows: Iterator[RowValues] = self._replay.answers(iter([self._replay.session.first()]))
         self.frame = next(self._frames())
@@ -169,6 +168,10 @@ class Simulation(Edits):
                 self.do("release")
             raise
 
+    def _repr_png_(self) -> bytes | None:
+        """The last frame as `restshape report` draws it, for notebooks; None where it draws none."""
+        return self.frame._repr_png_()
+
     def close(self) -> None:
         """Ends the simulation; its last frame can still be read."""
         if not self.closed:
@@ -185,12 +188,6 @@ class Simulation(Edits):
     ) -> None:
         """Closes it."""
         self.close()
-
-
-def request_of(scene: Scene, script: Script, policy: str | None, guess: str | None, predict: Predict) -> Request:
-    """What is to be replayed; arguments as of `Simulation`."""
-    chosen = policy_named(policy or scene.solve.policy, guess)
-    return Request(scene, script, application_of(scene), chosen, Calibration.load(), predict=predict)
 
 
 def open(
@@ -211,16 +208,28 @@ def replay(
     policy: str | None = None,
     guess: str | None = None,
     predict: Predict = "none",
-) -> Iterator[ShownFrame]:
-    """The frames of a script, each as soon as it is computed; a refused one says so in `ShownFrame.refused`.
+    out: str | Path | None = None,
+    csv: str | Path | None = None,
+    parity: bool = False,
+    summed: bool = False,
+) -> Run:
+    """The frames of a script, each as soon as it is computed, by the way that `restshape replay` goes.
 
     Args:
         scene: where it starts; script: its edits; None: the first shape alone.
         policy, guess, predict: as of `Simulation`.
+        out: recording that is written (.vtkhdf); one that is there is replaced. csv: file for a row of numbers a frame.
+        parity: compare each frame with a cold solve on the same mesh.
+        summed: `Run.summary` can be asked for, which takes some time of each frame.
 
     Raises:
-        UserError: the scene cannot be simulated, or not be predicted.
+        UserError: the scene cannot be simulated, not be predicted, or the file cannot be written.
     """
-    request = request_of(scene, script or Script.empty(scene), policy, guess, predict)
-    found = Replay(request, PETSc.COMM_WORLD)
-    return map(LastAnswer(found, request).frame, found.frames())
+    request = Request.of(scene, script, policy, guess, predict=predict)
+    recorder = recorder_of(request, Path(out)) if out and PETSc.COMM_WORLD.rank == 0 else None
+    try:
+        return Run(request, recorder, True, parity, Path(csv) if csv else None, summed)
+    except BaseException:
+        if recorder:
+            recorder.close("interrupted")
+        raise

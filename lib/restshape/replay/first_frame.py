@@ -5,14 +5,11 @@ from pathlib import Path
 
 from petsc4py import PETSc
 
-from restshape.application import application_of
-from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import counted
-from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
-from restshape.scene.edit_script import Script, load_script
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 
@@ -26,9 +23,7 @@ def first_frame(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PE
         comm: PETSc communicator.
     """
     scene = load_scene(path, overrides)
-    chosen = policy(scene.solve.policy)
-    request = Request(scene, Script.empty(scene), application_of(scene), chosen, Calibration.load())
-    replay = Replay(request, comm)
+    replay = Replay(Request.of(scene), comm)
     list(replay.frames())
     return replay
 
@@ -43,10 +38,9 @@ def replay_of(scene: Scene, edits: Path | None) -> Replay:
     Raises:
         UserError: the scene or the script makes no sense.
     """
-    script = load_script(edits, scene) if edits else Script.empty(scene)
-    chosen = policy(scene.solve.policy)
+    script = load_script(edits, scene) if edits else None
     try:
-        return Replay(Request(scene, script, application_of(scene), chosen, Calibration.load()), PETSc.COMM_WORLD)
+        return Replay(Request.of(scene, script), PETSc.COMM_WORLD)
     except UserError as error:
         raise scene.located(error) from error
 

@@ -35,11 +35,15 @@ class FrameRows:
     Args:
         solver: of the frames.
         scene: whose quantities have limits.
+
+    Attributes:
+        edit: the frame of the session that the last row is of; None before the first.
     """
 
     def __init__(self, solver: FrameSolver, scene: Scene) -> None:
         self.solver, self.analysis, self.prediction = solver, solver.analysis, solver.prediction
         self.limits, self._moving = MovingLimits(), moving_limits(scene)
+        self.edit: ScriptFrame | None = None
 
     def observed(self, scene: Scene, refused: str) -> dict[str, float]:
         """The quantities of a frame; no numbers in a refused one, whose last solution is of another shape."""
@@ -64,7 +68,7 @@ class FrameRows:
             quantities: of `observed`.
             refused: why it shows the last solution; empty where it has one.
         """
-        solver, limits = self.solver, self.limits(edit.scene.quantities)
+        self.edit, solver, limits = edit, self.solver, self.limits(edit.scene.quantities)
         violated = violated_constraints(limits, quantities) if quantities else ()
         row: RowValues = {
             "index": edit.index,

@@ -120,7 +120,7 @@ class Recording:
         self._rows = own["table"][: self.n]
         if "checksum" not in (self._rows.dtype.names or ()):
             raise ValueError("its table has no checksums")
-        stored = {name: _column(self._rows[name]) for name in self._rows.dtype.names if name != "checksum"}
+        stored = columns_in(self._rows)
         self.table = renamed(stored)
         self.old_names = {new: old for new, old in ALIASES.items() if new in self.table and new not in stored}
         places = {name: item for name, item in steps.items() if isinstance(item, h5py.Dataset)}
@@ -185,6 +185,10 @@ class Recording:
     def times(self) -> Reals:
         """Edit time of each frame [s] as ParaView sees it: frames at the same time are one last bit apart."""
         return self._steps["Values"]
+
+    def number(self, i: int) -> int:
+        """The number of frame i in its replay, for people."""
+        return i
 
     def moments(self, i: int) -> list[str]:
         """The edit time of frame i in words, and its simulated time where it has one that is not the same."""
@@ -316,6 +320,11 @@ class Recording:
 def _fit(cells: Indices, points: Reals) -> bool:
     """Whether cells refer to points that are there."""
     return not cells.size or (cells.min() >= 0 and int(cells.max()) < len(points))
+
+
+def columns_in(rows: Records) -> dict[str, AnyArray]:
+    """The columns of a stored table (n,) by name, its checksum left out; texts are `str`."""
+    return {name: _column(rows[name]) for name in rows.dtype.names or () if name != "checksum"}
 
 
 def _column(values: AnyArray) -> AnyArray:

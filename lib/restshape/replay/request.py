@@ -1,11 +1,14 @@
 """What is to be replayed, and how."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 from restshape import __version__
-from restshape.application import Application
+from restshape.application import Application, application_of
 from restshape.calibration import Calibration
 from restshape.policy import Policy
+from restshape.policy import policy as policy_named
 from restshape.replay.constraints import recorded_limits
 from restshape.replay.rounding import load_scales
 from restshape.scene.edit_script import Script
@@ -39,6 +42,31 @@ class Request:
     predict: str = "none"
     overrides: tuple[str, ...] = ()
     guided: bool = True
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        script: Script | None = None,
+        policy: str | None = None,
+        guess: str | None = None,
+        calibration: Calibration | None = None,
+        petsc: Sequence[str] = (),
+        predict: str = "none",
+        overrides: Sequence[str] = (),
+        guided: bool = True,
+    ) -> Self:
+        """What is asked for of a scene and a script, where nothing is said by its application's own ways.
+
+        Args:
+            scene: where it starts; script: its edits; None: the first shape alone.
+            policy: its name; None: the scene's. guess: initial guess of iterative solves; None: the policy's best.
+            calibration: None: the nominal one.
+            petsc, predict, overrides, guided: as of the class.
+        """
+        chosen = policy_named(policy or scene.solve.policy, guess)
+        edits, known = script or Script.empty(scene), calibration or Calibration.load()
+        return cls(scene, edits, application_of(scene), chosen, known, tuple(petsc), predict, tuple(overrides), guided)
 
     def origin(self) -> dict[str, object]:
         """What results say of where they come from: scene, script, overrides, version, units and machine."""

@@ -146,7 +146,7 @@ def _farthest(chosen: Sequence[int], n: int) -> int:
 
 def frame_words(recording: Recording, i: int) -> Iterator[str]:
     """What a frame is: its number, moment and level, and the estimated relative error of its solution."""
-    yield f"frame {i}"
+    yield f"frame {recording.number(i)}"
     yield from recording.moments(i)
     if "level" in recording.table:
         yield _what_it_does(recording, i)

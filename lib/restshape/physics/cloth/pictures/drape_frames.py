@@ -159,10 +159,10 @@ def draw_drape(recording: Recording, options: Namespace, still: Path, moving: Pa
 
     Args:
         recording: of cloth.
-        options: of `restshape report`; its frames.
+        options: of `restshape report`; its frames, by their numbers in `at` where these are given.
         still, moving: paths of the pictures.
     """
-    shown, animated = chosen_frames(recording, options.frames), animated_frames(recording)
+    shown, animated = np.array(options.at or chosen_frames(recording, options.frames)), animated_frames(recording)
     common = drape_scenery(recording, np.union1d(shown, animated) if moving else shown)
     draw_drape_frames(recording, shown, common, still)
     if moving:
@@ -200,7 +200,7 @@ def _caption(recording: Recording, i: int, wide: float) -> tuple[str, str]:
     for unit in ("%", "mm"):
         # No line begins with the unit of the number before it.
         words = words.replace(f" {unit}", f"\N{NO-BREAK SPACE}{unit}")
-    lines = [f"frame {i}, t = {recording.times[i]:.2f} s", *wrap(words, int(wide / LETTER) - 1)]
+    lines = [f"frame {recording.number(i)}, t = {recording.times[i]:.2f} s", *wrap(words, int(wide / LETTER) - 1)]
     return "\n".join(f" {line}" for line in lines), colour
 
 

@@ -3,11 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from restshape.application import application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
+from restshape.interface.run import Run
 from restshape.replay.request import Request
-from restshape.replay.run import run_replay
 from restshape.replay.tally import Summary
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -25,4 +22,4 @@ def replay_files(scene: Path, edits: Path, name: str, overrides: Sequence[str] =
     """
     read = load_scene(scene, overrides)
     script = load_script(edits, read)
-    return run_replay(Request(read, script, application_of(read), policy(name), Calibration.load(), predict=predict))
+    return Run(Request.of(read, script, name, predict=predict), keep_rows=True).to_end()
