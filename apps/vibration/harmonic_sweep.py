@@ -96,11 +96,15 @@ def modal_sweep(
 
     Args:
         shape: with the scene's damping; modes: of it.
-        low, high: of the range [Hz], not negative; points: how many are evenly spaced, besides those at resonances.
+        low, high: of the range [Hz], not negative; points: how many are evenly spaced, besides those at resonances; of
+            a shape without damping there is none at a mode.
         acceleration: amplitude of the ground [m/s^2].
     """
     even = np.linspace(low, high, points + 1)[1:] if low == 0.0 else np.linspace(low, high, points)
     frequencies = np.union1d(even, points_at_resonances(shape, modes, low, high))
+    if not shape.damped:
+        # There it is infinite.
+        frequencies = np.setdiff1d(frequencies, modes.frequencies)
     omega = 2.0 * np.pi * frequencies[:, None]
     twice = 2.0 * modes.damping(shape.analysis.state.integration.damping) * modes.omega
     answers = -acceleration * modes.participation / (modes.omega**2 - omega**2 + 1j * twice * omega)

@@ -90,6 +90,8 @@ def _resonance(analysis: TransientAnalysis, scene: Scene) -> list[Mark]:
     if driven:
         marked["excitation"] = float(driven)
     found = modal_sweep(shape, modes, 0.0, ROOM * max(marked.values()), POINTS)
-    curves = {name: (found.frequencies, np.abs(values)) for name, values in found.relative.items()}
+    sizes = {name: np.abs(values) for name, values in found.relative.items()}
+    shown = {name: (one > 0.0) & np.isfinite(one) for name, one in sizes.items()}
+    curves = {name: (found.frequencies[own], sizes[name][own]) for name, own in shown.items() if own.any()}
     label = "amplitude [m] under 1 m/s² of the ground"
     return [Chart("resonance curve", "frequency of the ground [Hz]", label, curves, marked, logarithmic=True)]

@@ -1,5 +1,6 @@
 """What shapes show at the hand: supports and loads, extremes, limits, singular places, lines of one value."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -71,6 +72,32 @@ def test_marks_change_nothing():
     events = [{"do": "press", "on": "window"}, drag, {"do": "release"}, {"do": "idle", "frames": 1}]
     marked, plain = rows_with_and_without(scene, events)
     assert len(plain) == 5 and marked == plain
+
+
+MOST_CALLS = 200
+"""Of functions, for the marks of a frame of a drag: less than 0.1 ms."""
+
+
+def test_marks_of_a_drag_take_few_calls():
+    calls = 0
+
+    def count(frame, event, argument):
+        nonlocal calls
+        calls += event in ("call", "c_call")
+
+    with (
+        restshape.open(restshape.load(BRACKET, *COARSE)) as simulation,
+        simulation.press("window", at=[0.1, 0.06]) as hand,
+    ):
+        shape_marks(simulation)
+        hand.to(0.101, 0.061)
+        _ = simulation.frame.fields
+        sys.setprofile(count)
+        try:
+            found = shape_marks(simulation)
+        finally:
+            sys.setprofile(None)
+    assert len(found) >= 3 and 10 < calls <= MOST_CALLS
 
 
 def test_lines_of_one_value_lie_where_a_linear_field_has_it():

@@ -81,18 +81,18 @@ class LoadArrows:
     def __init__(self, name: str, load: Load | None, ends: Indices, inside: bool, vector: Reals | None = None) -> None:
         self.name, self.load, self.ends, self.inside, self.vector = name, load, ends, inside, vector
         self._at: Reals | None = None
-        self._last: Mark = Lines("", np.empty((0, 2)))
+        self._last: Arrows | Lines = Lines("", np.empty((0, 2)))
 
     def mark(self, seen: SeenFrame) -> Mark:
         """The arrows of a frame."""
         moved, at = seen.moved(self.ends), seen.places(self.ends)
         if self._at is None or not np.array_equal(at, self._at):
             self._at, self._last = at, self._made(seen.scene, at)
-        if moved is None or not isinstance(self._last, Arrows | Lines):
+        if moved is None:
             return self._last
         return replace(self._last, moved=0.5 * (moved[:, 0] + moved[:, 1]))
 
-    def _made(self, scene: Scene, ends: Reals) -> Mark:
+    def _made(self, scene: Scene, ends: Reals) -> Arrows | Lines:
         """The arrows between places (m, 2, d); lines where the load has no direction."""
         at, along = 0.5 * (ends[:, 0] + ends[:, 1]), ends[:, 1, :2] - ends[:, 0, :2]
         outwards = np.stack([along[:, 1], -along[:, 0]], axis=1)

@@ -143,6 +143,8 @@ def _words(text: str, meaning: Meaning, node: int | None, seen: SeenFrame) -> Ma
     """A line of text at a node; at no place without one."""
     if node is None:
         return Words(text, None, meaning)
-    nodes = np.array([node])
-    at, moved = seen.places(nodes)[0].tolist(), seen.moved(nodes)
-    return Words(text, at, meaning, None if moved is None else moved[0].tolist())
+    at, deformed = seen.space.X[node].tolist(), seen.deformed if seen.solved else None
+    if deformed is None:
+        return Words(text, at, meaning)
+    moved = deformed[node].tolist()
+    return Words(text, [*at, *[0.0] * (len(moved) - len(at))], meaning, moved)
