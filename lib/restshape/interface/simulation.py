@@ -23,6 +23,7 @@ from restshape.scene.model import Scene
 
 if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
+    from restshape.replay.loop import Replay
 
 Predict = Literal["none", "linear", "gmls"]
 
