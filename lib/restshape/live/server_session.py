@@ -125,6 +125,7 @@ class LiveSession:
         if kind == "written":
             self._process.lines += said["lines"]
             self._process.events = said["count"]
+            self.pages.say(message)
             return
         self.state.hear(said)
         if kind == "lost" and not self.state.welcome:
@@ -142,7 +143,7 @@ class LiveSession:
             self._greet(page)
 
     def _greet(self, page: Page) -> None:
-        for message in self.state.greeting(self.pages.role(page)):
+        for message in self.state.greeting(self.pages.role(page), self._process.lines):
             page.say(message, at_once=True)
 
     def _answer(self, number: int, message: Table | str) -> None:

@@ -41,7 +41,7 @@ class ShownState:
         if self.welcome and "field" in message:
             self.welcome["field"] = message["field"]
 
-    def greeting(self, role: str) -> list[Table]:
-        """What a page of this role is said when it opens."""
-        welcome = [self.welcome | {"role": role}] if self.welcome else []
+    def greeting(self, role: str, script: str) -> list[Table]:
+        """What a page of this role is said when it opens; `script`: its lines so far."""
+        welcome = [self.welcome | {"role": role, "script": script}] if self.welcome else []
         return welcome + ([self._player] if welcome and self._player else [])

@@ -25,7 +25,7 @@ class ShownChart {
 }
 
 export class Charts {
-  readonly body = element("div", { class: "charts" });
+  readonly body = element("div", { class: "charts", hidden: true });
   private charts = new Map<string, ShownChart>();
 
   constructor(private readonly painter: Painter) {}
@@ -40,7 +40,9 @@ export class Charts {
     }
     const same = now.size === this.charts.size && [...now.keys()].every((name) => this.charts.has(name));
     this.charts = now;
-    if (!same) this.body.replaceChildren(...[...now.values()].map((chart) => chart.body));
+    if (same) return;
+    this.body.replaceChildren(...[...now.values()].map((chart) => chart.body));
+    this.body.hidden = now.size === 0;
   }
 }
 

@@ -12,6 +12,7 @@ export interface Drawing {
   yLabel: string;
   limits?: { value: number; name: string }[];       // lines across
   at?: Record<string, number>;                      // upright lines by name
+  least?: number;                                   // least length of the x axis; whole ticks where it is given
   logarithmic?: boolean;
   factor?: number;                                  // of y, to the unit of yLabel
   spoken: string;                                   // what is said to who does not see it
@@ -93,7 +94,8 @@ export class Plot {
       low = Math.min(low, least);
       high = Math.max(high, greatest);
     }
-    if (!(high > low)) [low, high] = Number.isFinite(low) ? [low, low + 1] : [0, 1];
+    if (!Number.isFinite(low)) [low, high] = [0, 1];
+    high = Math.max(high, low + (drawing.least ?? (high > low ? 0 : 1)));
     return { low, high, from: left, to: this.width - 10, logarithmic: false };
   }
 
@@ -122,7 +124,8 @@ export class Plot {
     pen.textAlign = "center";
     pen.textBaseline = "top";
     const across = this.across;
-    const places = ticks(across.low, across.high, Math.max(2, Math.floor((right - left) / 70)));
+    const places = ticks(across.low, across.high, Math.max(2, Math.floor((right - left) / 70)))
+      .filter((place) => drawing.least === undefined || Number.isInteger(place));
     tickLabels(places).forEach((text, index) => {
       const x = Math.round(pixel(across, places[index]!)) + 0.5;
       pen.moveTo(x, bottom);
@@ -141,9 +144,9 @@ export class Plot {
     const ink = this.ink!, bottom = this.height - 30, right = this.width - 10, across = this.across;
     pen.save();
     pen.beginPath();
-    pen.rect(across.from, 14, right - across.from + 1, bottom - 13);
+    pen.rect(across.from - 3, 14, right - across.from + 6, bottom - 13);
     pen.clip();
-    pen.lineWidth = 1.5;
+    pen.lineWidth = 1.75;
     drawing.curves.forEach((curve, index) => {
       pen.strokeStyle = ink.curves[index % ink.curves.length]!;
       pen.setLineDash(DASHES[Math.floor(index / ink.curves.length) % DASHES.length]!);
@@ -178,8 +181,11 @@ function strokePolyline(pen: CanvasRenderingContext2D, line: number[]): void {
   for (let index = 0; index < line.length; index += 2) {
     const x = line[index]!, y = line[index + 1]!;
     if (Number.isNaN(y)) { begins = true; continue; }
-    // A value by itself between frames without one is a dot.
-    if (begins) { pen.moveTo(x, y); pen.lineTo(x + 0.75, y); } else pen.lineTo(x, y);
+    const alone = begins && !(index + 3 < line.length && !Number.isNaN(line[index + 3]!));
+    if (begins) pen.moveTo(x, y);
+    else pen.lineTo(x, y);
+    // A value by itself, between frames without one, is a dot.
+    if (alone) pen.arc(x, y, 1, 0, 2 * Math.PI);
     begins = false;
   }
   pen.stroke();

@@ -82,7 +82,7 @@ export class Plots {
     plot.draw({
       curves: [{ name, x: counting(values.length), y: values }],
       xLabel: "frame", yLabel: scale.unit ? `${spoken(name)} [${scale.unit}]` : spoken(name),
-      limits: limitsOf(info), factor: scale.factor,
+      least: 10, limits: limitsOf(info), factor: scale.factor,
       at: playing && this.app.frame ? { "": this.app.frame.header.number } : {},
       spoken: `${spoken(name)} over ${values.length} frames, now ${siText(now, info.unit)}, from ${siText(low, info.unit)} to ${siText(high, info.unit)}`,
     });

@@ -57,7 +57,10 @@ function update(row: Row, frame: FrameMessage): void {
   const { info } = row;
   const value = quantityValue(frame, info.name);
   row.value.set(siText(value, info.unit));
-  row.error.set(errorText(frame.errors[info.name], value, info.unit));
+  const error = errorText(frame.errors[info.name], value, info.unit);
+  row.error.set(error);
+  // The line below the value stays once it was there: rows do not change their height from frame to frame.
+  if (error) mark(row.line, "data-estimated", "");
   const status = frame.limits[info.name];
   row.status.set(status ? `${STATUSES[status].sign} ${STATUSES[status].word}` : "");
   mark(row.line, "data-limit", status ?? null);
