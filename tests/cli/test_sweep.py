@@ -182,8 +182,8 @@ def test_modes_of_another_thickness_cost_one_factor_on_the_pattern_there_is(monk
     for one in sweep.runs():
         costs.append(counts.since_last())
         found.append(one.quantities["q_pitch"].last)
-        assert sweep._replay.analysis.state.report.inertia_checked
-        iterations.append(sweep._replay.analysis.state.report.iterations)
+        assert sweep._last.replay.analysis.state.report.inertia_checked
+        iterations.append(sweep._last.replay.analysis.state.report.iterations)
     assert [cost["MatCholFctrNum"] for cost in costs[1:]] == 9 * [1]
     assert all(cost["MatCholFctrSym"] == 0 for cost in costs[1:])
     # Modes of the thickness before, or of several, leave a correction or two of each mode.

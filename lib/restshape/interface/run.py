@@ -24,6 +24,7 @@ from restshape.replay.rounding import load_scales
 from restshape.replay.row_table import table_of_rows
 from restshape.replay.tally import Summary, Tally
 from restshape.scene.plan import solved_physics
+from restshape.shape.protocol import Session
 from restshape.surroundings import petsc_options
 
 
@@ -46,6 +47,10 @@ class Run(Iterator[ShownFrame]):
         summed: there will be a `summary`, which takes its time of each frame.
         keep_rows: `summary` gives all `rows`; else those alone that the report of the application needs.
         say: takes a line of what the first frame is at, where that takes long.
+        answer: what frames are read from, of a replay that has run before; None: a new one.
+
+    Attributes:
+        replay: the frame loop that computes it, for who looks at the analysis behind the frames.
 
     Raises:
         UserError: the scene cannot be simulated, not be predicted, or a file cannot be written.
@@ -61,11 +66,12 @@ class Run(Iterator[ShownFrame]):
         summed: bool = True,
         keep_rows: bool = False,
         say: Callable[[str], None] | None = None,
+        answer: LastAnswer | None = None,
     ) -> None:
         self._request, self._comm = request, PETSc.COMM_WORLD
         self._to_close = recorder if closes else None
-        self._answer = LastAnswer.begun(request, recorder)
-        replay = self._answer.replay
+        self._answer = answer or LastAnswer.begun(request, recorder)
+        self.replay = replay = self._answer.replay
         if recorder:
             recorder.add_header(_surroundings(self._comm) | {"singular": dict(replay.errors.singular.ever)})
         self._check = Parity(replay) if parity else None
@@ -74,7 +80,8 @@ class Run(Iterator[ShownFrame]):
         self._rows = list[RowValues]()
         self._ends, self._interrupted = list[RowValues](), False
         self._keep = summed and (keep_rows or request.application.report is not None)
-        self._frames = self._computed(csv if self._comm.rank == 0 else None, say)
+        rows = replay.frames() if answer else self._answers(say)
+        self._frames = self._computed(rows, csv if self._comm.rank == 0 else None)
 
     def __next__(self) -> ShownFrame:
         """The next frame.
@@ -117,7 +124,7 @@ class Run(Iterator[ShownFrame]):
         Raises:
             UserError: the run is not summed up.
         """
-        tally, request, replay = self._tally, self._request, self._answer.replay
+        tally, request, replay = self._tally, self._request, self.replay
         if tally is None:
             raise UserError("this run is not summed up", do="restshape.replay(scene, script, summed=True)")
         found = tally.summary(request.policy.name, replay.comm.size, replay.analysis.estimated_quantity)
@@ -128,11 +135,25 @@ class Run(Iterator[ShownFrame]):
         found |= {"ends": self._ends, "interrupted": self._interrupted, "rows": self._rows}
         return found | {"parity": self._check.summary()} if self._check else found
 
-    def _computed(self, csv: Path | None, say: Callable[[str], None] | None) -> Iterator[ShownFrame]:
+    def follow(self, session: Session, request: Request) -> Run:
+        """The run of another session, which goes on with the solvers of this one; neither is summed up or written.
+
+        Args:
+            session: its first frame says what changes from the last one of this run.
+            request: what is replayed in it.
+
+        Raises:
+            UserError: errors of quantities cannot be estimated.
+        """
+        self.replay.follow(session, request)
+        return Run(request, summed=False, answer=LastAnswer(self.replay, request))
+
+    def _computed(self, rows: Iterator[RowValues], csv: Path | None) -> Iterator[ShownFrame]:
         """Each frame, when it is written and summed up."""
-        names = list(columns_of(self._request.scene, self._request.application, self._request.predict))
+        asked = self._request
+        names = list(columns_of(asked.scene, asked.application, asked.predict)) if csv else []
         with self._to_close or nullcontext(), table_of_rows(csv, names) as table:
-            for row in self._answers(say):
+            for row in rows:
                 if self._check:
                     row |= self._check()
                 if self._tally:
@@ -146,7 +167,7 @@ class Run(Iterator[ShownFrame]):
 
     def _answers(self, say: Callable[[str], None] | None) -> Iterator[RowValues]:
         """The rows of all frames; where PETSc fails in the first one, what it says against the user's words."""
-        replay, request = self._answer.replay, self._request
+        replay, request = self.replay, self._request
         rows = replay.frames()
         steps = FirstSteps(replay, say) if say else None
         try:

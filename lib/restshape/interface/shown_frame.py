@@ -44,7 +44,7 @@ class LastAnswer:
 
     @classmethod
     def begun(cls, request: Request, recorder: Recorder | None = None) -> Self:
-        """Before the first frame of what is replayed: all that simulates goes through here.
+        """Before the first frame of what is replayed; simulations and runs begin here.
 
         Args:
             request: what is replayed; recorder: takes each frame; on rank 0 only.

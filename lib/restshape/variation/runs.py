@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from time import process_time
 
-from petsc4py import PETSc
-
 from restshape.analysis.row_values import whole
 from restshape.application import application_of
 from restshape.errors import UserError
-from restshape.policy import policy
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
@@ -36,7 +33,7 @@ class Sweep:
         self.scene: Scene | None = None
         self.columns: list[str] | None = None
         self.singular: dict[str, float] = {}
-        self._replay: Replay | None = None
+        self._last: Run | None = None
         self._moved = False
         self._start: tuple[ShapeSpec, Outline] | None = None
 
@@ -66,35 +63,35 @@ class Sweep:
         self.columns = self.columns or names
         run.limit(scene)
         run.remembered = remembered(scene, application_of(scene))
-        last, self._replay = self._replay, None
-        if last and self._follow(last, scene, script):
+        last, self._last = self._last, None
+        if last and (following := self._follow(last, scene, script)):
             run.analysis = REUSED
-            if self._replayed(last, run, on_frame):
+            if self._replayed(following, run, on_frame):
                 return
             # It may be the way to the solution that fails, and not the solution.
             run.analysis = NEW
         try:
-            replay = self._new(scene, script)
+            new = self._new(scene, script)
         except UserError as error:
             run.status, run.why = INVALID, _plain(error)
             return
-        self._replayed(replay, run, on_frame)
+        self._replayed(new, run, on_frame)
 
-    def _replayed(self, replay: Replay, run: SweptRun, on_frame: Callable[[], None]) -> bool:
+    def _replayed(self, running: Run, run: SweptRun, on_frame: Callable[[], None]) -> bool:
         """Replays all frames of a run; false where the first one has no solution."""
-        names = self.columns or []
+        names, replay = self.columns or [], running.replay
         run.status, run.why = DONE, ""
         replay.measuring = errors_count(self.scene)
         try:
-            for row in replay.frames():
-                self._moved |= run.frames > 0 and whole(row, "level") > 0
-                run.add(row, names)
+            for frame in running:
+                self._moved |= run.frames > 0 and whole(frame.row, "level") > 0
+                run.add(frame.row, names)
                 on_frame()
         except UserError as error:
             run.status, run.why = UNSOLVED, _plain(error)
             return False
         run.limit(replay.session.scene)
-        self._replay = replay
+        self._last = running
         self.singular = replay.errors.singular.ever | self.singular
         return True
 
@@ -110,49 +107,48 @@ class Sweep:
         script = load_script(request.edits, scene) if request.edits else Script.empty(scene)
         return scene, script
 
-    def _new(self, scene: Scene, script: Script) -> Replay:
-        """A replay of its own.
+    def _new(self, scene: Scene, script: Script) -> Run:
+        """A run with solvers of its own.
 
         Raises:
             UserError: the scene cannot be simulated.
         """
-        replay = Replay(self._asked(scene, script), PETSc.COMM_WORLD)
+        new = Run(self._asked(scene, script), summed=False)
         self._moved, self._start = False, None
-        if (outline := replay.session.outline) is not None:
+        if (outline := new.replay.session.outline) is not None:
             self._start = scene.shape, outline
-        return replay
+        return new
 
     def _asked(self, scene: Scene, script: Script) -> Request:
         """What the replay of a run is asked for."""
-        chosen = policy(self.request.policy or scene.solve.policy, self.request.guess)
-        app, calibration = application_of(scene), self.request.calibration
+        asked = self.request
         # No run shows what would mend it.
-        return Request(scene, script, app, chosen, calibration, self.request.petsc, guided=False)
+        return Request.of(scene, script, asked.policy, asked.guess, asked.calibration, asked.petsc, guided=False)
 
-    def _follow(self, replay: Replay, scene: Scene, script: Script) -> bool:
-        """Has the replay of the last run go on to this scene; false where it cannot."""
-        app, last = application_of(scene), replay.session
+    def _follow(self, running: Run, scene: Scene, script: Script) -> Run | None:
+        """The run that goes on to this scene with the solvers of the last one; None where these cannot."""
+        app, last = application_of(scene), running.replay.session
         outline = last.outline
         if outline is None or not can_follow(last.scene, scene, app, self.request.continued):
-            return False
+            return None
         imported = scene.mesh.file is not None
         # A mesh file is read by a replay of its own alone.
         if imported and (self._moved or scene.mesh != last.scene.mesh):
-            return False
+            return None
         known = self._start[1] if self._start and (imported or scene.shape == self._start[0]) else None
         before = Standing(outline, last.scene, self._moved)
         own_mesh = self.request.edits is not None or not self.request.continued
         try:
             session = FollowingSession(scene, script, app, before, own_mesh, known)
             if imported and session.first_change != "values":
-                return False
-            replay.follow(session, self._asked(scene, script))
+                return None
+            following = running.follow(session, self._asked(scene, script))
         except UserError:
             # A replay of its own says what is wrong.
-            return False
+            return None
         self._start = scene.shape, session.outline
         self._moved &= session.first_change != "shape"
-        return True
+        return following
 
 
 def _plain(error: UserError) -> str:
