@@ -33,6 +33,7 @@ application = Application(
         contents="restshape_apps.furniture.cli.check_planks:checked",
         restated="restshape_apps.furniture.session.restated_scene:restated_tables",
         drawn="restshape_apps.furniture.report.drawn_scene:draw_scene",
+        grabbed="restshape_apps.furniture.session.plank_things:plank_things",
     ),
     lines=ScriptLines(GRAMMAR, "restshape_apps.furniture.session.plank_language:PlankInterpreter"),
     report=Reporting(

@@ -76,6 +76,8 @@ class Editing:
         mesh: what frames reuse of the mesh; None: what is edited has none.
         restated: of a frame without an outline, the plain tables of a scene that has its shape; empty: there are none.
         drawn: draws a scene without an outline into a file, for `restshape check --picture`; empty: nothing does.
+        grabbed: of the last frame of a simulation, what a hand may take hold of, each one a
+            `restshape.live.grab_parts.Thing`; empty: entities of the outline, bodies and supports.
     """
 
     session: str
@@ -86,6 +88,7 @@ class Editing:
     mesh: MeshReuse | None = None
     restated: str = ""
     drawn: str = ""
+    grabbed: str = ""
 
     @property
     def has_mesh(self) -> bool:
@@ -104,6 +107,10 @@ class Editing:
             OSError: the file cannot be written.
         """
         _function(self.drawn)(scene, path)
+
+    def things(self, simulation: object) -> Sequence[object] | None:
+        """What a hand may take hold of after the last frame of a simulation; None: `grabbed` is empty."""
+        return cast("Sequence[object]", _function(self.grabbed)(simulation)) if self.grabbed else None
 
     def make_session(self, scene: Scene, *script_application: object) -> Session:
         """The session, whose maker is imported now."""

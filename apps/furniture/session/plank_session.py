@@ -84,6 +84,13 @@ class PlankSession(ScriptSession):
         return None if self._grab is None or self._grab.number is not None else self._grab.origin
 
     @property
+    def cursor(self) -> tuple[float, ...] | None:
+        """Where the hand is [m]; None where it holds no plank, or only a parameter of one."""
+        if self._grab is None or self._grab.number is not None:
+            return None
+        return tuple(self._grab.cursor.tolist())
+
+    @property
     def chosen(self) -> Suggestion | None:
         """The suggestion that can be slid along; None where there is none."""
         return None if self._chosen is None else self._chosen[1]

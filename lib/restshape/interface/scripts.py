@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import ceil, isfinite
 from pathlib import Path
 from typing import Literal
@@ -114,6 +114,52 @@ class WrittenScript:
         self.t = _end(self.t, 1)
         return event
 
+    def follow(self, table: Mapping[str, object]) -> EventLine:
+        """Takes in an event of another script as it stands there, at its own time.
+
+        Args:
+            table: its keys, "t" and "do" among them, in the units of this script.
+
+        Raises:
+            UserError: it is not valid, or cannot come now; the script stays as it is.
+        """
+        number, grabbed = len(self._tables) + 2, self._reader.grabbed
+        given = {str(key): plain(value, f"{PLACE}: line {number}: {key}") for key, value in table.items()}
+        self._reader.check_excess(number, given)
+        self._reader.t = self._reader.events[-1].t if self._reader.events else 0.0
+        try:
+            event = self._reader.event(number, given)
+        except UserError:
+            self._reader.grabbed = grabbed
+            raise
+        self._tables.append(given)
+        self.t = _end(event.t, event.frame_count)
+        return event
+
+    def cut_last(self, frames: int, path: Sequence[Sequence[float]]) -> bool:
+        """Ends the last event after some of its frames.
+
+        Args:
+            frames: that were computed, one at least; path: where the hand was in each of them.
+
+        Returns:
+            Whether it can end there: an event "idle" and a drag to places can.
+        """
+        last, table = self._reader.events[-1], dict(self._tables[-1])
+        if last.do == "idle":
+            table["frames"] = frames
+        elif last.do == "drag" and len(path) == frames:
+            table = {key: value for key, value in table.items() if key not in ("to", "path", "frames")}
+            table["path"] = [list(place) for place in path]
+        else:
+            return False
+        self._reader.events.pop()
+        self._tables.pop()
+        grabbed = self._reader.grabbed
+        self.follow(table)
+        self._reader.grabbed = grabbed
+        return True
+
     def drop_last(self) -> None:
         """The last event has not been carried out."""
         self._tables.pop()
@@ -124,9 +170,18 @@ class WrittenScript:
         """Events so far."""
         return len(self._tables)
 
+    @property
+    def last_frames(self) -> int:
+        """Frames of the last event."""
+        return self._reader.events[-1].frame_count
+
     def last_line(self) -> str:
         """The text of the last event, without the end of its line."""
         return json.dumps(self._tables[-1], allow_nan=False)
+
+    def header_line(self) -> str:
+        """The text of the first line, without its end."""
+        return json.dumps(self._header.model_dump(exclude_defaults=True), allow_nan=False)
 
     def text(self) -> str:
         """The text of the script so far."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from math import inf
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
@@ -24,6 +25,7 @@ from restshape.scene.model import Scene
 if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
     from restshape.replay.loop import Replay
+    from restshape.replay.recorder import Recorder
 
 Predict = Literal["none", "linear", "gmls"]
 
@@ -54,6 +56,7 @@ class Simulation(Edits):
         guess: initial guess of iterative solves; None: the policy's best.
         predict: how frames of a drag are predicted.
         strict: a refused event raises; else its frame says so in `ShownFrame.refused`, and the program goes on.
+        recorder: takes each frame, on the first rank; None records nothing.
 
     Attributes:
         frame: the last one; closed: no event can come any more.
@@ -70,10 +73,11 @@ class Simulation(Edits):
         guess: str | None = None,
         predict: Predict = "none",
         strict: bool = True,
+        recorder: Recorder | None = None,
     ) -> None:
         self._written = WrittenScript(scene, analysis)
         request = Request.of(scene, self._written.script(), policy, guess, predict=predict)
-        self._answer = LastAnswer.begun(request)
+        self._answer = LastAnswer.begun(request, recorder)
         self._replay = self._answer.replay
         self._strict, self.closed = strict, False
         self._rows: Iterator[RowValues] = self._replay.answers(iter([self._replay.session.first()]))
@@ -98,6 +102,11 @@ class Simulation(Edits):
     def written(self) -> WrittenScript:
         """The script of what was done, which grows."""
         return self._written
+
+    @property
+    def request(self) -> Request:
+        """What is computed, and how."""
+        return self._answer.request
 
     @property
     def t(self) -> float:
@@ -132,6 +141,35 @@ class Simulation(Edits):
         event = self._written.add(do, keys)
         self._rows = self._replay.answers(self._replay.session.frames_of(event))
         return self._frames()
+
+    def follow(self, table: Mapping[str, object], room: float = inf) -> Iterator[ShownFrame]:
+        """Carries out an event of another script, at its own time; frames and errors as of `each`.
+
+        Args:
+            table: its keys, as `WrittenScript.follow` takes them; room: edit time [s] that it has to the next one.
+        """
+        self._finish()
+        event = self._written.follow(table)
+        self._rows = self._replay.answers(self._replay.session.frames_of(event, room))
+        return self._frames()
+
+    def stop(self, frames: int, path: Sequence[Sequence[float]] = ()) -> bool:
+        """Ends the last event after those of its frames that were asked for, where it can end there.
+
+        Args:
+            frames, path: as of `WrittenScript.cut_last`.
+
+        Returns:
+            Whether it has ended; else its frames go on.
+        """
+        if self._written.last_frames == frames:
+            # What the session does after the last frame of an event belongs to it.
+            self._finish()
+            return True
+        if not self._written.cut_last(frames, path):
+            return False
+        self._rows = iter(())
+        return True
 
     def _frames(self) -> Iterator[ShownFrame]:
         """The frames that are left of the event."""
@@ -172,6 +210,11 @@ class Simulation(Edits):
     def _repr_png_(self) -> bytes | None:
         """The last frame as `restshape report` draws it, for notebooks; None where it draws none."""
         return self.frame._repr_png_()
+
+    def abandon(self) -> None:
+        """Ends the simulation without the frames that are left of its last event."""
+        self._rows = iter(())
+        self._answer.closed = self.closed = True
 
     def close(self) -> None:
         """Ends the simulation; its last frame can still be read."""

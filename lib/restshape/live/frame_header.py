@@ -21,13 +21,11 @@ def columns_of(row: RowValues) -> dict[str, Column]:
     """The columns of a row that say something: no empty texts, and no numbers that are none."""
     found: dict[str, Column] = {}
     for name, value in row.items():
-        if isinstance(value, str):
-            if value:
-                found[name] = value
-        elif isinstance(value, int):
+        if isinstance(value, float):
+            if value - value == 0.0:
+                found[name] = float(value)
+        elif isinstance(value, int) or (isinstance(value, str) and value):
             found[name] = value
-        elif value - value == 0.0:
-            found[name] = float(value)
     return found
 
 
@@ -54,20 +52,17 @@ def limits_of_frame(row: RowValues, scene: Scene) -> dict[str, str]:
     return found
 
 
-def header_of(
-    number: int, answers: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None
-) -> dict[str, object]:
-    """The header of a frame, but its parts and marks.
+def header_of(number: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None) -> dict[str, object]:
+    """The header of a frame, but its parts and marks, and the message that it answers.
 
     Args:
-        number: of the frame; answers: number of the message that it answers.
+        number: of the frame.
         row: of the frame; scene: with the values that hold in it.
         hand: what it holds, and where it is; None: it holds nothing.
     """
     return {
         "type": "frame",
         "number": number,
-        "id": answers,
         "columns": columns_of(row),
         "errors": errors_of(row, scene),
         "limits": limits_of_frame(row, scene),

@@ -2,50 +2,87 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, cast
 
+import numpy as np
+
+from restshape.application import application_of
+from restshape.errors import UserError
+from restshape.live.body_parts import BodyParts, pin_part, things_in_space
 from restshape.live.frame_arrays import PicturePart
 from restshape.live.grab_parts import OutlineParts, Thing, things_of
 from restshape.live.shape_surface import ShapeSurface
 from restshape.live.shown_colours import FieldChoice, colours_of, field_choice
+from restshape.scene.bodies import bodies_of, pins_of
 
 if TYPE_CHECKING:
-    from restshape.replay.loop import Replay
+    from restshape.arrays import Reals
+    from restshape.interface.simulation import Simulation
 
 
 class FramePicture:
-    """The parts of the picture of each frame of a replay.
+    """The parts of the picture of each frame of a simulation.
 
     Args:
-        replay: whose frames are shown; the first one has been computed.
+        sim: whose frames are shown.
 
     Attributes:
         choice: the fields that may be shown; field: name of the one that gives the colours.
+        in_space: the shape is drawn in space.
     """
 
-    def __init__(self, replay: Replay) -> None:
-        self._replay = replay
-        self._surface, self._outline = ShapeSurface(), OutlineParts()
-        self.choice: FieldChoice = field_choice(replay.session.scene, *replay.analysis.fields())
+    def __init__(self, sim: Simulation) -> None:
+        self._sim = sim
+        self._surface, self._outline, self._bodies = ShapeSurface(), OutlineParts(), BodyParts()
+        at_nodes, in_cells = sim.replay.analysis.fields()
+        self.choice: FieldChoice = field_choice(sim.scene, at_nodes, in_cells)
         self.field = self.choice.first
+        deep = any(values.ndim == 2 and values.shape[1] == 3 for values in at_nodes.values())
+        self.in_space = deep or sim.replay.solver.space.X.shape[1] == 3
 
-    @property
-    def in_space(self) -> bool:
-        """Whether the shape is drawn in space."""
-        replay = self._replay
-        if replay.solver.space.X.shape[1] == 3:
-            return True
-        return any(len(values.T) == 3 for values in replay.analysis.fields()[0].values() if values.ndim == 2)
+    def follow(self, sim: Simulation) -> None:
+        """Goes on with another simulation of the same scene."""
+        self._sim = sim
+
+    def show(self, field: str) -> None:
+        """Takes the colours from another field.
+
+        Raises:
+            UserError: there is none of that name.
+        """
+        if field not in self.choice.looks:
+            known = ", ".join(self.choice.looks) or "none, for there are no fields"
+            raise UserError(f"there is no field {field!r}", do=f"use one of: {known}")
+        self.field = field
 
     def parts(self) -> list[PicturePart]:
         """The parts of the last frame."""
-        replay = self._replay
+        replay = self._sim.replay
         space, known = replay.solver.space, replay.solver.known
         at_nodes, in_cells = replay.analysis.fields() if known else replay.analysis.blank_fields(space)
         colours = colours_of(self.field, at_nodes, in_cells)
         found = [self._surface(space, at_nodes, in_cells, colours)]
-        return [*found, *self._outline(replay.session.outline)]
+        found += self._outline(replay.session.outline)
+        scene = replay.session.scene
+        if bodies_of(scene) or pins_of(scene):
+            places = _deformed(space.X, at_nodes.get("displacement"))
+            found += self._bodies(scene, places)
+            pins = pin_part(scene, space, places)
+            found += [pins] if pins is not None else []
+        return found
 
     def things(self) -> list[Thing]:
         """What can be taken hold of."""
-        return things_of(self._replay.session.outline)
+        scene, outline = self._sim.scene, self._sim.replay.session.outline
+        own = application_of(scene).editing.things(self._sim)
+        return [*cast("Sequence[Thing]", own)] if own is not None else [*things_of(outline), *things_in_space(scene)]
+
+
+def _deformed(X: Reals, displacement: Reals | None) -> Reals:
+    """Places (n, 3) [m] of nodes, where they are known."""
+    found = np.zeros((len(X), 3))
+    found[:, : X.shape[1]] = X
+    if displacement is not None:
+        found[:, : displacement.shape[1]] += np.nan_to_num(displacement)
+    return found

@@ -159,7 +159,7 @@ class Link:
         self._send(BINARY, [memoryview(piece).cast("B") for piece in pieces])
 
     def _send(self, kind: int, pieces: list[Buffer]) -> None:
-        left = [memoryview(HEAD.pack(sum(map(len, pieces)), kind)), *map(memoryview, pieces)]
+        left = [memoryview(HEAD.pack(sum(map(len, pieces)), kind)), *(memoryview(one) for one in pieces)]
         while left:
             try:
                 count = self._end.sendmsg(left[: os.sysconf("SC_IOV_MAX")])

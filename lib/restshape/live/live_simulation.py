@@ -1,122 +1,196 @@
-"""The simulation of a live session: events as they come, its script in a file that grows, and its picture."""
+"""The simulation of a live session: events frame by frame, and all of them again, to the same state."""
+
+# More than 15 modules: what opens, drives and records a simulation meets here.
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from restshape.interface.simulation import Predict, Simulation
 from restshape.live.frame_picture import FramePicture
-from restshape.outputs.growing_text import GrowingText
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from restshape.interface.shown_frame import ShownFrame
+    from restshape.replay.recorder import Recorder
     from restshape.scene.model import Scene
 
 Event = Mapping[str, Any]
+Progress = Callable[[int, int], None]
+"""Takes events done, and events to do."""
 GRABBING = ("press", "pull")
+LONG_REST = 1_000_000
+"""Frames of an idle event that is to be ended early."""
+
+
+def quiet(done: int, of: int) -> None:
+    """Says nothing of progress."""
+
+
+@dataclass
+class CurrentEvent:
+    """An event that is being carried out.
+
+    Args:
+        event: its keys; frames: that are left of it.
+        count: frames so far; path: where the hand was in each.
+        refused: why the first refused frame was.
+    """
+
+    event: Event
+    frames: Iterator[ShownFrame]
+    count: int
+    path: list[tuple[float, ...]]
+    refused: str = ""
 
 
 class LiveSimulation:
-    """A simulation that can be opened again at any time, in the same state.
+    """A simulation whose events come one after the other, each carried out a frame at a time.
 
     Args:
         scene: where it starts.
         policy: what is reused from frame to frame; None: as the scene says.
-        out: where the script is written as it grows; None: nowhere.
+        predict: how frames of drags are predicted.
 
     Attributes:
         sim: what carries out the events; picture: of its last frame.
         hand: what it holds, "on", and where it is, "at"; None: it holds nothing.
+        step: the event that is being carried out; None: there is none.
+        lines: of the script, which have come since somebody took them.
+        missed: the last event was to take hold of something, and was refused: scripts let go of that, too.
+        recorder: takes the frames; None: they are not recorded.
     """
 
-    def __init__(self, scene: Scene, policy: str | None = None, out: Path | None = None) -> None:
-        self._scene, self._policy, self._out = scene, policy, out
-        self.predict: Predict = "none"
+    def __init__(self, scene: Scene, policy: str | None = None, predict: Predict = "none") -> None:
+        self._scene, self._policy = scene, policy
+        self.predict = predict
         self.hand: dict[str, object] | None = None
-        self.sim = self._opened()
-        self.picture = FramePicture(self.sim.replay)
-        self._file = GrowingText(out, self.sim.written.text()) if out else None
+        self.step: CurrentEvent | None = None
+        self.lines: list[str] = []
+        self.missed = False
+        self.recorder: Recorder | None = None
+        self.sim = self._opened(predict)
+        self.picture = FramePicture(self.sim)
 
-    def _opened(self) -> Simulation:
-        return Simulation(self._scene, policy=self._policy, predict=self.predict, strict=False)
+    def _opened(self, predict: Predict) -> Simulation:
+        return Simulation(self._scene, policy=self._policy, predict=predict, strict=False, recorder=self.recorder)
 
     @property
     def scene(self) -> Scene:
         """The scene with the values that hold now."""
         return self.sim.scene
 
-    def do(self, event: Event) -> Iterator[ShownFrame]:
-        """Carries out an event; each of its frames as soon as it is computed.
+    @property
+    def settled(self) -> bool:
+        """Whether the last frame has come to rest, as all have that do not say that they have not."""
+        row = self.sim.frame.row
+        return row.get("converged", 1) != 0 or bool(row["refused"])
 
-        A hand that could not take hold of anything lets go at once, in a frame of its own.
+    def begin(self, event: Event) -> None:
+        """Begins an event, of which `go_on` computes the frames.
 
         Raises:
-            UserError: the event is not valid, or cannot come now: nothing has happened.
+            UserError: it is not valid, or cannot come now: nothing has happened.
         """
-        keys = {key: value for key, value in event.items() if key != "do"}
-        do = str(event.get("do", ""))
-        refused = ""
-        for frame in self.sim.each(do, **keys):
-            refused = refused or frame.refused
-            self._follow_hand(do, event, frame)
-            yield frame
-        self._write()
-        if do in GRABBING and refused:
-            yield from self.do({"do": "release"})
+        do, keys = str(event.get("do", "")), {key: value for key, value in event.items() if key != "do"}
+        self.step = CurrentEvent(event, self.sim.each(do, **keys), 0, [])
 
-    def _follow_hand(self, do: str, event: Event, frame: ShownFrame) -> None:
-        """Take note of what the hand holds after a frame."""
-        if do in GRABBING and not frame.refused:
-            self.hand = {"on": event.get("on"), "at": event.get("at")}
-        elif do == "release":
-            self.hand = None
-        elif do == "drag" and self.hand is not None and isinstance(event.get("to"), list):
-            self.hand = self.hand | {"at": event["to"]}
-
-    def _write(self) -> None:
-        """Write down the last event."""
-        if self._file is not None:
-            self._file.add(self.sim.written.last_line())
-
-    def reopen(self, predict: Predict, progress: Callable[[int, int], None]) -> None:
-        """Begins again, with all that was done, so that frames are predicted in another way from the start.
+    def begin_of_script(self, event: Event, room: float) -> None:
+        """Begins an event of another script, at its own time; errors as of `begin`.
 
         Args:
-            predict: how; progress: takes frames done and frames to do.
+            event: its keys; room: edit time [s] that it has to the next one.
+        """
+        self.step = CurrentEvent(event, self.sim.follow(event, room), 0, [])
+
+    def rest(self) -> None:
+        """Begins an event in which nothing happens, for as many frames as are asked for."""
+        self.begin({"do": "idle", "frames": LONG_REST})
+
+    def go_on(self) -> bool:
+        """Computes the next frame of the event; False where there was none left, and the event has ended."""
+        step = self.step
+        if step is None:
+            return False
+        frame = next(step.frames, None)
+        if frame is None:
+            self._end(step)
+            return False
+        step.count += 1
+        step.refused = step.refused or frame.refused
+        self._follow_hand(step, frame)
+        return True
+
+    def stop(self) -> bool:
+        """Ends the event after the frames so far; False where it cannot end there: its frames go on."""
+        step = self.step
+        if step is None:
+            return True
+        if not step.count or not self.sim.stop(step.count, step.path):
+            return False
+        self._end(step)
+        return True
+
+    def _end(self, step: CurrentEvent) -> None:
+        """Write down the event, which has been carried out."""
+        self.step = None
+        self.lines.append(self.sim.written.last_line())
+        self.missed = step.event.get("do") in GRABBING and bool(step.refused)
+
+    def _follow_hand(self, step: CurrentEvent, frame: ShownFrame) -> None:
+        """Take note of what the hand holds after a frame."""
+        do, cursor = step.event.get("do"), self.sim.replay.session.cursor
+        if do in GRABBING and not frame.refused:
+            self.hand = {"on": step.event.get("on"), "at": None}
+        elif do == "release":
+            self.hand = None
+        if cursor is not None and self.hand is not None:
+            self.hand = self.hand | {"at": list(cursor)}
+            step.path.append(cursor)
+
+    def all_lines(self) -> list[str]:
+        """The lines of all events that have ended."""
+        lines = self.sim.written.text().splitlines()[1:]
+        return lines[: len(lines) - (self.step is not None)]
+
+    def reopen(self, lines: Sequence[str], predict: Predict, progress: Progress = quiet) -> None:
+        """Begins again, and carries out the events of lines.
+
+        Args:
+            lines: of scripts in metres; predict: how frames are predicted.
+            progress: takes how far it is.
 
         Raises:
             UserError: frames of this scene cannot be predicted so; all stays as it was.
         """
-        before, old, events = self.predict, self.sim, self.events
-        try:
-            self.predict = predict
-            self.sim = self._opened()
-        except BaseException:
-            self.predict = before
-            raise
-        old.close()
-        self.redo(events, progress)
-        field = self.picture.field
-        self.picture = FramePicture(self.sim.replay)
-        self.picture.field = field if field in self.picture.choice.looks else self.picture.field
+        sim = self._opened(predict)
+        self.sim.abandon()
+        self.sim, self.predict, self.step, self.hand = sim, predict, None, None
+        for number, line in enumerate(lines):
+            progress(number, len(lines))
+            self.again(json.loads(line))
+        self.lines = []
+        self.picture.follow(self.sim)
 
-    @property
-    def events(self) -> list[Event]:
-        """All that was done."""
-        return [json.loads(line) for line in self.sim.written.text().splitlines()[1:]]
+    def again(self, event: Event) -> None:
+        """Carries out an event of before, at its time."""
+        self.begin_of_script(event, float("inf"))
+        while self.go_on():
+            pass
 
-    def redo(self, events: list[Event], progress: Callable[[int, int], None]) -> None:
-        """Carries out events of before."""
-        for number, event in enumerate(events):
-            progress(number, len(events))
-            for frame in self.sim.each(str(event["do"]), **{k: v for k, v in event.items() if k != "do"}):
-                self._follow_hand(str(event["do"]), event, frame)
+    def rates(self, of: str) -> dict[str, list[float]]:
+        """How each quantity changes with an entity, or with a number of the scene.
+
+        Raises:
+            UserError: there is no derivative.
+        """
+        return {name: rate.reshape(-1).tolist() for name, rate in self.sim.frame.derivative(of).items()}
 
     def close(self) -> None:
-        """Ends it; the script is whole."""
+        """Ends it."""
+        self.stop()
         self.sim.close()
-        if self._file is not None:
-            self._file.close()

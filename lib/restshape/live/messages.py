@@ -9,7 +9,9 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from restshape.errors import quoted
 
 LONGEST = 1 << 20
-"""Characters of a message at most; a longer one is refused unread."""
+"""Characters of a message of the page at most; a longer one is refused unread."""
+RESUMES = '{"type":"resume"'
+"""Begins the one message that may be longer, which is the server's."""
 Number = Annotated[int, Field(ge=0, le=2**53)]
 
 
@@ -117,6 +119,26 @@ class RestartMessage(FromPage):
     type: Literal["restart"]
 
 
+class ResumeMessage(FromPage):
+    """What was done before, of the server: all of it is done again, and its last frame shown.
+
+    Args:
+        lines: of the script, an event a line; predict: how frames were predicted.
+    """
+
+    id: Number = 0
+    type: Literal["resume"]
+    lines: str
+    predict: Literal["none", "linear", "gmls"] = "none"
+
+
+class EndMessage(FromPage):
+    """The session ends; it is of the server."""
+
+    id: Number = 0
+    type: Literal["end"]
+
+
 Message = (
     EventMessage
     | ShowMessage
@@ -130,6 +152,8 @@ Message = (
     | SaveMessage
     | CancelMessage
     | RestartMessage
+    | ResumeMessage
+    | EndMessage
 )
 _READER: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="type")])
 
@@ -154,7 +178,7 @@ def read(content: str | bytes) -> Message:
     """
     if isinstance(content, bytes):
         raise MalformedMessage("the page sends texts, and this is binary")
-    if len(content) > LONGEST:
+    if len(content) > LONGEST and not content.startswith(RESUMES):
         raise MalformedMessage(f"a message has {LONGEST} characters at most, and this one {len(content)}")
     try:
         return _READER.validate_json(content)
@@ -174,8 +198,11 @@ def _number(given: object) -> int:
 def merged(waiting: list[Message], new: Message) -> None:
     """Adds a message to those that wait; a `latest` event takes the place of one of its kind.
 
-    It overtakes no message but such events: what is pressed, let go or played keeps its order.
+    It overtakes no message but such events: what is pressed, let go or played keeps its order. A frame of the player
+    that is asked for takes the place of another one.
     """
+    if isinstance(new, SeekMessage) and waiting and isinstance(waiting[-1], SeekMessage):
+        waiting.pop()
     if isinstance(new, EventMessage) and new.latest:
         for place in range(len(waiting) - 1, -1, -1):
             old = waiting[place]

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from restshape.arrays import AnyArray, Indices, Integers, Reals
+from restshape.arrays import AnyArray, Indices, Reals
 from restshape.live.frame_arrays import PicturePart, in_space
 from restshape.live.surface_cells import ShownTriangles, triangles_of
 
@@ -23,9 +23,12 @@ class ShownSpace(Protocol):
         X: (n, d) [m]; cells: (ne, k); topology: version of the cells.
     """
 
-    X: Reals
-    cells: Indices
-    topology: int
+    @property
+    def X(self) -> Reals: ...
+    @property
+    def cells(self) -> Indices: ...
+    @property
+    def topology(self) -> int: ...
 
 
 @dataclass(frozen=True)
@@ -111,8 +114,3 @@ def _mode(at_nodes: Mapping[str, Reals], colours: Colours | None) -> str:
     number = colours.name.rpartition("_")[2] if colours and MODE in colours.name else "1"
     wanted = f"{MODE}{number}"
     return wanted if wanted in at_nodes else f"{MODE}1"
-
-
-def index_range(values: Integers) -> tuple[int, int]:
-    """The first of some rising indices, and how many there are."""
-    return (int(values[0]), len(values)) if len(values) else (0, 0)

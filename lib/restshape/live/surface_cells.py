@@ -55,14 +55,14 @@ class ShownTriangles:
         return found
 
 
-def triangles_of(X: Reals, cells: AnyArray) -> ShownTriangles:
+def triangles_of(X: Reals, given: AnyArray) -> ShownTriangles:
     """ShownTriangles that show cells, as they lie.
 
     Args:
         X: (n, d) places of the nodes [m].
-        cells: (ne, k): 3 or 6 nodes of triangles, 4 or 10 of tetrahedra, 8 of hexahedra.
+        given: cells (ne, k): 3 or 6 nodes of triangles, 4 or 10 of tetrahedra, 8 of hexahedra.
     """
-    cells = cells.astype(np.int64)
+    cells: Integers = given.astype(np.int64)
     number, k = np.arange(len(cells)), cells.shape[1]
     if k in (3, 6):
         parts = np.array([[0, 1, 2]] if k == 3 else QUARTERS)

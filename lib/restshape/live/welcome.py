@@ -1,28 +1,87 @@
-"""What a page is told of a session at first, and when it has changed."""
+"""What a page is told of a session at first, and what has changed since."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from restshape.application import application_of
+from restshape.live.settable_numbers import SceneNumbers
 from restshape.scene.edit_script import events_of
 
 if TYPE_CHECKING:
-    from restshape.live.frame_picture import FramePicture
+    from collections.abc import Mapping
+
+    from restshape.live.live_simulation import LiveSimulation
     from restshape.scene.model import Scene
 
 
-def fields_said(picture: FramePicture) -> list[dict[str, object]]:
+class SessionWords:
+    """What a page knows of a session besides frames.
+
+    Args:
+        live: what is simulated.
+    """
+
+    def __init__(self, live: LiveSimulation) -> None:
+        self._live, self._numbers = live, SceneNumbers()
+        self._said: dict[str, object] = {}
+        self._looked: tuple[object, ...] = ()
+
+    def welcome(self, more: Mapping[str, object]) -> dict[str, object]:
+        """All of it, with what the session itself has to say."""
+        live, scene = self._live, self._live.scene
+        self._looked, self._said = self._state(), self._found()
+        return {
+            "type": "welcome",
+            "scene": scene.path.name,
+            "app": scene.app,
+            "dim": 3 if live.picture.in_space else 2,
+            "role": "hand",
+            "trueScale": true_scale(scene),
+            "fields": fields_said(live),
+            "field": live.picture.field,
+            "events": events_said(scene),
+            "predicts": predicts_of(live),
+            "predict": live.predict,
+            **self._said,
+            **more,
+        }
+
+    def changed(self) -> dict[str, object] | None:
+        """What is not as it was when it was said last; None where all is."""
+        state = self._state()
+        if len(state) == len(self._looked) and all(one is other for one, other in zip(state, self._looked)):
+            return None
+        self._looked = state
+        found = self._found()
+        new = {key: value for key, value in found.items() if value != self._said.get(key)}
+        self._said = found
+        return {"type": "known", **new} if new else None
+
+    def _state(self) -> tuple[object, ...]:
+        """What numbers, quantities and things follow from."""
+        live = self._live
+        outline = live.sim.replay.session.outline
+        return live.scene, outline.layout if outline is not None else live.sim.replay.solver.space
+
+    def _found(self) -> dict[str, object]:
+        scene = self._live.scene
+        numbers = [one.said() for one in self._numbers(scene)]
+        things = [one.said() for one in self._live.picture.things()]
+        return {"numbers": numbers, "things": things, "quantities": quantities_said(scene)}
+
+
+def fields_said(live: LiveSimulation) -> list[dict[str, object]]:
     """The fields that may be shown."""
     return [
         {"name": name, "label": look.label, "unit": look.unit, "signed": look.signed, "fromZero": look.from_zero}
-        for name, look in picture.choice.looks.items()
+        for name, look in live.picture.choice.looks.items()
     ]
 
 
 def quantities_said(scene: Scene) -> list[dict[str, object]]:
     """The quantities of a scene with their limits as they are now."""
-    found = []
+    found: list[dict[str, object]] = []
     for name, one in scene.quantities.items():
         limits = {"limitLow": one.min, "limitHigh": one.max}
         found.append({"name": name, "unit": one.unit} | {key: v for key, v in limits.items() if v is not None})
@@ -35,9 +94,13 @@ def events_said(scene: Scene) -> dict[str, object]:
     return {name: model.model_json_schema(by_alias=True) for name, model in known.items()}
 
 
+def predicts_of(live: LiveSimulation) -> list[str]:
+    """The ways in which frames may be predicted, "none" first."""
+    return ["none"] if live.sim.replay.analysis.predictor is None else ["none", "linear", "gmls"]
+
+
 def true_scale(scene: Scene) -> bool:
     """Whether deformations are shown as they are."""
-    physics = application_of(scene).physics
-    return any(name in scene.effects for one in physics for name in one.true_scale) or any(
-        one.pictures for one in physics
-    )
+    app = application_of(scene)
+    large = any(name in scene.effects for one in app.physics for name in one.true_scale)
+    return large or not app.editing.has_mesh or any(one.pictures for one in app.physics)

@@ -1,5 +1,6 @@
 """Texts that grow line by line: what is there is whole lines, however the process ends."""
 
+import errno
 import os
 from pathlib import Path
 
@@ -21,21 +22,19 @@ class GrowingText:
         self.path = path
         write_whole(path, text)
         self._file = os.open(path, os.O_WRONLY | os.O_CLOEXEC)
-        self._end = self._last = len(text.encode())
+        self._end = len(text.encode())
 
     def add(self, line: str) -> None:
-        """Adds a line, given without its end."""
-        content = f"{line}\n".encode()
-        os.pwrite(self._file, content, self._end)
-        self._last, self._end = self._end, self._end + len(content)
+        """Adds a line, given without its end: all of it, or nothing.
 
-    def replace_last(self, line: str) -> None:
-        """Puts a line in place of the one that was added last."""
-        content, before = f"{line}\n".encode(), self._end
-        os.pwrite(self._file, content, self._last)
-        self._end = self._last + len(content)
-        if self._end < before:
+        Raises:
+            OSError: there is no room.
+        """
+        content = f"{line}\n".encode()
+        if os.pwrite(self._file, content, self._end) < len(content):
             os.ftruncate(self._file, self._end)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path))
+        self._end += len(content)
 
     def replace(self, text: str) -> None:
         """Puts another text in place of all lines."""
@@ -43,7 +42,7 @@ class GrowingText:
         self._file = -1
         write_whole(self.path, text)
         self._file = os.open(self.path, os.O_WRONLY | os.O_CLOEXEC)
-        self._end = self._last = len(text.encode())
+        self._end = len(text.encode())
 
     def close(self) -> None:
         """Adds no more."""

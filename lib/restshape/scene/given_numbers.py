@@ -7,6 +7,7 @@ from types import UnionType
 from typing import Annotated, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from restshape.errors import UserError, ValueProblem
 from restshape.scene.expressions import Expression
@@ -59,12 +60,43 @@ def value_at(scene: Scene, key: str) -> object:
 
 def unit_at(model: BaseModel, key: Key) -> str:
     """The SI unit of the number that a scene, or a table of it, holds at a key; empty without one, or if not known."""
+    dimension = dimension_of(_annotation_at(model, key))
+    return SYMBOLS.get(dimension, "") if isinstance(dimension, str) else ""
+
+
+def bounds_at(model: BaseModel, key: Key) -> tuple[float | None, float | None]:
+    """The least and the largest number that a key of a scene, or of a table of it, takes; None where there is none."""
+    low: float | None = None
+    high: float | None = None
+    for one in _said_of(_annotation_at(model, key)):
+        for name in ("ge", "gt"):
+            low = getattr(one, name, None) if low is None else low
+        for name in ("le", "lt"):
+            high = getattr(one, name, None) if high is None else high
+    return low, high
+
+
+def _annotation_at(model: BaseModel, key: Key) -> object:
+    """The annotation of what a scene, or a table of it, holds at a key."""
     kind: object = type(model)
     here: object = model
     for part in key:
         kind, here = _inside(kind, here, part), _inner(here, part)
-    dimension = dimension_of(kind)
-    return SYMBOLS.get(dimension, "") if isinstance(dimension, str) else ""
+    return kind
+
+
+def _said_of(kind: object) -> Iterator[object]:
+    """What an annotation says of a number, but its type: of a union all that its members say."""
+    if isinstance(kind, FieldInfo):
+        yield from kind.metadata
+    elif get_origin(kind) is Annotated:
+        inner, *said = get_args(kind)
+        yield from _said_of(inner)
+        for one in said:
+            yield from _said_of(one) if isinstance(one, FieldInfo) else (one,)
+    elif get_origin(kind) in (Union, UnionType):
+        for one in get_args(kind):
+            yield from _said_of(one)
 
 
 def value_below(here: object, key: Key) -> object:

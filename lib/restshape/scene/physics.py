@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from restshape.arrays import Reals
+    from restshape.arrays import Integers, Reals
     from restshape.scene.effect import DerivedEffect, Effect
     from restshape.scene.model import Material, Scene, Support
     from restshape.scene.plain_values import Table
@@ -183,6 +183,9 @@ class Physics:
         value_drags: events of the hand by which values change where it holds no part of a shape, such as a body.
         true_scale: names of effects under which pictures show deformations as they are, not exaggerated.
         pictures: of recordings that are not of a shape in the plane; None: there are none.
+        body_surface: path ``module:attribute`` of the function that gives the surface of a body, places (n, 3) [m] and
+            triangles (m, 3), of a scene, the body's name, and two corners (3,) [m] of a box around the rest; empty:
+            none of its scenes has bodies.
         orders: of elements; the default first.
         order_why: the reason for that default, for people.
         mesh_keys: of ``[mesh]``, besides those that all scenes may have: "layers" of elements over the thickness of
@@ -229,6 +232,7 @@ class Physics:
     value_drags: tuple[str, ...] = ()
     true_scale: tuple[str, ...] = ()
     pictures: OwnPictures | None = None
+    body_surface: str = ""
     orders: tuple[int, ...] = (1,)
     order_why: str = ""
     mesh_keys: tuple[Literal["layers", "levels"], ...] = ()
@@ -271,6 +275,12 @@ class Physics:
             UserError: the first frame would be refused.
         """
         return cast("list[str]", imported(self.check_start)(scene, effects, outline)) if self.check_start else []
+
+    def surface_of(self, scene: Scene, body: str, low: Reals, high: Reals) -> tuple[Reals, Integers] | None:
+        """The surface of a body of a scene: see `body_surface`; None where it knows none."""
+        if not self.body_surface:
+            return None
+        return cast("tuple[Reals, Integers]", imported(self.body_surface)(scene, body, low, high))
 
     def singular(self, scene: Scene, outline: object) -> tuple[dict[str, float], tuple[int, ...]]:
         """`singular` and `singular_points` of a scene with an outline; nothing where it does not look."""

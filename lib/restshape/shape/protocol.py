@@ -25,6 +25,10 @@ class Session(Protocol):
     def grabbed(self) -> object: ...
 
     @property
+    def cursor(self) -> tuple[float, ...] | None:
+        """Where the hand is [m]; None where it holds nothing at a place."""
+
+    @property
     def outline(self) -> Outline | None:
         """The shape as the events so far have left it; None where what is edited has no outline."""
 

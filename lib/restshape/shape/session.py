@@ -138,6 +138,11 @@ class EditSession(ScriptSession[Outline]):
         """The gesture of the hand that holds the shape; None where none does, or holds a body."""
         return None if self._grab is None else self._grab.gesture
 
+    @property
+    def cursor(self) -> tuple[float, ...] | None:
+        """Where the hand is [m]; None where it holds nothing."""
+        return None if self._grab is None else self._grab.cursor
+
     def rollback(self) -> None:
         """Restores shape, scene and history as they were before the last step that changed any: it has no solution.
 

@@ -77,6 +77,7 @@ CLOTH = Physics(
         draw="restshape.physics.cloth.pictures.drape_frames:draw_drape",
         true_scale="cloth is drawn where it lies",
     ),
+    body_surface="restshape.physics.cloth.pictures.body_surfaces:surface_in_scene",
     mesh_keys=("levels",),
     mesh_jumps=False,
     check=check_cloth,

@@ -9,15 +9,20 @@ from scipy.spatial import ConvexHull
 
 from restshape.physics.cloth.body_motion import body_axes
 from restshape.physics.cloth.mannequin.growth import mannequin_surface
-from restshape.physics.cloth.mesh_bodies import placed_surface
-from restshape.scene.bodies import Body, Box, Capsule, Cylinder, MannequinBody, MeshBody, Plane, Sphere
+from restshape.physics.cloth.mesh_bodies import located_distance, placed_surface
+from restshape.scene.bodies import POINTS, Body, Box, Capsule, Cylinder, MannequinBody, MeshBody, Plane, Sphere
+from restshape.scene.model import Scene
 from restshape.shape.placement import rotation
 
 PIECES = 48
 """Pieces of a turn."""
 
+KEPT = 64
+"""Surfaces that are kept, of bodies that may come back."""
+
 Surface = tuple[np.ndarray, np.ndarray]
 """Places (n, 3) [m] and triangles (m, 3)."""
+_MADE: dict[str, Surface] = {}
 
 
 def body_surface(body: Body, low: np.ndarray, high: np.ndarray, own: Surface | None = None) -> Surface:
@@ -47,6 +52,35 @@ def body_surface(body: Body, low: np.ndarray, high: np.ndarray, own: Surface | N
             return places @ turn.T + form.center, triangles
         case _:
             return _square(form, low, high)
+
+
+def surface_in_scene(scene: Scene, name: str, low: np.ndarray, high: np.ndarray) -> Surface:
+    """The surface of a body of a scene as it is now; low and high as of `body_surface`.
+
+    A body that has only moved is not made again.
+    """
+    body = scene.bodies[name].evaluated(scene.parameters)
+    form, own = body.form, None
+    if isinstance(form, Plane):
+        return body_surface(body, low, high)
+    if isinstance(form, MeshBody):
+        known = located_distance(scene, name)
+        own = known.X, known.cells
+    points = POINTS[body.kind]
+    shift = np.array(getattr(form, points[0]))
+    there = {key: tuple(np.round(np.array(getattr(form, key)) - shift, 12).tolist()) for key in points}
+    places, triangles = _made(body.model_copy(update={body.kind: form.model_copy(update=there)}), own)
+    return places + shift, triangles
+
+
+def _made(body: Body, own: Surface | None) -> Surface:
+    """The surface of a body without its place; those that were made last are kept."""
+    key = f"{body!r} {0 if own is None else id(own[0])}"
+    if key not in _MADE:
+        while len(_MADE) >= KEPT:
+            del _MADE[next(iter(_MADE))]
+        _MADE[key] = body_surface(body, np.zeros(3), np.zeros(3), own)
+    return _MADE[key]
 
 
 def _rims(form: Cylinder) -> np.ndarray:

@@ -1,0 +1,96 @@
+"""Bodies in space, and supports that a hand may take hold of there, as parts of the picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from restshape.application import application_of
+from restshape.errors import UserError
+from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.live.grab_parts import Thing
+from restshape.scene.bodies import bodies_of, pins_of
+from restshape.scene.edit_script import SUPPORTS
+
+if TYPE_CHECKING:
+    from restshape.arrays import Reals
+    from restshape.fem.space import Space
+    from restshape.scene.model import Scene
+
+BODY = "body "
+"""Before the name of a body, in that of its part."""
+PINS = "supports"
+"""Name of the part of the supports in space."""
+DOTS = 40
+"""Of a support at most."""
+
+
+class BodyParts:
+    """The bodies of a scene as surfaces; of one that has not changed the part is the same object."""
+
+    def __init__(self) -> None:
+        self._scene: Scene | None = None
+        self._parts: dict[str, tuple[object, PicturePart]] = {}
+
+    def __call__(self, scene: Scene, places: Reals) -> list[PicturePart]:
+        """The parts of a frame.
+
+        Args:
+            scene: with the values that hold in it; places: (n, 3) [m] of what deforms.
+        """
+        if scene is not self._scene:
+            bodies = bodies_of(scene)
+            before, self._parts = self._parts, {}
+            for name, body in bodies.items():
+                # A body whose numbers are formulas follows the parameters.
+                state = (body, scene.parameters)
+                known = before.get(name)
+                same = known is not None and known[0] == state
+                self._parts[name] = known if known is not None and same else (state, _surface(scene, name, places))
+            self._scene = scene
+        return [part for _, part in self._parts.values()]
+
+
+def _surface(scene: Scene, name: str, places: Reals) -> PicturePart:
+    """The part of a body; one whose surface nobody knows has no triangles."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    found = (one.surface_of(scene, name, low, high) for one in application_of(scene).physics)
+    surface = next((one for one in found if one is not None), None)
+    points, triangles = surface if surface is not None else (np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+    arrays = {"points": in_space(points), "cells": np.asarray(triangles).astype("<u4")}
+    return PicturePart(f"{BODY}{name}", "surface", "body", arrays)
+
+
+def pin_part(scene: Scene, space: Space, places: Reals) -> PicturePart | None:
+    """The supports in space as dots on their nodes; None without any.
+
+    Args:
+        scene: with the values that hold; space: of the frame; places: (n, 3) [m] of its nodes.
+    """
+    names, nodes = [], []
+    for name, support in pins_of(scene).items():
+        own = _nodes_of(space, support.on)
+        own = own[:: max(1, len(own) // DOTS)]
+        names += [name] * len(own)
+        nodes.append(own)
+    if not names:
+        return None
+    return PicturePart(PINS, "dots", "support", {"points": in_space(places[np.concatenate(nodes)])}, {"names": names})
+
+
+def _nodes_of(space: Space, entities: list[str]) -> Reals:
+    """The nodes of entities, of those that are there."""
+    found = []
+    for name in entities:
+        try:
+            found.append(space.nodes_of(name))
+        except UserError:
+            continue
+    return np.unique(np.concatenate(found)) if found else np.empty(0, dtype=np.int64)
+
+
+def things_in_space(scene: Scene) -> list[Thing]:
+    """Bodies, and supports in space, which a hand may take hold of."""
+    bodies = [Thing(name, "body", ("press",), f"{BODY}{name}") for name in bodies_of(scene)]
+    return bodies + [Thing(f"{SUPPORTS}{name}", "support", ("press",), PINS, (name,)) for name in pins_of(scene)]

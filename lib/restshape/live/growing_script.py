@@ -1,0 +1,63 @@
+"""The script of a live session as a file, which grows with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from restshape.errors import UserError
+from restshape.outputs.growing_text import GrowingText
+
+
+class GrowingScript:
+    """A file with the lines of the events that were carried out; it is there from the first call of `begin` on.
+
+    Args:
+        path: of the file; None: nothing is written.
+
+    Attributes:
+        count: of events that it holds, or would hold.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path, self.count = path, 0
+        self._file: GrowingText | None = None
+
+    @property
+    def name(self) -> str:
+        """What people call it; empty where nothing is written."""
+        return str(self._path or "")
+
+    def begin(self, header: str, lines: Sequence[str] = ()) -> None:
+        """Puts a header and lines of events in place of what the file holds.
+
+        Raises:
+            UserError: it cannot be written.
+        """
+        self.count = len(lines)
+        if self._path is None:
+            return
+        text = "".join(f"{line}\n" for line in (header, *lines))
+        try:
+            if self._file is None:
+                self._file = GrowingText(self._path, text)
+            else:
+                self._file.replace(text)
+        except OSError as error:
+            what = f"it cannot be written: {(error.strerror or str(error)).lower()}"
+            raise UserError(what, f"--out {self._path}", "name another file") from error
+
+    def add(self, line: str) -> None:
+        """Adds an event; errors as of `begin`."""
+        self.count += 1
+        if self._file is not None:
+            try:
+                self._file.add(line)
+            except OSError as error:
+                what = f"it cannot be written: {(error.strerror or str(error)).lower()}"
+                raise UserError(what, f"--out {self._path}", "make room on the disk") from error
+
+    def close(self) -> None:
+        """Adds no more."""
+        if self._file is not None:
+            self._file.close()
