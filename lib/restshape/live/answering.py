@@ -15,12 +15,14 @@ from typing import TYPE_CHECKING, cast
 from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.live import messages as page
+from restshape.live.frame_arrays import MessageBody
 from restshape.live.frame_header import header_of
 from restshape.live.frame_message import FrameEncoder
 from restshape.live.link import Link, LinkClosed
+from restshape.live.mark_messages import placed
 from restshape.live.moment import Moment
 from restshape.live.player_controls import PlayerControls
-from restshape.live.shown_marks import Mark
+from restshape.live.shown_marks import Mark, Tone
 from restshape.live.welcome import SessionWords
 
 if TYPE_CHECKING:
@@ -62,6 +64,7 @@ class Worker:
             page.SaveMessage: self._save,
             page.RecordMessage: self._record,
             page.RestartMessage: self._restart,
+            page.StrikeMessage: self._strike,
             page.ResumeMessage: self._resume,
             page.EndMessage: self._finish,
             page.PlayMessage: self._control,
@@ -234,6 +237,12 @@ class Worker:
         self.recording.switch(message.on, self.live, self.progress("frames are recorded"))
         self.send(self.moment())
         self._done(message)
+
+    def _strike(self, message: page.StrikeMessage) -> None:
+        tone = application_of(self.live.scene).struck(self.live.sim, message.at)
+        if not isinstance(tone, Tone):
+            raise UserError("what is simulated has no tone", do="strike a shape whose modes are computed")
+        self.link.send({"type": "struck", "id": message.id, "tone": placed(tone, MessageBody())})
 
     def _restart(self, message: page.Message) -> None:
         self.live.reopen(self.live.all_lines(), self.live.predict, self.progress("frames are computed again"))

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from petsc4py import PETSc
 
 from restshape.errors import UserError
-from restshape.replay.columns import columns_of
-from restshape.replay.recorder import Recorder
+from restshape.replay.request_recorder import recorder_of
 from restshape.surroundings import petsc_options
 
 if TYPE_CHECKING:
     from restshape.live.live_simulation import LiveSimulation, Progress
+    from restshape.replay.recorder import Recorder
     from restshape.replay.recorder_start import Begun
 
 
@@ -56,10 +56,8 @@ class LiveRecording:
             self.end(live)
 
     def _started(self, path: Path, live: LiveSimulation) -> Recorder:
-        request = live.sim.request
-        columns = columns_of(request.scene, request.application, live.predict)
         process, self._process = self._process, None
-        return Recorder.start(path, request.header(), columns, process=process)
+        return recorder_of(live.sim.request, path, process)
 
     def end(self, live: LiveSimulation) -> None:
         """Ends the file, which has the script so far."""

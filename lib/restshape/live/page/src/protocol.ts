@@ -46,6 +46,7 @@ export type FromServer =
   | { type: "busy"; seconds: number; what: string }
   | { type: "player"; playing: boolean; frame: number; frames: number }
   | { type: "role"; role: "hand" | "looker" }
+  | { type: "struck"; id: number; tone: MarkMessage }                     // a tone, which is heard
   | { type: "saved"; id: number; path: string; events: number }
   | { type: "written"; lines: string; count: number }                   // what the script has gained, and its events now
   | { type: "lost"; message: string; restarting: boolean }
