@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from restshape.live.kept_marks import of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Mark, Words
 from restshape.outputs.si_numbers import si
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
 
 
+@of_answers
 def score_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a bridge."""
     marks, row = shape_marks(simulation), simulation.frame.row

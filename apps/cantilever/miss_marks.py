@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from restshape.live.kept_marks import kept
+from restshape.live.kept_marks import kept, of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Lines, Mark, Words
 from restshape.outputs.si_numbers import si
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from restshape.scene.model import Scene
 
 
+@of_answers
 def miss_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a beam that has a goal."""
     return [*shape_marks(simulation), *kept(simulation, MissMarks)(simulation)]
@@ -37,7 +38,7 @@ class MissMarks:
     def __call__(self, simulation: Simulation) -> list[Mark]:
         """The distances of the last frame in words, and a line from where each is largest to the goal."""
         frame, scene, space = simulation.frame, simulation.replay.session.scene, simulation.replay.solver.space
-        if frame.row["refused"] or not simulation.replay.solver.known:
+        if not simulation.replay.solver.known:
             return []
         if (scene, space, space.topology) != self._bound:
             self._bound, self._distances = (scene, space, space.topology), _distances(scene, space)

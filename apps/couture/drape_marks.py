@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.live.condition_marks import ConditionMarks
 from restshape.live.extreme_marks import ExtremeMarks
-from restshape.live.kept_marks import kept
+from restshape.live.kept_marks import kept, of_answers
 from restshape.live.seen_frame import SeenFrame
 from restshape.live.shown_marks import Lines, Mark, Words
 from restshape.physics.cloth.seams import OPEN
@@ -24,6 +24,7 @@ LEAST_STRAIN = 1e-3
 """Strain from which on it is shown where cloth is stretched most."""
 
 
+@of_answers
 def drape_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of cloth."""
     return kept(simulation, DrapeMarks)(simulation)
@@ -40,7 +41,7 @@ class DrapeMarks:
     def __call__(self, simulation: Simulation) -> list[Mark]:
         """The marks of the last frame; none where it shows no cloth."""
         replay, frame = simulation.replay, simulation.frame
-        if frame.row["refused"] or not replay.solver.known:
+        if not replay.solver.known:
             return []
         state, seen = cast("RelaxationAnalysis", replay.analysis).state, SeenFrame.of(simulation)
         # Why it cannot be trusted comes with the row.

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape.live.kept_marks import of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Arrows, Mark
 from restshape.outputs.si_numbers import si
@@ -19,13 +20,14 @@ AXES = {"drag": 0, "lift": 1, "drag_coefficient": 0, "lift_coefficient": 1}
 NAMES = ("drag", "lift")
 
 
+@of_answers
 def force_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a flow: an arrow on each body, of the components that are asked for.
 
     Where coefficients are asked for, the arrow has those.
     """
     marks, frame, replay = shape_marks(simulation), simulation.frame, simulation.replay
-    if frame.row["refused"] or not replay.solver.known:
+    if not replay.solver.known:
         return marks
     found: dict[tuple[str, bool], dict[int, float]] = {}
     for name, quantity in replay.session.scene.quantities.items():

@@ -12,7 +12,7 @@ from restshape.analysis.hanging import OUT_OF_PLANE
 from restshape.analysis.hanging_columns import NOTE, PLACES
 from restshape.analysis.nodal_lines import linear_triangles, nodal_lines
 from restshape.analysis.pitch import tone_words
-from restshape.live.kept_marks import kept
+from restshape.live.kept_marks import kept, of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Lines, Mark, Words
 
@@ -28,6 +28,7 @@ MOVING = ("drag", "pull", "set")
 """
 
 
+@of_answers
 def tone_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a plate that sounds."""
     return [*shape_marks(simulation), *kept(simulation, ToneMarks)(simulation)]
@@ -44,7 +45,7 @@ class ToneMarks:
     def __call__(self, simulation: Simulation) -> list[Mark]:
         """The marks of the last frame; none where it has no modes."""
         analysis, row = cast("ModalAnalysis", simulation.replay.analysis), simulation.frame.row
-        if row["refused"] or not simulation.replay.solver.known:
+        if not simulation.replay.solver.known:
             return []
         state = analysis.state
         if state is not self._state:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape.live.kept_marks import of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Mark, Meaning, Words
 
@@ -13,10 +14,11 @@ if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
 
 
+@of_answers
 def buckling_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a solid."""
     marks, frame = shape_marks(simulation), simulation.frame
-    if "mu_1" not in frame.row or frame.row["refused"] or not simulation.replay.solver.known:
+    if "mu_1" not in frame.row or not simulation.replay.solver.known:
         return marks
     factor = float(frame.row["mu_1"])
     if not np.isfinite(factor):

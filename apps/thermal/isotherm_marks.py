@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from restshape.live.isolines import isolines
+from restshape.live.kept_marks import of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Mark
 
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
 
 
+@of_answers
 def isotherm_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a scene of heat."""
     marks, solver = shape_marks(simulation), simulation.replay.solver

@@ -10,7 +10,7 @@ from restshape_apps.vibration.harmonic_sweep import modal_sweep
 from restshape_apps.vibration.stage import structure_of
 
 from restshape.analysis.modes_beside import present_modes
-from restshape.live.kept_marks import kept
+from restshape.live.kept_marks import kept, of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Chart, Mark
 from restshape.replay.columns import SIMULATED, quantity_column
@@ -31,6 +31,7 @@ ROOM = 1.25
 """How far the curve goes beyond the last frequency that is marked."""
 
 
+@of_answers
 def resonance_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a body that vibrates."""
     return [*shape_marks(simulation), *kept(simulation, ResonanceMarks)(simulation)]
@@ -50,7 +51,7 @@ class ResonanceMarks:
     def __call__(self, simulation: Simulation) -> list[Mark]:
         """The charts of the last frame."""
         replay, row = simulation.replay, simulation.frame.row
-        if row["refused"] or not replay.solver.known:
+        if not replay.solver.known:
             return self._curve
         analysis, scene = cast("TransientAnalysis", replay.analysis), replay.session.scene
         state = analysis.state

@@ -74,6 +74,23 @@ def test_marks_change_nothing():
     assert len(plain) == 5 and marked == plain
 
 
+def test_a_scene_that_asks_for_no_extreme_has_that_of_its_first_field():
+    plain = {key: value for key, value in restshape.load(BRACKET).raw.items() if key != "quantities"}
+    with restshape.open(restshape.new_scene(plain | {"mesh": {"size": "30 mm"}})) as simulation:
+        (words,) = (one for one in marks_of(simulation, Words))
+        worst = int(simulation.frame.von_mises.argmax())
+        assert words.text.startswith("max ") and words.text.endswith("Pa")
+        assert words.at == simulation.frame.mesh.points[worst].tolist()
+
+
+def test_a_frame_that_is_refused_keeps_the_last_marks():
+    with restshape.open(restshape.load(BRACKET, *COARSE), strict=False) as simulation:
+        last = shape_marks(simulation)
+        with simulation.press("window") as hand:
+            assert hand.to(5.0, 5.0).refused
+            assert last and shape_marks(simulation) is last
+
+
 MOST_CALLS = 200
 """Of functions, for the marks of a frame of a drag: less than 0.1 ms."""
 

@@ -11,7 +11,7 @@ from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.report.guided import CAUSES
 
-from restshape.live.kept_marks import kept
+from restshape.live.kept_marks import kept, of_answers
 from restshape.live.shown_marks import Mark, Words
 from restshape.replay.constraints import UNCERTAINTY
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
 
 
+@of_answers
 def piece_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a piece of furniture."""
     return kept(simulation, PieceMarks)(simulation)
@@ -51,7 +52,7 @@ class PieceMarks:
         analysis = cast("FurnitureAnalysis", simulation.replay.analysis)
         session = cast("PlankSession", simulation.replay.session)
         row = simulation.frame.row
-        if row["refused"] or analysis.design is None:
+        if analysis.design is None:
             return []
         model = self._model_of(analysis.design)
         if analysis.result is not self._borne[0]:

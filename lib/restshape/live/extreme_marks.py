@@ -30,7 +30,7 @@ class LookedAt:
     """What a quantity is taken from.
 
     Args:
-        name: of the quantity; unit: its SI unit.
+        name: of the quantity, empty of a field that none is taken from; unit: its SI unit.
         field: in which it is an extreme; empty where it is no extreme of a field.
         column: of vectors in that field; None: their size, or of numbers.
         reduce: which extreme.
@@ -67,7 +67,7 @@ class ExtremeMarks:
             if found is not None:
                 marks.append(_words(_limit_words(found), _meaning(found), node, seen))
             elif one.field and node is not None:
-                marks.append(_words(_said(one, seen), "guide", node, seen))
+                marks.append(_words(_said(one, seen, node), "guide", node, seen))
         return [*marks, *(_words(_limit_words(one), _meaning(one), None, seen) for one in findings.values())]
 
     def _node(self, one: LookedAt, seen: SeenFrame) -> int | None:
@@ -82,8 +82,9 @@ class ExtremeMarks:
 
 
 def _looked_at(seen: SeenFrame) -> Iterator[LookedAt]:
-    """What the quantities of a frame's scene are taken from."""
-    looks = {look.quantity: key for one in application_of(seen.scene).physics for key, look in one.pictured.items()}
+    """What the quantities of a frame's scene are taken from; where none is an extreme, the first field drawn."""
+    pictured = {key: look for one in application_of(seen.scene).physics for key, look in one.pictured.items()}
+    looks, marked = {look.quantity: key for key, look in pictured.items()}, False
     for name, quantity in seen.scene.quantities.items():
         nodes = None
         if quantity.at is not None:
@@ -92,8 +93,19 @@ def _looked_at(seen: SeenFrame) -> Iterator[LookedAt]:
             except UserError:
                 continue
         field, column = _field_of(quantity, looks) if quantity.reduce in EXTREMES else ("", None)
-        field = next((key for key in (field, field + IN_CELLS) if field and key in seen.frame.fields), "")
+        field, marked = _present(field, seen), marked or bool(_present(field, seen))
         yield LookedAt(name, quantity.unit, field, column, str(quantity.reduce), nodes)
+    if marked:
+        return
+    for key, look in pictured.items():
+        if look.quantity is not None and (field := _present(key, seen)):
+            yield LookedAt("", look.unit, field, None, "max", None)
+            return
+
+
+def _present(field: str, seen: SeenFrame) -> str:
+    """The name by which a frame has a field; empty where it has none."""
+    return next((key for key in (field, field + IN_CELLS) if field and key in seen.frame.fields), "")
 
 
 def _field_of(quantity: Quantity, looks: dict[tuple[str, object] | None, str]) -> tuple[str, int | None]:
@@ -116,9 +128,12 @@ def _values(one: LookedAt, seen: SeenFrame) -> tuple[Reals, Indices | None]:
     return (np.linalg.norm(field, axis=1) if one.column is None else field[:, one.column]), nodes
 
 
-def _said(one: LookedAt, seen: SeenFrame) -> str:
-    """The quantity with its value, and its estimated error where there is one."""
+def _said(one: LookedAt, seen: SeenFrame, node: int) -> str:
+    """The quantity with its value, and its estimated error where there is one; of a field its largest value."""
     row = seen.frame.row
+    if not one.name:
+        values, nodes = _values(one, seen)
+        return extreme_words("max", float((values if nodes is None else values[nodes == node]).max()), np.nan, one.unit)
     error = float(row.get(error_column(quantity_column(one.name)), np.nan))
     return extreme_words(one.name, float(row[quantity_column(one.name)]), error, one.unit)
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import wraps
 from typing import TYPE_CHECKING, TypeVar, cast
 from weakref import WeakKeyDictionary
 
 if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
+    from restshape.live.shown_marks import Mark
 
 T = TypeVar("T")
 _KEPT: WeakKeyDictionary[Simulation, dict[object, object]] = WeakKeyDictionary()
@@ -23,3 +25,31 @@ def kept(simulation: Simulation, make: Callable[[], T]) -> T:
     if make not in own:
         own[make] = make()
     return cast("T", own[make])
+
+
+Marks = Callable[["Simulation"], "list[Mark]"]
+"""Gives the marks of the last frame of a simulation."""
+
+
+def of_answers(marks: Marks) -> Marks:
+    """The same function, which gives the last marks again after a frame that was refused: it has no answer of its own.
+
+    Args:
+        marks: it is called where the last frame was not refused.
+    """
+
+    @wraps(marks)
+    def found(simulation: Simulation) -> list[Mark]:
+        last = kept(simulation, _LastMarks)
+        if not simulation.frame.row["refused"]:
+            last.marks[marks] = marks(simulation)
+        return last.marks.get(marks, [])
+
+    return found
+
+
+class _LastMarks:
+    """The last marks that each function has given of a simulation."""
+
+    def __init__(self) -> None:
+        self.marks: dict[Marks, list[Mark]] = {}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from restshape.live.condition_marks import ConditionMarks
 from restshape.live.extreme_marks import ExtremeMarks
-from restshape.live.kept_marks import kept
+from restshape.live.kept_marks import kept, of_answers
 from restshape.live.seen_frame import SeenFrame
 from restshape.live.shown_marks import Lines, Mark
 from restshape.replay.recorded_places import SINGULAR_PLACES, decode_places
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from restshape.scene.model import Scene
 
 
+@of_answers
 def shape_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a simulation of a shape in the plane."""
     return kept(simulation, ShapeMarks)(SeenFrame.of(simulation))
