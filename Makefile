@@ -24,6 +24,7 @@ demo: setup
 	@mkdir -p demo
 	$(restshape) replay $(plate) $(plate_edits) --out demo/plate.vtkhdf
 	$(restshape) report demo/plate.vtkhdf
+	@echo "to hold the shape yourself, in a browser: .venv/bin/restshape live $(plate) --open"
 	@echo "next, to have the command restshape in this shell: . .venv/bin/activate"
 
 test: setup
@@ -46,6 +47,7 @@ lint:
 	.venv/bin/python -m ruff format --check
 	.venv/bin/clang-format --dry-run -Werror $(kernels)
 	.venv/bin/python -m mypy
+	npm run --silent check
 	.venv/bin/python -m pytest tests/test_layers.py tests/test_house.py tests/test_words.py
 
 format:
@@ -55,5 +57,5 @@ format:
 	.venv/bin/clang-format -i $(kernels)
 
 clean: # keeps .venv
-	rm -rf build .pytest_cache .ruff_cache .mypy_cache .hypothesis lib/restshape/_kernels.*.so apps/*/_kernels.*.so results/*.vtkhdf demo
+	rm -rf node_modules lib/restshape/live/page/dist build .pytest_cache .ruff_cache .mypy_cache .hypothesis lib/restshape/_kernels.*.so apps/*/_kernels.*.so results/*.vtkhdf demo
 	find lib apps studies verification tests -name __pycache__ -type d -exec rm -rf {} +

@@ -10,6 +10,14 @@ distribution_packages=(
     libx11-6 libxext6 libxrender1 libxcursor1 libxft2 libxinerama1 libxfixes3 libfontconfig1
 )
 
+# What `restshape live` needs to build its page and to test it; by command, for Node.js may have come another way.
+page_packages() { # extra
+    command -v node >/dev/null || echo nodejs
+    command -v npm >/dev/null || echo npm
+    # Ubuntu's package is a link to another installer, whose browser tests cannot start as they need it.
+    if [ "$1" = test ] && [ "$(distribution_name)" = debian ] && ! command -v chromium >/dev/null; then echo chromium; fi
+}
+
 missing_packages() {
     local name
     for name in "${distribution_packages[@]}"; do
@@ -18,6 +26,12 @@ missing_packages() {
         *) echo "$name" ;;
         esac
     done
+}
+
+distribution_name() {
+    local ID=""
+    if [ -r /etc/os-release ]; then . /etc/os-release; fi
+    echo "$ID"
 }
 
 check_distribution() {
@@ -33,29 +47,40 @@ check_distribution() {
     esac
 }
 
-# The command in front of apt-get: nothing for root, sudo where it works.
-become_root() { # packages...
+# The command in front of apt-get: nothing for root, sudo where it works; false where neither does.
+become_root() {
     if [ "$(id -u)" = 0 ]; then
         as_root=(env)
     elif command -v sudo >/dev/null && { [ -t 0 ] || sudo -n true 2>/dev/null; }; then
         as_root=(sudo env)
     else
-        fail "these packages are missing and you are neither root nor allowed to use sudo: $*" \
-            "ask for: apt-get install --no-install-recommends $*
-       or use a PETSc of your own: docs/install.md"
+        return 1
     fi
 }
 
-install_distribution_packages() {
-    check_distribution
-    local missing
-    mapfile -t missing < <(missing_packages)
-    if [ ${#missing[@]} = 0 ]; then return; fi
-    become_root "${missing[@]}"
-    echo "setup: from the distribution: ${missing[*]}"
+apt_install() { # packages...
+    echo "setup: from the distribution: $*"
     local apt=("${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 -o Acquire::Retries=2)
     "${apt[@]}" update || fail "apt-get update failed" "check the network and /etc/apt/sources.list"
-    "${apt[@]}" install --yes --no-install-recommends "${missing[@]}" >/dev/null ||
-        fail "apt-get could not install: ${missing[*]}" \
+    "${apt[@]}" install --yes --no-install-recommends "$@" >/dev/null ||
+        fail "apt-get could not install: $*" \
             "check the network; on Ubuntu the section universe must be on (sudo add-apt-repository universe)"
+}
+
+install_distribution_packages() { # extra
+    check_distribution
+    local missing for_page
+    mapfile -t missing < <(missing_packages)
+    mapfile -t for_page < <(page_packages "$1")
+    if [ ${#missing[@]} = 0 ] && [ ${#for_page[@]} = 0 ]; then return; fi
+    if become_root; then
+        apt_install "${missing[@]}" "${for_page[@]}"
+    elif [ ${#missing[@]} = 0 ]; then
+        # Without them all but the page of `restshape live` can be had.
+        echo "setup: missing for the page of restshape live: ${for_page[*]}" >&2
+    else
+        fail "these packages are missing and you are neither root nor allowed to use sudo: ${missing[*]}" \
+            "ask for: apt-get install --no-install-recommends ${missing[*]} ${for_page[*]}
+       or use a PETSc of your own: docs/install.md"
+    fi
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes .venv: what is missing from the distribution, the Python packages, the extension module.
+# Makes .venv: what is missing from the distribution, Python packages, extension modules; and the page of live sessions.
 # Usage: scripts/setup.sh [test|develop]      (what the second run finds unchanged it leaves alone)
 #
 # Environment:
@@ -92,6 +92,11 @@ build_extension() {
         fail "an extension module does not build" "read the message above; docs/install.md names what the build needs"
 }
 
+# The page of `restshape live`, which nothing else needs.
+build_page() {
+    scripts/page.sh || echo "setup: the page of restshape live is not there; all else is" >&2
+}
+
 # Where Python may not write bytecode (PYTHONDONTWRITEBYTECODE, a folder that is not the user's) each command would
 # compile all that it imports anew: about 0.3 s of a replay, 1 s of a report.
 compile_modules() {
@@ -122,7 +127,7 @@ unchanged() { # what
 
 choose_python
 if ! unchanged "packages-${extras[-1]}"; then
-    if [ -z "${PETSC_DIR:-}" ]; then install_distribution_packages; fi
+    if [ -z "${PETSC_DIR:-}" ]; then install_distribution_packages "${extras[0]}"; fi
     check_tools
     make_venv
     install_packages
@@ -131,8 +136,10 @@ if ! unchanged "packages-${extras[-1]}"; then
 elif ! unchanged kernels || ! ls lib/restshape/_kernels.*.so >/dev/null 2>&1; then
     build_extension
 else
+    build_page
     exit 0
 fi
+build_page
 for extra in "${extras[@]}"; do packages_state >"$venv/packages-$extra.state"; done
 kernels_state >"$venv/kernels.state"
 echo "setup: done, the command is $venv/bin/restshape"
