@@ -57,7 +57,7 @@ class Shown:
             self.size = event["size"]
         self.done += 1
         self.show(number)
-        self.link.send({"type": "written", "lines": [json.dumps(event)], "count": self.done})
+        self.link.send({"type": "written", "lines": f"{json.dumps(event)}\n", "count": self.done})
         self.link.send({"type": "done", "id": number})
 
 
@@ -70,7 +70,7 @@ def main(words: list[str]) -> int:
         shown.link.send({"type": "lost", "message": "bad.toml: it is bad", "restarting": False})
         return 2
     if "--resume" in words:
-        shown.done = len(json.loads(shown.link.receive())["lines"])
+        shown.done = len(json.loads(shown.link.receive())["lines"].splitlines())
     shown.greet()
     try:
         while True:

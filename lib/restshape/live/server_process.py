@@ -19,13 +19,13 @@ class SimulatingProcess:
 
     Attributes:
         words: as given; end: of the socket pair.
-        lines: of the script so far, from which another process goes on.
+        lines: text of the script so far, an event a line, from which another process goes on.
         events: that these lines hold.
     """
 
     def __init__(self, words: Sequence[str]) -> None:
         self.words = list(words)
-        self.lines: list[str] = []
+        self.lines = ""
         self.events = 0
         self.end, self._process = self._started([])
 
@@ -72,7 +72,7 @@ class GivenProcess(SimulatingProcess):
     """
 
     def __init__(self, number: int) -> None:
-        self.lines, self.events = [], 0
+        self.lines, self.events = "", 0
         self.end = socket.socket(fileno=number)
 
     @property

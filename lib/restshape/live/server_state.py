@@ -43,5 +43,7 @@ class ShownState:
 
     def greeting(self, role: str, script: str) -> list[Table]:
         """What a page of this role is said when it opens; `script`: its lines so far."""
-        welcome = [self.welcome | {"role": role, "script": script}] if self.welcome else []
+        # Where a script is played, the welcome has it.
+        said = self.welcome and self.welcome | {"role": role, "script": script or self.welcome.get("script", "")}
+        welcome = [said] if said else []
         return welcome + ([self._player] if welcome and self._player else [])
