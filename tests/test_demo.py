@@ -24,7 +24,7 @@ def recipe(target: str) -> list[list[str]]:
 def test_demo(tmp_path, command):
     made, *commands, opened, said = recipe("demo")
     assert made == ["mkdir", "-p", "demo"] and len(commands) == 2
-    assert opened[0] == "echo" and opened[1].endswith("restshape live apps/solid/scenes/plate.toml --open")
+    assert opened[0] == "echo" and opened[1].endswith(f"restshape live {commands[0][2]} --open")
     assert said[0] == "echo" and said[1].endswith(": . .venv/bin/activate")
     (tmp_path / "demo").mkdir()
     start = time.process_time()
