@@ -1,5 +1,6 @@
 """What shapes show at the hand: supports and loads, extremes, limits, singular places, lines of one value."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -131,3 +132,10 @@ def test_levels_are_round_and_few():
     for low, high in ((0.0, 1.0), (293.15, 299.8), (-3e-7, 8e-7)):
         levels = round_levels(low, high)
         assert 3 <= len(levels) <= 8 and all(low < level < high for level in levels)
+
+
+@pytest.mark.cli
+def test_marks_of_shapes_need_no_pictures_and_no_recordings():
+    program = "import sys, restshape.live.shape_marks; print({'matplotlib', 'h5py', 'gmsh'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"

@@ -1,15 +1,20 @@
 """The field that pictures show by colours: which one, and its values at the nodes of each cell."""
 
+from __future__ import annotations
+
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from restshape.application import applications
 from restshape.errors import UserError
-from restshape.replay.recording import Recording
 from restshape.report.recorded_quantities import limits_of, quantity_specs
 from restshape.scene.physics import OwnPictures, Physics, PictureField
+
+if TYPE_CHECKING:
+    from restshape.replay.recording import Recording
 
 IN_CELLS = "_in_cells"
 """End of the name of a field that each cell has at its own nodes, as it jumps between regions."""

@@ -1,20 +1,23 @@
 """Goals of scenes, recorded ones too, as curves that pictures and live sessions show."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from restshape.application import application_of
-from restshape.replay.layout import bad
-from restshape.replay.recording import Recording
 from restshape.report.field import physics_of
 from restshape.scene.model import Scene
 from restshape.scene.physics import Section
 from restshape.scene.plain_values import tables_in
 from restshape.scene.scene_parameters import read_parameters
 from restshape.scene.source import Source
+
+if TYPE_CHECKING:
+    from restshape.replay.recording import Recording
 
 
 def goals_in(scene: Scene) -> Iterator[tuple[str, np.ndarray]]:
@@ -40,4 +43,7 @@ def _curves(section: Section, key: str, recording: Recording) -> list[np.ndarray
         found = [section.model.model_validate(one, context=known) for one in tables_in(raw, key).values()]
         return [section.curve_of(one) for one in found]
     except ValidationError as error:
+        # Live sessions draw goals, and read no recordings.
+        from restshape.replay.layout import bad
+
         raise bad(recording.path, f"[{key}] of its scene: {error.errors(include_url=False)[0]['msg']}") from None

@@ -1,8 +1,10 @@
 """What the header of a recording holds of quantities: their tables, units and limits, under the names of today."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,11 +12,13 @@ from restshape.application import applications
 from restshape.arrays import Reals
 from restshape.outputs.si_numbers import unit_of
 from restshape.replay.columns import limit_column
-from restshape.replay.recording import Recording
 from restshape.scene.application_registry import installed_physics
 from restshape.scene.key_aliases import by_todays_names
 from restshape.scene.quantity import CORE, Quantity, QuantityKind
 from restshape.scene.units import UnitError, quantity
+
+if TYPE_CHECKING:
+    from restshape.replay.recording import Recording
 
 LIMITS = ("min", "max")
 
