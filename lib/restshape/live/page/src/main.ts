@@ -12,6 +12,11 @@ import { showSheet } from "./sheet";
 
 const app: App = new App((asked) => latency.sent(connection.send(asked)));
 const latency = new Latency(app);
+const connection = new Connection({
+  message: (message) => app.hear(message),
+  frame: (header, bytes, base) => app.tell("frame", frameOf(header, bytes, base)),
+  connected: linked,
+});
 showHead(app);
 showSheet();
 show();
@@ -33,9 +38,3 @@ function linked(open: boolean): void {
   const link: Link = open ? "open" : app.welcome ? "lost" : "connecting";
   app.tell("link", link);
 }
-
-const connection = new Connection({
-  message: (message) => app.hear(message),
-  frame: (header, bytes, base) => app.tell("frame", frameOf(header, bytes, base)),
-  connected: linked,
-});

@@ -38,7 +38,10 @@ export class Scene {
 
   /** Throws where the browser has no WebGL 2. */
   constructor(private readonly app: App, readonly canvas: HTMLCanvasElement, labels: HTMLElement, bar: HTMLElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: "high-performance" });
+    // An opaque canvas hides what is below it from the browser, which then need not draw that.
+    const context = canvas.getContext("webgl2", { alpha: false, antialias: false, stencil: false, powerPreference: "high-performance" });
+    if (!context) throw new Error("no WebGL 2");
+    this.renderer = new WebGLRenderer({ canvas, context });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.labels = new Labels(labels);
     this.bar = new ColourBar(bar);

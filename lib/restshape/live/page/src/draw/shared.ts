@@ -1,6 +1,6 @@
 // Values that all shaders of the picture read: changed in one place, seen by all.
 
-import { DataTexture, LinearFilter, RGBAFormat, Color, Vector2 } from "three";
+import { DataTexture, NearestFilter, RGBAFormat, Color, Vector2 } from "three";
 
 import { colourTable, type ColourMap } from "./colour_maps";
 
@@ -15,8 +15,8 @@ export class Shared {
   private shown: ColourMap = "viridis";
 
   constructor() {
-    this.map.value.magFilter = LinearFilter;
-    this.map.value.minFilter = LinearFilter;
+    this.map.value.magFilter = NearestFilter;
+    this.map.value.minFilter = NearestFilter;
     this.map.value.needsUpdate = true;
   }
 

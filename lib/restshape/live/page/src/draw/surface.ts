@@ -22,20 +22,18 @@ export class Surface {
   private values: Float32Array = NONE;
   private inCells = false;
   private normals: Float32Array = NONE;
-  private readonly light: IUniform<number>;
   private readonly coloured: IUniform<number> = { value: 0 };
   private readonly glow: IUniform<number> = { value: 0 };
 
   /** lit: with light and shade, as in space. smooth: nodes have normals. colour: of what has no values. */
   constructor(private readonly shared: Shared, private readonly lit: boolean, private readonly smooth: boolean, wired: boolean, colour: Color) {
-    this.light = { value: lit ? 1 : 0 };
     const { scale, ends, map, wires, glowing } = shared;
     const material = new ShaderMaterial({
       glslVersion: GLSL3, vertexShader: SURFACE_VERTEX, fragmentShader: SURFACE_FRAGMENT, side: DoubleSide,
-      depthTest: lit, depthWrite: lit, polygonOffset: lit, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+      defines: lit ? { LIT: "" } : {}, depthTest: lit, depthWrite: lit, polygonOffset: lit, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
       uniforms: {
         scale, ends, map, glowing, body: { value: colour }, wires: wired ? wires : { value: 0 }, glow: this.glow,
-        lit: this.light, coloured: this.coloured, opacity: { value: 1 },
+        coloured: this.coloured,
       },
     });
     this.mesh = new Mesh(new BufferGeometry(), material);
