@@ -10,6 +10,7 @@ export type Player = Extract<FromServer, { type: "player" }>;
 export type Known = Extract<FromServer, { type: "known" }>;
 export type Busy = Extract<FromServer, { type: "busy" }>;
 export type Written = Extract<FromServer, { type: "written" }>;
+export type Struck = Extract<FromServer, { type: "struck" }>;
 export type Saved = Extract<FromServer, { type: "saved" }>;
 export type Lost = Extract<FromServer, { type: "lost" }>;
 
@@ -33,6 +34,7 @@ export interface Happenings {
   player: Player;
   role: "hand" | "looker";
   saved: Saved;
+  struck: Struck;
   written: Written;
   lost: Lost;
   note: string;
@@ -106,6 +108,7 @@ export class App {
       case "rates": this.tell("rates", message); break;
       case "busy": this.tell("busy", message); break;
       case "player": this.tell("player", message); break;
+      case "struck": this.tell("struck", message); break;
       case "saved": this.tell("saved", message); break;
       case "written": this.tell("written", message); break;
       case "lost": this.tell("lost", message); break;

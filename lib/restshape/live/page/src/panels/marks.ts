@@ -14,20 +14,19 @@ export interface MarkPanels { offers: HTMLElement; charts: HTMLElement; sound: H
 export function showMarks(app: App, stage: Stage, painter: Painter): MarkPanels {
   const offers = new Offers(app, stage), charts = new Charts(painter), sound = new Sound(app, stage);
   const group = new MarkGroup(stage, "marks"), words = showFrameWords();
-  let now: MarksByKind | null = null, answers = 0;
+  let now: MarksByKind | null = null;
   const write = () => {
     if (!now) return;
     group.draw(now.drawn);
     words.show(now.drawn);
     offers.show(now.offers);
     charts.show(now.charts);
-    sound.show(now.tones, answers);
+    sound.show(now.tones);
     now = null;
   };
   app.on("frame", ({ header, read }) => {
     if (!header.marks) return;
     now = byKind(header.marks, read);
-    answers = header.id;
     painter.soon(write);
   });
   return { offers: offers.body, charts: charts.body, sound: sound.body, words: words.body };

@@ -1,6 +1,7 @@
 // The tone of the shape: played when it has changed, and when the shape is struck.
 
 import type { App } from "../app";
+import type { MarkMessage } from "../protocol";
 import type { ToneMark } from "./decoded_marks";
 import { button, ChangingText, element } from "./element";
 import { digitsText } from "./si_text";
@@ -17,7 +18,6 @@ export class Sound {
   private tone: ToneMark | null = null;
   private played = -Infinity;
   private timer = 0;
-  private struck = 0;                                   // number of the strike that waits for its tone
 
   constructor(private readonly app: App, private readonly stage: Stage) {
     const volume = element("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0.7, "aria-label": "volume" });
@@ -27,36 +27,36 @@ export class Sound {
       mute.setAttribute("aria-pressed", String(this.player.muted));
     });
     mute.setAttribute("aria-pressed", "false");
+    app.on("struck", ({ tone }) => this.hear(tone));
     this.body.append(element("h2", {}, "Sound"), element("p", {}, this.text.node),
       element("div", { class: "row" }, button("strike", "strike where the mallet is", () => this.strike()),
         button("strike at …", "press the shape where it is struck", () => void this.strikeAt()), mute),
       element("label", { class: "row" }, element("span", {}, "volume"), volume));
   }
 
-  /** Takes the tones of a frame, which answers the message of this number. */
-  show(tones: ToneMark[], id: number): void {
+  /** The tone of a blow sounds at once. */
+  private hear(tone: MarkMessage): void {
+    if (tone.kind !== "tone") return;
+    this.text.set(toneText(tone));
+    this.play(tone);
+  }
+
+  /** Takes the tones of a frame. */
+  show(tones: ToneMark[]): void {
     const tone = tones[0] ?? null;
     if (this.body.hidden === (tone !== null)) this.body.hidden = tone === null;
     if (!tone) return;
     const before = this.tone;
     this.tone = tone;
     this.text.set(toneText(tone));
-    if (this.struck && id >= this.struck) {
-      this.struck = 0;
-      this.play();
-    } else if (before && !alike(before, tone)) this.playSoon();
+    if (before && !alike(before, tone)) this.playSoon();
   }
 
-  private strike(): void {
-    this.struck = 0;
-    if (!this.app.send({ type: "strike" }) && !this.tone) return;
-    this.play();
-  }
+  private strike(): void { this.app.send({ type: "strike" }); }
 
   private async strikeAt(): Promise<void> {
     const at = await this.stage.pick("strike");
-    if (!at) return;
-    this.struck = this.app.send({ type: "strike", at: at.slice(0, this.app.welcome?.dim ?? 2) });
+    if (at) this.app.send({ type: "strike", at: at.slice(0, this.app.welcome?.dim ?? 2) });
   }
 
   private playSoon(): void {
@@ -64,8 +64,9 @@ export class Sound {
     this.timer = window.setTimeout(() => this.play(), Math.max(0, this.played + APART - performance.now()));
   }
 
-  private play(): void {
-    if (this.tone && this.player.play(this.tone)) this.played = performance.now();
+  private play(tone = this.tone): void {
+    clearTimeout(this.timer);
+    if (tone && this.player.play(tone)) this.played = performance.now();
   }
 }
 
