@@ -1,5 +1,9 @@
 // Bindings of what PETSc is extended by.
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+
+#include <stdexcept>
+#include <vector>
 
 #include "algebra/block_product.hpp"
 #include "algebra/node_cholesky.hpp"
@@ -8,6 +12,41 @@
 #include "fem/operator.hpp"
 
 namespace py = pybind11;
+
+namespace {
+
+using Indices = py::array_t<int32_t, py::array::c_style>;
+using Reals = py::array_t<double, py::array::c_style>;
+using restshape::check;
+
+void set_schur_rows(intptr_t factor, const Indices& rows) {
+    const std::vector<PetscInt> chosen(rows.data(), rows.data() + rows.size());
+    IS is = nullptr;
+    check(ISCreateGeneral(PETSC_COMM_SELF, static_cast<PetscInt>(chosen.size()), chosen.data(), PETSC_COPY_VALUES, &is),
+          "ISCreateGeneral");
+    check(MatFactorSetSchurIS(reinterpret_cast<Mat>(factor), is), "MatFactorSetSchurIS");
+    check(ISDestroy(&is), "ISDestroy");
+}
+
+void schur_complement(intptr_t factor, Reals out) {
+    Mat mat = reinterpret_cast<Mat>(factor), schur = nullptr;
+    MatFactorSchurStatus status = MAT_FACTOR_SCHUR_UNFACTORED;
+    check(MatFactorGetSchurComplement(mat, &schur, &status), "MatFactorGetSchurComplement");
+    PetscInt rows = 0, columns = 0, stride = 0;
+    check(MatGetSize(schur, &rows, &columns), "MatGetSize");
+    if (out.ndim() != 2 || out.shape(0) != rows || out.shape(1) != columns)
+        throw std::invalid_argument("out must be (k, k), k the rows that the factor leaves");
+    check(MatDenseGetLDA(schur, &stride), "MatDenseGetLDA");
+    const PetscScalar* value = nullptr;
+    check(MatDenseGetArrayRead(schur, &value), "MatDenseGetArrayRead");
+    for (PetscInt j = 0; j < columns; ++j)
+        // A symmetric factor gives the lower triangle alone.
+        for (PetscInt i = j; i < rows; ++i) *out.mutable_data(i, j) = *out.mutable_data(j, i) = value[j * stride + i];
+    check(MatDenseRestoreArrayRead(schur, &value), "MatDenseRestoreArrayRead");
+    check(MatFactorRestoreSchurComplement(mat, &schur, status), "MatFactorRestoreSchurComplement");
+}
+
+}  // namespace
 
 void bind_algebra(py::module_& m) {
     m.attr("node_blocks") = restshape::NODE_BLOCKS;
@@ -43,4 +82,9 @@ void bind_algebra(py::module_& m) {
             return error == MAT_FACTOR_NUMERIC_ZEROPIVOT;
         },
         py::arg("factor"), "Whether the factor with this handle ended at a pivot that is zero.");
+    m.def("set_schur_rows", &set_schur_rows, py::arg("factor"), py::arg("rows").noconvert(),
+          "Have the factor with this handle, of MUMPS's and not made yet, leave rows (k,) int32 out, which stay coupled "
+          "by their Schur complement.");
+    m.def("schur_complement", &schur_complement, py::arg("factor"), py::arg("out").noconvert(),
+          "Writes the Schur complement (k, k) of the rows that a symmetric factor with this handle leaves out.");
 }

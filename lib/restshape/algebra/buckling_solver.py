@@ -53,7 +53,7 @@ class BucklingSolver:
         self.reach = tolerance
 
     def restart(self, modes: Reals | None) -> None:
-        """Begin a new system with modes (k, n) as guess, or with none."""
+        """Begin a new system with this rank's columns of modes (k, n) as guess, or with none."""
         self.history = [] if modes is None or not len(modes) else [modes]
 
     def solve(
@@ -71,7 +71,7 @@ class BucklingSolver:
         Args:
             stiffness: K, positive definite.
             geometric: G, on the same pattern.
-            constrained: indices of unknowns that supports hold.
+            constrained: indices of unknowns that supports hold, among those of all ranks.
             count: wanted.
             most: load factors beyond this one are none; infinite where there is no load.
             new_system: the unknowns are others than in the last solve.
@@ -82,7 +82,7 @@ class BucklingSolver:
         """
         pencil = self.pencil
         pencil.set_matrices(geometric, stiffness, new_system)
-        self.deflation = Deflation(np.empty((0, pencil.size)), pencil)
+        self.deflation = Deflation(np.empty((0, pencil.share.count)), pencil)
         self.constrained = constrained
         substitutions, factorisations = pencil.substitutions, pencil.factorisations
         self.report = EigenReport(0, False, 0, "davidson")
@@ -116,7 +116,7 @@ class BucklingSolver:
         self.life.age = self.unchecked = 0
         there = pencil.below(end) if end < 0.0 else 0
         if not there:
-            return Found(np.empty(0), np.empty((0, pencil.size)), np.empty(0), 0, True)
+            return Found(np.empty(0), np.empty((0, pencil.share.count)), np.empty(0), 0, True)
         pencil.factor(UNLOADED)
         start = self.history[0].sum(axis=0) if self.history and self.warm else self._random(1)[0]
         with self.stages("krylov"):
@@ -164,10 +164,10 @@ class BucklingSolver:
         )
 
     def _random(self, count: int, turn: int = 0) -> Reals:
-        """Rows (count, n) that have a share of every mode; 0 where the body is constrained."""
+        """This rank's columns of rows (count, n) that have a share of every mode; 0 where the body is constrained."""
         rows = np.random.default_rng(7 + turn).uniform(-1.0, 1.0, (count, self.pencil.size))
         rows[:, self.constrained] = 0.0
-        return rows
+        return self.pencil.share.own(rows)
 
     # --- from the frames before ---------------------------------------------------------------------------------------
 
@@ -203,8 +203,7 @@ class BucklingSolver:
         # Of older frames only what was wanted, which had converged.
         blocks = [starts[0], *(block[: count + SPARE] for block in starts[1:])]
         capacity = sum(map(len, blocks)) + max(ROOM, 4 * (count + SPARE))
-        size = self.pencil.size
-        if self.space is None or self.space.capacity < capacity or self.space.rows.shape[1] != size:
+        if self.space is None or not self.space.holds(capacity):
             self.space = SearchSpace(self.pencil, capacity)
         with self.stages("krylov"):
             return davidson(self.space, self.deflation, blocks, count, SPARE, self.reach, limit)
@@ -213,7 +212,7 @@ class BucklingSolver:
         """Set `reach` to what residuals of modes such as rows (k, n) can be brought down to."""
         forces = np.empty_like(rows)
         self.pencil.apply(self.pencil.mass, rows, forces)
-        sizes = np.linalg.norm(rows, axis=1) / np.linalg.norm(forces, axis=1)
+        sizes = self.pencil.share.norms(rows) / self.pencil.share.norms(forces)
         largest = self.pencil.mass.norm(PETSc.NormType.NORM_INFINITY)
         self.reach = max(self.tolerance, ROUNDING * largest * float(sizes.max()))
 

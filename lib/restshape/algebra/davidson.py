@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.algebra.pencil import Deflation, Pencil
-from restshape.algebra.row_products import add_combined, combined, row_products
+from restshape.algebra.row_products import add_combined, combined
+from restshape.algebra.row_share import RowShare
 from restshape.arrays import Reals
 
 DEPENDENT = 1e-10
@@ -18,7 +19,7 @@ class Found:
 
     Args:
         values: (k,) eigenvalues, ascending.
-        modes: (k, n) rows with phi M phi = 1.
+        modes: (k, n) rows with phi M phi = 1; all rows are this rank's columns.
         residuals: (k,) |K phi - lambda M phi| / |lambda M phi|.
         iterations: times that the search space grew.
         converged: all of the wanted ones are within the tolerance.
@@ -47,11 +48,15 @@ class SearchSpace:
 
     def __init__(self, pencil: Pencil, capacity: int) -> None:
         self.pencil, self.capacity = pencil, capacity
-        self.rows, self.stiff, self.mass_products = (np.empty((capacity, pencil.size)) for _ in range(3))
+        self.rows, self.stiff, self.mass_products = (np.empty((capacity, pencil.share.count)) for _ in range(3))
         self.projected = np.zeros((capacity, capacity))
         self.count = self._multiplied = 0
         self.begun: Reals | None = None
         self.found: Found | None = None
+
+    def holds(self, capacity: int) -> bool:
+        """Whether there is room for so many rows of the pencil's matrices."""
+        return self.capacity >= capacity and self.rows.shape[1] == self.pencil.share.count
 
     def begin(self, deflation: Deflation) -> None:
         """Empty the space, for matrices that are others now; its memory is kept: new pages cost more than a frame."""
@@ -66,22 +71,23 @@ class SearchSpace:
 
     def append(self, rows: Reals) -> int:
         """Widen the space by the directions of rows (k, n); how many of them are new."""
-        norms = np.sqrt(np.einsum("ki,ki->k", rows, rows))
+        share = self.pencil.share
+        norms = np.sqrt(share.squares(rows, rows))
         rows = rows[norms > 0.0] / norms[norms > 0.0, None]
         if not len(rows):
             return 0
         own, weights = self.rows[: self.count], self.mass_products[: self.count]
         self.deflation.clean(rows)
-        add_combined(-row_products(rows, weights), own, rows)
+        add_combined(-share.products(rows, weights), own, rows)
         mass_products = np.empty_like(rows)
         self.pencil.apply(self.pencil.mass, rows, mass_products)
-        rows, mass_products = _orthonormal(rows, mass_products)
+        rows, mass_products = _orthonormal(rows, mass_products, share)
         # Twice is enough (Kahan, Parlett): what the first pass leaves behind by rounding goes in the second.
         self.deflation.clean(rows, mass_products)
-        parts = -row_products(rows, weights)
+        parts = -share.products(rows, weights)
         add_combined(parts, own, rows)
         add_combined(parts, weights, mass_products)
-        rows, mass_products = _orthonormal(rows, mass_products)
+        rows, mass_products = _orthonormal(rows, mass_products, share)
         room = len(self.rows) - self.count
         rows, mass_products = rows[:room], mass_products[:room]
         start, stop = self.count, self.count + len(rows)
@@ -95,7 +101,7 @@ class SearchSpace:
         if start == stop:
             return
         self.pencil.apply(self.pencil.stiffness, self.rows[start:stop], self.stiff[start:stop])
-        block = row_products(self.rows[:stop], self.stiff[start:stop])
+        block = self.pencil.share.products(self.rows[:stop], self.stiff[start:stop])
         self.projected[:stop, start:stop] = block
         self.projected[start:stop, :stop] = block.T
         self._multiplied = stop
@@ -114,9 +120,9 @@ class SearchSpace:
         return np.linalg.eigvalsh(self.projected[: self.count, : self.count])
 
 
-def _orthonormal(rows: Reals, mass_products: Reals) -> tuple[Reals, Reals]:
+def _orthonormal(rows: Reals, mass_products: Reals, share: RowShare) -> tuple[Reals, Reals]:
     """A basis of what rows (k, n) span, orthonormal in the mass, without directions that are lost in rounding."""
-    gram = row_products(rows, mass_products)
+    gram = share.products(rows, mass_products)
     if len(rows) == 1 and gram[0, 0] > 0.0:
         weight = 1.0 / np.sqrt(gram[0, 0])
         return rows * weight, mass_products * weight
@@ -164,12 +170,11 @@ def davidson(
     space.begun = None
     if starts[1:]:
         space.append(np.concatenate(starts[1:]))
-    iterations = 0
+    iterations, share = 0, space.pencil.share
     while True:
         values, modes, stiff, mass_products = space.ritz(count + spare)
         forces = stiff - values[:, None] * mass_products
-        scale = np.abs(values) * np.linalg.norm(mass_products, axis=1)
-        residuals = np.linalg.norm(forces, axis=1) / scale
+        residuals = share.norms(forces) / (np.abs(values) * share.norms(mass_products))
         open_ones = np.flatnonzero(~(residuals[:count] <= tolerance))
         if not len(open_ones) and len(values) >= count:
             return Found(values, modes, residuals, iterations, True, mass_products, forces)

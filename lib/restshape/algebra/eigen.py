@@ -130,7 +130,7 @@ class EigenSolver:
         return max(self.tolerance, self.floor)
 
     def restart(self, modes: Reals | None) -> None:
-        """Begin a new system with modes (k, n) as guess, or with none."""
+        """Begin a new system with this rank's columns of modes (k, n) as guess, or with none."""
         self.history = [] if modes is None else [modes]
 
     def solve(
@@ -147,7 +147,7 @@ class EigenSolver:
 
         Args:
             stiffness, mass: of the frame.
-            rigid: (r, n) the rigid motions.
+            rigid: (r, n) the rigid motions, whole on each rank.
             count: wanted.
             new_system: the unknowns are others than in the last solve.
             verify: eigenvalues are counted in this frame, and found where they are missing; `ilu` never counts.
@@ -161,7 +161,7 @@ class EigenSolver:
             # What it holds is of the matrices before.
             self.space.begun = None
         self.floor = 0.0 if new_system else self.floor
-        self._deflation = Deflation(rigid, self.pencil)
+        self._deflation = Deflation(self.pencil.share.own(rigid), self.pencil)
         substitutions, factorisations = self.pencil.substitutions, self.pencil.factorisations
         # A mode that has just come down among the others may be lost again in the next frame.
         verify = verify or self.doubtful
@@ -210,7 +210,8 @@ class EigenSolver:
         rows, worst = found.modes[:count], float(found.residuals[:count].max())
         mass_products = np.empty_like(rows)
         self.pencil.apply(self.pencil.mass, rows, mass_products)
-        sizes = np.linalg.norm(rows, axis=1) / (np.abs(found.values[:count]) * np.linalg.norm(mass_products, axis=1))
+        norms = self.pencil.share.norms
+        sizes = norms(rows) / (np.abs(found.values[:count]) * norms(mass_products))
         largest = self.pencil.stiffness.norm(PETSc.NormType.NORM_INFINITY)
         ratio = largest * float(sizes.max())
         left = ROUNDING * ratio
@@ -312,7 +313,7 @@ class EigenSolver:
     def _search_space(self, count: int) -> SearchSpace:
         """The space of a search that begins with the modes of the last frames."""
         capacity = sum(map(len, self._starts(count))) + max(ROOM, 4 * (count + SPARE))
-        if self.space is None or self.space.capacity < capacity or self.space.rows.shape[1] != self.pencil.size:
+        if self.space is None or not self.space.holds(capacity):
             self.space = SearchSpace(self.pencil, capacity)
         return self.space
 
@@ -396,7 +397,7 @@ class EigenSolver:
         weights = diagonal.getArray().copy()
         diagonal.destroy()
         weights[weights == 0.0] = np.inf
-        return np.sqrt((forces**2 / weights).sum(axis=1) / LEAST_MASS)
+        return np.sqrt(pencil.share.summed((forces**2 / weights).sum(axis=1)) / LEAST_MASS)
 
     def _missing(self, found: Found) -> int:
         """How many more eigenvalues the kept factor has counted below its shift than were found there."""
@@ -411,7 +412,8 @@ class EigenSolver:
                 return davidson(self.space, self.deflation, [], wanted, SPARE, self.reach, limit)
         starts = [found.modes]
         if missing:
-            rows = np.random.default_rng(7 + turn).uniform(-1.0, 1.0, (missing + SPARE, self.pencil.size))
+            shape = (missing + SPARE, self.pencil.size)
+            rows = self.pencil.share.own(np.random.default_rng(7 + turn).uniform(-1.0, 1.0, shape))
             mass_products = np.empty_like(rows)
             # What supports hold has no mass, so that nothing of it is left.
             self.pencil.apply(self.pencil.mass, rows, mass_products)
@@ -426,4 +428,5 @@ def _rayleigh(pencil: Pencil, rows: Reals) -> float:
     stiff, mass_products = np.empty_like(rows), np.empty_like(rows)
     pencil.apply(pencil.stiffness, rows, stiff)
     pencil.apply(pencil.mass, rows, mass_products)
-    return float(np.vdot(rows, stiff) / np.vdot(rows, mass_products))
+    summed = pencil.share.summed
+    return float(summed(np.vdot(rows, stiff)) / summed(np.vdot(rows, mass_products)))

@@ -23,7 +23,7 @@ def inverse_iteration(pencil: Pencil, deflation: Deflation, starts: Reals, count
     Args:
         pencil: K, and the lumped M, as they stand; factored by the caller at a shift of -eps.
         deflation: the rigid motions.
-        starts: (count, n) modes of the last frame, or anything.
+        starts: (count, n) modes of the last frame, or anything; this rank's columns.
         count: wanted.
         tolerance: of the residual |K phi - lambda M phi| relative to |lambda M phi|.
 
@@ -32,20 +32,25 @@ def inverse_iteration(pencil: Pencil, deflation: Deflation, starts: Reals, count
 
     Source: the thesis's appendix A; its epsilon is taken off again by the Rayleigh quotient.
     """
-    n = pencil.size
+    n, share = pencil.share.count, pencil.share
+
+    def product(a: Reals, b: Reals) -> float:
+        return float(share.summed(np.vdot(a, b)))
+
     modes, mass_products = np.empty((count, n)), np.empty((count, n))
     values, residuals, total = np.empty(count), np.empty(count), 0
     for k in range(count):
         phi, weight, force = starts[k : k + 1].copy(), np.empty((1, n)), np.empty((1, n))
         for step in range(MOST + 1):
             deflation.clean(phi)
-            phi -= (phi @ mass_products[:k].T) @ modes[:k]
+            phi -= share.summed(phi @ mass_products[:k].T) @ modes[:k]
             pencil.apply(pencil.mass, phi, weight)
-            size = np.sqrt(np.vdot(phi, weight))
+            size = np.sqrt(product(phi, weight))
             phi, weight = phi / size, weight / size
             pencil.apply(pencil.stiffness, phi, force)
-            values[k] = np.vdot(phi, force)
-            residuals[k] = np.linalg.norm(force - values[k] * weight) / (abs(values[k]) * np.linalg.norm(weight))
+            values[k] = product(phi, force)
+            rest = force - values[k] * weight
+            residuals[k] = np.sqrt(product(rest, rest)) / (abs(values[k]) * np.sqrt(product(weight, weight)))
             if residuals[k] <= tolerance:
                 break
             if step == MOST or not np.isfinite(residuals[k]):

@@ -43,7 +43,8 @@ def krylov_schur(
     Args:
         pencil: its factor is of K and M as they stand.
         deflation: the rigid motions, which are given to SLEPc as deflation space.
-        start: (n,) a vector with a share of each mode that is wanted, such as the sum of those of the last frame.
+        start: (n,) a vector with a share of each mode that is wanted, such as the sum of those of the last frame; this
+            rank's part of it.
         count: wanted.
         tolerance: of the residual |K phi - lambda M phi| relative to |lambda M phi|.
         room: vectors of its basis beyond the wanted ones; by default as many as a start from nothing wants.
@@ -56,8 +57,8 @@ def krylov_schur(
     # SLEPc finds PETSc's arguments already taken in; imported here, so that PETSc comes first.
     from slepc4py import SLEPc
 
-    before = pencil.substitutions
-    eps = SLEPc.EPS().create(PETSc.COMM_SELF)
+    before, share = pencil.substitutions, pencil.share
+    eps = SLEPc.EPS().create(share.comm)
     eps.setOperators(pencil.stiffness, pencil.mass)
     eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
     eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
@@ -69,10 +70,10 @@ def krylov_schur(
     solver.setType("preonly")
     solver.getPC().setType(PETSc.PC.Type.PYTHON)
     solver.getPC().setPythonContext(KeptFactor(pencil))
-    vectors = [PETSc.Vec().createWithArray(np.array(row), comm=PETSc.COMM_SELF) for row in deflation.rigid]
+    vectors = [vector_of(row, pencil) for row in deflation.rigid]
     eps.setDeflationSpace(vectors)
     if start is not None:
-        first = PETSc.Vec().createWithArray(np.array(start), comm=PETSc.COMM_SELF)
+        first = vector_of(start, pencil)
         eps.setInitialSpace([first])
         vectors.append(first)
     eps.setDimensions(count, count + (max(count, ROOM) if room is None else room))
@@ -84,8 +85,14 @@ def krylov_schur(
     return refine_ritz(pencil, deflation, modes, count, tolerance, pencil.substitutions - before)
 
 
+def vector_of(row: Reals, pencil: Pencil) -> PETSc.Vec:
+    """PETSc's vector of a copy of this rank's part (n,) of one."""
+    share = pencil.share
+    return PETSc.Vec().createWithArray(np.array(row), size=(share.count, share.size), comm=share.comm)
+
+
 def solved_modes(eps: SLEPc.EPS, pencil: Pencil, count: int, problem: str) -> Reals:
-    """The first modes (count, n) that SLEPc finds; more may converge.
+    """This rank's columns of the first modes (count, n) that SLEPc finds; more may converge.
 
     Args:
         eps: SLEPc's solver, set up; pencil: its matrices.
@@ -98,7 +105,7 @@ def solved_modes(eps: SLEPc.EPS, pencil: Pencil, count: int, problem: str) -> Re
     converged = eps.getConverged()
     if converged < count:
         raise ReplayProblem(problem.format(converged, count))
-    modes, vector = np.empty((count, pencil.size)), pencil.stiffness.createVecRight()
+    modes, vector = np.empty((count, pencil.share.count)), pencil.stiffness.createVecRight()
     for k in range(count):
         eps.getEigenpair(k, vector)
         modes[k] = vector.getArray()
@@ -110,16 +117,16 @@ def refine_ritz(
     pencil: Pencil, deflation: Deflation, modes: Reals, count: int, tolerance: float, iterations: int
 ) -> Found:
     """The Ritz pairs of K and M over rows (k, n), with their true residuals, `count` of which must be small."""
-    rows = np.array(modes)
+    rows, share = np.array(modes), pencil.share
     deflation.clean(rows)
     mass_products, stiff = np.empty_like(rows), np.empty_like(rows)
     pencil.apply(pencil.mass, rows, mass_products)
     pencil.apply(pencil.stiffness, rows, stiff)
-    factor = np.linalg.cholesky(rows @ mass_products.T)
-    small = np.linalg.solve(factor, np.linalg.solve(factor, rows @ stiff.T).T)
+    factor = np.linalg.cholesky(share.summed(rows @ mass_products.T))
+    small = np.linalg.solve(factor, np.linalg.solve(factor, share.summed(rows @ stiff.T)).T)
     values, weights = np.linalg.eigh(0.5 * (small + small.T))
     turn = np.linalg.solve(factor.T, weights).T
     rows, mass_products, stiff = turn @ rows, turn @ mass_products, turn @ stiff
-    residuals = np.linalg.norm(stiff - values[:, None] * mass_products, axis=1)
-    residuals /= np.abs(values) * np.linalg.norm(mass_products, axis=1)
+    residuals = share.norms(stiff - values[:, None] * mass_products)
+    residuals /= np.abs(values) * share.norms(mass_products)
     return Found(values, rows, residuals, iterations, bool(np.all(residuals[:count] <= tolerance)))

@@ -3,7 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.krylov_schur import KeptFactor, solved_modes
+from restshape.algebra.krylov_schur import KeptFactor, solved_modes, vector_of
 from restshape.algebra.pencil import Pencil
 from restshape.arrays import Reals
 
@@ -41,7 +41,7 @@ def load_modes(pencil: LoadPencil, start: Reals, count: int, tolerance: float) -
 
     Args:
         pencil: its factor is that of K as it stands.
-        start: (n,) first vector.
+        start: (n,) this rank's part of the first vector.
         count: wanted; there are as many.
         tolerance: of the residual, in SLEPc's norm.
 
@@ -53,7 +53,7 @@ def load_modes(pencil: LoadPencil, start: Reals, count: int, tolerance: float) -
     # SLEPc finds PETSc's arguments already taken in; imported here, so that PETSc comes first.
     from slepc4py import SLEPc
 
-    eps = SLEPc.EPS().create(PETSc.COMM_SELF)
+    eps = SLEPc.EPS().create(pencil.share.comm)
     eps.setOperators(pencil.stiffness, pencil.mass)
     eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
     eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
@@ -62,7 +62,7 @@ def load_modes(pencil: LoadPencil, start: Reals, count: int, tolerance: float) -
     solver.setType("preonly")
     solver.getPC().setType(PETSc.PC.Type.PYTHON)
     solver.getPC().setPythonContext(KeptFactor(pencil))
-    first = PETSc.Vec().createWithArray(np.array(start), comm=PETSc.COMM_SELF)
+    first = vector_of(start, pencil)
     eps.setInitialSpace([first])
     eps.setDimensions(count, max(2 * count, count + 12))
     eps.setTolerances(0.1 * tolerance, 300)

@@ -9,7 +9,9 @@ from petsc4py import PETSc
 
 from restshape import _kernels
 from restshape.algebra.preconditioner import order_factor
-from restshape.algebra.row_products import add_combined, combined, row_products
+from restshape.algebra.row_products import add_combined, combined
+from restshape.algebra.row_share import RowShare
+from restshape.algebra.shared_factor import SharedFactor
 from restshape.algebra.stages import Stages
 from restshape.arrays import Reals
 from restshape.errors import ReplayProblem
@@ -22,7 +24,7 @@ class Pencil:
     """K and M as they stand, and the last complete factor of K - s M, which may be of matrices of some frames ago.
 
     PETSc's own factor is L D L^T without pivoting: it serves indefinite matrices too, and D has their
-    inertia.
+    inertia. Of matrices that ranks share it is a `SharedFactor`; rows (k, n) are then this rank's columns of them.
 
     Args:
         stages: takes the time of factorisations.
@@ -30,6 +32,7 @@ class Pencil:
 
     Attributes:
         stiffness, mass: PETSc matrices of the same pattern, symmetric; set by `set_matrices`.
+        share: what this rank has of their rows.
         shift: s of the factor.
         nonzeros: of the factor.
         factorisations, substitutions, products: counted since the start.
@@ -41,8 +44,9 @@ class Pencil:
         self.shift = 0.0
         self.nonzeros = 0.0
         self.factorisations = self.substitutions = self.products = 0
-        self._kept = _Factor(blocks)
-        self._counting = _Factor()
+        self.share = RowShare(PETSc.COMM_SELF, slice(0, 0), 0)
+        self._kept: _Factor | SharedFactor = _Factor(blocks)
+        self._counting: _Factor | SharedFactor = _Factor()
         self._patterns = (0, 0)
 
     @property
@@ -59,9 +63,9 @@ class Pencil:
     def dofs_with_mass(self) -> int:
         """Number of unknowns with mass: as many eigenvalues are finite."""
         diagonal = self.mass.getDiagonal()
-        count = int(np.count_nonzero(diagonal.getArray()))
+        count = np.float64(np.count_nonzero(diagonal.getArray()))
         diagonal.destroy()
-        return count
+        return int(self.share.summed(count))
 
     @property
     def entries(self) -> float:
@@ -70,7 +74,9 @@ class Pencil:
 
     def set_matrices(self, stiffness: PETSc.Mat, mass: PETSc.Mat, new_system: bool) -> None:
         """Take up new values; where `new_system`, of other unknowns, for which no old factor serves."""
-        self.stiffness, self.mass = stiffness, mass
+        self.stiffness, self.mass, self.share = stiffness, mass, RowShare.of(stiffness)
+        if not self.share.alone and isinstance(self._kept, _Factor):
+            self._kept, self._counting = SharedFactor(), SharedFactor()
         if new_system:
             self._kept.forget()
         elif self._kept.made:
@@ -88,13 +94,14 @@ class Pencil:
         if len(rows) > 1 and _kernels.matrix_products(matrix.handle, rows, out):
             return
         for row, product in zip(rows, out):
-            _through(matrix.mult, row, product)
+            _through(matrix.mult, row, product, self.share)
 
     def norms(self, rows: Reals) -> Reals:
-        """The squared norms phi^T M phi (k,) of rows (k, n) in the mass."""
-        mass_products = np.empty_like(rows)
-        self.apply(self.mass, rows, mass_products)
-        return np.einsum("ki,ki->k", rows, mass_products)
+        """The squared norms phi^T M phi (k,) in the mass of rows (k, n) that all ranks have whole."""
+        own = self.share.own(rows)
+        mass_products = np.empty_like(own)
+        self.apply(self.mass, own, mass_products)
+        return self.share.squares(own, mass_products)
 
     def factor(self, shift: float) -> int:
         """Factor K - shift M as they stand, and keep it; the number of eigenvalues below the shift.
@@ -119,8 +126,10 @@ class Pencil:
         """The old (K - s M)^-1 times each row (k, n)."""
         out = np.empty_like(rows)
         self.substitutions += len(rows)
+        if isinstance(self._kept, SharedFactor):
+            return self._kept.solve_rows(rows)
         for row, solution in zip(rows, out):
-            _through(self._kept.solve, row, solution)
+            _through(self._kept.solve, row, solution, self.share)
         return out
 
     def auxiliary_solve(self, rows: Reals) -> Reals:
@@ -208,9 +217,9 @@ class _Factor:
         self._pc.apply(b, x)
 
 
-def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: Reals, out: Reals) -> None:
-    """Run an operation of PETSc from one array (n,) to another."""
-    source, target = _vectors(len(row))
+def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: Reals, out: Reals, share: RowShare) -> None:
+    """Run an operation of PETSc from one array (n,) to another, this rank's part of which they are."""
+    source, target = _vectors(len(row)) if share.alone else _shared_vectors(share.comm.size, len(row), share.size)
     source.placeArray(row)
     target.placeArray(out)
     try:
@@ -227,13 +236,23 @@ def _vectors(n: int) -> tuple[PETSc.Vec, PETSc.Vec]:
     return source, target
 
 
+@lru_cache(maxsize=4)
+def _shared_vectors(_ranks: int, own: int, size: int) -> tuple[PETSc.Vec, PETSc.Vec]:
+    """The same of all ranks together, of `own` entries here and `size` in all."""
+    source, target = (
+        PETSc.Vec().createWithArray(np.zeros(own), size=(own, size), comm=PETSc.COMM_WORLD) for _ in range(2)
+    )
+    return source, target
+
+
 def sample(stiffness: PETSc.Mat, mass: PETSc.Mat) -> Reals:
     """The products (2, n) of both matrices with the same random row, by which `multiplied` knows them."""
-    row = np.random.default_rng(3).uniform(-1.0, 1.0, stiffness.getSize()[0])
+    share = RowShare.of(stiffness)
+    row = share.own(np.random.default_rng(3).uniform(-1.0, 1.0, (1, share.size)))[0]
     out = np.empty((2, len(row)))
     for matrix, product in zip((stiffness, mass), out):
-        _through(matrix.mult, row, product)
-    return out
+        _through(matrix.mult, row, product, share)
+    return share.whole(out)
 
 
 def multiplied(before: Reals, now: Reals) -> bool:
@@ -247,7 +266,7 @@ class Deflation:
     """The rigid motions that supports leave free: exact eigenvectors of eigenvalue 0, kept out of all vectors.
 
     Args:
-        rigid: (r, n) a basis of them at the places of the nodes now; r may be 0.
+        rigid: (r, n) a basis of them at the places of the nodes now, this rank's columns of it; r may be 0.
         pencil: of the frame.
 
     Source: docs/theory/free-vibrations.md.
@@ -258,14 +277,14 @@ class Deflation:
         weighted = np.empty_like(rigid)
         pencil.apply(pencil.mass, rigid, weighted)
         if self.count:
-            turn = np.linalg.inv(np.linalg.cholesky(row_products(weighted, rigid)))
+            turn = np.linalg.inv(np.linalg.cholesky(pencil.share.products(weighted, rigid)))
             rigid, weighted = combined(turn, rigid), combined(turn, weighted)
-        self.rigid, self.weighted = rigid, weighted
+        self.rigid, self.weighted, self.share = rigid, weighted, pencil.share
 
     def clean(self, rows: Reals, mass_products: Reals | None = None) -> None:
         """Make rows (k, n) orthogonal to the rigid motions in the mass, in place; their products M phi go with them."""
         if self.count:
-            parts = -row_products(rows, self.weighted)
+            parts = -self.share.products(rows, self.weighted)
             add_combined(parts, self.rigid, rows)
             if mass_products is not None:
                 add_combined(parts, self.weighted, mass_products)

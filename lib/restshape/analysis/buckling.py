@@ -44,7 +44,7 @@ class BucklingAnalysis(Timeless):
     """The equilibrium of a linear solid, and its lowest critical load factors: K phi = -mu G phi, mu > 0.
 
     G is the geometric stiffness of the prebuckling stress, which grows in proportion to the load. Factors at which the
-    mean strain would reach 1 are none. Each rank computes the whole eigenproblem by itself, with the same result.
+    mean strain would reach 1 are none. Ranks share matrices, factors and search vectors; each has the modes whole.
 
     Args:
         scene: what the user wrote.
@@ -238,9 +238,10 @@ class BucklingAnalysis(Timeless):
 
     def _with_ids(self, state: BucklingState, found: Found) -> BucklingModes:
         """The modes with ids as those before that they look like; those of the first frame in their order."""
-        vectors, pencil, before, ids = found.modes.copy(), self.solver.pencil, state.modes.vectors, state.modes.ids
-        mass_products = np.empty_like(vectors)
-        pencil.apply(pencil.mass, vectors, mass_products)
+        own, pencil, before, ids = found.modes, self.solver.pencil, state.modes.vectors, state.modes.ids
+        mass_products = np.empty_like(own)
+        pencil.apply(pencil.mass, own, mass_products)
+        vectors, mass_products = pencil.share.whole(own.copy()), pencil.share.whole(mass_products)
         if len(before) and len(vectors):
             ids = ids.track(before, vectors, mass_products, pencil.norms(before))
         elif len(vectors):

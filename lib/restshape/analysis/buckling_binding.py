@@ -42,7 +42,7 @@ def bound(
     solver.tolerance = frame.scene.solve.tolerance
     with context.stages("pattern"):
         if new_mesh:
-            matrices = BucklingMatrices(prebuckling.problem, context.comm.size, context.policy.backend)
+            matrices = BucklingMatrices(context.comm, prebuckling.problem, context.policy.backend)
         else:
             matrices = made(state.matrices)
             matrices.set_constraints(mask)
@@ -51,13 +51,15 @@ def bound(
         with context.stages("map"):
             vectors = _on_new_mesh(state, frame) if new_mesh else modes.vectors
         modes = replace(modes, vectors=np.where(mask.ravel() == 0, vectors, 0.0))
-    solver.restart(modes.vectors if context.policy.transfer else None)
+    known = len(modes.vectors) and context.policy.transfer
+    solver.restart(matrices.share.own(modes.vectors) if known else None)
     return replace(state, matrices=matrices, modes=modes)
 
 
 def flipped(state: BucklingState, solver: BucklingSolver, frame: Frame, context: Context) -> BucklingState:
     """The state before with matrices and modes after flips; arguments as in `bound`."""
     with context.stages("pattern"):
+        share = made(state.matrices).share
         made(state.matrices).patch(frame.changed_cells)
         if not frame.interpolations:
             return state
@@ -65,7 +67,7 @@ def flipped(state: BucklingState, solver: BucklingSolver, frame: Frame, context:
         def interpolated(modes: np.ndarray) -> np.ndarray:
             return np.stack([frame.interpolate(mode.reshape(-1, 2)).ravel() for mode in modes])
 
-        solver.history = [interpolated(block) for block in solver.history]
+        solver.history = [share.own(interpolated(share.whole(block))) for block in solver.history]
         vectors = state.modes.vectors
         vectors = interpolated(vectors) if len(vectors) else vectors
         return replace(state, modes=replace(state.modes, vectors=vectors))

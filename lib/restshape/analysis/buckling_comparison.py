@@ -23,7 +23,8 @@ def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSyste
         warm, cold: the system of its equilibrium, as it was solved and from nothing.
     """
     prebuckling, found = state.prebuckling, state.modes.load_factors
-    kept = gather_matrix(made(state.matrices).geometric, PETSc.COMM_SELF)
+    matrices = made(state.matrices)
+    kept = gather_matrix(matrices.geometric, matrices.share.comm)
     entries = max(
         matrix_difference(warm.matrix, cold.matrix), matrix_difference(kept, _geometric(state, prebuckling.x))
     )

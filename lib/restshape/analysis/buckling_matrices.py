@@ -4,52 +4,48 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.operator import Operator
+from restshape.algebra.row_share import RowShare
 from restshape.analysis.steady import SteadyState
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import STIFFNESS, PrestressedProblem, SteadyProblem
 
 
 class BucklingMatrices:
-    """K and G of one mesh, whole on every rank.
+    """G of one mesh, whose rows ranks share as they do those of K, which is that of the equilibrium.
 
     Args:
+        comm: PETSc communicator.
         problem: on the mesh.
-        ranks: that share the solve for the equilibrium: on one rank its K is the whole one.
-        backend: of the operators.
+        backend: of the operator.
+
+    Attributes:
+        share: the unknowns that this rank owns.
     """
 
-    def __init__(self, problem: SteadyProblem, ranks: int, backend: str | None) -> None:
-        offsets, mask = np.array([0, len(problem.space.X)], dtype=np.int32), problem.boundary.mask
-        self.operators = [
-            Operator(PETSc.COMM_SELF, mask.shape[1], offsets, backend, symmetric=False)
-            for _ in range(1 if ranks == 1 else 2)
-        ]
-        for operator in self.operators:
-            operator.set_topology([problem.space.cells], mask)
+    def __init__(self, comm: PETSc.Comm, problem: SteadyProblem, backend: str | None) -> None:
+        mask = problem.boundary.mask
+        self.operator = Operator(comm, mask.shape[1], problem.space.node_offsets, backend, symmetric=False)
+        self.operator.set_topology([problem.space.cells], mask)
+        self.share = RowShare(comm, self.operator.rows, mask.size)
 
     @property
     def geometric(self) -> PETSc.Mat:
         """G as it was assembled last."""
-        return self.operators[0].mat
+        return self.operator.mat
 
     def set_constraints(self, mask: np.ndarray) -> None:
         """Take other supports (n, f)."""
-        for operator in self.operators:
-            operator.set_constraints(mask)
+        self.operator.set_constraints(mask)
 
     def patch(self, changed: np.ndarray) -> None:
         """Take in cells (k,) that flips have changed."""
-        for operator in self.operators:
-            operator.patch(0, changed)
+        self.operator.patch(0, changed)
 
     def assemble(self, prebuckling: SteadyState[PrestressedProblem], sign: float) -> tuple[PETSc.Mat, PETSc.Mat]:
         """K and G, times the sign of the load, at an equilibrium."""
         problem, zero = prebuckling.problem, np.zeros_like(prebuckling.x)
-        geometric = Assembled([problem.geometric_stiffness(prebuckling.x, sign)], self.operators[0]).tangent(zero)
-        stiffness = prebuckling.system.mat
-        if len(self.operators) > 1:
-            stiffness = Assembled(problem.integrals(STIFFNESS), self.operators[1]).tangent(zero)
-        return stiffness, geometric
+        geometric = Assembled([problem.geometric_stiffness(prebuckling.x, sign)], self.operator).tangent(zero)
+        return prebuckling.system.mat, geometric
 
 
 def products(problem: PrestressedProblem, modes: np.ndarray, u: np.ndarray, sign: float) -> np.ndarray:

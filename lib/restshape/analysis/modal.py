@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 class ModalAnalysis(Timeless):
     """The lowest eigenfrequencies and modes of a body, frame after frame.
 
-    Each rank computes the whole eigenproblem by itself, with the same result.
+    Ranks share matrices, factors and search vectors; each has the modes that are found whole.
 
     Args:
         scene: what the user wrote.
@@ -111,7 +111,8 @@ class ModalAnalysis(Timeless):
             self.state = self._solve(frame, rebind)
         except (ReplayProblem, UserError):
             self.state = replace(before, interrupted=True)
-            self.solver.restart(before.modes.vectors if len(before.modes.values) else None)
+            # The next frame binds a body, and begins with modes on its nodes.
+            self.solver.restart(None)
             raise
         if self.state.report.inertia_checked:
             self.verified.update(mesh)

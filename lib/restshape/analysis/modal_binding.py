@@ -41,7 +41,7 @@ def bound(
         # Flips change the cells in place: of the old ones nothing is left to compare with.
         flipped = frame.mesh.topology != state.topology
         same = old if frame.mesh is state.space and not flipped and not state.interrupted else None
-        matrices = ModalMatrices(body, before=same.matrices if same else None)
+        matrices = ModalMatrices(context.comm, body, before=same.matrices if same else None)
     solver.tolerance = frame.scene.solve.tolerance
     mask = body.boundary.mask
     interpolated = np.empty((0, mask.size))
@@ -58,8 +58,9 @@ def bound(
     older = older if interpolated is guess else []
     free = mask.ravel() == 0
     interpolated = np.where(free, interpolated, 0.0)
-    solver.restart(interpolated if len(interpolated) and context.policy.transfer else None)
-    solver.history += [np.where(free, block, 0.0) for block in older if solver.history]
+    share = matrices.share
+    solver.restart(share.own(interpolated) if len(interpolated) and context.policy.transfer else None)
+    solver.history += [np.where(free[share.unknowns], block, 0.0) for block in older if solver.history]
     settings = modal_settings(plan)
     found = observer(frame.scene.quantities, frame.mesh, settings)
     body_bound = BoundBody(body, matrices, found)
@@ -75,7 +76,7 @@ def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stage
         frame: on the same mesh.
         stages: takes the time of each stage.
     """
-    body, modes = state.body, state.modes.vectors
+    body, modes, share = state.body, state.modes.vectors, state.matrices.share
     flipped = frame.mesh.topology != state.topology
     with stages("relocate"):
         changed = body.follow(frame.changed_cells if flipped else np.empty(0, dtype=np.int32))
@@ -84,9 +85,10 @@ def followed(state: ModalState, solver: EigenSolver, frame: Frame, stages: Stage
             state.matrices.patch(changed)
             if frame.interpolations:
                 modes = _interpolated(body, modes, frame)
-                solver.history = [_interpolated(body, block, frame) for block in solver.history]
+                whole = map(share.whole, solver.history)
+                solver.history = [share.own(_interpolated(body, block, frame)) for block in whole]
     if state.predicted:
-        solver.history = [modes, *solver.history]
+        solver.history = [share.own(modes), *solver.history]
     return modes
 
 

@@ -6,37 +6,47 @@ from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.operator import Operator
+from restshape.algebra.row_share import RowShare
 from restshape.fem.assembled import Assembled
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import MASS, STIFFNESS
 
 
 class ModalMatrices:
-    """K and M of a problem, of one pattern each, whole on every rank.
+    """K and M of a problem, of one pattern each, whose rows ranks share.
 
     Args:
+        comm: PETSc communicator; of one process where they are wanted whole on every rank.
         problem: whose integrals are linear; kept by reference.
         backend: of the operators.
         before: of another problem, whose patterns serve this one where its cells are the same; it is of no use then.
+
+    Attributes:
+        share: the unknowns that this rank owns.
     """
 
     def __init__(
-        self, problem: Eigenproblem, backend: str | None = None, before: "ModalMatrices | None" = None
+        self,
+        comm: PETSc.Comm,
+        problem: Eigenproblem,
+        backend: str | None = None,
+        before: "ModalMatrices | None" = None,
     ) -> None:
-        self.problem = problem
-        offsets, mask = np.array([0, len(problem.space.X)], dtype=np.int32), problem.boundary.mask
+        self.problem, self.comm, mask = problem, comm, problem.boundary.mask
+        offsets = problem.space.node_offsets if comm.size > 1 else np.array([0, len(problem.space.X)], dtype=np.int32)
         self.operators: list[Operator] = []
         if before is not None and before._serves(problem):
-            self.operators = before.operators
+            self.operators, self.share = before.operators, before.share
             for operator in self.operators:
                 operator.set_constraints(mask)
             return
-        self.operators = [Operator(PETSc.COMM_SELF, mask.shape[1], offsets, backend) for _ in range(2)]
+        self.operators = [Operator(comm, mask.shape[1], offsets, backend) for _ in range(2)]
+        self.share = RowShare(comm, self.operators[0].rows, mask.size)
         for operator in self.operators:
             operator.set_topology(problem.blocks(), mask)
 
     def _serves(self, problem: Eigenproblem) -> bool:
-        """Whether another problem has the same cells, and as many unknowns a node."""
+        """Whether another problem on the same plane mesh has the same cells, and as many unknowns a node."""
         if problem.boundary.mask.shape != self.problem.boundary.mask.shape:
             return False
         ours, others = self.problem.blocks(), problem.blocks()
@@ -56,15 +66,16 @@ class ModalMatrices:
         )
         if len(constrained):
             # Alone on their rows, with a mass they would be modes of their own.
-            diagonal = mass.getDiagonal()
-            diagonal.getArray()[constrained] = 0.0
+            rows, diagonal = self.share.unknowns, mass.getDiagonal()
+            own = constrained[(constrained >= rows.start) & (constrained < rows.stop)]
+            diagonal.getArray()[own - rows.start] = 0.0
             mass.setDiagonal(diagonal)
             diagonal.destroy()
         return stiffness, mass
 
     def gather(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Copies of K and M as they stand, with the rows of prescribed unknowns."""
-        return tuple(gather_matrix(operator.mat, PETSc.COMM_SELF) for operator in self.operators)
+        """Copies of K and M as they stand, whole on each rank, with the rows of prescribed unknowns."""
+        return tuple(gather_matrix(operator.mat, self.comm) for operator in self.operators)
 
 
 def products(problem: Eigenproblem, modes: np.ndarray) -> np.ndarray:

@@ -108,9 +108,13 @@ class ModalPrediction:
 
         stiff, mass_products = weighed(vectors)
         values = np.einsum("ki,ki->k", vectors, stiff) / np.einsum("ki,ki->k", vectors, mass_products)
-        missing = solver.pencil.auxiliary_solve(np.ascontiguousarray(values[:, None] * mass_products - stiff))
+        share = solver.pencil.share
+        missing = solver.pencil.auxiliary_solve(
+            share.own(np.ascontiguousarray(values[:, None] * mass_products - stiff))
+        )
         # The rigid motions are those of the last solve: what is left of them is of higher order.
         solver.deflation.clean(missing)
+        missing = share.whole(missing)
         space = np.concatenate([vectors, missing])
         stiff, mass_products = (np.concatenate(pair) for pair in zip((stiff, mass_products), weighed(missing)))
         values = np.sort(1.0 / largest_values(space @ mass_products.T, space @ stiff.T, len(vectors)))

@@ -6,6 +6,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.clusters import cluster_end
+from restshape.algebra.davidson import Found
 from restshape.algebra.eigen import EigenReport, EigenSolver
 from restshape.analysis.mode_tracking import ModeIds, normalise_signs
 from restshape.errors import ReplayProblem
@@ -64,16 +65,13 @@ class ModeSearch:
             again = total is not None
             found, report = self.solver.solve(stiffness, mass, rigid, count, new_system and not again, verify, again)
             total = report if total is None else total.followed_by(report)
-            mass_products = found.mass_products
-            if mass_products is None:
-                mass_products = np.empty_like(found.modes)
-                self.solver.pencil.apply(mass, found.modes, mass_products)
-            participation = self.body.normal_participation(found.modes, mass_products)
+            modes, mass_products = self._whole(found)
+            participation = self.body.normal_participation(modes, mass_products)
             chosen = self.choose(participation, np.arange(len(participation)) < count)
             if len(chosen) == self.modes:
                 whole = cluster_end(found.values, int(chosen[-1]))
                 if whole <= count or count >= self.modes + MOST_BESIDE:
-                    return FoundModes(found.values, found.modes, mass_products, participation, chosen, count, total)
+                    return FoundModes(found.values, modes, mass_products, participation, chosen, count, total)
                 count = whole
                 continue
             if count >= self.modes + MOST_BESIDE:
@@ -81,6 +79,14 @@ class ModeSearch:
                     f"only {len(chosen)} of the {count} lowest modes are out of the plane, not {self.modes}"
                 )
             count += max(1, self.modes - len(chosen))
+
+    def _whole(self, found: Found) -> tuple[np.ndarray, np.ndarray]:
+        """The modes (k, n) and their products M phi, whole on each rank, of which each has found its columns."""
+        pencil, products = self.solver.pencil, found.mass_products
+        if products is None:
+            products = np.empty_like(found.modes)
+            pencil.apply(pencil.mass, found.modes, products)
+        return pencil.share.whole(found.modes), pencil.share.whole(products)
 
     def ids(self, found: FoundModes, before: ModeIds, previous: np.ndarray, sizes: np.ndarray) -> ModeIds:
         """The ids of modes that have been found, whose signs are set.

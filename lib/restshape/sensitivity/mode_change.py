@@ -33,7 +33,7 @@ def change_beyond(
 
     Args:
         solver: of the eigenproblem.
-        modes: (k, n f) the known ones; weighted: (k, n f) their products M phi.
+        modes: (k, n f) the known ones; weighted: (k, n f) their products M phi; all vectors are whole on each rank.
         value: the mode's eigenvalue.
         force: (n f,) right side; what of it lies along the known modes is taken out.
         tolerance: of the residual, relative to the right side.
@@ -41,24 +41,25 @@ def change_beyond(
     Raises:
         ReplayProblem: the solve does not converge.
     """
-    pencil, rigid = solver.pencil, solver.deflation
+    pencil, share = solver.pencil, solver.pencil.share
+    rigid, rigid_weighted = share.whole(solver.deflation.rigid), share.whole(solver.deflation.weighted)
 
     def clean(v: Reals) -> Reals:
         row = v - (weighted @ v) @ modes
-        return row - (rigid.weighted @ row) @ rigid.rigid if rigid.count else row
+        return row - (rigid_weighted @ row) @ rigid if len(rigid) else row
 
     def clean_force(r: Reals) -> Reals:
         row = r - (modes @ r) @ weighted
-        return row - (rigid.rigid @ row) @ rigid.weighted if rigid.count else row
+        return row - (rigid @ row) @ rigid_weighted if len(rigid) else row
 
     def product(v: Reals) -> Reals:
-        row, out = np.ascontiguousarray(clean(v))[None], np.empty((2, v.size))
+        row, out = share.own(np.ascontiguousarray(clean(v))[None]), np.empty((2, share.count))
         pencil.apply(pencil.stiffness, row, out[:1])
         pencil.apply(pencil.mass, row, out[1:])
-        return clean_force(out[0] - value * out[1])
+        return clean_force(share.whole((out[0] - value * out[1])[None])[0])
 
     def precondition(r: Reals) -> Reals:
-        return clean(pencil.solve(np.ascontiguousarray(clean_force(r))[None])[0])
+        return clean(share.whole(pencil.solve(share.own(np.ascontiguousarray(clean_force(r))[None])))[0])
 
     right = clean_force(force)
     # In z the iteration is that of A P z = right: its residual is the true one.
@@ -70,4 +71,4 @@ def change_beyond(
         if not error <= 100.0 * tolerance * norm:
             raise ReplayProblem(f"no derivative of a mode: its residual is {error / norm:.1e} of the right side")
     # Along rigid motions the system is -lambda times the identity.
-    return part - (rigid.rigid @ force / value) @ rigid.rigid if rigid.count else part
+    return part - (rigid @ force / value) @ rigid if len(rigid) else part

@@ -1,0 +1,188 @@
+"""A complete factor of what a rank alone has of a symmetric matrix, and what it leaves for the border with others."""
+
+from functools import cache
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from petsc4py import PETSc
+
+from restshape import _kernels
+from restshape.algebra.preconditioner import order_factor
+from restshape.arrays import Reals
+
+SPACE = 60
+"""Percent of memory beyond its estimate that MUMPS takes before it gives up, where it exchanges rows."""
+
+
+class InteriorFactor(Protocol):
+    """A factor of the first n unknowns of a symmetric matrix (n + m, n + m) whose last ones are the border.
+
+    Attributes:
+        negative: pivots; singular: whether there is no factor; nonzeros: of the factor.
+    """
+
+    negative: int
+    singular: bool
+    nonzeros: float
+
+    def make(self, local: sp.csr_matrix) -> Reals:
+        """Factor values on the pattern of before; the Schur complement (m, m) of the border, whose own block is not
+        read."""
+
+    def solve(self, rows: Reals) -> Reals:
+        """The inverse of the first block times each row (k, n)."""
+
+    def destroy(self) -> None:
+        """Free it."""
+
+
+@cache
+def has_mumps() -> bool:
+    """Whether PETSc has been built with MUMPS."""
+    one = PETSc.Mat().createAIJ((1, 1), nnz=1, comm=PETSc.COMM_SELF)
+    one.setValue(0, 0, 1.0)
+    one.assemble()
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    try:
+        pc.setType("cholesky")
+        pc.setFactorSolverType("mumps")
+        pc.setOperators(one)
+        pc.setFactorSetUpSolverType()
+    except PETSc.Error:
+        return False
+    finally:
+        pc.destroy()
+        one.destroy()
+    return True
+
+
+def interior_factor(count: int, border: int) -> InteriorFactor:
+    """What factors `count` unknowns beside a `border` of so many: MUMPS, or PETSc where that is missing."""
+    return MumpsInterior(count, border) if has_mumps() else PlainInterior(count, border)
+
+
+class MumpsInterior:
+    """By MUMPS on this rank alone, which keeps its bits, exchanges rows and forms the Schur complement on the way.
+
+    Args:
+        count: unknowns inside; border: of the border.
+    """
+
+    def __init__(self, count: int, border: int) -> None:
+        self.count, self.border = count, border
+        self.negative, self.singular, self.nonzeros = 0, False, 0.0
+        self._matrix = self._pc = self._factor = None
+
+    def make(self, local: sp.csr_matrix) -> Reals:
+        """Factor values on the pattern of before; see `InteriorFactor`."""
+        if self._pc is None:
+            self._begin(local)
+        else:
+            self._matrix.setValuesCSR(local.indptr, local.indices, local.data)
+            self._matrix.assemble()
+        self._pc.setUp()
+        # Solves are of the inside alone; the analysis of the pattern has set it otherwise.
+        self._factor.setMumpsIcntl(26, 0)
+        self.singular = self._factor.getMumpsInfog(1) < 0 or self._factor.getMumpsInfog(28) > 0
+        self.negative = self._factor.getMumpsInfog(12)
+        entries = self._factor.getMumpsInfog(29)
+        self.nonzeros = float(entries if entries >= 0 else -1_000_000 * entries)
+        schur = np.zeros((self.border, self.border))
+        if self.border and not self.singular:
+            _kernels.schur_complement(self._factor.handle, schur)
+        return schur
+
+    def _begin(self, local: sp.csr_matrix) -> None:
+        csr = (local.indptr, local.indices, local.data)
+        self._matrix = PETSc.Mat().createAIJ(local.shape, csr=csr, comm=PETSc.COMM_SELF)
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._pc = PETSc.PC().create(PETSc.COMM_SELF)
+        self._pc.setType("cholesky")
+        self._pc.setFactorSolverType("mumps")
+        self._pc.setOperators(self._matrix)
+        self._pc.setFactorSetUpSolverType()
+        self._factor = self._pc.getFactorMatrix()
+        if self.border:
+            rows = np.arange(self.count, self.count + self.border, dtype=np.int32)
+            _kernels.set_schur_rows(self._factor.handle, rows)
+        # Pivots that are zero are found, and count as neither sign.
+        self._factor.setMumpsIcntl(24, 1)
+        self._factor.setMumpsIcntl(14, SPACE)
+
+    def solve(self, rows: Reals) -> Reals:
+        """The inverse of the first block times each row (k, n)."""
+        size = self.count + self.border
+        right, found = np.zeros((len(rows), size)), np.zeros((len(rows), size))
+        right[:, : self.count] = rows
+        if len(rows) == 1:
+            b, x = (PETSc.Vec().createWithArray(one[0], comm=PETSc.COMM_SELF) for one in (right, found))
+            self._factor.solve(b, x)
+        else:
+            shape = (size, len(rows))
+            b, x = (PETSc.Mat().createDense(shape, array=one.T, comm=PETSc.COMM_SELF) for one in (right, found))
+            b.assemble()
+            x.assemble()
+            self._factor.matSolve(b, x)
+        for part in (b, x):
+            part.destroy()
+        return np.ascontiguousarray(found[:, : self.count])
+
+    def destroy(self) -> None:
+        """Free it."""
+        for part in (self._pc, self._matrix):
+            if part is not None:
+                part.destroy()
+        self._matrix = self._pc = self._factor = None
+
+
+class PlainInterior:
+    """By PETSc's own factor, and the Schur complement by a substitution for each unknown of the border.
+
+    Args:
+        count: unknowns inside; border: of the border.
+    """
+
+    def __init__(self, count: int, border: int) -> None:
+        self.count, self.border = count, border
+        self.negative, self.singular, self.nonzeros = 0, False, 0.0
+        self._matrix = self._pc = None
+
+    def make(self, local: sp.csr_matrix) -> Reals:
+        """Factor values on the pattern of before; see `InteriorFactor`."""
+        inside, beside = local[: self.count, : self.count], local[: self.count, self.count :]
+        csr = (inside.indptr, inside.indices, inside.data)
+        if self._pc is None:
+            self._matrix = PETSc.Mat().createAIJ(inside.shape, csr=csr, comm=PETSc.COMM_SELF)
+            self._pc = PETSc.PC().create(PETSc.COMM_SELF)
+            self._pc.setType("cholesky")
+            order_factor(self._pc, False)
+        else:
+            self._matrix.setValuesCSR(*csr)
+            self._matrix.assemble()
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        self._pc.setOperators(self._matrix)
+        self._pc.setUp()
+        factor = self._pc.getFactorMatrix()
+        self.negative, zero, _ = factor.getInertia()
+        self.nonzeros = factor.getInfo()["nz_used"]
+        schur = -(beside.T @ self.solve(np.ascontiguousarray(beside.T.toarray())).T)
+        self.singular = bool(zero) or not np.isfinite(schur).all()
+        return schur
+
+    def solve(self, rows: Reals) -> Reals:
+        """The inverse of the first block times each row (k, n)."""
+        found = np.empty_like(rows)
+        for row, out in zip(rows, found):
+            b, x = (PETSc.Vec().createWithArray(one, comm=PETSc.COMM_SELF) for one in (row, out))
+            self._pc.apply(b, x)
+            b.destroy()
+            x.destroy()
+        return found
+
+    def destroy(self) -> None:
+        """Free it."""
+        for part in (self._pc, self._matrix):
+            if part is not None:
+                part.destroy()
+        self._matrix = self._pc = None

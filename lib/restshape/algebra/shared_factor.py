@@ -1,0 +1,147 @@
+"""A complete factor of a matrix whose rows ranks share: each factors what is inside of its part, one their border."""
+
+import logging
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.linalg import lapack
+
+from restshape.algebra.interior_factor import InteriorFactor, has_mumps, interior_factor
+from restshape.algebra.rank_border import RankBorder
+from restshape.arrays import Reals
+from restshape.errors import ReplayProblem
+
+log = logging.getLogger("restshape.algebra")
+
+NO_FACTOR = "the pencil of stiffness and mass has no factor at this shift"
+
+
+class SharedFactor:
+    """A complete factor of K - s M on several ranks, whose pivots count eigenvalues, and whose bits repeat.
+
+    Substructuring: the ranks' insides do not couple, so that the Schur complement of their border is the sum of what
+    each of them leaves there. The first rank factors it, dense. By Haynsworth's rule the eigenvalues below s are the
+    negative ones of the insides and of this complement.
+
+    Attributes:
+        made: whether there is one; stale_pattern: whether the next one is of another pattern.
+        nonzeros: of all ranks.
+
+    Source: J. S. Przemieniecki, AIAA J. 1 (1963) 138; E. V. Haynsworth, Linear Algebra Appl. 1 (1968) 73.
+    """
+
+    def __init__(self) -> None:
+        self.made, self.stale_pattern, self.nonzeros = False, True, 0.0
+        self._matrix: PETSc.Mat | None = None
+        self._border: RankBorder | None = None
+        self._inside: InteriorFactor | None = None
+
+    def forget(self) -> None:
+        """Let go of the factor."""
+        for part in (self._inside, self._matrix):
+            if part is not None:
+                part.destroy()
+        self.made, self.stale_pattern, self._matrix, self._inside = False, True, None, None
+
+    def substitute_by_panels(self) -> None:
+        """Nothing: MUMPS substitutes by panels."""
+
+    def make(self, stiffness: PETSc.Mat, mass: PETSc.Mat, shift: float) -> int:
+        """Factor; the number of eigenvalues below the shift, the same on all ranks.
+
+        Raises:
+            ReplayProblem: there is no factor: the shift is an eigenvalue, or the matrices are not numbers.
+        """
+        if self.stale_pattern:
+            self._begin(stiffness)
+        else:
+            stiffness.copy(self._matrix, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        if shift:
+            self._matrix.axpy(-shift, mass, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        values = self._matrix.getValuesCSR()[2]
+        local = self._border.local(values)
+        count = len(self._border.inside)
+        self._beside = local[:count, count:]
+        # Of numbers that are none no library promises an end.
+        finite = bool(np.isfinite(values).all())
+        schur = self._inside.make(local) if count and finite else np.zeros(2 * (len(self._border.beside),))
+        failed = not finite or (count > 0 and self._inside.singular)
+        below, self.nonzeros = self._factor_border(schur, values, failed)
+        self.made = True
+        return below
+
+    def _begin(self, stiffness: PETSc.Mat) -> None:
+        """Take up another pattern."""
+        self.forget()
+        self._matrix = stiffness.duplicate(copy=True)
+        self._border = RankBorder(self._matrix)
+        self._inside = interior_factor(len(self._border.inside), len(self._border.beside))
+        self._world = stiffness.getComm().tompi4py()
+        self.stale_pattern = False
+        if not has_mumps() and len(self._border.rows):
+            log.info("ST factor: PETSc has no MUMPS, so that a border of %d costs as much", len(self._border.rows))
+
+    def _factor_border(self, schur: Reals, values: Reals, failed: bool) -> tuple[int, float]:
+        """Sum what the ranks leave on their border, in their order, and factor it on the first one; `make`'s answer."""
+        border, inside = self._border, self._inside
+        own = (border.beside, schur, border.between(values), inside.negative, inside.nonzeros, failed)
+        parts, answer = self._world.gather(own), None
+        if parts is not None:
+            complement = np.zeros(2 * (len(border.rows),), order="F")
+            for beside, left, (rows, columns, entries), *_ in parts:
+                complement[np.ix_(beside, beside)] += left
+                # Of another rank's rows each has its half of the pattern.
+                np.add.at(complement, (rows, columns), entries)
+            below, zero = self._decompose(complement)
+            failed = zero or any(part[-1] for part in parts)
+            nonzeros = sum(part[4] for part in parts) + complement.size
+            answer = (below + sum(part[3] for part in parts), float(nonzeros), failed)
+        below, nonzeros, failed = self._world.bcast(answer)
+        if failed:
+            self.forget()
+            raise ReplayProblem(NO_FACTOR)
+        return below, nonzeros
+
+    def _decompose(self, complement: Reals) -> tuple[int, bool]:
+        """Factor the border's complement (m, m), on the first rank; its negative eigenvalues, and whether one is
+        zero."""
+        if not complement.size:
+            return 0, False
+        self._factors, self._pivots, zero = lapack.dsytrf(complement, lower=1, overwrite_a=1)
+        single = self._pivots > 0
+        # Of a pair of rows that pivot together one is negative (Bunch, Kaufman).
+        pairs = int(np.count_nonzero(~single)) // 2
+        return int(np.count_nonzero(np.diagonal(self._factors)[single] < 0.0)) + pairs, zero != 0
+
+    def solve_rows(self, rows: Reals) -> Reals:
+        """The inverse times each row (k, n), of which each rank has its columns; collective."""
+        border, found = self._border, np.empty_like(rows)
+        right = np.zeros((len(rows), len(border.rows)))
+        right[:, border.own_places] = rows[:, border.own]
+        inside = self._solve_inside(rows[:, border.inside])
+        right[:, border.beside] -= (self._beside.T @ inside.T).T
+        at_border = self._solve_border(right)
+        there = np.ascontiguousarray(at_border[:, border.beside])
+        if len(border.beside):
+            inside -= self._solve_inside((self._beside @ there.T).T)
+        found[:, border.inside], found[:, border.own] = inside, at_border[:, border.own_places]
+        return found
+
+    def _solve_inside(self, rows: Reals) -> Reals:
+        return self._inside.solve(np.ascontiguousarray(rows)) if rows.size else np.zeros_like(rows)
+
+    def _solve_border(self, right: Reals) -> Reals:
+        """The border's unknowns (k, m) of the sum of all ranks' right sides (k, m)."""
+        if not right.size:
+            return right
+        parts = np.empty((self._world.size, *right.shape)) if self._world.rank == 0 else None
+        self._world.Gather(right, parts)
+        found = np.empty_like(right)
+        if parts is not None:
+            found[:] = lapack.dsytrs(self._factors, self._pivots, parts.sum(axis=0).T, lower=1)[0].T
+        self._world.Bcast(found)
+        return found
+
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Forward and backward substitution."""
+        x.getArray()[:] = self.solve_rows(b.getArray(readonly=True)[None])[0]
