@@ -83,6 +83,8 @@ __all__: list[str] = [
     "reset_calls",
     "row_products",
     "same_bits",
+    "schur_complement",
+    "set_schur_rows",
     "set_stage",
     "sides_gone",
     "smooth_fresh",
@@ -881,6 +883,12 @@ def same_bits(
     a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> bool: ...
+def schur_complement(
+    factor: typing.SupportsInt | typing.SupportsIndex, out: numpy.typing.NDArray[numpy.float64]
+) -> None: ...
+def set_schur_rows(
+    factor: typing.SupportsInt | typing.SupportsIndex, rows: numpy.typing.NDArray[numpy.int32]
+) -> None: ...
 def set_stage(stage: str) -> None: ...
 def sides_gone(
     X: numpy.typing.NDArray[numpy.float64],

@@ -82,9 +82,10 @@ void bind_algebra(py::module_& m) {
             return error == MAT_FACTOR_NUMERIC_ZEROPIVOT;
         },
         py::arg("factor"), "Whether the factor with this handle ended at a pivot that is zero.");
-    m.def("set_schur_rows", &set_schur_rows, py::arg("factor"), py::arg("rows").noconvert(),
-          "Have the factor with this handle, of MUMPS's and not made yet, leave rows (k,) int32 out, which stay coupled "
-          "by their Schur complement.");
+    m.def(
+        "set_schur_rows", &set_schur_rows, py::arg("factor"), py::arg("rows").noconvert(),
+        "Have the factor with this handle, of MUMPS's and not made yet, leave rows (k,) int32 out, which stay coupled "
+        "by their Schur complement.");
     m.def("schur_complement", &schur_complement, py::arg("factor"), py::arg("out").noconvert(),
           "Writes the Schur complement (k, k) of the rows that a symmetric factor with this handle leaves out.");
 }

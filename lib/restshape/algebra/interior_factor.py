@@ -72,7 +72,9 @@ class MumpsInterior:
     def __init__(self, count: int, border: int) -> None:
         self.count, self.border = count, border
         self.negative, self.singular, self.nonzeros = 0, False, 0.0
-        self._matrix = self._pc = self._factor = None
+        self._matrix: PETSc.Mat = None
+        self._factor: PETSc.Mat = None
+        self._pc: PETSc.PC = None
 
     def make(self, local: sp.csr_matrix) -> Reals:
         """Factor values on the pattern of before; see `InteriorFactor`."""
@@ -146,7 +148,8 @@ class PlainInterior:
     def __init__(self, count: int, border: int) -> None:
         self.count, self.border = count, border
         self.negative, self.singular, self.nonzeros = 0, False, 0.0
-        self._matrix = self._pc = None
+        self._matrix: PETSc.Mat = None
+        self._pc: PETSc.PC = None
 
     def make(self, local: sp.csr_matrix) -> Reals:
         """Factor values on the pattern of before; see `InteriorFactor`."""
@@ -167,7 +170,8 @@ class PlainInterior:
         self.negative, zero, _ = factor.getInertia()
         self.nonzeros = factor.getInfo()["nz_used"]
         schur = -(beside.T @ self.solve(np.ascontiguousarray(beside.T.toarray())).T)
-        self.singular = bool(zero) or not np.isfinite(schur).all()
+        # PETSc only notes a pivot that failed.
+        self.singular = zero > 0 or not np.isfinite(self.solve(np.ones((1, self.count)))).all()
         return schur
 
     def solve(self, rows: Reals) -> Reals:

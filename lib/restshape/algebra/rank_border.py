@@ -1,10 +1,12 @@
 """Unknowns without which the ranks' own ones do not couple: where a matrix is parted among ranks."""
 
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
-from restshape.arrays import Indices, Integers
+from restshape.arrays import Flags, Integers, Reals
 
 
 class RankBorder:
@@ -38,7 +40,7 @@ class RankBorder:
         self._between = np.flatnonzero(of_border & (other >= 0))
         self._between_rows, self._between_columns = place[first + row_of[self._between]], other[self._between]
 
-    def _set_local(self, row_of: Integers, indices: Integers, first: int, other: Integers, of_border: Integers) -> None:
+    def _set_local(self, row_of: Integers, indices: Integers, first: int, other: Integers, of_border: Flags) -> None:
         """Note the pattern of `local`: rows inside, with the border's columns behind, and a diagonal of the border."""
         inside, beside = len(self.inside), len(self.beside)
         number = np.full(len(self.inside) + len(self.own), -1)
@@ -56,7 +58,7 @@ class RankBorder:
         self._source, self._pattern = source.data, (source.indices.astype(np.int32), source.indptr.astype(np.int32))
         self._size = inside + beside
 
-    def local(self, values: np.ndarray) -> sp.csr_matrix:
+    def local(self, values: Reals) -> sp.csr_matrix:
         """The rows inside of a matrix on this pattern, with columns of the border behind, whose own block is 0.
 
         Args:
@@ -64,12 +66,12 @@ class RankBorder:
         """
         return sp.csr_matrix((np.r_[0.0, values][self._source], *self._pattern), 2 * (self._size,))
 
-    def between(self, values: np.ndarray) -> tuple[Indices, Indices, np.ndarray]:
+    def between(self, values: Reals) -> tuple[Integers, Integers, Reals]:
         """Rows and columns, by places in `rows`, and entries of the border's own block in this rank's rows."""
         return self._between_rows, self._between_columns, values[self._between]
 
 
-def _cover(row_of: Integers, indices: Integers, first: int, last: int, size: int, world: object) -> np.ndarray:
+def _cover(row_of: Integers, indices: Integers, first: int, last: int, size: int, world: Any) -> Flags:
     """Which (n,) of this rank's rows are in the border; the arguments are the entries' rows and columns."""
     cut = (indices < first) | (indices >= last)
     degree = np.bincount(row_of[cut], minlength=last - first)

@@ -32,16 +32,16 @@ class SharedFactor:
 
     def __init__(self) -> None:
         self.made, self.stale_pattern, self.nonzeros = False, True, 0.0
-        self._matrix: PETSc.Mat | None = None
-        self._border: RankBorder | None = None
-        self._inside: InteriorFactor | None = None
+        self._matrix: PETSc.Mat = None
+        self._border: RankBorder
+        self._inside: InteriorFactor
 
     def forget(self) -> None:
         """Let go of the factor."""
-        for part in (self._inside, self._matrix):
-            if part is not None:
-                part.destroy()
-        self.made, self.stale_pattern, self._matrix, self._inside = False, True, None, None
+        if self._matrix is not None:
+            self._inside.destroy()
+            self._matrix.destroy()
+        self.made, self.stale_pattern, self._matrix = False, True, None
 
     def substitute_by_panels(self) -> None:
         """Nothing: MUMPS substitutes by panels."""
@@ -87,7 +87,7 @@ class SharedFactor:
         own = (border.beside, schur, border.between(values), inside.negative, inside.nonzeros, failed)
         parts, answer = self._world.gather(own), None
         if parts is not None:
-            complement = np.zeros(2 * (len(border.rows),), order="F")
+            complement = np.asfortranarray(np.zeros(2 * (len(border.rows),)))
             for beside, left, (rows, columns, entries), *_ in parts:
                 complement[np.ix_(beside, beside)] += left
                 # Of another rank's rows each has its half of the pattern.

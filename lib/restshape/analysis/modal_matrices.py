@@ -35,6 +35,7 @@ class ModalMatrices:
         self.problem, self.comm, mask = problem, comm, problem.boundary.mask
         offsets = problem.space.node_offsets if comm.size > 1 else np.array([0, len(problem.space.X)], dtype=np.int32)
         self.operators: list[Operator] = []
+        self.share: RowShare
         if before is not None and before._serves(problem):
             self.operators, self.share = before.operators, before.share
             for operator in self.operators:
