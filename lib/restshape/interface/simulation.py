@@ -24,6 +24,7 @@ from restshape.scene.model import Scene
 
 if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
+    from restshape.calibration import Calibration
     from restshape.replay.loop import Replay
     from restshape.replay.recorder import Recorder
 
@@ -57,6 +58,8 @@ class Simulation(Edits):
         predict: how frames of a drag are predicted.
         strict: a refused event raises; else its frame says so in `ShownFrame.refused`, and the program goes on.
         recorder: takes each frame, on the first rank; None records nothing.
+        calibration: seconds a unit of counted work; None: the nominal ones.
+        petsc: words for PETSc's options database, which it has taken already.
 
     Attributes:
         frame: the last one; closed: no event can come any more.
@@ -74,9 +77,11 @@ class Simulation(Edits):
         predict: Predict = "none",
         strict: bool = True,
         recorder: Recorder | None = None,
+        calibration: Calibration | None = None,
+        petsc: Sequence[str] = (),
     ) -> None:
         self._written = WrittenScript(scene, analysis)
-        request = Request.of(scene, self._written.script(), policy, guess, predict=predict)
+        request = Request.of(scene, self._written.script(), policy, guess, calibration, petsc, predict)
         self._answer = LastAnswer.begun(request, recorder)
         self._replay = self._answer.replay
         self._strict, self.closed = strict, False

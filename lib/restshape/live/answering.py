@@ -254,7 +254,7 @@ class Worker:
         lines = [line for line in message.lines.splitlines() if '"do"' in line]
         if lines:
             self.player = None
-            self.live.reopen(lines, message.predict, self.progress("what was done is done again"))
+            self.live.reopen(lines, message.predict or self.live.predict, self.progress("what was done is done again"))
         self.start()
 
     def _control(self, message: page.Message) -> None:

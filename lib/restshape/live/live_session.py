@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 from petsc4py import PETSc
 
+from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.live.answering import Worker
 from restshape.live.growing_script import GrowingScript
 from restshape.live.link import Link
 from restshape.live.live_recording import LiveRecording
+from restshape.live.live_simulation import Manner
 from restshape.live.played_events import played_events
 from restshape.live.player_controls import PlayerControls
 from restshape.live.script_player import ScriptPlayer
@@ -35,10 +37,10 @@ def session(options: WorkerOptions, process: Begun | None = None) -> int:
     Raises:
         UserError: scene, script, recording or a file to write is bad.
     """
-    options.refuse_files()
-    scene = load_scene(options.scene, options.overrides)
+    scene = load_scene(options.scene, options.all_overrides)
     script = load_script(options.edits, scene) if options.edits else None
-    live = simulation(scene, options.policy, options.predict)
+    calibration = Calibration.load(options.calibration) if options.calibration else None
+    live = simulation(scene, Manner(options.policy, options.guess, calibration, options.petsc), options.predict)
     if PETSc.COMM_WORLD.rank > 0:
         follow_first_rank(live)
         return 0

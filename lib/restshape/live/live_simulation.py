@@ -15,6 +15,7 @@ from restshape.live.frame_picture import FramePicture
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from restshape.calibration import Calibration
     from restshape.interface.shown_frame import ShownFrame
     from restshape.replay.recorder import Recorder
     from restshape.scene.model import Scene
@@ -48,12 +49,31 @@ class CurrentEvent:
     refused: str = ""
 
 
+@dataclass(frozen=True)
+class Manner:
+    """How a scene is simulated.
+
+    Args:
+        policy, guess: what is reused from frame to frame, and where solves start; None: as the scene says.
+        calibration: seconds a unit of counted work; None: the nominal ones.
+        petsc: words for PETSc's options database.
+    """
+
+    policy: str | None = None
+    guess: str | None = None
+    calibration: Calibration | None = None
+    petsc: tuple[str, ...] = ()
+
+
+USUAL = Manner()
+
+
 class LiveSimulation:
     """A simulation whose events come one after the other, each carried out a frame at a time.
 
     Args:
         scene: where it starts.
-        policy: what is reused from frame to frame; None: as the scene says.
+        manner: how it is simulated.
         predict: how frames of drags are predicted.
 
     Attributes:
@@ -65,8 +85,8 @@ class LiveSimulation:
         recorder: takes the frames; None: they are not recorded.
     """
 
-    def __init__(self, scene: Scene, policy: str | None = None, predict: Predict = "none") -> None:
-        self._scene, self._policy = scene, policy
+    def __init__(self, scene: Scene, manner: Manner = USUAL, predict: Predict = "none") -> None:
+        self._scene, self._manner = scene, manner
         self.predict = predict
         self.hand: dict[str, object] | None = None
         self.step: CurrentEvent | None = None
@@ -77,7 +97,8 @@ class LiveSimulation:
         self.picture = FramePicture(self.sim)
 
     def _opened(self, predict: Predict) -> Simulation:
-        return Simulation(self._scene, policy=self._policy, predict=predict, strict=False, recorder=self.recorder)
+        given = vars(self._manner) | {"predict": predict, "strict": False, "recorder": self.recorder}
+        return Simulation(self._scene, **given)
 
     @property
     def scene(self) -> Scene:
@@ -116,7 +137,12 @@ class LiveSimulation:
         step = self.step
         if step is None:
             return False
-        frame = next(step.frames, None)
+        try:
+            frame = next(step.frames, None)
+        except BaseException:
+            # The script does not have it.
+            self.step = None
+            raise
         if frame is None:
             self._end(step)
             return False

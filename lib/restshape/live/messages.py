@@ -123,13 +123,13 @@ class ResumeMessage(FromPage):
     """What was done before, of the server: all of it is done again, and its last frame shown.
 
     Args:
-        lines: of the script, an event a line; predict: how frames were predicted.
+        lines: of the script, an event a line; predict: how frames were predicted; None: as at first.
     """
 
     id: Number = 0
     type: Literal["resume"]
     lines: str
-    predict: Literal["none", "linear", "gmls"] = "none"
+    predict: Literal["none", "linear", "gmls"] | None = None
 
 
 class EndMessage(FromPage):

@@ -1,7 +1,6 @@
 """The process of a live session that simulates: it takes the page's messages, and answers with frames.
 
-    python -m restshape.live.worker --link FD SCENE [--edits F] [--out SCRIPT] [--force] [--resume] [--record F]
-        [--policy P] [--predict KIND] [--set KEY=VALUE ...]
+    python -m restshape.live.worker --link FD SCENE [--edits F] [--out SCRIPT] [--resume] [--record F] ...
 
 Source: docs/live-protocol.md.
 """
@@ -13,6 +12,7 @@ from collections.abc import Sequence
 from restshape.errors import UserError
 from restshape.live.worker_options import options_of
 from restshape.replay.recorder_start import begun
+from restshape.surroundings import start_petsc
 
 
 def main(words: Sequence[str]) -> int:
@@ -22,9 +22,10 @@ def main(words: Sequence[str]) -> int:
     options = options_of(words)
     # What writes a recording is begun before MPI.
     process = begun() if options.record is not None else None
-    from restshape.live.live_session import session
-
     try:
+        start_petsc(options.petsc)
+        from restshape.live.live_session import session
+
         return session(options, process)
     except UserError as error:
         print(error, file=sys.stderr)
