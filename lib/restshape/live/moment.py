@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +10,9 @@ from restshape.live.frame_arrays import PicturePart
 from restshape.live.shown_marks import Mark
 
 KEPT_BYTES = 256 << 20
-"""Bytes of arrays of frames that are kept."""
+"""Bytes of frames that are kept."""
+HEADER_BYTES = 8_192
+"""Of a frame besides its arrays, about."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,45 +39,38 @@ class KeptMoments:
     """Frames that have been shown; of too many the first ones are forgotten.
 
     Args:
-        most: bytes of their arrays.
+        most: bytes of their arrays, of which those that frames share count once, and of their headers.
     """
 
     def __init__(self, most: int = KEPT_BYTES) -> None:
         self._most, self._bytes = most, 0
-        self._kept: OrderedDict[int, tuple[Moment, int]] = OrderedDict()
-        self._arrays: dict[int, int] = {}
+        self._kept: dict[int, Moment] = {}
+        self._uses: dict[int, int] = {}
 
     def add(self, moment: Moment) -> None:
         """Keeps a frame."""
         if moment.number in self._kept:
             self._forget(moment.number)
-        size = 0
+        self._kept[moment.number] = moment
+        self._bytes += HEADER_BYTES
         for array in _arrays_of(moment):
-            if self._arrays.get(id(array), 0) == 0:
-                size += array.nbytes
-            self._arrays[id(array)] = self._arrays.get(id(array), 0) + 1
-        self._kept[moment.number] = moment, size
-        self._bytes += size
+            uses = self._uses.get(id(array), 0)
+            self._uses[id(array)] = uses + 1
+            self._bytes += 0 if uses else array.nbytes
         while self._bytes > self._most and len(self._kept) > 1:
             self._forget(next(iter(self._kept)))
 
     def _forget(self, number: int) -> None:
-        moment, size = self._kept.pop(number)
-        self._bytes -= size
-        for array in _arrays_of(moment):
-            self._arrays[id(array)] -= 1
-            if not self._arrays[id(array)]:
-                del self._arrays[id(array)]
+        self._bytes -= HEADER_BYTES
+        for array in _arrays_of(self._kept.pop(number)):
+            self._uses[id(array)] -= 1
+            if not self._uses[id(array)]:
+                del self._uses[id(array)]
+                self._bytes -= array.nbytes
 
     def get(self, number: int) -> Moment | None:
         """A frame; None where it is not kept."""
-        found = self._kept.get(number)
-        return None if found is None else found[0]
-
-    def drop_after(self, number: int) -> None:
-        """Forgets frames after one."""
-        for later in [one for one in self._kept if one > number]:
-            self._forget(later)
+        return self._kept.get(number)
 
 
 def _arrays_of(moment: Moment) -> list[AnyArray]:
