@@ -41,7 +41,9 @@ function composed(scene: Scene): HTMLCanvasElement {
 function write(pen: CanvasRenderingContext2D, text: HTMLElement, origin: DOMRect): void {
   const style = getComputedStyle(text);
   if (style.visibility === "hidden" || !text.offsetParent || !text.textContent) return;
-  const { left, top, height } = text.getBoundingClientRect();
+  const { left, top, width, height } = text.getBoundingClientRect();
+  pen.fillStyle = style.backgroundColor;
+  pen.fillRect(left - origin.left, top - origin.top, width, height);
   pen.font = `${style.fontSize} ${style.fontFamily}`;
   pen.fillStyle = style.color;
   pen.textBaseline = "middle";

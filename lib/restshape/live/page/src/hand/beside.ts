@@ -56,7 +56,8 @@ export class Beside {
     const { offsetWidth, offsetHeight } = this.box;
     const left = Math.min(Math.max(this.x + 18, 4), Math.max(clientWidth - offsetWidth - 4, 4));
     const above = this.y - offsetHeight - 18;
-    const top = above > 4 ? above : Math.min(this.y + 24, clientHeight - offsetHeight - 4);
+    const below = above > 4 ? above : this.y + 24;
+    const top = Math.max(Math.min(below, clientHeight - offsetHeight - 4), 4);
     this.box.style.transform = `translate(${left}px, ${top}px)`;
   }
 }
