@@ -55,3 +55,13 @@ def test_the_script_of_an_example_replays_to_the_same_rows(app, monkeypatch, tmp
     assert script.frame_count == len(rows) > 4
     replayed = [values(frame.row) for frame in restshape.replay(scene, script)]
     assert replayed == [values(row) for row in rows]
+
+
+@pytest.mark.parametrize("app", ["couture", "furniture"])
+def test_what_is_no_plane_shape_is_drawn_as_its_reports_draw_it(app, tmp_path):
+    scene = restshape.load(runpy.run_path(str(EXAMPLES[app]))["SCENE"], *COARSE[app])
+    run = restshape.replay(scene, out=tmp_path / "drawn.vtkhdf")
+    drawn = next(run)._repr_png_()
+    assert not list(run)
+    with restshape.recording(tmp_path / "drawn.vtkhdf") as recording:
+        assert drawn.startswith(b"\x89PNG") and drawn == recording._repr_png_() == recording.frames[0]._repr_png_()

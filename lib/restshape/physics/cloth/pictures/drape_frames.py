@@ -162,8 +162,9 @@ def draw_drape(recording: Recording, options: Namespace, still: Path, moving: Pa
         options: of `restshape report`; its frames, by their numbers in `at` where these are given.
         still, moving: paths of the pictures.
     """
-    shown, animated = np.array(options.at or chosen_frames(recording, options.frames)), animated_frames(recording)
-    common = drape_scenery(recording, np.union1d(shown, animated) if moving else shown)
+    usual, animated = chosen_frames(recording, options.frames), animated_frames(recording)
+    shown = np.array(options.at) if options.at else usual
+    common = drape_scenery(recording, np.unique([*usual, *shown, *(animated if moving else ())]))
     draw_drape_frames(recording, shown, common, still)
     if moving:
         draw_drape_animation(recording, animated, common, moving)
