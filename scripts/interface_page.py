@@ -13,6 +13,7 @@ from typing import Any
 
 import restshape
 from restshape.interface import simulation
+from restshape.live import notebook
 
 PAGE = Path(__file__).parents[1] / "docs" / "python-interface.md"
 HEAD = """# Python interface: every name
@@ -31,6 +32,7 @@ SHOWN = (
     "open",
     "replay",
     "recording",
+    "live",
 )
 KINDS = (
     "Simulation",
@@ -40,9 +42,12 @@ KINDS = (
     "ShownMesh",
     "OpenedRecording",
     "FrameOnFile",
+    "LivePage",
     "UserError",
     "RefusedFrame",
 )
+CALLED = {"replay": simulation.replay, "live": notebook.live}
+"""Functions whose names are packages, too, which are called in their place."""
 ELSEWHERE = {
     "Scene": "the validated model of a scene: its fields are the tables of the [scene format](scene-format.md)",
     "Script": "an edit script: `header`, `events`, `text`; events are models of the [script format](script-format.md)",
@@ -68,8 +73,7 @@ def page() -> str:
     """The text of the page."""
     parts = [HEAD, "\n## Functions\n"]
     for name in SHOWN:
-        # The package of that name is called, and the function it calls has the docstring.
-        parts += entry(f"restshape.{name}", simulation.replay if name == "replay" else getattr(restshape, name))
+        parts += entry(f"restshape.{name}", CALLED.get(name) or getattr(restshape, name))
     for name in KINDS:
         kind = getattr(restshape, name)
         parts += [f"\n## `restshape.{name}`\n", text_of(kind)]

@@ -26,11 +26,14 @@ OFFERED = {
     "interface.scenes": ("changed", "load", "new_scene", "save_scene"),
     "interface.scripts": ("load_script", "new_script", "save_script"),
     "interface.simulation": ("RefusedFrame", "Simulation", "open"),
+    "live.notebook": ("LivePage",),
     "scene.edit_script": ("Script",),
     "scene.model": ("Scene",),
 }
-"""Names for programs, by the module that has them; `restshape.replay` is the function, and the package of its parts."""
-_MODULES = {name: module for module, names in OFFERED.items() for name in names} | {"replay": "replay"}
+"""Names for programs, by the module that has them."""
+CALLED = ("replay", "live")
+"""Functions, and the packages of their parts."""
+_MODULES = {name: module for module, names in OFFERED.items() for name in names} | {name: name for name in CALLED}
 
 
 def __getattr__(name: str) -> object:
@@ -38,7 +41,7 @@ def __getattr__(name: str) -> object:
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module = import_module(f"{__name__}.{_MODULES[name]}")
-    found = module if name == "replay" else getattr(module, name)
+    found = module if name in CALLED else getattr(module, name)
     globals()[name] = found
     return found
 

@@ -19,6 +19,8 @@ from restshape.interface.simulation import RefusedFrame as RefusedFrame
 from restshape.interface.simulation import Simulation as Simulation
 from restshape.interface.simulation import open as open
 from restshape.interface.simulation import replay as replay
+from restshape.live.notebook import LivePage as LivePage
+from restshape.live.notebook import live as live
 from restshape.scene.edit_script import Script as Script
 from restshape.scene.model import Scene as Scene
 

@@ -13,7 +13,7 @@ from restshape.cli.options import add_set
 from restshape.cli.parser import add_edits
 from restshape.cli.ranks import first_rank, launched
 from restshape.errors import UserError
-from restshape.live.server_process import SimulatingProcess, clean_environment
+from restshape.live.server_process import PARENT, SimulatingProcess, clean_environment
 from restshape.outputs.kinds import LiveScriptFile, RecordingFile
 from restshape.policy import GUESSES, POLICIES
 
@@ -31,7 +31,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_edits(parser, "edit script (.jsonl) to play, and to take over")
     parser.add_argument("--out", type=LiveScriptFile, metavar="FILE", help="write what is done as a script (.jsonl)")
     parser.add_argument("--record", type=RecordingFile, metavar="FILE", help="recording (.vtkhdf) of the session")
-    parser.add_argument("--force", action="store_true", help="replace the file of --out")
+    parser.add_argument("--force", action="store_true", help="replace the files of --out and --record")
     parser.add_argument("--port", type=_port, metavar="N", help="of 127.0.0.1 (default: any that is free)")
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
     parser.add_argument("--policy", choices=list(POLICIES), help="what is reused (default: the scene's)")
@@ -51,7 +51,8 @@ def run(args: argparse.Namespace) -> int:
     try:
         from restshape.live.server import Serving, serve
 
-        return serve(process, Serving(args.port, args.open, args.out))
+        parent = int(os.environ.pop(PARENT, 0)) or None
+        return serve(process, Serving(args.port, args.open, args.out, parent))
     except BaseException:
         process.kill()
         raise
@@ -83,8 +84,10 @@ def _check(args: argparse.Namespace) -> None:
         if not path.is_file():
             what = "this is a folder" if path.is_dir() else "there is no such file"
             raise UserError(what, str(path), "restshape new APP DIR writes a scene to start from")
-    if args.out and args.out.exists() and not args.force:
-        raise UserError("there is a file of this name already", f"--out {args.out}", "name another one, or add --force")
+    for option, path in (("--out", args.out), ("--record", args.record)):
+        if path and path.exists() and not args.force:
+            what = "there is a file of this name already"
+            raise UserError(what, f"{option} {path}", "name another one, or add --force")
     page_files()
 
 

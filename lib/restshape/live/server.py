@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
 import socket
 import sys
@@ -23,6 +24,8 @@ from restshape.live.server_session import LiveSession
 
 SLOW_END = 1.0
 """Seconds after which a session that ends says what it waits for."""
+LOOK = 1.0
+"""Seconds between two looks for the process with which a session ends."""
 
 
 @dataclass(frozen=True)
@@ -33,12 +36,14 @@ class Serving:
         port: of the loopback; None: any.
         browser: opens one.
         script: file that the process writes; None: none.
+        parent: number of the process with which the session ends; None: it goes on by itself.
         endings: signals that end the session.
     """
 
     port: int | None = None
     browser: bool = False
     script: Path | None = None
+    parent: int | None = None
     endings: Iterable[signal.Signals] = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -65,9 +70,12 @@ async def _served(process: SimulatingProcess, how: Serving, found: socket.socket
     _announce(address, how)
     leading = asyncio.create_task(session.lead())
     end = Ending(session, how.endings)
+    watching = asyncio.create_task(_watch(how.parent, session)) if how.parent else None
     try:
         code = await leading
     finally:
+        if watching:
+            watching.cancel()
         end.forget()
         await session.pages.close()
         await runner.cleanup()
@@ -76,6 +84,13 @@ async def _served(process: SimulatingProcess, how: Serving, found: socket.socket
     if how.script and process.events:
         print(f"script: {how.script}, {process.events} events")
     return end.exit_code if end.signals else _positive(code)
+
+
+async def _watch(parent: int, session: LiveSession) -> None:
+    """Ends a session when the process that has started this one is gone."""
+    while os.getppid() == parent:
+        await asyncio.sleep(LOOK)
+    await session.end()
 
 
 class Ending:

@@ -9,6 +9,8 @@ import sys
 from collections.abc import Sequence
 
 WORKER = "restshape.live.worker"
+PARENT = "RESTSHAPE_LIVE_PARENT"
+"""Environment variable with the number of the process with which a session ends."""
 
 
 class SimulatingProcess:

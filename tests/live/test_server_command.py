@@ -1,0 +1,105 @@
+"""The command `restshape live`, its bad inputs, and the page of a program."""
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+import restshape
+from restshape.live import notebook, server_files
+from restshape.live.server_files import FIRST, headers, page_files
+
+SCENE = Path(__file__).parents[1] / "scenes" / "beam.toml"
+
+
+@pytest.fixture
+def built(monkeypatch, tmp_path):
+    """The page is there, whatever was built."""
+    folder = tmp_path / "dist"
+    folder.mkdir()
+    (folder / FIRST).write_text("<title>page</title>")
+    monkeypatch.setattr(server_files, "FOLDER", folder)
+    monkeypatch.setattr(page_files, "__defaults__", (folder,))
+
+
+@pytest.mark.usefixtures("built")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["absent.toml"], "absent.toml: there is no such file"),
+        (["."], "this is a folder"),
+        (["scene.toml", "--edits", "absent.jsonl"], "absent.jsonl: there is no such file"),
+        (["scene.toml", "--out", "there.jsonl"], "add --force"),
+        (["scene.toml", "--record", "there.vtkhdf"], "add --force"),
+        (["scene.toml", "--out", "script.txt"], "ends in .jsonl"),
+        (["scene.toml", "--port", "70000"], "70000 is no port"),
+        (["scene.toml", "--port", "-1"], "-1 is no port"),
+    ],
+)
+def test_bad_input_has_place_and_remedy_before_anything_starts(command, tmp_path, words, said):
+    for name, text in (
+        ("scene.toml", ""),
+        ("there.jsonl", '{"format": "restshape-edits"}\n'),
+        ("there.vtkhdf", ""),
+    ):
+        (tmp_path / name).write_text(text)
+    done = command("live", *words)
+    assert done.returncode == 2 and said in done.stderr, done.stderr
+    assert not done.stdout and (tmp_path / "there.jsonl").read_text()
+
+
+def test_a_page_that_was_not_built_says_how_to_build_it(command, tmp_path, monkeypatch):
+    monkeypatch.setattr(page_files, "__defaults__", (tmp_path / "none",))
+    (tmp_path / "scene.toml").write_text("")
+    done = command("live", "scene.toml")
+    assert done.returncode == 2 and "scripts/page.sh" in done.stderr
+
+
+def test_only_files_of_a_page_are_served_and_they_may_load_nothing_else(tmp_path):
+    for name in (FIRST, "main.js", ".state", "notes.txt"):
+        (tmp_path / name).write_text("")
+    (tmp_path / "folder").mkdir()
+    assert set(page_files(tmp_path)) == {FIRST, "main.js"}
+    said = headers(8000)["Content-Security-Policy"]
+    assert "default-src 'self'" in said and "ws://127.0.0.1:8000" in said and "unsafe-eval" not in said
+
+
+STAND_IN = """
+import os, signal, sys, time
+print("http://127.0.0.1:1/token/", flush=True)
+out = sys.argv[sys.argv.index("--out") + 1]
+open(out, "w").write(open(os.environ["WRITTEN"]).read())
+open(out + ".words", "w").write(" ".join(sys.argv))
+signal.signal(signal.SIGINT, lambda *_: sys.exit(0))
+time.sleep(30)
+"""
+
+
+@pytest.mark.cli
+def test_a_program_has_a_page_its_script_and_a_frame_for_notebooks(monkeypatch, tmp_path):
+    (tmp_path / "stand_in_live.py").write_text(STAND_IN)
+    scene = restshape.load(SCENE)
+    script = restshape.new_script(scene, [{"do": "idle", "frames": 3}])
+    restshape.save_script(script, tmp_path / "written.jsonl")
+    monkeypatch.setenv("WRITTEN", str(tmp_path / "written.jsonl"))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ["PYTHONPATH"]]))
+    monkeypatch.setattr(notebook, "COMMAND", "stand_in_live")
+    with restshape.live(scene, port=1234) as page:
+        assert page.address == "http://127.0.0.1:1/token/" and not page.closed
+        assert 'src="http://127.0.0.1:1/token/"' in page._repr_html_()
+        words = Path(f"{page._out}.words")
+        while not (words.exists() and words.read_text()):
+            time.sleep(0.01)
+        assert "--port 1234" in words.read_text()
+    assert page.closed and "ended" in page._repr_html_() and "closed" in repr(page)
+    assert page.script.text == script.text
+
+
+@pytest.mark.cli
+def test_a_page_that_does_not_start_says_why(monkeypatch, tmp_path):
+    (tmp_path / "stand_in_live.py").write_text("import sys\nsys.exit('restshape live: the port is gone')\n")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ["PYTHONPATH"]]))
+    monkeypatch.setattr(notebook, "COMMAND", "stand_in_live")
+    with pytest.raises(restshape.UserError, match=r"^the port is gone"):
+        restshape.live(restshape.load(SCENE))
