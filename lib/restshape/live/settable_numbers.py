@@ -31,6 +31,7 @@ class SceneNumber:
         unit: SI; empty where it has none, or that is not known.
         low, high: what it may be, in SI units; None: no bound is known.
         parameter: it is one of ``[parameters]``.
+        whole: it is a whole number, such as one of modes.
     """
 
     key: str
@@ -40,6 +41,7 @@ class SceneNumber:
     low: float | None
     high: float | None
     parameter: bool
+    whole: bool = False
 
     def said(self) -> dict[str, object]:
         """What the page gets."""
@@ -71,7 +73,9 @@ class SceneNumbers:
         elif (value := _value(here, scene, key)) is not None and all("." not in part for part in key):
             if key not in self._known:
                 self._known[key] = _unit(here, scene, key), *bounds_at(scene, key)
-            yield SceneNumber(".".join(key), value, str(here), *self._known[key], key[0] == PARAMETERS)
+            parameter = key[0] == PARAMETERS
+            whole = not parameter and isinstance(value_below(scene, key), int)
+            yield SceneNumber(".".join(key), value, str(here), *self._known[key], parameter, whole)
 
 
 def _value(written: object, scene: Scene, key: Key) -> float | None:

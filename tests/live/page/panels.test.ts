@@ -11,7 +11,7 @@ import { arrowTurn, rateText, shareText } from "../../../lib/restshape/live/page
 import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
 import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
 import { errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
-import { axisRange, powerTicks, tickLabels, ticks } from "../../../lib/restshape/live/page/src/panels/ticks";
+import { axisRange, powerLabels, powerTicks, tickLabels, ticks } from "../../../lib/restshape/live/page/src/panels/ticks";
 import { alike, partials, volumeGain } from "../../../lib/restshape/live/page/src/panels/tone_parameters";
 import { pointText, TypedError, valueOf } from "../../../lib/restshape/live/page/src/panels/typed_values";
 
@@ -21,6 +21,7 @@ test("numbers have SI prefixes as on the console", () => {
   assert.equal(siText(-999_999.99, "N"), "−1.000 MN");
   assert.equal(siText(12_345, "cent"), "12345 cent");
   assert.equal(siText(0.25, "1"), "0.2500");
+  assert.equal(siText(0, "m"), "0 m");
   assert.equal(siText(NaN, "Pa"), "–");
   assert.equal(siText(2e9, "m^2"), "2.000e9 m²");
   assert.equal(errorText(2e6, 2e8, "Pa"), "± 2.0 MPa (1.0 %)");
@@ -32,6 +33,7 @@ test("ticks are round numbers inside of the range", () => {
   assert.deepEqual(ticks(0, 10, 5), [0, 2, 4, 6, 8, 10]);
   assert.deepEqual(ticks(-0.13, 0.21, 4), [-0.1, 0, 0.1, 0.2]);
   assert.deepEqual(tickLabels([-0.1, 0, 0.1, 0.2]), ["−0.1", "0.0", "0.1", "0.2"]);
+  assert.deepEqual(powerLabels([1e-6, 0.01, 1, 1e12]), ["10⁻⁶", "0.01", "1", "10¹²"]);
   assert.deepEqual(powerTicks(0.5, 2e6, 4), [1, 100, 10_000, 1e6]);
   for (let trial = 0; trial < 200; trial += 1) {
     const low = (Math.random() - 0.5) * 10 ** (6 * Math.random() - 3), high = low + 10 ** (6 * Math.random() - 3);
@@ -110,6 +112,8 @@ test("numbers of the scene keep the unit that the scene writes", () => {
   assert.equal(typedValue("12", "0.3"), 12);
   const plain = sliderRange({ key: "k", value: -2, text: "-2", unit: "", parameter: false });
   assert.ok(plain.low < -2 && plain.high > -2 && plain.unit === "");
+  const modes = sliderRange({ key: "modes", value: 5, text: "5", unit: "", parameter: false, whole: true, low: 1, high: 1000 });
+  assert.deepEqual([modes.low, modes.high, modes.step], [2, 10, 1]);
   assert.ok(sliderRange({ key: "k", value: 0, text: "0", unit: "", parameter: false }).high > 0);
   const numbers = ["material.steel.thickness", "material.steel.density", "loads.top.value"].map((key) => ({ ...info, key }));
   assert.deepEqual(foundNumbers(numbers, "steel th", 5).shown.map((one) => one.key), ["material.steel.thickness"]);

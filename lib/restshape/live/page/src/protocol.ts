@@ -22,7 +22,7 @@ export type FromPage =
 
 export interface FieldInfo { name: string; label: string; unit: string; signed: boolean; fromZero: boolean; }
 export interface NumberInfo {                                              // a slider, or a number to type
-  key: string; value: number; text: string; unit: string; low?: number; high?: number; parameter: boolean;
+  key: string; value: number; text: string; unit: string; low?: number; high?: number; parameter: boolean; whole?: boolean;
 }
 export interface QuantityInfo { name: string; unit: string; limitLow?: number; limitHigh?: number; }
 export interface ThingInfo {                                               // what can be taken hold of

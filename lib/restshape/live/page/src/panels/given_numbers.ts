@@ -18,6 +18,8 @@ export function typedValue(typed: string, before: string): number | string | nul
   return typeof value === "number" && unit ? `${typed.trim()} ${unit}` : value;
 }
 
+const WIDE = 20;                                       // times a number's size: bounds that far apart are no range
+
 export interface SliderRange { low: number; high: number; step: number; unit: string; factor: number; }
 
 /** The range of a slider in the unit that the scene writes, which is `factor` of the number's own. */
@@ -27,9 +29,12 @@ export function sliderRange(info: NumberInfo): SliderRange {
   const unit = factor === 1 && !(parts?.unit && parts.number === info.value) ? "" : parts!.unit;
   const value = info.value * factor;
   const size = Math.abs(value) || 1;
-  let low = info.low !== undefined ? info.low * factor : value > 0 ? value / 2 : value - size;
-  let high = info.high !== undefined ? info.high * factor : value > 0 ? value * 2 : value + size;
-  if (factor < 0) [low, high] = [high, low];
+  const least = (info.low ?? -Infinity) * factor, most = (info.high ?? Infinity) * factor;
+  let low = value > 0 ? value / 2 : value - size, high = value > 0 ? value * 2 : value + size;
+  // Bounds that lie far apart say what is possible, not what is near.
+  if (most - least <= WIDE * size) [low, high] = [least, most];
+  else [low, high] = [Math.max(low, least), Math.min(high, most)];
+  if (info.whole) return { low: Math.floor(low), high: Math.max(Math.ceil(high), Math.floor(low) + 1), step: 1, unit, factor };
   const step = 10 ** Math.floor(Math.log10(Math.max(high - low, Number.MIN_VALUE)) - 2.4);
   return { low: rounded(low, step), high: rounded(high, step), step, unit, factor };
 }

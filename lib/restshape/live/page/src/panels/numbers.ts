@@ -35,7 +35,7 @@ class NumberLine {
     if (this.sliding || document.activeElement === this.text) return;
     const range = sliderRange(info);
     const place = info.value * range.factor;
-    if (range.unit !== this.range.unit || place < this.range.low || place > this.range.high || info.low !== undefined) this.range = range;
+    if (range.unit !== this.range.unit || place < this.range.low || place > this.range.high) this.range = range;
     this.arrange();
   }
 

@@ -3,7 +3,7 @@
 import { element, mark } from "./element";
 import { inkOf, onNewInk, type Ink } from "./ink";
 import { extremes, pixel, thinned, valueAt, type Axis } from "./plot_geometry";
-import { axisRange, powerTicks, tickLabels, ticks } from "./ticks";
+import { axisRange, powerLabels, powerTicks, tickLabels, ticks } from "./ticks";
 
 export interface Curve { name: string; x: ArrayLike<number>; y: ArrayLike<number>; }
 export interface Drawing {
@@ -84,7 +84,7 @@ export class Plot {
     widen((drawing.limits ?? []).map((limit) => limit.value).filter((value) =>
       !Number.isFinite(apart) || (value > low - 3 * apart && value < high + 3 * apart) || apart === 0));
     const [from, to] = axisRange(low, high, logarithmic);
-    return { low: from, high: to, from: this.height - 30, to: 16, logarithmic };
+    return { low: from, high: to, from: this.height - 30, to: 20, logarithmic };
   }
 
   private axisAcross(drawing: Drawing, left: number): Axis {
@@ -103,7 +103,7 @@ export class Plot {
     const factor = drawing.factor ?? 1;
     const count = Math.max(2, Math.floor(this.height / 34));
     const places = up.logarithmic ? powerTicks(up.low * factor, up.high * factor, count) : ticks(up.low * factor, up.high * factor, count);
-    const words = tickLabels(places);
+    const words = up.logarithmic ? powerLabels(places) : tickLabels(places);
     return places.map((place, index) => [place / factor, words[index]!]);
   }
 
@@ -149,7 +149,7 @@ export class Plot {
     pen.lineWidth = 1.75;
     drawing.curves.forEach((curve, index) => {
       pen.strokeStyle = ink.curves[index % ink.curves.length]!;
-      pen.setLineDash(DASHES[Math.floor(index / ink.curves.length) % DASHES.length]!);
+      pen.setLineDash(DASHES[index % DASHES.length]!);
       strokePolyline(pen, thinned(curve.x, curve.y, across, up));
     });
     pen.lineWidth = 1;
@@ -162,16 +162,27 @@ export class Plot {
       pen.textBaseline = y < 30 ? "top" : "bottom";
       pen.fillText(limit.name, right - 2, y);
     }
-    for (const [name, value] of Object.entries(drawing.at ?? {})) {
-      pen.strokeStyle = pen.fillStyle = ink.text;
-      pen.setLineDash([2, 2]);
-      const x = Math.round(pixel(across, value)) + 0.5;
-      strokePolyline(pen, [x, 14, x, bottom]);
-      pen.textBaseline = "top";
-      pen.textAlign = x > (across.from + right) / 2 ? "right" : "left";
-      pen.fillText(name, x + (pen.textAlign === "right" ? -3 : 3), 16);
-    }
+    this.upright(pen, drawing);
     pen.restore();
+  }
+
+  /** Upright lines with their names, each in the first row that is free. */
+  private upright(pen: CanvasRenderingContext2D, drawing: Drawing): void {
+    const bottom = this.height - 30, right = this.width - 10, rows: [number, number][][] = [[], [], [], []];
+    pen.strokeStyle = pen.fillStyle = this.ink!.text;
+    pen.setLineDash([2, 2]);
+    pen.textBaseline = "top";
+    pen.textAlign = "left";
+    for (const [name, value] of Object.entries(drawing.at ?? {})) {
+      const x = Math.round(pixel(this.across, value)) + 0.5;
+      strokePolyline(pen, [x, 14, x, bottom]);
+      if (!name) continue;
+      const wide = pen.measureText(name).width;
+      const left = x + 3 + wide > right ? x - 3 - wide : x + 3;
+      const row = Math.max(0, rows.findIndex((taken) => taken.every(([from, to]) => left > to + 4 || left + wide < from - 4)));
+      rows[row]!.push([left, left + wide]);
+      pen.fillText(name, left, 16 + 12 * row);
+    }
   }
 }
 

@@ -35,12 +35,12 @@ export function extremes(values: ArrayLike<number>, positive = false): [number, 
  */
 export function thinned(x: ArrayLike<number>, y: ArrayLike<number>, across: Axis, up: Axis): number[] {
   const line: number[] = [];
-  let column = NaN, least = 0, greatest = 0, last = 0;
+  let column = NaN, first = 0, least = 0, greatest = 0, last = 0;
   const put = (index: number) => line.push(pixel(across, x[index]!), pixel(up, y[index]!));
   const close = () => {
     if (Number.isNaN(column)) return;
     const [one, other] = least < greatest ? [least, greatest] : [greatest, least];
-    for (const index of new Set([one, other, last])) put(index);
+    for (const index of new Set([one, other, last])) if (index !== first) put(index);
     column = NaN;
   };
   for (let index = 0; index < y.length; index += 1) {
@@ -55,7 +55,7 @@ export function thinned(x: ArrayLike<number>, y: ArrayLike<number>, across: Axis
       close();
       column = here;
       put(index);
-      least = greatest = last = index;
+      first = least = greatest = last = index;
       continue;
     }
     if (value < y[least]!) least = index;

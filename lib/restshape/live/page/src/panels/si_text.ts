@@ -21,6 +21,7 @@ export function scaledUnit(size: number, unit: string): { factor: number; unit: 
 export function digitsText(value: number, digits = 4): string {
   if (Number.isNaN(value)) return "–";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
+  if (value === 0) return "0";
   const size = Math.abs(value);
   let text: string;
   if (size !== 0 && (size >= 1e7 || size < 1e-4)) {

@@ -35,6 +35,17 @@ export function axisRange(low: number, high: number, logarithmic = false): [numb
   return [low - margin, high + margin];
 }
 
+const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+/** Labels of powers of ten: 0.01, 100, 10⁻⁶. */
+export function powerLabels(values: number[]): string[] {
+  return values.map((value) => {
+    const power = Math.round(Math.log10(value));
+    if (power >= -3 && power <= 4) return String(value);
+    return `10${power < 0 ? "⁻" : ""}${[...String(Math.abs(power))].map((digit) => RAISED[Number(digit)]).join("")}`;
+  });
+}
+
 /** Labels of ticks, with as many decimals as tell them apart. */
 export function tickLabels(values: number[]): string[] {
   const step = values.length > 1 ? Math.min(...values.slice(1).map((value, index) => value - values[index]!)) : Math.abs(values[0] ?? 1) || 1;
