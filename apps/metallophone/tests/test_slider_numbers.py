@@ -7,7 +7,7 @@ from pathlib import Path
 from restshape.live.settable_numbers import SceneNumbers
 from restshape.scene.load import load_scene
 
-FISH = Path(__file__).parents[2] / "apps" / "metallophone" / "scenes" / "fish.toml"
+FISH = Path(__file__).parents[1] / "scenes" / "fish.toml"
 
 
 def test_counts_are_whole_numbers_and_lengths_are_not():
