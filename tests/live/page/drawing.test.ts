@@ -116,6 +116,8 @@ test("lines, arrows, normals, boxes, names and turns", () => {
   const { ends: arrows, starts } = arrowLines(Float32Array.from([0, 0, 0, 1, 1, 0]), Float32Array.from([0, 2, 0, 1, 0, 0]), 0.5);
   close(arrows, [0, 0, 0, 0, 0.5, 0, 1, 1, 0, 1.25, 1, 0]);
   assert.deepEqual(starts, [0, 2]);
+  const pushing = arrowLines(Float32Array.from([0, 0, 0, 1, 1, 0]), Float32Array.from([0, 2, 0, 1, 0, 0]), 0.5, [true, false]);
+  close(pushing.ends, [0, -0.5, 0, 0, 0, 0, 1, 1, 0, 1.25, 1, 0]);
   const normals = new Float32Array(9);
   addNormals(normals, Float32Array.from([0, 0, 0, 2, 0, 0, 0, 3, 0]), new Float32Array(0), 1, Uint32Array.from([0, 1, 2]));
   close(normals, [0, 0, 6, 0, 0, 6, 0, 0, 6]);

@@ -12,8 +12,12 @@ import type { Theme } from "./theme";
 export interface LinesDrawn {
   points: Float32Array; starts: ArrayLike<number>; meaning: string; moved?: Float32Array | null; words?: readonly string[]; width?: number;
 }
-/** Vectors at points, all at one scale, the longest as long as a part of the shape. */
-export interface ArrowsDrawn { points: Float32Array; vectors: Float32Array; meaning: string; words?: readonly string[]; }
+/** Vectors at points, all at one scale, the longest as long as a part of the shape. tips: which of them end at their points. */
+export interface ArrowsDrawn {
+  points: Float32Array; vectors: Float32Array; meaning: string; moved?: Float32Array | null; tips?: readonly boolean[]; words?: readonly string[];
+}
+/** A word whose place goes with the deformation that is drawn. */
+export interface MovedWord extends Word { moved?: readonly number[]; }
 
 const NONE = new Float32Array(0);
 const LONGEST = 0.1; // of the shape's size: the longest arrow
@@ -49,20 +53,27 @@ export class Marks {
   setArrows(name: string, arrows: ArrowsDrawn | null, size: number): void {
     const drawn = this.begin(name, arrows);
     if (!arrows) return;
-    const { points, vectors, meaning } = arrows;
-    const { ends, starts } = arrowLines(points, vectors, LONGEST * size);
+    const { points, vectors, meaning, tips = [] } = arrows;
+    const { ends, starts } = arrowLines(points, vectors, LONGEST * size, tips);
+    const moved = arrows.moved ? ofBothEnds(arrows.moved) : NONE;
     drawn.dots?.clear();
     drawn.lines ??= this.segments(0);
     drawn.heads ??= this.segments(HEAD);
     for (const segments of [drawn.lines, drawn.heads]) {
       segments.look(this.theme.colour(meaning), 2);
-      segments.setLines(ends, NONE, starts);
+      segments.setLines(ends, moved, starts);
     }
-    this.labels.set(name, wordsOf(arrows.words, meaning, (i) => [...ends.subarray(6 * i + 3, 6 * i + 6)]));
+    const scale = moved.length ? this.shared.scale.value : 0;
+    // Beside the end that is away from the point.
+    this.labels.set(name, wordsOf(arrows.words, meaning, (i) => placeOf(ends, moved, scale, 6 * i + (tips[i] ? 0 : 3))));
   }
 
-  setWords(name: string, words: readonly Word[] | null): void {
-    this.labels.set(name, words ?? []);
+  setWords(name: string, words: readonly MovedWord[] | null): void {
+    const scale = this.shared.scale.value;
+    const placed = (words ?? []).map(({ text, at, meaning, moved }) => (
+      { text, meaning, at: Array.from(at, (x, k) => x + scale * (moved?.[k] ?? 0)) }
+    ));
+    this.labels.set(name, placed);
     this.changed();
   }
 
@@ -126,15 +137,32 @@ function middleOf(points: Float32Array, moved: Float32Array, scale: number, star
   const begin = starts[line] ?? 0;
   const end = line + 1 < starts.length ? starts[line + 1]! : points.length / 3;
   const at = 3 * (begin + ((end - begin) >> 1));
+  return placeOf(points, moved, scale, at);
+}
+
+function placeOf(points: Float32Array, moved: Float32Array, scale: number, at: number): number[] {
   return [0, 1, 2].map((k) => points[at + k]! + (scale ? scale * moved[at + k]! : 0));
+}
+
+/** The displacements of points for both ends of an arrow at each. */
+function ofBothEnds(moved: Float32Array): Float32Array {
+  const both = new Float32Array(2 * moved.length);
+  for (let i = 0; i < moved.length; i += 3) {
+    const own = moved.subarray(i, i + 3);
+    both.set(own, 2 * i);
+    both.set(own, 2 * i + 3);
+  }
+  return both;
 }
 
 function wordsOf(words: readonly string[] | undefined, meaning: string, at: (i: number) => number[]): Word[] {
   return (words ?? []).map((text, i) => ({ text, at: at(i), meaning })).filter(({ text }) => text);
 }
 
-/** Lines from points along vectors, the longest of a given length. */
-export function arrowLines(points: Float32Array, vectors: Float32Array, longest: number): { ends: Float32Array; starts: number[] } {
+/** Lines from points along vectors, the longest of a given length. tips: which of them end at their points instead. */
+export function arrowLines(
+  points: Float32Array, vectors: Float32Array, longest: number, tips: readonly boolean[] = [],
+): { ends: Float32Array; starts: number[] } {
   let most = 0;
   for (let i = 0; i < vectors.length; i += 3) most = Math.max(most, Math.hypot(vectors[i]!, vectors[i + 1]!, vectors[i + 2]!));
   const factor = most > 0 ? longest / most : 0;
@@ -143,8 +171,9 @@ export function arrowLines(points: Float32Array, vectors: Float32Array, longest:
   for (let i = 0; i < points.length; i += 3) {
     starts.push((2 * i) / 3);
     for (let k = 0; k < 3; k += 1) {
-      ends[2 * i + k] = points[i + k]!;
-      ends[2 * i + 3 + k] = points[i + k]! + factor * vectors[i + k]!;
+      const far = factor * vectors[i + k]!;
+      ends[2 * i + k] = points[i + k]! - (tips[i / 3] ? far : 0);
+      ends[2 * i + 3 + k] = ends[2 * i + k]! + far;
     }
   }
   return { ends, starts };

@@ -32,8 +32,9 @@ function decoded(mark: MarkMessage, read: Frame["read"]): DrawnMark[] {
     return [{ kind, name, meaning, starts, words, points: copy(mark.points), moved: mark.moved ? copy(mark.moved) : null }];
   }
   if (mark.kind === "arrows") {
-    const { kind, name, meaning, unit, words } = mark;
-    return [{ kind, name, meaning, unit, words, points: copy(mark.points), vectors: copy(mark.vectors) }];
+    const { kind, name, meaning, unit, words, tips } = mark;
+    const moved = mark.moved ? copy(mark.moved) : null;
+    return [{ kind, name, meaning, unit, words, tips, moved, points: copy(mark.points), vectors: copy(mark.vectors) }];
   }
   return mark.kind === "words" ? [mark] : [];
 }

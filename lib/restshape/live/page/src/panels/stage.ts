@@ -2,8 +2,10 @@
 
 /** Points, moves and vectors have three numbers each; a line of one point is a dot. */
 export interface LinesToDraw { points: Float32Array; starts: number[]; meaning: string; moved: Float32Array | null; words: string[]; }
-export interface ArrowsToDraw { points: Float32Array; vectors: Float32Array; meaning: string; words: string[]; }
-export interface WordToDraw { text: string; at: number[]; meaning: string; }
+export interface ArrowsToDraw {
+  points: Float32Array; vectors: Float32Array; meaning: string; moved: Float32Array | null; tips: boolean[]; words: string[];
+}
+export interface WordToDraw { text: string; at: number[]; meaning: string; moved?: number[]; }
 
 export interface Stage {
   /** The place [m] at which the canvas is pressed next; null: given up by Escape, or by another pick. */
@@ -18,7 +20,7 @@ export interface Stage {
 export type DrawnMark =
   | ({ kind: "lines"; name: string } & LinesToDraw)
   | ({ kind: "arrows"; name: string; unit: string } & ArrowsToDraw)
-  | { kind: "words"; text: string; at: number[] | null; meaning: string };
+  | { kind: "words"; text: string; at: number[] | null; meaning: string; moved?: number[] };
 
 /** Marks that come and go together: those that are no longer among them are taken away. */
 export class MarkGroup {
@@ -31,7 +33,7 @@ export class MarkGroup {
     const words: WordToDraw[] = [];
     marks.forEach((mark, index) => {
       if (mark.kind === "words") {
-        if (mark.at) words.push({ text: mark.text, at: mark.at, meaning: mark.meaning });
+        if (mark.at) words.push({ text: mark.text, at: mark.at, meaning: mark.meaning, moved: mark.moved });
         return;
       }
       const name = now.has(this.full(mark.name)) ? this.full(`${mark.name} ${index}`) : this.full(mark.name);
