@@ -32,19 +32,26 @@ export class Dots {
   readonly points: Points<BufferGeometry, ShaderMaterial>;
   readonly colour: IUniform<Color>;
   private readonly moves: IUniform<number>;
+  private readonly width: IUniform<number>;
 
   constructor(shared: Shared, look: DotLook) {
     this.colour = { value: look.colour };
+    this.width = { value: look.width };
     this.moves = { value: look.moves === false ? 0 : 1 };
     this.points = new Points(new BufferGeometry(), new ShaderMaterial({
       glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, depthWrite: false, depthTest: !look.through,
       uniforms: {
         scale: shared.scale, pixels: shared.pixels, moves: this.moves,
-        colour: this.colour, rim: { value: look.rim }, width: { value: look.width },
+        colour: this.colour, rim: { value: look.rim }, width: this.width,
       },
     }));
     this.points.frustumCulled = false;
     this.points.matrixAutoUpdate = false;
+  }
+
+  look(colour: Color, width: number): void {
+    this.colour.value = colour;
+    this.width.value = width;
   }
 
   set(points: Float32Array, shifts: Float32Array, count = points.length / 3): void {

@@ -23,6 +23,7 @@ const NONE = new Float32Array(0);
 const LONGEST = 0.1; // of the shape's size: the longest arrow
 const HEAD = 11; // pixels
 const ORDER = 20; // above the shape
+const MANY = 24; // dots, which are then drawn smaller
 
 interface Drawn { lines?: Segments; heads?: Segments; dots?: Dots; }
 
@@ -103,7 +104,7 @@ export class Marks {
       drawn.dots.points.renderOrder = ORDER;
       this.group.add(drawn.dots.points);
     }
-    drawn.dots.colour.value = this.theme.colour(meaning);
+    drawn.dots.look(this.theme.colour(meaning), alone.length > MANY ? 5 : 10);
     drawn.dots.set(taken(points, alone), moved.length ? taken(moved, alone) : NONE);
   }
 

@@ -33,17 +33,23 @@ export function inside(xy: Float32Array, paths: readonly (readonly [number, numb
   return odd;
 }
 
-/** Area of the box around paths: the smaller of two that hold the pointer is meant. */
-export function boxArea(xy: Float32Array, paths: readonly (readonly [number, number])[]): number {
-  let left = Infinity, right = -Infinity, low = Infinity, high = -Infinity;
+/** The box around paths. */
+export function boxOf(xy: Float32Array, paths: readonly (readonly [number, number])[]): { left: number; right: number; low: number; high: number } {
+  const box = { left: Infinity, right: -Infinity, low: Infinity, high: -Infinity };
   for (const [begin, end] of paths) {
     for (let i = begin; i < end; i += 1) {
-      left = Math.min(left, xy[2 * i]!);
-      right = Math.max(right, xy[2 * i]!);
-      low = Math.min(low, xy[2 * i + 1]!);
-      high = Math.max(high, xy[2 * i + 1]!);
+      box.left = Math.min(box.left, xy[2 * i]!);
+      box.right = Math.max(box.right, xy[2 * i]!);
+      box.low = Math.min(box.low, xy[2 * i + 1]!);
+      box.high = Math.max(box.high, xy[2 * i + 1]!);
     }
   }
+  return box;
+}
+
+/** Area of the box around paths: the smaller of two that hold the pointer is meant. */
+export function boxArea(xy: Float32Array, paths: readonly (readonly [number, number])[]): number {
+  const { left, right, low, high } = boxOf(xy, paths);
   return (right - left) * (high - low);
 }
 

@@ -58,6 +58,7 @@ export class Pointer {
     const { controls } = this.scene.view;
     if (this.finger) return this.second(event);
     controls.enabled = true;
+    if (event.pointerType === "touch" && !event.isPrimary) return; // the first finger moves the picture already
     if (event.button !== 0 || this.app.tool === "look" || event.ctrlKey || event.metaKey) return;
     this.start = { x: event.offsetX, y: event.offsetY };
     this.moved = false;

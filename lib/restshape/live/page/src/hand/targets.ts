@@ -5,7 +5,7 @@ import { Vector3 } from "three";
 import type { Parts, Shown } from "../draw/parts";
 import type { Scene } from "../draw/scene";
 import type { ThingInfo } from "../protocol";
-import { boxArea, inside, nearestOnPath, rayHit, type Triple } from "./nearest";
+import { boxArea, boxOf, inside, nearestOnPath, rayHit, type Triple } from "./nearest";
 
 export type Path = readonly [number, number];        // numbers of the first point, and of the one after the last
 export interface Target { thing: ThingInfo; shown: Shown; dots: number[]; paths: Path[]; }
@@ -44,7 +44,18 @@ export class Targets {
   at(things: readonly ThingInfo[], x: number, y: number, reach: number, free: (thing: ThingInfo) => boolean): Grip | null {
     const all = this.list(things).filter(({ thing }) => free(thing));
     this.flat.clear();
-    return this.dotAt(all, x, y, reach) ?? this.edgeAt(all, x, y, reach) ?? this.areaAt(all, x, y) ?? this.bodyAt(all, x, y);
+    const area = this.areaAt(all, x, y);
+    // In the middle of a small hole the hole is meant, though its vertices are within reach.
+    const near = area ? Math.min(reach, this.fromMiddle(area.target, x, y)) : reach;
+    return this.dotAt(all, x, y, near) ?? this.edgeAt(all, x, y, near) ?? area ?? this.bodyAt(all, x, y);
+  }
+
+  private fromMiddle(target: Target, x: number, y: number): number {
+    const xy = this.pixels(target.shown);
+    let far = 0;
+    for (const [begin, end] of target.paths) for (let i = begin; i < end; i += 1) far = Math.max(far, Math.hypot(xy[2 * i]! - x, xy[2 * i + 1]! - y));
+    const { left, right, low, high } = boxOf(xy, target.paths);
+    return Math.max(Math.hypot(x - 0.5 * (left + right), y - 0.5 * (low + high)), 0.2 * far);
   }
 
   /** Where a target is taken hold of by keys: its middle; of several dots the first. */
