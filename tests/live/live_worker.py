@@ -117,7 +117,7 @@ class LocalSession(Page):
                 self.link.send(one)
         found = []
         while self.worker.waits():
-            self.worker._next()
+            self.worker.next()
             found += self.drain()
         return [one for one in found + self.drain() if one["type"] != "busy"]
 
@@ -129,15 +129,15 @@ class LocalSession(Page):
         """Lets what goes on by itself come to rest; the frames that it took."""
         before = len(self.of("frame"))
         while self.worker.player is None and not self.live.settled:
-            self.worker._next()
+            self.worker.next()
             self.drain()
-        self.worker._end_rest()
+        self.worker.end_rest()
         self.drain()
         return len(self.of("frame")) - before
 
     def end(self) -> None:
         """Ends it, as the server does."""
-        self.worker._end_rest()
+        self.worker.end_rest()
         self.worker.recording.end(self.live)
         self.live.close()
         self.worker.file.close()

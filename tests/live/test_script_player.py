@@ -55,7 +55,7 @@ def test_a_script_plays_at_its_pace_until_its_end_or_a_pause(scene, script):
     session = LocalSession(scene, script=script)
     session.say("play", speed=1000.0)
     for _ in range(100):
-        session.worker._next()
+        session.worker.next()
         session.drain()
         if session.of("frame")[-1]["number"] == 9:
             break
@@ -63,7 +63,7 @@ def test_a_script_plays_at_its_pace_until_its_end_or_a_pause(scene, script):
     assert not [one for one in session.say("pause") if one["type"] == "player"][-1]["playing"]
     session.say("play", speed=1000.0)
     while session.worker.player.playing:
-        session.worker._next()
+        session.worker.next()
         session.drain()
     assert [cut(row) for row in session.rows()] == [cut(frame.row) for frame in restshape.replay(scene, script)]
     session.end()

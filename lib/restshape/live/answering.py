@@ -7,9 +7,7 @@ Source: docs/live-protocol.md.
 
 from __future__ import annotations
 
-import traceback
-from collections.abc import Callable, Sequence
-from time import monotonic
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast
 
 from restshape.application import application_of
@@ -17,9 +15,9 @@ from restshape.errors import UserError
 from restshape.live import messages as page
 from restshape.live.frame_arrays import MessageBody
 from restshape.live.frame_header import header_of
-from restshape.live.frame_message import FrameEncoder
-from restshape.live.link import Link, LinkClosed
+from restshape.live.link import Link
 from restshape.live.mark_messages import placed
+from restshape.live.message_loop import MessageLoop
 from restshape.live.moment import Moment
 from restshape.live.player_controls import PlayerControls
 from restshape.live.shown_marks import Mark, Tone
@@ -28,20 +26,13 @@ from restshape.live.welcome import SessionWords
 if TYPE_CHECKING:
     from restshape.live.growing_script import GrowingScript
     from restshape.live.live_recording import LiveRecording
-    from restshape.live.live_simulation import LiveSimulation, Progress
+    from restshape.live.live_simulation import LiveSimulation
 
-OFTEN = 0.2
-"""Seconds between two words of progress."""
 MOST_REST = 5_000
 """Frames in which cloth goes on by itself, at most, after something was done."""
 
 
-class SessionEnd(Exception):
-    """The server ends the session."""
-
-
-# More than 15 attributes: the session, what waits, and what was said.
-class Worker:
+class Worker(MessageLoop):
     """Answers the messages of a page, one after the other.
 
     Args:
@@ -50,14 +41,13 @@ class Worker:
     """
 
     def __init__(self, link: Link, live: LiveSimulation, file: GrowingScript, recording: LiveRecording) -> None:
-        self.link, self.live, self.file, self.recording = link, live, file, recording
+        super().__init__(link)
+        self.live, self.file, self.recording = live, file, recording
         self.words = SessionWords(live)
         self.player: PlayerControls | None = None
-        self._waiting: list[page.Message] = []
-        self._encoder = FrameEncoder()
-        self._answered = self._rested = 0
+        self._rested = 0
         self._marks = True
-        self._handlers: dict[type, Callable[..., None]] = {
+        self.handlers |= {
             page.EventMessage: self._event,
             page.ShowMessage: self._show,
             page.RatesMessage: self._rates,
@@ -66,7 +56,6 @@ class Worker:
             page.RestartMessage: self._restart,
             page.StrikeMessage: self._strike,
             page.ResumeMessage: self._resume,
-            page.EndMessage: self._finish,
             page.PlayMessage: self._control,
             page.PauseMessage: self._control,
             page.SeekMessage: self._control,
@@ -74,13 +63,10 @@ class Worker:
         }
 
     def run(self) -> None:
-        """Answers until the server ends the session."""
-        try:
-            while True:
-                self._next()
-        except (LinkClosed, SessionEnd):
-            self.live.stop()
-            self._write()
+        """Answers until the server ends the session; what was done is written down."""
+        super().run()
+        self.live.stop()
+        self._write()
 
     def start(self) -> None:
         """Says what there is, and shows it."""
@@ -89,78 +75,32 @@ class Worker:
         self.welcome()
         self.send(self.moment())
 
-    def _next(self) -> None:
-        """Answers a message; without any, goes on with what goes on by itself."""
-        for content in self.link.waiting():
-            self._take(content)
-        if self._waiting:
-            self._answer(self._waiting.pop(0))
-            return
+    def idle(self) -> None:
+        """Goes on with what goes on by itself, or waits for a message."""
         self._say_changes()
         if self.player is not None and self.player.playing:
-            self._wait(self.player.go_on())
+            self.wait(self.player.go_on())
         elif self.player is None and not self.live.settled and self._rested < MOST_REST:
             self._rest()
         else:
-            self._end_rest()
-            self._wait(None)
+            self.end_rest()
+            self.wait(None)
 
-    def _wait(self, seconds: float | None) -> None:
-        content = self.link.receive(seconds)
-        if content is not None:
-            self._take(content)
+    def before(self, message: page.Message) -> None:
+        """What comes to rest by itself does so no more."""
+        if not isinstance(message, page.SaveMessage | page.RatesMessage):
+            self.end_rest()
+        self._rested = 0
 
-    def waits(self) -> bool:
-        """Whether there is a message to answer."""
-        for content in self.link.waiting():
-            self._take(content)
-        return bool(self._waiting)
-
-    def _take(self, content: str | bytes) -> None:
-        """Lets a message wait; one that is none is answered at once."""
-        try:
-            page.merged(self._waiting, page.read(content))
-        except page.MalformedMessage as error:
-            self._refuse(error.id, UserError(str(error), "a message of the page", "load the page again"))
-
-    def _answer(self, message: page.Message) -> None:
-        """Does what a message asks for."""
-        self._answered = max(self._answered, message.id)
-        handler = self._handlers.get(type(message), self._done)
-        try:
-            if not isinstance(message, page.SaveMessage | page.RatesMessage):
-                self._end_rest()
-            self._rested = 0
-            handler(message)
-        except UserError as error:
-            self._refuse(message.id, error)
-        except (LinkClosed, SessionEnd):
-            raise
-        # A fault in one frame must not end the session.
-        except Exception as error:
-            traceback.print_exc()
-            self._recover(message.id, error)
-
-    def _refuse(self, number: int, error: UserError) -> None:
-        said = {"message": error.what, "place": error.where, "todo": error.do}
-        self.link.send({"type": "refused", "id": number, **said})
-
-    def _recover(self, number: int, error: Exception) -> None:
-        """Goes on after a fault: from the state before the event in which it was."""
+    def recover(self, number: int, error: Exception) -> None:
+        """Goes on after a fault, from the state before the event in which it was."""
         what = f"the frame failed: {type(error).__name__}: {error}"
         if self.live.sim.closed:
-            self.link.send({"type": "lost", "message": what, "restarting": True})
+            self.say({"type": "lost", "message": what, "restarting": True})
             self.live.reopen(self.live.all_lines(), self.live.predict, self.progress("frames are computed again"))
-            self._encoder.forget()
-        self._refuse(number, UserError(what, do="it was left out; try something else"))
+            self.send_all_again()
+        self.refuse(number, UserError(what, do="it was left out; try something else"))
         self.send(self.moment())
-
-    def _done(self, message: page.Message) -> None:
-        """Nothing is left to do."""
-        self.link.send({"type": "done", "id": message.id})
-
-    def _finish(self, message: page.Message) -> None:
-        raise SessionEnd
 
     def _event(self, message: page.EventMessage) -> None:
         if self.player is not None:
@@ -186,7 +126,7 @@ class Worker:
 
     def _say_written(self, lines: Sequence[str]) -> None:
         text = "".join(f"{line}\n" for line in lines)
-        self.link.send({"type": "written", "lines": text, "count": self.file.count})
+        self.say({"type": "written", "lines": text, "count": self.file.count})
 
     def _rest(self) -> None:
         """One more frame of what comes to rest by itself."""
@@ -197,7 +137,7 @@ class Worker:
         self._rested += 1
         self.send(self.moment())
 
-    def _end_rest(self) -> None:
+    def end_rest(self) -> None:
         """What came to rest by itself is one event, which is over."""
         if self.player is None and self.live.step is not None:
             self.live.stop()
@@ -224,31 +164,31 @@ class Worker:
     def _rates(self, message: page.RatesMessage) -> None:
         units = {name: one.unit for name, one in self.live.scene.quantities.items()}
         rates = self.live.rates(message.of)
-        self.link.send({"type": "rates", "id": message.id, "of": message.of, "rates": rates, "units": units})
+        self.say({"type": "rates", "id": message.id, "of": message.of, "rates": rates, "units": units})
 
     def _save(self, message: page.SaveMessage) -> None:
         if not self.file.name:
             raise UserError("no file was named for the script", do="start restshape live with --out SCRIPT")
-        self.link.send({"type": "saved", "id": message.id, "path": self.file.name, "events": self.file.count})
+        self.say({"type": "saved", "id": message.id, "path": self.file.name, "events": self.file.count})
 
     def _record(self, message: page.RecordMessage) -> None:
         if self.player is not None:
             raise UserError("a script is played, which is not recorded", do="take the script over first")
         self.recording.switch(message.on, self.live, self.progress("frames are recorded"))
         self.send(self.moment())
-        self._done(message)
+        self.done(message)
 
     def _strike(self, message: page.StrikeMessage) -> None:
         tone = application_of(self.live.scene).struck(self.live.sim, message.at)
         if not isinstance(tone, Tone):
             raise UserError("what is simulated has no tone", do="strike a shape whose modes are computed")
-        self.link.send({"type": "struck", "id": message.id, "tone": placed(tone, MessageBody())})
+        self.say({"type": "struck", "id": message.id, "tone": placed(tone, MessageBody())})
 
     def _restart(self, message: page.Message) -> None:
         self.live.reopen(self.live.all_lines(), self.live.predict, self.progress("frames are computed again"))
-        self._encoder.forget()
+        self.send_all_again()
         self.send(self.moment())
-        self._done(message)
+        self.done(message)
 
     def _resume(self, message: page.ResumeMessage) -> None:
         lines = [line for line in message.lines.splitlines() if '"do"' in line]
@@ -271,24 +211,12 @@ class Worker:
         self.welcome()
         self.send(self.moment())
 
-    def progress(self, what: str) -> Progress:
-        """What says from time to time how far a long piece of work is."""
-        start = said = monotonic()
-
-        def progress(done: int, of: int) -> None:
-            nonlocal said
-            if monotonic() - said > OFTEN:
-                said = monotonic()
-                self.link.send({"type": "busy", "seconds": said - start, "what": f"{what}: {done} of {of}"})
-
-        return progress
-
     def welcome(self) -> None:
         """Says what a page must know of the session."""
         player = self.player
         said = {"out": self.file.name, "recordable": self.recording.possible, "player": player is not None}
         script = {"script": player.text if player else "", "frames": player.frames if player else 0}
-        self.link.send(self.words.welcome(said | script))
+        self.say(self.words.welcome(said | script))
 
     def _say_changes(self) -> None:
         if self.player is None and (changed := self.words.changed()):
@@ -300,12 +228,3 @@ class Worker:
         header = header_of(frame.index, frame.row, live.scene, live.hand)
         marks = cast("Sequence[Mark]", application_of(live.scene).marked(live.sim)) if self._marks else ()
         return Moment(header, live.picture.parts(), marks, float(str(frame.row["t"])))
-
-    def say(self, message: dict[str, object]) -> None:
-        """Sends a message of text."""
-        self.link.send(message)
-
-    def send(self, moment: Moment) -> None:
-        """Shows a frame."""
-        header = {**moment.header, "id": self._answered}
-        self.link.send_binary(self._encoder(header, moment.parts, moment.marks))

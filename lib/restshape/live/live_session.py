@@ -1,5 +1,7 @@
 """A live session of a scene, a script or a recording: its parts, made and ended."""
 
+# More than 15 modules: all parts of a session are put together here.
+
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
@@ -12,7 +14,7 @@ from restshape.live.answering import Worker
 from restshape.live.growing_script import GrowingScript
 from restshape.live.link import Link
 from restshape.live.live_recording import LiveRecording
-from restshape.live.live_simulation import Manner
+from restshape.live.live_simulation import SolvedBy
 from restshape.live.played_events import played_events
 from restshape.live.player_controls import PlayerControls
 from restshape.live.script_player import ScriptPlayer
@@ -40,7 +42,7 @@ def session(options: WorkerOptions, process: Begun | None = None) -> int:
     scene = load_scene(options.scene, options.all_overrides)
     script = load_script(options.edits, scene) if options.edits else None
     calibration = Calibration.load(options.calibration) if options.calibration else None
-    live = simulation(scene, Manner(options.policy, options.guess, calibration, options.petsc), options.predict)
+    live = simulation(scene, SolvedBy(options.policy, options.guess, calibration, options.petsc), options.predict)
     if PETSc.COMM_WORLD.rank > 0:
         follow_first_rank(live)
         return 0

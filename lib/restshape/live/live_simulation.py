@@ -50,7 +50,7 @@ class CurrentEvent:
 
 
 @dataclass(frozen=True)
-class Manner:
+class SolvedBy:
     """How a scene is simulated.
 
     Args:
@@ -65,7 +65,7 @@ class Manner:
     petsc: tuple[str, ...] = ()
 
 
-USUAL = Manner()
+USUAL = SolvedBy()
 
 
 class LiveSimulation:
@@ -85,7 +85,7 @@ class LiveSimulation:
         recorder: takes the frames; None: they are not recorded.
     """
 
-    def __init__(self, scene: Scene, manner: Manner = USUAL, predict: Predict = "none") -> None:
+    def __init__(self, scene: Scene, manner: SolvedBy = USUAL, predict: Predict = "none") -> None:
         self._scene, self._manner = scene, manner
         self.predict = predict
         self.hand: dict[str, object] | None = None

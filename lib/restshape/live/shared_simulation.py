@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from petsc4py import PETSc
 
 from restshape.errors import UserError
-from restshape.live.live_simulation import USUAL, Event, LiveSimulation, Manner, Progress, quiet
+from restshape.live.live_simulation import USUAL, Event, LiveSimulation, Progress, SolvedBy, quiet
 
 if TYPE_CHECKING:
     from restshape.interface.simulation import Predict
@@ -24,7 +24,7 @@ END = "close"
 class SharedSimulation(LiveSimulation):
     """The simulation on the first rank, whose calls the other ranks follow; arguments as of `LiveSimulation`."""
 
-    def __init__(self, scene: Scene, manner: Manner = USUAL, predict: Predict = "none") -> None:
+    def __init__(self, scene: Scene, manner: SolvedBy = USUAL, predict: Predict = "none") -> None:
         self._ranks = PETSc.COMM_WORLD.tompi4py()
         self._within = False
         super().__init__(scene, manner, predict)
@@ -89,7 +89,7 @@ def follow_first_rank(live: LiveSimulation) -> None:
             continue
 
 
-def simulation(scene: Scene, manner: Manner = USUAL, predict: Predict = "none") -> LiveSimulation:
+def simulation(scene: Scene, manner: SolvedBy = USUAL, predict: Predict = "none") -> LiveSimulation:
     """The simulation of this rank; arguments and errors as of `LiveSimulation`."""
     comm = PETSc.COMM_WORLD
     kind = SharedSimulation if comm.size > 1 and comm.rank == 0 else LiveSimulation
