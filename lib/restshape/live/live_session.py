@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, cast
 
 from petsc4py import PETSc
 
@@ -17,18 +18,25 @@ from restshape.live.live_recording import LiveRecording
 from restshape.live.live_simulation import SolvedBy
 from restshape.live.played_events import played_events
 from restshape.live.player_controls import PlayerControls
+from restshape.live.recording_player import RecordingPlayer
+from restshape.live.recording_session import RecordingSession
 from restshape.live.script_player import ScriptPlayer
 from restshape.live.shared_simulation import follow_first_rank, simulation
+from restshape.replay.recording import Recording
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
 if TYPE_CHECKING:
+    from restshape.interface.simulation import Predict
+    from restshape.live.message_loop import MessageLoop
     from restshape.live.worker_options import WorkerOptions
     from restshape.replay.recorder_start import Begun
+    from restshape.scene.edit_script import Script
+    from restshape.scene.model import Scene
 
 
 def session(options: WorkerOptions, process: Begun | None = None) -> int:
-    """Simulates until the server ends the session.
+    """Simulates, or plays, until the server ends the session.
 
     Args:
         options: of the command line; process: that waits for a recording to write; None: there is none yet.
@@ -39,24 +47,23 @@ def session(options: WorkerOptions, process: Begun | None = None) -> int:
     Raises:
         UserError: scene, script, recording or a file to write is bad.
     """
-    scene = load_scene(options.scene, options.all_overrides)
-    script = load_script(options.edits, scene) if options.edits else None
+    first = PETSc.COMM_WORLD.rank == 0
+    if first and options.link is None:
+        raise UserError("no socket to a server was named", "--link", "start restshape live, which starts this")
+    link = Link.of_descriptor(options.link) if first and options.link is not None else None
+    parts = _of_recording(options, link) if options.is_recording else _of_scene(options)
+    if parts is None:
+        return 0
     calibration = Calibration.load(options.calibration) if options.calibration else None
-    live = simulation(scene, SolvedBy(options.policy, options.guess, calibration, options.petsc), options.predict)
-    if PETSc.COMM_WORLD.rank > 0:
+    solved_by = SolvedBy(options.policy or parts.policy, options.guess, calibration, options.petsc)
+    live = simulation(parts.scene, solved_by, parts.predict)
+    if link is None:
         follow_first_rank(live)
         return 0
-    if options.link is None:
-        raise UserError("no socket to a server was named", "--link", "start restshape live, which starts this")
     recording = LiveRecording(options.record, process)
-    link = Link.of_descriptor(options.link)
     worker = Worker(link, live, GrowingScript(options.out), recording)
-    if script is not None:
-        player = ScriptPlayer(live, played_events(script), worker.moment)
-        worker.player = PlayerControls(player, worker, script.text)
     try:
-        if not options.resume:
-            worker.start()
+        _start(worker, parts, options.resume)
         worker.run()
     finally:
         recording.end(live)
@@ -64,3 +71,70 @@ def session(options: WorkerOptions, process: Begun | None = None) -> int:
         worker.file.close()
         link.close()
     return 0
+
+
+@dataclass(frozen=True)
+class SessionParts:
+    """What is simulated.
+
+    Args:
+        scene: where it starts; predict: how frames are predicted.
+        script: that is played; None: none is.
+        at: number of the frame from which the hand goes on at once; None: the page says when.
+        policy: of the recording; None: of none. played: the loop that has played it.
+    """
+
+    scene: Scene
+    predict: Predict
+    script: Script | None = None
+    at: int | None = None
+    policy: str | None = None
+    played: MessageLoop | None = None
+
+
+def _start(worker: Worker, parts: SessionParts, resumed: bool) -> None:
+    """Shows the beginning; where the hand takes over what was played before, the frame that it goes on from."""
+    if parts.played is not None:
+        worker.follow(parts.played)
+    if parts.script is not None:
+        player = ScriptPlayer(worker.live, played_events(parts.script), worker.moment)
+        worker.player = PlayerControls(player, worker, parts.script.text)
+        if parts.at is not None:
+            progress = worker.progress("frames are computed again")
+            player.show(parts.at, progress, lambda: False)
+            player.at = min(parts.at, player.computed)
+            player.take(progress)
+            worker.take_over()
+            return
+    if not resumed:
+        worker.start()
+
+
+def _of_scene(options: WorkerOptions) -> SessionParts:
+    scene = load_scene(options.scene, options.all_overrides)
+    script = load_script(options.edits, scene) if options.edits else None
+    return SessionParts(scene, options.predict, script)
+
+
+def _of_recording(options: WorkerOptions, link: Link | None) -> SessionParts | None:
+    """Plays a recording; what is simulated once it is taken over, None where it never is.
+
+    Raises:
+        UserError: it is no recording; or there are several ranks, of which all but one would have nothing to do.
+    """
+    if link is None or PETSc.COMM_WORLD.size > 1:
+        raise UserError("a recording is played by one process", str(options.scene), "leave mpiexec out")
+    if options.edits is not None:
+        raise UserError("a recording has its own script", f"--edits {options.edits}", "leave it out")
+    with Recording(options.scene) as recording:
+        played = RecordingSession(link, RecordingPlayer(recording), str(options.out or ""))
+        if not options.resume:
+            played.start()
+        played.run()
+        if played.taken is None and not played.has_more:
+            return None
+        found, header = RecordingPlayer(recording), recording.header
+        how, policy = (str(header.get(key) or "") for key in ("predict", "policy"))
+        predict = cast("Predict", how if how in ("linear", "gmls") else "none")
+        script = found.script if played.taken is not None else None
+        return SessionParts(found.scene, predict, script, played.taken, policy or None, played)

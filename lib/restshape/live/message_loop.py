@@ -42,6 +42,15 @@ class MessageLoop(ABC):
         self._encoder = FrameEncoder()
         self._answered = 0
 
+    def follow(self, other: MessageLoop) -> None:
+        """Answers what another loop has not."""
+        self._waiting, self._answered = other._waiting, other._answered
+
+    @property
+    def has_more(self) -> bool:
+        """Whether messages were taken that nobody has answered."""
+        return bool(self._waiting)
+
     def run(self) -> None:
         """Answers until the server ends the session, or this part of it is over."""
         try:

@@ -67,12 +67,23 @@ class ShapeSurface:
             space: its mesh; at_nodes, in_cells: its fields, as `Analysis.fields` gives them.
             colours: which of them gives the colours; None: none does.
         """
+        return self.placed(space, space.X, at_nodes, in_cells, colours)
+
+    def placed(
+        self,
+        space: ShownSpace,
+        X: Reals,
+        at_nodes: Mapping[str, Reals],
+        in_cells: Mapping[str, Reals],
+        colours: Colours | None,
+    ) -> PicturePart:
+        """The same of a mesh whose nodes are at other places X (n, d) [m]."""
         version = (space, space.topology)
         if self._version[0] is not space or self._version[1] != space.topology:
             self._version, self._known = version, {}
-            self._triangles = triangles_of(space.X, space.cells)
+            self._triangles = triangles_of(X, space.cells)
         shown = self._triangles
-        arrays = {"points": self._placed("points", space.X), "cells": shown.corners, "border": shown.border}
+        arrays = {"points": self._placed("points", X), "cells": shown.corners, "border": shown.border}
         moved = at_nodes.get("displacement")
         moved = at_nodes.get(_mode(at_nodes, colours)) if moved is None else moved
         if moved is not None:

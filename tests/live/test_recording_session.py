@@ -1,0 +1,120 @@
+"""A recording in place of a scene: played from its frames, and taken over by the hand."""
+
+import socket
+
+import numpy as np
+import pytest
+from live_worker import COARSE, LocalSession, Page, bracket, cut
+
+import restshape
+from restshape.live.link import Link
+from restshape.live.recording_player import RecordingPlayer
+from restshape.live.recording_session import RecordingSession
+from restshape.replay.recording import Recording
+
+EVENTS = [
+    {"do": "press", "on": "window", "at": [0.09, 0.062]},
+    {"do": "drag", "to": [0.11, 0.062], "frames": 4},
+    {"do": "release"},
+]
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A session that was recorded from its third event on, and its rows."""
+    path = tmp_path_factory.mktemp("recorded") / "session.vtkhdf"
+    session = LocalSession(bracket(), record=path)
+    for event in EVENTS[:2]:
+        session.event(**event)
+    assert [one["type"] for one in session.say("record", on=True)] == ["frame", "done"]
+    session.event(**EVENTS[2])
+    session.say("record", on=False)
+    session.event("undo")
+    session.end()
+    return path, [cut(row) for row in session.rows()]
+
+
+class Viewer(Page):
+    """A page that looks at a recording."""
+
+    def __init__(self, path):
+        super().__init__()
+        here, there = socket.socketpair()
+        for end in (here, there):
+            end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 23)
+        self.link = Link(here)
+        self.recording = Recording(path)
+        self.session = RecordingSession(Link(there), RecordingPlayer(self.recording), "")
+        self.session.start()
+        self.drain()
+
+    def drain(self):
+        return [self.take(content) for content in self.link.waiting()]
+
+    def say(self, type, **keys):
+        self.link.send(self.message(type, **keys))
+        self.session.next()
+        return self.drain()
+
+
+def test_a_session_is_recorded_from_its_beginning_whenever_that_is_asked_for(recorded):
+    path, rows = recorded
+    with Recording(path) as recording:
+        assert recording.n == 7 and recording.status == "done"
+        assert recording.verify() == []
+        for name in ("q_sag", "q_stress_at_window", "level"):
+            assert recording.table[name].tolist() == [row[name] for row in rows[:7]]
+        scene = bracket()
+        assert [frame.row["q_sag"] for frame in restshape.replay(scene, RecordingPlayer(recording).script)] == (
+            recording.table["q_sag"].tolist()
+        )
+
+
+def test_a_recording_is_played_from_its_frames(recorded):
+    path, rows = recorded
+    viewer = Viewer(path)
+    (welcome,) = viewer.of("welcome")
+    assert (welcome["player"], welcome["frames"], welcome["field"]) == (True, 7, "von_mises")
+    assert {one["name"] for one in welcome["quantities"]} == {"sag", "stress_at_window", "wall_force"}
+    for number in (3, 6, 1):
+        viewer.say("seek", frame=number)
+        columns = viewer.of("frame")[-1]["columns"]
+        assert columns["q_sag"] == rows[number]["q_sag"] and columns["event"] == rows[number]["event"]
+        assert np.array_equal(viewer.arrays["shape", "value"], viewer.recording.field(number, "von_mises").astype("f4"))
+        assert np.array_equal(viewer.arrays["shape", "points"][:, :2], viewer.recording.points(number).astype("f4"))
+    assert len(viewer.arrays["outline", "starts"]) == 8
+    (frame,) = viewer.say("show", field="displacement")
+    assert frame["number"] == 1 and frame["parts"]
+    (answer,) = viewer.say("event", event={"do": "undo"})
+    assert answer["type"] == "refused" and "take" in answer["todo"]
+    viewer.say("play", speed=1000.0)
+    while viewer.session._controls.playing:
+        viewer.session.idle()
+    viewer.drain()
+    assert viewer.of("frame")[-1]["number"] == 6
+
+
+def test_a_recording_that_is_taken_over_names_the_frame(recorded):
+    viewer = Viewer(recorded[0])
+    viewer.say("seek", frame=4)
+    viewer.link.send(viewer.message("take"))
+    viewer.session.run()
+    assert viewer.session.taken == 4
+
+
+@pytest.mark.cli
+def test_the_process_goes_on_from_the_frame_that_is_taken(recorded, tmp_path):
+    from live_worker import remote_session, replayed
+
+    out = tmp_path / "taken.jsonl"
+    with remote_session(recorded[0], "--out", str(out)) as (session, _):
+        session.until("frame")
+        session.say("seek", frame=4)
+        session.until("done")
+        session.say("take")
+        assert session.until("welcome")["player"] is False
+        assert cut(session.until("frame")["columns"]) == recorded[1][4]
+        number = session.say("event", event={"do": "drag", "to": [0.1, 0.06]})
+        last = cut(session.until("frame", number)["columns"])
+        session.until("written", 0)
+    assert replayed(restshape.load("docs/examples/bracket.toml", *COARSE), out) == [*recorded[1][:5], last]
