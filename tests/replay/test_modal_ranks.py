@@ -1,4 +1,4 @@
-"""Modes on two ranks: each computes all of them by itself, and they are those of one rank."""
+"""Modes on two ranks, which share matrices, search vectors and factor: they are those of one rank."""
 
 import json
 
@@ -36,5 +36,5 @@ def test_frequencies_are_those_of_one_rank(tmp_path, on_ranks, words, name):
     one, two = (json.loads((tmp_path / f"{ranks}.json").read_text()) for ranks in (1, 2))
     assert (one["ranks"], two["ranks"]) == (1, 2) and one["frames"] == two["frames"] == len(found[0])
     assert one["parity"]["holds"] and two["parity"]["holds"]
-    # The mesh is numbered by ranks, so that sums round otherwise.
-    np.testing.assert_allclose(found[1], found[0], rtol=1e-5)
+    # The mesh is numbered by ranks, so that sums round otherwise; the thesis's iteration ends at the tolerance of 1e-3.
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-5 if name == "thesis" else 1e-8)

@@ -18,6 +18,7 @@ from restshape.replay.frame_log import log, log_frame, log_refused
 from restshape.replay.frame_rows import FrameRows
 from restshape.replay.frame_solver import FrameSolver
 from restshape.replay.petsc_options import of_solvers
+from restshape.replay.rank_agreement import refuse_unlike
 from restshape.replay.recorder import Recorder
 from restshape.replay.replay_parts import replay_parts
 from restshape.replay.request import Request
@@ -41,10 +42,11 @@ class Replay:
         measuring: residual and errors are measured beside each frame; they are not numbers where they are not.
 
     Raises:
-        UserError: no valid first shape, or what is to be predicted cannot be.
+        UserError: no valid first shape, what is to be predicted cannot be, or ranks have been given unlike scenes.
     """
 
     def __init__(self, request: Request, comm: PETSc.Comm, recorder: Recorder | None = None) -> None:
+        refuse_unlike(request, comm)
         self.policy, self.comm, self.recorder = request.policy, comm, recorder
         self._petsc = request.petsc
         self.stages = Stages()
