@@ -1,5 +1,7 @@
 """Shows the frames of a recording in a live session, as they are in the file."""
 
+# More than 15 modules: meshes, fields and shapes of a recording meet what pages are told of them here.
+
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -35,7 +37,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class RecordedMesh:
+class PlayedMesh:
     """The mesh of a frame of a recording.
 
     Args:
@@ -64,7 +66,7 @@ class RecordingPlayer:
         shown = shown_field(recording)
         self.field = shown.name if shown else next(iter(self.looks), "")
         self._surface, self._outline = ShapeSurface(), OutlineParts()
-        self._known: tuple[int, RecordedMesh] | None = None
+        self._known: tuple[int, PlayedMesh] | None = None
         self._outlines: list[Outline | None] = []
 
     @cached_property
@@ -124,11 +126,11 @@ class RecordingPlayer:
             self._outlines.append(found)
         return self._outlines[i]
 
-    def mesh(self, i: int) -> RecordedMesh:
+    def mesh(self, i: int) -> PlayedMesh:
         """The mesh of a frame; those of one topology have the same cells."""
         number = self.recording.topology(i)
         if self._known is None or self._known[0] != number:
-            self._known = number, RecordedMesh(self.recording.points(i), self.recording.cells(i), number)
+            self._known = number, PlayedMesh(self.recording.points(i), self.recording.cells(i), number)
         return self._known[1]
 
     def show(self, number: int, progress: Progress | None = None, interrupted: Watch | None = None) -> Moment:
