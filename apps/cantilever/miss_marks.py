@@ -16,6 +16,7 @@ from restshape.replay.columns import quantity_column
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from restshape.arrays import Reals
     from restshape.fem.space import PlaneSpace
     from restshape.interface.simulation import Simulation
     from restshape.physics.elasticity.goal import Goal
@@ -50,11 +51,20 @@ class MissMarks:
             places = space.X[one.nodes] + u[one.nodes]
             node = int(one.nodes[one(places)[0].argmax()])
             here = space.X[node] + u[node]
-            there = one.curve[((one.curve - here) ** 2).sum(axis=1).argmin()]
+            there = nearest_on(one.curve, here)
             points, moved = np.array([space.X[node], there]), np.array([u[node], np.zeros(2)])
             far = si(float(np.hypot(*(there - here))), "m")
             marks.append(Lines(f"farthest from {goal}", points, (0,), "goal", moved, [far]))
         return marks
+
+
+def nearest_on(curve: Reals, place: Reals) -> Reals:
+    """The place (2,) on a curve of straight pieces between points (m, 2) that is nearest to another one (2,)."""
+    starts, ways = curve[:-1], np.diff(curve, axis=0)
+    shares = ((place - starts) * ways).sum(axis=1) / np.maximum((ways**2).sum(axis=1), 1e-300)
+    places = starts + np.clip(shares, 0.0, 1.0)[:, None] * ways
+    found: Reals = places[((places - place) ** 2).sum(axis=1).argmin()]
+    return found
 
 
 def _distances(scene: Scene, space: PlaneSpace) -> dict[str, CurveDistances]:

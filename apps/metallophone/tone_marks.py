@@ -83,7 +83,9 @@ def _still_lines(analysis: ModalAnalysis, row: RowValues, fields: dict[str, Real
             tone = f"mode {k}: {tone_words(str(row[f'tone_{k}']), float(row[f'cents_{k}']))}"
             words = [tone, *[""] * (count - 1)]
             marks.append(
-                Lines(f"mode {k} is still", found.ends(X).reshape(-1, 2), range(0, 2 * count, 2), "node", None, words)
+                Lines(
+                    f"mode {k} is still", found.ends(X).reshape(-1, 2), range(0, 2 * count, 2), "node", None, words, k
+                )
             )
     return marks
 

@@ -18,6 +18,7 @@ from restshape.replay.columns import SIMULATED, quantity_column
 if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
     from restshape.analysis.transient import TransientAnalysis
+    from restshape.arrays import Reals
     from restshape.interface.simulation import Simulation
     from restshape.scene.model import Scene
 
@@ -91,8 +92,20 @@ def _resonance(analysis: TransientAnalysis, scene: Scene) -> list[Mark]:
     if driven:
         marked["excitation"] = float(driven)
     found = modal_sweep(shape, modes, 0.0, ROOM * max(marked.values()), POINTS)
-    sizes = {name: np.abs(values) for name, values in found.relative.items()}
+    sizes = _different({name: np.abs(values) for name, values in found.relative.items()})
     shown = {name: (one > 0.0) & np.isfinite(one) for name, one in sizes.items()}
     curves = {name: (found.frequencies[own], sizes[name][own]) for name, own in shown.items() if own.any()}
     label = "amplitude [m] under 1 m/s² of the ground"
     return [Chart("resonance curve", "frequency of the ground [Hz]", label, curves, marked, logarithmic=True)]
+
+
+def _different(curves: dict[str, Reals]) -> dict[str, Reals]:
+    """Curves of which no two are the same, as those of a quantity and of its peak are; the names of both are kept."""
+    found: dict[str, Reals] = {}
+    for name, values in curves.items():
+        same = next((other for other, one in found.items() if np.array_equal(one, values)), None)
+        if same is None:
+            found[name] = values
+        else:
+            found = {f"{other}, {name}" if other == same else other: one for other, one in found.items()}
+    return found

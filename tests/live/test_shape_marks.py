@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from operator import is_
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,8 @@ import restshape
 from restshape.live.isolines import isolines, round_levels
 from restshape.live.kept_marks import kept
 from restshape.live.shape_marks import shape_marks
-from restshape.live.shown_marks import Arrows, Lines, Words
+from restshape.live.shape_surface import mode_of
+from restshape.live.shown_marks import Arrows, Lines, Words, shown_with
 
 BRACKET = Path(__file__).parents[2] / "docs" / "examples" / "bracket.toml"
 COARSE = ("mesh.size='30 mm'", "mesh.near.window='15 mm'")
@@ -62,8 +64,9 @@ def test_a_limit_that_fails_is_said_at_its_place():
 
 
 def test_marks_of_a_frame_that_rests_are_the_same_objects_and_go_with_the_simulation(bracket):
-    first = marks_of(bracket, Lines)
-    assert first and all(one is other for one, other in zip(first, marks_of(bracket, Lines)))
+    first = shape_marks(bracket)
+    bracket.idle()
+    assert len(first) > 2 and all(map(is_, first, shape_marks(bracket)))
     assert kept(bracket, dict) is kept(bracket, dict)
 
 
@@ -126,6 +129,12 @@ def test_lines_of_one_value_lie_where_a_linear_field_has_it():
     assert levels == [f"{k} K" for k in range(301, 308)]
     assert np.allclose(lines.points[:, 0] * 8.0, np.round(lines.points[:, 0] * 8.0), atol=1e-12)
     assert isolines("none", X, cells, np.ones(4), "K") == []
+
+
+def test_lines_of_a_mode_are_shown_where_it_is_drawn():
+    modes = [Lines(f"mode {k}", np.zeros((1, 2)), mode=k) for k in (0, 1, 2)]
+    assert shown_with([*modes, Words("C5")], mode_of("mode_2")) == [modes[0], modes[2], Words("C5")]
+    assert shown_with(modes, mode_of("size_of_mode_1")) == modes[:2] == shown_with(modes, mode_of("von_mises"))
 
 
 def test_levels_are_round_and_few():

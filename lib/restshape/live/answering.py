@@ -20,7 +20,8 @@ from restshape.live.mark_messages import placed
 from restshape.live.message_loop import MessageLoop
 from restshape.live.moment import Moment
 from restshape.live.player_controls import PlayerControls
-from restshape.live.shown_marks import Mark, Tone
+from restshape.live.shape_surface import mode_of
+from restshape.live.shown_marks import Mark, Tone, shown_with
 from restshape.live.welcome import SessionWords
 
 if TYPE_CHECKING:
@@ -226,5 +227,6 @@ class Worker(MessageLoop):
         """What a page sees of the last frame."""
         live, frame = self.live, self.live.sim.frame
         header = header_of(frame.index, frame.row, live.scene, live.hand)
-        marks = cast("Sequence[Mark]", application_of(live.scene).marked(live.sim)) if self._marks else ()
+        found = cast("Sequence[Mark]", application_of(live.scene).marked(live.sim)) if self._marks else ()
+        marks = shown_with(found, mode_of(live.picture.field))
         return Moment(header, live.picture.parts(), marks, float(str(frame.row["t"])))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,22 +50,24 @@ class ConditionMarks:
         return self._shown[1]
 
 
-@dataclass(frozen=True, eq=False)
 class ActsOn:
-    """Edges or points on which a support, or a load without a direction, acts.
+    """Edges or points on which a support acts.
 
     Args:
         name: what it is.
         nodes: (m,) along its lines, one line after the other; starts: index of the first of each.
     """
 
-    name: str
-    nodes: Indices
-    starts: Sequence[int]
+    def __init__(self, name: str, nodes: Indices, starts: Sequence[int]) -> None:
+        self.name, self.nodes, self.starts = name, nodes, starts
+        self._last = Lines("", np.empty((0, 2)))
 
     def mark(self, seen: SeenFrame) -> Mark:
-        """The lines of a frame."""
-        return Lines(self.name, seen.places(self.nodes), self.starts, "support", seen.moved(self.nodes))
+        """The lines of a frame: the last ones where nothing has moved."""
+        at, moved = seen.places(self.nodes), seen.moved(self.nodes)
+        if not (_equal(at, self._last.points) and _equal(moved, self._last.moved)):
+            self._last = Lines(self.name, at, self.starts, "support", moved)
+        return self._last
 
 
 class LoadArrows:
@@ -84,13 +86,14 @@ class LoadArrows:
         self._last: Arrows | Lines = Lines("", np.empty((0, 2)))
 
     def mark(self, seen: SeenFrame) -> Mark:
-        """The arrows of a frame."""
-        moved, at = seen.moved(self.ends), seen.places(self.ends)
-        if self._at is None or not np.array_equal(at, self._at):
-            self._at, self._last = at, self._made(seen.scene, at)
-        if moved is None:
-            return self._last
-        return replace(self._last, moved=0.5 * (moved[:, 0] + moved[:, 1]))
+        """The arrows of a frame: the last ones where nothing has moved."""
+        both, at = seen.moved(self.ends), seen.places(self.ends)
+        moved = None if both is None else 0.5 * (both[:, 0] + both[:, 1])
+        if not _equal(at, self._at):
+            self._at, self._last = at, replace(self._made(seen.scene, at), moved=moved)
+        elif not _equal(moved, self._last.moved):
+            self._last = replace(self._last, moved=moved)
+        return self._last
 
     def _made(self, scene: Scene, ends: Reals) -> Arrows | Lines:
         """The arrows between places (m, 2, d); lines where the load has no direction."""
@@ -119,6 +122,13 @@ def _same(these: tuple[object, ...], those: tuple[object, ...]) -> bool:
     return len(these) == len(those) and all(
         one == other if isinstance(one, int) else one is other for one, other in zip(these, those)
     )
+
+
+def _equal(these: Reals | None, those: Reals | None) -> bool:
+    """Whether two arrays are the same; or there is neither."""
+    if these is None or those is None:
+        return these is those
+    return these.shape == those.shape and bool((these == those).all())
 
 
 def _supports(scene: Scene, space: PlaneSpace) -> Iterator[ActsOn]:

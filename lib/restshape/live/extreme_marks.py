@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.findings import OMITTED, Finding
-from restshape.live.shown_marks import Mark, Meaning, Words
+from restshape.live.shown_marks import Meaning, Words
 from restshape.replay.columns import error_column, quantity_column
 from restshape.replay.constraints import LIMIT, UNCERTAINTY, formatted_constraint, value_and_bound
 from restshape.report.extreme_words import EXTREMES, extreme_words
@@ -51,8 +52,9 @@ class ExtremeMarks:
     def __init__(self) -> None:
         self._bound: tuple[object, object, int] = (None, None, -1)
         self._looked_at: dict[str, LookedAt] = {}
+        self._last: list[Words] = []
 
-    def __call__(self, seen: SeenFrame) -> list[Mark]:
+    def __call__(self, seen: SeenFrame) -> list[Words]:
         """The words of extremes and of limits of a frame; nothing where it shows no answer."""
         if not seen.solved:
             return []
@@ -61,14 +63,17 @@ class ExtremeMarks:
             self._bound = scene, space, space.topology
             self._looked_at = {one.name: one for one in _looked_at(seen)}
         findings = {one.subjects[0]: one for one in seen.frame.findings if _on_limit(one)}
-        marks: list[Mark] = []
+        marks: list[Words] = []
         for name, one in self._looked_at.items():
             node, found = self._node(one, seen), findings.pop(name, None)
             if found is not None:
                 marks.append(_words(_limit_words(found), _meaning(found), node, seen))
             elif one.field and node is not None:
                 marks.append(_words(_said(one, seen, node), "guide", node, seen))
-        return [*marks, *(_words(_limit_words(one), _meaning(one), None, seen) for one in findings.values())]
+        marks += [_words(_limit_words(one), _meaning(one), None, seen) for one in findings.values()]
+        # What is said again is the same object: it is not sent to the page again.
+        self._last = [last if last == one else one for one, last in zip_longest(marks, self._last[: len(marks)])]
+        return self._last
 
     def _node(self, one: LookedAt, seen: SeenFrame) -> int | None:
         """The node at which a quantity has its value, or the middle one of the place where it is taken."""
@@ -154,7 +159,7 @@ def _meaning(finding: Finding) -> Meaning:
     return "limit" if finding.kind == LIMIT else "uncertain"
 
 
-def _words(text: str, meaning: Meaning, node: int | None, seen: SeenFrame) -> Mark:
+def _words(text: str, meaning: Meaning, node: int | None, seen: SeenFrame) -> Words:
     """A line of text at a node; at no place without one."""
     if node is None:
         return Words(text, None, meaning)

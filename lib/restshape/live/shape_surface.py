@@ -120,8 +120,13 @@ class ShapeSurface:
         return before[1], [float(finite.min()), float(finite.max())] if finite.size else None
 
 
+def mode_of(field: str) -> int:
+    """The number of the mode that is drawn where a field gives the colours: that of the field, else the first."""
+    number = field.rpartition("_")[2] if MODE in field else ""
+    return int(number) if number.isdecimal() else 1
+
+
 def _mode(at_nodes: Mapping[str, Reals], colours: Colours | None) -> str:
-    """The mode that is drawn as a displacement: the one that is shown, else the first."""
-    number = colours.name.rpartition("_")[2] if colours and MODE in colours.name else "1"
-    wanted = f"{MODE}{number}"
+    """The field of the mode that is drawn as a displacement."""
+    wanted = f"{MODE}{mode_of(colours.name if colours else '')}"
     return wanted if wanted in at_nodes else f"{MODE}1"

@@ -23,6 +23,7 @@ class Lines:
         meaning: which colour they have.
         moved: (m, d) [m] displacements of the points, where the lines go with a deformation that is drawn; or None.
         words: of each line, to be read beside it; empty: of none.
+        mode: number of the mode that is drawn where they are shown; 0: whatever is drawn.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Lines:
     meaning: Meaning = "guide"
     moved: Reals | None = None
     words: Sequence[str] = ()
+    mode: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,3 +134,8 @@ class Tone:
 
 
 Mark = Lines | Arrows | Words | Offer | Chart | Tone
+
+
+def shown_with(marks: Sequence[Mark], mode: int) -> list[Mark]:
+    """The marks that are shown where a mode is drawn, by its number."""
+    return [one for one in marks if not isinstance(one, Lines) or one.mode in (0, mode)]
