@@ -26,8 +26,10 @@ function show(): void {
   if (!document.createElement("canvas").getContext("webgl2")) {
     const unable = document.getElementById("unable")!;
     unable.textContent = "This browser has no WebGL 2, with which the page draws. Switch hardware acceleration on, or open the address in "
-      + "a current Firefox, Chrome, Edge or Safari.";
+      + "a current Firefox, Chrome, Edge or Safari. The panels work without it.";
     unable.hidden = false;
+    const nothing = (): void => undefined;
+    showPanels(app, { pick: () => Promise.resolve(null), setLines: nothing, setArrows: nothing, setWords: nothing });
     return;
   }
   const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!);

@@ -2,7 +2,7 @@
 
 import type { App } from "../app";
 
-const SHOWN = 3_500; // ms that a refusal stays after the last one
+const SHOWN = 3_500; // ms that words stay after the last ones
 
 export class Beside {
   private readonly box = document.getElementById("beside")!;
@@ -33,6 +33,8 @@ export class Beside {
     this.box.dataset["kind"] = kind;
     this.box.hidden = false;
     this.place();
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => this.hide(), SHOWN);
   }
 
   hide(): void {
@@ -47,8 +49,6 @@ export class Beside {
     const text = todo ? `${message}: ${todo}` : message;
     this.show(text, "refused");
     this.say(text);
-    clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => this.hide(), SHOWN);
   }
 
   private place(): void {

@@ -37,13 +37,14 @@ export class Grasp {
   release(): void {
     if (this.ended) return;
     this.ended = true;
-    if (this.pressed) this.app.act({ do: "release" });
+    if (this.pressed) letGo(this.app);
     this.app.tell("held", null);
   }
 
   private press(): boolean {
     if (this.pressed) return true;
     const { thing, grip, pull, parameter } = this;
+    if (leftHeld(this.app)) letGo(this.app);
     const event: ScriptEvent = { do: pull ? "pull" : "press", on: thing.name };
     if (parameter) event["parameter"] = parameter;
     else event["at"] = coordinates(this.app, thing, grip.at);
@@ -55,4 +56,14 @@ export class Grasp {
 /** Whether a pull takes hold of a thing: asked for, or all that it allows. */
 export function pulls(thing: ThingInfo, asked: boolean): boolean {
   return thing.grabs.includes("pull") && (asked || !thing.grabs.includes("press"));
+}
+
+const releases = new WeakMap<App, number>();         // number of the last message that lets go
+
+function letGo(app: App): void { releases.set(app, app.act({ do: "release" })); }
+
+/** Whether the simulation still holds what a page held that was closed or loaded again in a drag. */
+function leftHeld(app: App): boolean {
+  const header = app.frame?.header;
+  return Boolean(header?.held) && header!.id >= (releases.get(app) ?? 0);
 }
