@@ -16,7 +16,7 @@ const SHOWN: Record<string, (frame: FrameMessage) => string> = {
   iterations: (frame) => iterationsText(frame),
   unknowns: (frame) => countText(numberOf(frame, "unknowns")),
   elements: (frame) => countText(numberOf(frame, "elements")),
-  limits: (frame) => [textOf(frame, "constraint_status"), textOf(frame, "violated_constraints")].filter(Boolean).join(": "),
+  limits: limitsText,
   note: (frame) => textOf(frame, "note"),
 };
 
@@ -57,6 +57,12 @@ function predictChoice(app: App): HTMLElement {
   });
   group.hidden = true;
   return group;
+}
+
+/** Whether limits hold, and which do not. Those that are no quantities' are among the marks. */
+function limitsText(frame: FrameMessage): string {
+  const broken = Object.keys(frame.limits).length ? textOf(frame, "violated_constraints") : "";
+  return [textOf(frame, "constraint_status"), broken].filter(Boolean).join(": ");
 }
 
 function shareText(value: number): string {

@@ -28,10 +28,27 @@ export class Series {
   }
 }
 
-/** Series by name, all cut and begun anew together. */
+/** Series by name, all cut and begun anew together. A page that is slower than the frames does not see all of them. */
 export class FrameHistory {
   private readonly byName = new Map<string, Series>();
+  private readonly seen = new Series();
+  private x = new Float64Array(64);
+  private y = new Float64Array(64);
   last = -1;
+
+  /** The frames that were seen and their values, valid until the next call. */
+  points(name: string): { x: Float64Array; y: Float64Array } {
+    const seen = this.seen.all, values = this.series(name).all;
+    if (this.x.length < seen.length) [this.x, this.y] = [new Float64Array(2 * seen.length), new Float64Array(2 * seen.length)];
+    let count = 0;
+    for (let frame = 0; frame < seen.length; frame += 1) {
+      if (seen[frame] !== 1) continue;
+      this.x[count] = frame;
+      this.y[count] = frame < values.length ? values[frame]! : NaN;
+      count += 1;
+    }
+    return { x: this.x.subarray(0, count), y: this.y.subarray(0, count) };
+  }
 
   series(name: string): Series {
     let found = this.byName.get(name);
@@ -42,25 +59,19 @@ export class FrameHistory {
   /** Takes a frame in. `kept`: later frames stay known, as where a recorded script is scrubbed. */
   add(frame: number, values: Iterable<[string, number]>, kept: boolean): void {
     if (!kept && frame <= this.last) this.cut(frame);
+    this.seen.set(frame, 1);
     for (const [name, value] of values) this.series(name).set(frame, value);
     this.last = kept ? Math.max(this.last, frame) : frame;
   }
 
   cut(frame: number): void {
-    for (const one of this.byName.values()) one.cut(frame);
+    for (const one of [this.seen, ...this.byName.values()]) one.cut(frame);
     this.last = Math.min(this.last, frame - 1);
   }
 
   clear(): void {
     this.byName.clear();
+    this.seen.cut(0);
     this.last = -1;
   }
-}
-
-let counted = new Float64Array(0);
-
-/** 0, 1, 2, ... as many as asked for, without a new array each time. */
-export function counting(many: number): Float64Array {
-  if (counted.length < many) counted = new Float64Array(Math.max(1024, 2 * many)).map((_, index) => index);
-  return counted.subarray(0, many);
 }

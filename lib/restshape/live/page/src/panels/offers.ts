@@ -78,7 +78,9 @@ export class Offers {
     const before = [...this.lines.values()], after = [...now.values()];
     this.lines = now;
     if (after.length !== before.length || after.some((line, index) => line !== before[index])) {
-      this.list.replaceChildren(...after.map((line) => line.body));
+      // Lines that stay are not taken out of the page: a slider would be let go.
+      for (const line of before) if (!after.includes(line)) line.body.remove();
+      for (const line of after) if (!line.body.isConnected || line.body.parentNode !== this.list) this.list.append(line.body);
       this.body.hidden = after.length === 0;
       if (!this.list.matches(":hover")) this.preview.draw([]);
     }

@@ -3,7 +3,7 @@
 import type { App } from "../app";
 import type { QuantityInfo } from "../protocol";
 import { element } from "./element";
-import { counting, FrameHistory } from "./frame_history";
+import { FrameHistory } from "./frame_history";
 import { limitsOf, QUANTITY, quantityValue, spoken } from "./frame_values";
 import type { Painter } from "./painter";
 import { Plot } from "./plot";
@@ -74,17 +74,17 @@ export class Plots {
 
   private draw(name: string, plot: Plot): void {
     const info: QuantityInfo = this.app.welcome?.quantities.find((one) => one.name === name) ?? { name, unit: unitOf(name) };
-    const values = this.history.series(name).all;
-    const [low, high] = extremes(values);
+    const { x, y } = this.history.points(name);
+    const [low, high] = extremes(y);
     const scale = scaledUnit(Math.max(Math.abs(low), Math.abs(high)), info.unit);
     const now = this.app.frame ? quantityValue(this.app.frame.header, name) : NaN;
     const playing = this.app.player !== null && this.app.welcome?.player === true;
     plot.draw({
-      curves: [{ name, x: counting(values.length), y: values }],
+      curves: [{ name, x: x.slice(), y: y.slice() }],
       xLabel: "frame", yLabel: scale.unit ? `${spoken(name)} [${scale.unit}]` : spoken(name),
       least: 10, limits: limitsOf(info), factor: scale.factor,
       at: playing && this.app.frame ? { "": this.app.frame.header.number } : {},
-      spoken: `${spoken(name)} over ${values.length} frames, now ${siText(now, info.unit)}, from ${siText(low, info.unit)} to ${siText(high, info.unit)}`,
+      spoken: `${spoken(name)} over ${this.history.last + 1} frames, now ${siText(now, info.unit)}, from ${siText(low, info.unit)} to ${siText(high, info.unit)}`,
     });
   }
 

@@ -31,7 +31,9 @@ export function axisRange(low: number, high: number, logarithmic = false): [numb
     const grown = Math.max((high / low) ** 0.05, 1.2);
     return [low / grown, high * grown];
   }
-  const margin = high > low ? 0.06 * (high - low) : Math.abs(low) * 0.05 || 1;
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  // What differs by less than a thousandth is drawn as nearly level.
+  const margin = Math.max(0.06 * (high - low), 1e-3 * size) || 1;
   return [low - margin, high + margin];
 }
 
