@@ -108,12 +108,17 @@ class Worker(MessageLoop):
             raise UserError("a script is played, and the hand holds nothing", do="take the script over first")
         self._carry_out(message.event)
         if self.live.missed:
-            self._carry_out({"do": "release"})
+            self._carry_out({"do": "release"}, str(self.live.sim.frame.row["refused"]))
 
-    def _carry_out(self, event: dict[str, object]) -> None:
+    def _carry_out(self, event: dict[str, object], refused: str = "") -> None:
+        """Carries an event out; `refused`: why the one before it was, which pages may not have seen."""
         self.live.begin(event)
         while self.live.go_on():
-            self.send(self.moment())
+            moment = self.moment()
+            if refused:
+                columns = cast("dict[str, object]", moment.header["columns"])
+                columns["refused"] = refused
+            self.send(moment)
         self._write()
 
     def _write(self) -> None:

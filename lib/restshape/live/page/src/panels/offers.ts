@@ -14,7 +14,8 @@ class OfferLine {
   private readonly text = new ChangingText();
   private readonly slider = element("input", { type: "range", min: 0, max: 1, step: 0.005, value: 0 });
 
-  constructor(private shown: ShownOffer, private readonly app: App, preview: MarkGroup) {
+  /** `place`: of the slider at first, where the one before it was let go; `released`: it is let go. */
+  constructor(private shown: ShownOffer, private readonly app: App, preview: MarkGroup, place: number, private readonly released: (place: number) => void) {
     const press = element("button", { type: "button", click: () => this.take() }, this.name.node);
     this.body = element("li", {}, press, element("p", { class: "help" }, this.text.node), this.slider);
     const show = () => preview.draw(this.shown.lines);
@@ -25,9 +26,16 @@ class OfferLine {
     }
     press.addEventListener("click", hide);
     this.slider.addEventListener("pointerdown", () => { this.held = true; });
-    for (const end of ["pointerup", "pointercancel", "change"]) this.slider.addEventListener(end, () => { this.held = false; });
+    for (const end of ["pointerup", "pointercancel", "change"]) this.slider.addEventListener(end, () => this.release());
     this.slider.addEventListener("input", () => this.slide());
+    this.slider.value = String(place);
     this.update(shown);
+  }
+
+  private release(): void {
+    if (!this.held) return;
+    this.held = false;
+    this.released(Number(this.slider.value));
   }
 
   update(shown: ShownOffer): void {
@@ -58,6 +66,8 @@ export class Offers {
   readonly body = element("div", { hidden: true });
   private readonly list = element("ul", { class: "offers" });
   private lines = new Map<string, OfferLine>();
+  private offers: ShownOffer[] = [];
+  private place = 0;                                    // of the slider that was let go last
 
   private readonly preview: MarkGroup;
 
@@ -66,11 +76,21 @@ export class Offers {
     this.body.append(element("h2", {}, "Suggestions"), this.list);
   }
 
+  private letGo(place: number): void {
+    this.place = place;
+    this.show(this.offers);
+  }
+
   /** Shows what is offered now; a line whose slider is in the hand stays until it is let go. */
   show(offers: ShownOffer[]): void {
-    const now = new Map<string, OfferLine>();
+    this.offers = offers;
+    const now = new Map<string, OfferLine>(), held = [...this.lines.values()].some((line) => line.held);
     for (const shown of offers) {
-      const line = this.lines.get(shown.offer.name) ?? new OfferLine(shown, this.app, this.preview);
+      // What has no events goes along what is chosen: while a slider does that, there is one already.
+      const goesOn = shown.offer.events.length === 0;
+      if (goesOn && held && !this.lines.has(shown.offer.name)) continue;
+      const line = this.lines.get(shown.offer.name)
+        ?? new OfferLine(shown, this.app, this.preview, goesOn ? this.place : 0, (place) => this.letGo(place));
       line.update(shown);
       now.set(shown.offer.name, line);
     }
