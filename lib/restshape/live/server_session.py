@@ -76,7 +76,7 @@ class LiveSession:
         try:
             with suppress(LinkClosed):
                 if self._restarted:
-                    link.send({"type": "resume", "lines": self._process.lines})
+                    link.send({"type": "resume", "lines": self._process.lines, "predict": self.state.predict})
                 while True:
                     self._hear(await link.receive())
         finally:
@@ -125,6 +125,7 @@ class LiveSession:
         if kind == "written":
             self._process.lines += said["lines"]
             self._process.events = said["count"]
+            self._work.written()
             self.pages.say(message)
             return
         self.state.hear(said)

@@ -14,11 +14,13 @@ class ShownState:
 
     Attributes:
         frames: so far; welcome: what was said at the start, with what has changed since; None: nothing yet.
+        predict: how frames of drags are predicted; None: as at the start.
     """
 
     def __init__(self) -> None:
         self.frames = KeptFrames()
         self.welcome: Table | None = None
+        self.predict: str | None = None
         self._player: Table | None = None
 
     @property
@@ -38,8 +40,11 @@ class ShownState:
 
     def shows(self, message: Table) -> None:
         """The page that has the hand has chosen what is shown."""
-        if self.welcome and "field" in message:
-            self.welcome["field"] = message["field"]
+        if message["type"] != "show" or not self.welcome:
+            return
+        chosen = {key: message[key] for key in ("field", "predict") if isinstance(message.get(key), str)}
+        self.welcome |= chosen
+        self.predict = chosen.get("predict", self.predict)
 
     def greeting(self, role: str, script: str) -> list[Table]:
         """What a page of this role is said when it opens; `script`: its lines so far."""

@@ -20,12 +20,12 @@ class WorkInProgress:
     def __init__(self) -> None:
         self.what = STARTING
         self._since = time.monotonic()
-        self._sent: list[int] = []
+        self._sent: dict[int, bool] = {}
         self._starting = True
 
     def start(self) -> list[int]:
         """The process is another one; the numbers of messages that the one before has not answered."""
-        left, self._sent, self._starting, self.what = self._sent, [], True, STARTING
+        left, self._sent, self._starting, self.what = list(self._sent), {}, True, STARTING
         self._since = time.monotonic()
         return left
 
@@ -33,20 +33,24 @@ class WorkInProgress:
         """A message goes to the process."""
         if not self._sent:
             self._since = time.monotonic()
-        self._sent.append(message["id"])
         event = message.get("event")
+        self._sent[message["id"]] = isinstance(event, dict)
         self.what = str(event.get("do")) if isinstance(event, dict) else message["type"]
 
     def answer(self, number: int) -> None:
         """A message was answered, and with it all before it."""
-        self._sent = [one for one in self._sent if one > number]
+        self._sent = {one: event for one, event in self._sent.items() if one > number}
         self._since = time.monotonic()
 
     def frame(self, number: int) -> None:
-        """A frame has come, which answers a message; others of the same event may follow."""
+        """A frame has come, which answers a message; of the same event others may follow."""
         self._starting = False
-        self._since = time.monotonic()
-        self._sent = [one for one in self._sent if one >= number]
+        self.answer(number - 1 if self._sent.get(number) else number)
+
+    def written(self) -> None:
+        """The event whose frames came last is over."""
+        if self._sent and self._sent[first := min(self._sent)]:
+            self.answer(first)
 
     @property
     def busy(self) -> bool:
