@@ -16,9 +16,6 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.analysis.equilibrium_search import EquilibriumSearch
-from restshape.application import application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
@@ -114,7 +111,7 @@ def main(words: list[str]) -> None:
     nonlinear.EquilibriumSearch = Watched  # type: ignore[misc]
     Watched.oldest = int(words[2]) if len(words) > 2 else Watched.oldest
     scene = load_scene(words[0], ("solve.jumps=false",))
-    asked = Request(scene, load_script(words[1], scene), application_of(scene), policy("auto"), Calibration.load())
+    asked = Request.of(scene, load_script(words[1], scene), "auto")
     for _ in Replay(asked, PETSc.COMM_WORLD).frames():
         pass
     names = ("chord", "Anderson", "Anderson, kept differences", "Newton's steps", "iterations of these")

@@ -23,9 +23,6 @@ from restshape import _kernels
 from restshape.algebra.candidates import FLOW_IN_TIME
 from restshape.algebra.counted_work import EVENTS, counted_seconds
 from restshape.algebra.krylov_method import set_krylov, solve_from
-from restshape.application import application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
 from restshape.replay.event_counts import EventCounts
 from restshape.replay.loop import Replay
 from restshape.replay.regret import begin_log
@@ -61,7 +58,7 @@ class System(NamedTuple):
 def begun(scene: Path, script: Path, changes: Sequence[str]) -> Replay:
     """A replay with nothing beside its frames."""
     read = load_scene(scene, changes)
-    asked = Request(read, load_script(script, read), application_of(read), policy("auto"), Calibration.load())
+    asked = Request.of(read, load_script(script, read), "auto")
     made = Replay(asked, PETSc.COMM_SELF)
     made.errors.estimating = made.measuring = made.errors.jumps.wanted = False
     return made

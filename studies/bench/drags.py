@@ -11,9 +11,6 @@ from typing import Any
 
 from petsc4py import PETSc
 
-from restshape.application import application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
@@ -50,7 +47,7 @@ def _played(path: Path, edits: Path, override: str) -> dict[str, Any]:
     """Times and work of the frames of a script, the first one apart; those that solve nothing are left out."""
     scene = load_scene(path, (override,))
     script = load_script(edits, scene)
-    request = Request(scene, script, application_of(scene), policy("auto"), Calibration.load())
+    request = Request.of(scene, script, "auto")
     replay = Replay(request, PETSc.COMM_SELF)
     rows, times, begun = [], [], time.process_time()
     for row in replay.frames():

@@ -12,9 +12,6 @@ from typing import TYPE_CHECKING, Any, cast
 
 from petsc4py import PETSc
 
-from restshape.application import application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
@@ -102,9 +99,7 @@ def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
     """Times of the predicted frames of a drag, estimates included, idle work not; positions are read in each."""
     scene = load_scene(path, words)
     script = load_script(edits, scene)
-    request = Request(
-        scene, script, application_of(scene), policy("auto"), Calibration.load(), predict="gmls", overrides=words
-    )
+    request = Request.of(scene, script, "auto", predict="gmls", overrides=words)
     replay = Replay(request, PETSc.COMM_SELF)
     analysis = cast("RelaxationAnalysis", replay.analysis)
     between = IdleSeconds(replay)

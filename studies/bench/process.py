@@ -27,19 +27,15 @@ def pin() -> None:
 
 def request(job: Job) -> Any:
     """The replay that the job asks for."""
-    from restshape.application import application_of
-    from restshape.calibration import Calibration
-    from restshape.policy import policy
     from restshape.replay.request import Request
-    from restshape.scene.edit_script import Script, load_script
+    from restshape.scene.edit_script import load_script
     from restshape.scene.load import load_scene
 
     # Jumps of the mesh cost solves, where some policies have new meshes and others do not.
     scene = load_scene(job.scene, job.overrides if job.estimate else ("solve.jumps=false", *job.overrides))
-    script = load_script(job.edits, scene) if job.edits else Script.empty(scene)
+    script = load_script(job.edits, scene) if job.edits else None
     name, _, guess = job.policy.partition(":")
-    chosen = policy(name, guess or None)
-    return Request(scene, script, application_of(scene), chosen, Calibration.load(), job.petsc, job.predict)
+    return Request.of(scene, script, name, guess or None, petsc=job.petsc, predict=job.predict)
 
 
 def play(job: Job, report: Any) -> None:

@@ -7,10 +7,7 @@ from typing import Any
 import numpy as np
 from restshape_studies.bench.derivative import LinearisedScene
 
-from restshape.application import application_of
-from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
-from restshape.policy import policy
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -66,7 +63,7 @@ def table_rows(scene: Path, edits: Path, overrides: Sequence[str] = ()) -> list[
     """
     read = load_scene(scene, overrides)
     script = load_script(edits, read)
-    found = measure(Request(read, script, application_of(read), policy("refactor"), Calibration.load()))
+    found = measure(Request.of(read, script, "refactor"))
     words = {
         "cold": "no displacement (A)",
         "last": "the answer before the drag (B)",

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from petsc4py import PETSc
 
-from restshape.application import application_of
-from restshape.calibration import Calibration
 from restshape.errors import UserError
-from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.refined_frames import RefinedFrames
 from restshape.replay.request import Request
@@ -37,8 +34,7 @@ def prediction(scene: Scene, script: Script | None) -> Line:
     """What is predicted of drags with ``--predict gmls``, or why nothing is: what, which, why."""
     if script is None:
         return NAME, "nothing", "there is no script, and so no drag"
-    ways = policy(scene.solve.policy)
-    request = Request(scene, script, application_of(scene), ways, Calibration.load(), predict="gmls")
+    request = Request.of(scene, script, predict="gmls")
     try:
         replay = Replay(request, PETSc.COMM_SELF)
     except UserError as error:

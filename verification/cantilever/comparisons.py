@@ -3,9 +3,7 @@
 from petsc4py import PETSc
 from restshape_studies.validation.case import OWN, Case, Check
 
-from restshape.application import application, application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
+from restshape.application import application
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
@@ -20,7 +18,7 @@ def missed(comm: PETSc.Comm, *overrides: str) -> float:
     """The mean distance [m] from the goal at the end of the session."""
     scene = load_scene(SCENE, overrides)
     script = load_script(EDITS, scene)
-    replay = Replay(Request(scene, script, application_of(scene), policy("auto"), Calibration.load()), comm)
+    replay = Replay(Request.of(scene, script, "auto"), comm)
     return [row["q_miss"] for row in replay.frames()][-1]
 
 

@@ -12,14 +12,12 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_verification.couture.thesis import ALONE, HINGE, LENGTHS, STEP_TOLERANCES, Stepped
 
-from restshape.application import application, application_of
-from restshape.calibration import Calibration
+from restshape.application import application
 from restshape.cli.options import add_json, add_set, print_table, write_json
-from restshape.policy import policy
 from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
-from restshape.scene.edit_script import Script, load_script
+from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
 COUTURE = application("couture").folder
@@ -38,10 +36,8 @@ def frames(
 ) -> list[dict[str, Any]]:
     """Columns of each frame of a replay, with `own`, its seconds of the processor."""
     read = load_scene(scene, overrides)
-    script = load_script(edits, read) if edits else Script.empty(read)
-    chosen = policy(read.solve.policy)
-    request = Request(read, script, application_of(read), chosen, Calibration.load(), predict=predict)
-    replay = Replay(request, PETSc.COMM_SELF)
+    script = load_script(edits, read) if edits else None
+    replay = Replay(Request.of(read, script, predict=predict), PETSc.COMM_SELF)
     found, begun = [], process_time()
     for row in replay.frames():
         found.append({**row, "own": process_time() - begun, "nodes": len(replay.analysis.space.X)})

@@ -8,9 +8,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, Check
 from restshape_verification.couture.validation_cantilever import bent, off, tip
 
-from restshape.application import application, application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
+from restshape.application import application
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
@@ -40,7 +38,7 @@ def sag(overrides: Sequence[str], comm: PETSc.Comm) -> float:
     """Of the chain at d/l = 0.9, where the script's fifth frame has it [m]."""
     scene = load_scene(SCENES / "catenary.toml", overrides)
     script = load_script(EDITS / "catenary.jsonl", scene)
-    replay = Replay(Request(scene, script, application_of(scene), policy("auto"), Calibration.load()), comm)
+    replay = Replay(Request.of(scene, script, "auto"), comm)
     return float(next(islice(replay.frames(), 4, None))["q_sag"])
 
 

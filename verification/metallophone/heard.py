@@ -12,9 +12,6 @@ from restshape_apps.metallophone.sounding.wav import RATE
 from restshape_studies.validation.case import CLOSED_FORM, PROGRAM, Check
 from restshape_verification.metallophone.reference import SCENES, solved
 
-from restshape.application import application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import read_script
@@ -61,7 +58,7 @@ def _frames(comm: PETSc.Comm) -> Sequence[drag.ModesAt]:
         {"t": last + 0.1, "do": "idle", "frames": 1},
     ]
     script = read_script("\n".join(map(json.dumps, lines)) + "\n", path, scene)
-    request = Request(scene, script, application_of(scene), policy(scene.solve.policy), Calibration.load())
+    request = Request.of(scene, script)
     replay = Replay(request, comm)
     rows = [(float(row["t"]), drag.modes_at(replay.analysis, float(row["t"]), None, None)) for row in replay.frames()]
     return drag.in_order([frame for _, frame in rows], rows[0][0], rows[-1][0])

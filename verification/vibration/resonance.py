@@ -12,13 +12,11 @@ from petsc4py import PETSc
 from restshape.analysis.frequencies import lowest_modes
 from restshape.analysis.harmonic import harmonic_response
 from restshape.analysis.transient import TransientAnalysis
-from restshape.application import application, application_of
-from restshape.calibration import Calibration
+from restshape.application import application
 from restshape.cli.options import add_json, write_json
 from restshape.errors import one_line
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import CsvFile, PictureFile
-from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
@@ -83,7 +81,7 @@ def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), na
     """
     scene = load_scene(SCENE, overrides)
     script = load_script(EDITS, scene)
-    replay = Replay(Request(scene, script, application_of(scene), policy(name), Calibration.load()), comm)
+    replay = Replay(Request.of(scene, script, name), comm)
     start, path, amplitude, slow = None, [], [], []
     for row in replay.frames():
         outline = replay.moving.mesh.outline

@@ -16,14 +16,10 @@ from restshape_apps.metallophone.tuning.freedoms import Freedom, with_values
 
 from restshape.algebra.stages import Stages
 from restshape.analysis.modal_errors import FrequencyEstimate
-from restshape.application import application_of
-from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem, UserError
-from restshape.policy import policy
 from restshape.replay.frame_solver import FrameSolver
 from restshape.replay.replay_parts import replay_parts
 from restshape.replay.request import Request
-from restshape.scene.edit_script import Script
 from restshape.shape.build import unchecked_outline
 from restshape.shape.validity import problem
 
@@ -52,10 +48,9 @@ class Bar:
 
     def __init__(self, scene: Scene, freedoms: Sequence[Freedom]) -> None:
         self.scene, self.freedoms = scene, tuple(freedoms)
-        chosen = policy(scene.solve.policy)
-        request = Request(scene, Script.empty(scene), application_of(scene), chosen, Calibration.load())
+        request = Request.of(scene)
         parts = replay_parts(request, PETSc.COMM_WORLD, Stages())
-        self._solver = FrameSolver(parts, chosen)
+        self._solver = FrameSolver(parts, request.policy)
         self.analysis, self.moving = cast("ModalAnalysis", parts.analysis), cast("MovingMesh", parts.moving)
         self.outline = cast("Outline", parts.session.outline)
         self.solves, self.level, self._frames, self.now = 0, 3, 0, scene
