@@ -24,6 +24,7 @@ from restshape_studies.commands import (
     bench_maps,
     bench_nested,
     bench_order,
+    bench_peers,
     bench_regret,
     bench_reuse,
     bench_size,
@@ -67,6 +68,7 @@ MODULES = (
     bench_maps,
     bench_nested,
     bench_body,
+    bench_peers,
 )
 KINDS: dict[str, Kind] = {kind.name: kind for module in MODULES for kind in module.KINDS}
 
