@@ -120,7 +120,20 @@ def test_results_of_another_study_are_refused_before_anything_is_measured(tmp_pa
     assert "--before other.json: this holds no results of restshape bench reuse" in done.stderr
 
 
-TIMED = ("reuse", "limit", "size", "order", "eigen", "drags", "drape", "nested", "predict", "derivative", "body")
+TIMED = (
+    "reuse",
+    "limit",
+    "size",
+    "order",
+    "eigen",
+    "drags",
+    "drape",
+    "nested",
+    "predict",
+    "derivative",
+    "body",
+    "peers",
+)
 
 
 def test_each_study_of_times_says_what_they_include():
