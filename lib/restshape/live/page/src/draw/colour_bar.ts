@@ -52,6 +52,10 @@ export class ColourBar {
 
 function plain(value: number): string { return Number(value.toPrecision(3)).toString().replace("-", "−"); }
 
+const written = new WeakMap<HTMLElement, string>();
+
 function put(element: HTMLElement, text: string): void {
-  if (element.textContent !== text) element.textContent = text;
+  if (written.get(element) === text) return;
+  written.set(element, text);
+  element.textContent = text;
 }

@@ -5,9 +5,11 @@ import { Vector3 } from "three";
 import type { View } from "./view";
 
 export interface Word { text: string; at: ArrayLike<number>; meaning: string; }
-interface Shown { element: HTMLSpanElement; at: Vector3; width: number; height: number; }
+interface Shown { element: HTMLSpanElement; at: Vector3; width: number; text: string; meaning: string; }
 
 const BESIDE = 9; // pixels from the place
+const HEIGHT = 17; // pixels of a line with its padding
+const PADDING = 8;
 
 export class Labels {
   private readonly sets = new Map<string, Shown[]>();
@@ -32,8 +34,8 @@ export class Labels {
       for (const one of shown) {
         const { x, y, z } = view.toScreen(one.at.x, one.at.y, one.at.z, this.work);
         const left = x + BESIDE + one.width > width ? x - BESIDE - one.width : x + BESIDE;
-        const top = Math.min(Math.max(y - one.height - 4, 0), height - one.height);
-        const box: [number, number, number, number] = [left, top, left + one.width, top + one.height];
+        const top = Math.min(Math.max(y - HEIGHT - 4, 0), height - HEIGHT);
+        const box: [number, number, number, number] = [left, top, left + one.width, top + HEIGHT];
         const free = z < 1 && x > -20 && y > -20 && x < width + 20 && y < height + 20 && !taken.some((other) => meet(box, other));
         if (free) taken.push(box);
         one.element.style.visibility = free ? "visible" : "hidden";
@@ -45,17 +47,28 @@ export class Labels {
   private make(): Shown {
     const element = document.createElement("span");
     this.over.append(element);
-    return { element, at: new Vector3(), width: 0, height: 0 };
+    return { element, at: new Vector3(), width: 0, text: "", meaning: "" };
   }
 }
 
-function write(shown: Shown, word: Word): void {
-  shown.at.set(word.at[0] ?? 0, word.at[1] ?? 0, word.at[2] ?? 0);
-  shown.element.style.color = `var(--${word.meaning}, var(--guide))`;
-  if (shown.element.textContent === word.text) return;
-  shown.element.textContent = word.text;
-  shown.width = shown.element.offsetWidth;
-  shown.height = shown.element.offsetHeight;
+function write(shown: Shown, { text, at, meaning }: Word): void {
+  shown.at.set(at[0] ?? 0, at[1] ?? 0, at[2] ?? 0);
+  if (shown.meaning !== meaning) shown.element.style.color = `var(--${meaning}, var(--guide))`;
+  shown.meaning = meaning;
+  if (shown.text === text) return;
+  shown.text = shown.element.textContent = text;
+  shown.width = widthOf(text);
+}
+
+let pen: CanvasRenderingContext2D | null = null;
+
+/** Width of a word without having the browser lay the page out. */
+function widthOf(text: string): number {
+  if (!pen) {
+    pen = document.createElement("canvas").getContext("2d");
+    if (pen) pen.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+  }
+  return (pen?.measureText(text).width ?? 7 * text.length) + PADDING;
 }
 
 function meet(a: [number, number, number, number], b: [number, number, number, number]): boolean {

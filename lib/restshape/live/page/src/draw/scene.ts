@@ -30,9 +30,12 @@ export class Scene {
   private readonly group = new Group();
   private readonly bar: ColourBar;
   private field: FieldInfo | null = null;
+  private said = { scale: 1, text: "" };
   private asked = false;
   private answered = 0;
   private fitted = false;
+  left = 0;                                          // of the canvas in the window, pixels
+  top = 0;
   private width = 1;
   private height = 1;
 
@@ -52,6 +55,8 @@ export class Scene {
     this.theme.onChange(() => this.recolour());
     this.recolour();
     new ResizeObserver(() => this.resize()).observe(canvas);
+    canvas.addEventListener("pointerenter", () => this.locate());
+    canvas.addEventListener("pointerdown", () => this.locate(), { capture: true });
     canvas.addEventListener("webglcontextrestored", () => this.request());
     app.on("welcome", (welcome) => this.begin(welcome));
     app.on("frame", (frame) => this.take(frame));
@@ -177,7 +182,9 @@ export class Scene {
     let any = false;
     for (const surface of this.parts.surfaces()) any ||= surface.hasShifts;
     const scale = this.shared.scale.value;
-    return any && scale !== 1 ? `displacements × ${scale.toLocaleString("en")}` : "";
+    if (!any || scale === 1) return "";
+    if (scale !== this.said.scale) this.said = { scale, text: `displacements × ${scale.toLocaleString("en")}` };
+    return this.said.text;
   }
 
   private recolour(): void {
@@ -186,7 +193,14 @@ export class Scene {
     this.request();
   }
 
+  private locate(): void {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    this.left = left;
+    this.top = top;
+  }
+
   private resize(): void {
+    this.locate();
     const { clientWidth, clientHeight } = this.canvas;
     this.width = Math.max(clientWidth, 1);
     this.height = Math.max(clientHeight, 1);

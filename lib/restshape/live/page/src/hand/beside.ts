@@ -11,6 +11,7 @@ export class Beside {
   private x = 0;
   private y = 0;
   private timer = 0;
+  private readonly room = { right: 0, bottom: 0, height: 0 };
 
   constructor(app: App) {
     app.on("refused", ({ message, todo }) => this.refuse(message, todo));
@@ -29,9 +30,12 @@ export class Beside {
   }
 
   show(text: string, kind: "guide" | "refused" = "guide"): void {
-    this.box.textContent = text;
+    if (this.box.textContent !== text || this.box.hidden) {
+      this.box.textContent = text;
+      this.box.hidden = false;
+      this.measure();
+    }
     this.box.dataset["kind"] = kind;
-    this.box.hidden = false;
     this.place();
     clearTimeout(this.timer);
     this.timer = window.setTimeout(() => this.hide(), SHOWN);
@@ -51,13 +55,19 @@ export class Beside {
     this.say(text);
   }
 
-  private place(): void {
-    const { clientWidth, clientHeight } = this.stage;
+  /** Sizes are read once for each text: the browser lays the page out for that. */
+  private measure(): void {
     const { offsetWidth, offsetHeight } = this.box;
-    const left = Math.min(Math.max(this.x + 18, 4), Math.max(clientWidth - offsetWidth - 4, 4));
-    const above = this.y - offsetHeight - 18;
-    const below = above > 4 ? above : this.y + 24;
-    const top = Math.max(Math.min(below, clientHeight - offsetHeight - 4), 4);
+    this.room.right = Math.max(this.stage.clientWidth - offsetWidth - 4, 4);
+    this.room.bottom = this.stage.clientHeight - offsetHeight - 4;
+    this.room.height = offsetHeight;
+  }
+
+  private place(): void {
+    const { right, bottom, height } = this.room;
+    const left = Math.min(Math.max(this.x + 18, 4), right);
+    const above = this.y - height - 18;
+    const top = Math.max(Math.min(above > 4 ? above : this.y + 24, bottom), 4);
     this.box.style.transform = `translate(${left}px, ${top}px)`;
   }
 }

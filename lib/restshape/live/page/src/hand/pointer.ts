@@ -9,6 +9,7 @@ import { Grasp, pulls } from "./grasp";
 import { Highlight } from "./highlight";
 import { placeOnWay, type Way } from "./ways";
 import { Targets, type Grip } from "./targets";
+import { pixelsOf } from "./pixels";
 import type { Tools } from "./tools";
 
 const REACH = { mouse: 10, pen: 14, touch: 24 };
@@ -47,9 +48,10 @@ export class Pointer {
 
   /** What is under the pointer and may be held. */
   under(event: MouseEvent): Grip | null {
+    const { x, y } = pixelsOf(this.scene, event);
     const type = event instanceof PointerEvent ? event.pointerType : "mouse";
     const reach = REACH[type as keyof typeof REACH] ?? REACH.mouse;
-    return this.targets.at(this.app.things, event.offsetX, event.offsetY, reach, () => true);
+    return this.targets.at(this.app.things, x, y, reach, () => true);
   }
 
   private down(event: PointerEvent): void {
@@ -60,7 +62,7 @@ export class Pointer {
     controls.enabled = true;
     if (event.pointerType === "touch" && !event.isPrimary) return; // the first finger moves the picture already
     if (event.button !== 0 || this.app.tool === "look" || event.ctrlKey || event.metaKey) return;
-    this.start = { x: event.offsetX, y: event.offsetY };
+    this.start = pixelsOf(this.scene, event);
     this.moved = false;
     const taken = this.tools.down(event) || this.hold(event);
     if (!taken) return;
@@ -79,14 +81,14 @@ export class Pointer {
     const { thing } = grip.target;
     this.app.tell("selected", thing);
     if (this.app.role !== "hand") {
-      this.beside.moveTo(event.offsetX, event.offsetY);
+      this.beside.moveTo(this.start.x, this.start.y);
       this.beside.show("another page has the hand");
       return false;
     }
     const parameter = this.parameter && thing.parameters?.includes(this.parameter) ? this.parameter : null;
     this.grasp = new Grasp(this.app, grip, pulls(thing, this.app.tool === "pull" || event.altKey), parameter);
     this.hover.show(grip.target, grip.dot);
-    const at = this.place(event.offsetX, event.offsetY, grip.at);
+    const at = this.place(this.start.x, this.start.y, grip.at);
     this.offset = at ? [grip.at[0] - at[0], grip.at[1] - at[1], grip.at[2] - at[2]] : [0, 0, 0];
     return true;
   }
@@ -94,21 +96,22 @@ export class Pointer {
   private move(event: PointerEvent): void {
     if (this.handed && !this.finger) return;
     if (this.finger && event.pointerId !== this.finger.pointerId) return;
-    this.beside.moveTo(event.offsetX, event.offsetY);
+    const { x, y } = pixelsOf(this.scene, event);
+    this.beside.moveTo(x, y);
     if (!this.finger) {
       if (event.buttons === 0 && event.pointerType !== "touch") this.look(event);
       return;
     }
-    const far = Math.hypot(event.offsetX - this.start.x, event.offsetY - this.start.y);
+    const far = Math.hypot(x - this.start.x, y - this.start.y);
     if (!this.moved && far < STILL) return;
     this.moved = true;
     if (this.tools.move(event) || !this.grasp) return;
     const { grip, parameter } = this.grasp;
     if (parameter) {
-      this.grasp.move(this.amount(parameter, event, grip));
+      this.grasp.move(this.amount(parameter, x, y, grip));
       return;
     }
-    const at = this.place(event.offsetX, event.offsetY, grip.at);
+    const at = this.place(x, y, grip.at);
     if (at) this.grasp.move([at[0] + this.offset[0], at[1] + this.offset[1], at[2] + this.offset[2]]);
   }
 
@@ -150,8 +153,11 @@ export class Pointer {
   private look(event: PointerEvent): void {
     const grip = this.app.tool === "look" ? null : this.under(event);
     this.hover.show(grip?.target ?? null, grip?.dot ?? null);
-    this.scene.canvas.style.cursor = this.tools.cursor ?? (grip ? "grab" : "default");
-    this.scene.canvas.title = grip ? `${grip.target.thing.role} ${grip.target.thing.name}` : "";
+    const { canvas } = this.scene;
+    const cursor = this.tools.cursor ?? (grip ? "grab" : "default");
+    const title = grip ? `${grip.target.thing.role} ${grip.target.thing.name}` : "";
+    if (canvas.style.cursor !== cursor) canvas.style.cursor = cursor;
+    if (canvas.title !== title) canvas.title = title;
   }
 
   /** The place that a pixel means for a hand that holds something at `from`. */
@@ -166,8 +172,8 @@ export class Pointer {
   }
 
   /** By how much a parameter of a plank goes: to the right is more, up too. */
-  private amount(parameter: string, event: PointerEvent, grip: Grip): number {
-    const pixels = event.offsetX - this.start.x - (event.offsetY - this.start.y);
+  private amount(parameter: string, x: number, y: number, grip: Grip): number {
+    const pixels = x - this.start.x - (y - this.start.y);
     return parameter.startsWith("turn") ? pixels * TURN : pixels * this.scene.view.pixel(new Vector3(...grip.at));
   }
 

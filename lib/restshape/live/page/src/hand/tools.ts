@@ -4,6 +4,7 @@ import type { App } from "../app";
 import type { Scene } from "../draw/scene";
 import { coordinates } from "./grasp";
 import { newName } from "./names";
+import { pixelsOf } from "./pixels";
 import type { Grip, Targets } from "./targets";
 
 const PIECES = 48; // of the circle that shows a hole
@@ -30,7 +31,8 @@ export class Tools {
   /** Whether a press is taken by a tool. */
   down(event: PointerEvent): boolean {
     if (this.asked) {
-      const grip = this.targets?.at(this.app.things, event.offsetX, event.offsetY, 8, ({ role }) => role === "vertex" || this.scene.view.dim === 3);
+      const { x, y } = pixelsOf(this.scene, event);
+      const grip = this.targets?.at(this.app.things, x, y, 8, ({ role }) => role === "vertex" || this.scene.view.dim === 3);
       this.answer([...(grip?.at ?? this.ground(event))].slice(0, this.scene.view.dim));
       return true;
     }
@@ -41,7 +43,8 @@ export class Tools {
       return true;
     }
     if (this.app.tool !== "arc") return false;
-    this.arc = this.targets?.at(this.app.things, event.offsetX, event.offsetY, 24, ({ role }) => role === "edge") ?? null;
+    const { x, y } = pixelsOf(this.scene, event);
+    this.arc = this.targets?.at(this.app.things, x, y, 24, ({ role }) => role === "edge") ?? null;
     if (this.arc) this.app.tell("selected", this.arc.target.thing);
     return this.arc !== null;
   }
@@ -111,7 +114,8 @@ export class Tools {
   }
 
   private ground(event: PointerEvent): [number, number, number] {
-    return this.targets?.inPlane(event.offsetX, event.offsetY, 0) ?? [0, 0, 0];
+    const { x, y } = pixelsOf(this.scene, event);
+    return this.targets?.inPlane(x, y, 0) ?? [0, 0, 0];
   }
 
   private taken(): Set<string> { return new Set(this.app.things.map(({ name }) => name)); }
