@@ -20,6 +20,8 @@ Table = dict[str, Any]
 
 PATIENCE = 0.5
 """Seconds after which pages are said that a frame takes long, and between two such words."""
+HASTE = 0.1
+"""Seconds within which nothing is cancelled: the frame may be on its way."""
 HEARTBEAT = 5.0
 """Seconds between two empty texts, by which a page knows that its socket is alive."""
 MOST_ASKED = 10_000
@@ -207,7 +209,7 @@ class LiveSession:
         elif not self._process.can_start:
             page.say(refused(number, "the simulation runs on several ranks, and cannot be started again"))
             return
-        elif kind == "restart" or self._work.busy:
+        elif kind == "restart" or self._work.seconds() > HASTE:
             self._why = "it was ended by hand, and goes on before its last frame"
             self._fruitless = 0
             self._process.kill()
