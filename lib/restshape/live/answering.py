@@ -110,14 +110,13 @@ class Worker(MessageLoop):
         if self.live.missed:
             self._carry_out({"do": "release"}, str(self.live.sim.frame.row["refused"]))
 
-    def _carry_out(self, event: dict[str, object], refused: str = "") -> None:
-        """Carries an event out; `refused`: why the one before it was, which pages may not have seen."""
+    def _carry_out(self, event: dict[str, object], missed: str = "") -> None:
+        """Carries an event out; `missed`: why the press before it was refused, whose frame pages may not have seen."""
         self.live.begin(event)
         while self.live.go_on():
             moment = self.moment()
-            if refused:
-                columns = cast("dict[str, object]", moment.header["columns"])
-                columns["refused"] = refused
+            if missed:
+                moment.header["missed"] = missed
             self.send(moment)
         self._write()
 

@@ -157,3 +157,9 @@ export class App {
     if (known.things) this.things = known.things;
   }
 }
+
+/** Why a frame shows the answer of before; empty: it does not. */
+export function refusedWords({ columns, missed }: FrameMessage): string {
+  const why = missed ?? columns["refused"];
+  return typeof why === "string" ? why : "";
+}

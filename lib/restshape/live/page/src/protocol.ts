@@ -84,6 +84,7 @@ export interface FrameMessage {
   columns: Record<string, number | string>;                                // level, ms, iterations, estimate, refused, note, predicted, q_...
   errors: Record<string, number>;                                          // of quantities, where they are estimated
   limits: Record<string, "holds" | "uncertain" | "fails">;
+  missed?: string;                                                         // why the press was refused that this frame lets go of
   held: { on: string; at: number[] } | null;
   parts: Part[];
   marks?: MarkMessage[];                                                   // left out: as before

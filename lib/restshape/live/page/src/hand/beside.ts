@@ -1,6 +1,6 @@
 // Words beside the hand: why something was refused, how far it has gone; and words for those who do not see the picture.
 
-import type { App } from "../app";
+import { refusedWords, type App } from "../app";
 
 const SHOWN = 3_500; // ms that words stay after the last ones
 
@@ -16,8 +16,8 @@ export class Beside {
   constructor(app: App) {
     app.on("refused", ({ message, todo }) => this.refuse(message, todo));
     app.on("frame", ({ header }) => {
-      const refused = header.columns["refused"];
-      if (typeof refused === "string" && refused) this.refuse(refused, "");
+      const refused = refusedWords(header);
+      if (refused) this.refuse(refused, "");
     });
     app.on("note", (note) => this.say(note));
   }

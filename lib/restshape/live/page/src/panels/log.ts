@@ -1,6 +1,6 @@
 // What was refused, noted, saved and lost, the newest first; read out as it comes.
 
-import type { App } from "../app";
+import { refusedWords, type App } from "../app";
 import { button, element } from "./element";
 
 const MOST = 60;
@@ -29,8 +29,7 @@ export function showLog(app: App): HTMLElement {
   app.on("lost", ({ message, restarting }) => say("lost", restarting ? `${message}: it begins again with the script so far` : message));
   let refusedBefore = "";
   app.on("frame", ({ header }) => {
-    const why = header.columns["refused"];
-    const text = typeof why === "string" ? why : "";
+    const text = refusedWords(header);
     if (text && text !== refusedBefore) say("refused", text);
     refusedBefore = text;
   });
