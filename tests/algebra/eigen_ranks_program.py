@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra import shared_factor
 from restshape.algebra.buckling_solver import BucklingSolver
 from restshape.algebra.eigen import EigenSolver
@@ -83,6 +84,20 @@ def factored(K: np.ndarray, M: np.ndarray, sizes: list[int], shifts: tuple[float
     return {"counts": counts, "expected": expected, "error": max(errors), "same": same}
 
 
+def multiplied(K: np.ndarray, sizes: list[int]) -> float:
+    """The largest error of products of a shared matrix with eleven rows, now and once its entries are others."""
+    last, mat, errors = int(np.cumsum(sizes)[WORLD.rank]), sparse(K, K, sizes), []
+    rows = np.random.default_rng(9).uniform(-1.0, 1.0, (11, len(K)))
+    own = np.ascontiguousarray(rows[:, last - sizes[WORLD.rank] : last])
+    for size in (1.0, 2.0):
+        out = np.full_like(own, np.nan)
+        assert _kernels.matrix_products(mat.handle, own, out)
+        whole = np.concatenate(WORLD.tompi4py().allgather(out), axis=1)
+        errors.append(float(np.abs(whole - size * rows @ K.T).max()))
+        mat.scale(2.0)
+    return max(errors)
+
+
 def solved(method: str, K: np.ndarray, M: np.ndarray, rigid: np.ndarray, sizes: list[int]) -> dict[str, object]:
     """The lowest eigenvalues of a matrix, and of one near it from these modes."""
     solver, found = EigenSolver(method, 1e-10, Calibration.load(), Stages()), {}
@@ -150,6 +165,8 @@ def main() -> None:
         }
         for method in ("direct", "auto", "ilu")
     }
+    blocks = np.kron(grid(4), np.arange(1.0, 10.0).reshape(3, 3))
+    found["multiplied"] = [multiplied(blocks, [18, 0, 30]), multiplied(grid(6), [10, 20, 6])]
     found["buckled"], found["tiny"] = buckled([7, 0, 9]), tiny()
     every = WORLD.tompi4py().allgather(json.dumps(found))
     if WORLD.rank == 0:

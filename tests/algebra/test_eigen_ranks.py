@@ -57,6 +57,10 @@ def test_pieces_that_ranks_have_alone_have_the_modes_of_each(found, method):
     assert found["solved"][method]["pieces"]["near"]["values"] == pytest.approx(1.01 * values, rel=1e-9)
 
 
+def test_products_with_many_rows_are_those_of_the_whole_matrix(found):
+    assert max(found["multiplied"]) < 1e-12
+
+
 def test_load_factors_of_shared_matrices_are_those_of_lapack(found):
     assert found["buckled"][0] < 1e-9
 

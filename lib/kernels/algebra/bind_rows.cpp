@@ -1,6 +1,7 @@
 // Products of few long rows, such as the vectors of a search space: with each other, and with a matrix that is read
 // once for eight of them.
 #include <petscmat.h>
+#include <petscsf.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -137,18 +138,75 @@ bool alike(const MatrixRows& a, PetscInt row) {
     return true;
 }
 
+// Rows of a matrix times up to eight vectors that lie side by side: calls take(row, products).
+template <typename Take>
+void multiply_rows(const MatrixRows& a, const Beside& x, Take&& take) {
+    Lanes product[fields];
+    for (PetscInt i = 0; i < a.n;) {
+        const bool node = i + fields <= a.n && alike(a, i);
+        node ? multiply<fields>(a, i, x, product) : multiply<1>(a, i, x, product);
+        const int size = node ? fields : 1;
+        for (int s = 0; s < size; ++s) take(i + s, product[s]);
+        i += size;
+    }
+}
+
+bool of_type(Mat mat, MatType type) {
+    PetscBool is = PETSC_FALSE;
+    check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(mat), type, &is), "PetscObjectTypeCompare");
+    return is;
+}
+
+// Who has the columns of a matrix that other ranks own; it stays with the matrix, whose pattern does.
+PetscSF ghosts_of(Mat mat, const PetscInt* columns, PetscInt count) {
+    constexpr char name[] = "restshape_ghosts";
+    PetscObject kept = nullptr;
+    check(PetscObjectQuery(reinterpret_cast<PetscObject>(mat), name, &kept), "PetscObjectQuery");
+    if (kept) return reinterpret_cast<PetscSF>(kept);
+    MPI_Comm comm = MPI_COMM_NULL;
+    check(PetscObjectGetComm(reinterpret_cast<PetscObject>(mat), &comm), "PetscObjectGetComm");
+    PetscLayout layout = nullptr;
+    check(MatGetLayouts(mat, nullptr, &layout), "MatGetLayouts");
+    PetscSF sf = nullptr;
+    check(PetscSFCreate(comm, &sf), "PetscSFCreate");
+    check(PetscSFSetGraphLayout(sf, layout, count, nullptr, PETSC_COPY_VALUES, columns), "PetscSFSetGraphLayout");
+    check(PetscObjectCompose(reinterpret_cast<PetscObject>(mat), name, reinterpret_cast<PetscObject>(sf)),
+          "PetscObjectCompose");
+    PetscSF held = sf;
+    // The matrix has it now.
+    check(PetscSFDestroy(&sf), "PetscSFDestroy");
+    return held;
+}
+
+// What other ranks have of vectors that lie side by side, in one message from each of them.
+void exchange(PetscSF sf, const Beside& own, Beside& others) {
+    MPI_Datatype unit = MPI_DATATYPE_NULL;
+    MPI_Type_contiguous(lanes, MPI_DOUBLE, &unit);
+    MPI_Type_commit(&unit);
+    check(PetscSFBcastBegin(sf, unit, own.data(), others.data(), MPI_REPLACE), "PetscSFBcastBegin");
+    check(PetscSFBcastEnd(sf, unit, own.data(), others.data(), MPI_REPLACE), "PetscSFBcastEnd");
+    MPI_Type_free(&unit);
+}
+
 bool matrix_products(intptr_t handle, const Reals& rows, Reals out) {
-    Mat mat = reinterpret_cast<Mat>(handle);
-    PetscBool plain = PETSC_FALSE;
-    check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(mat), MATSEQAIJ, &plain), "PetscObjectTypeCompare");
-    if (!plain) return false;
-    const MatrixRows a(mat);
+    Mat mat = reinterpret_cast<Mat>(handle), own = mat, border = nullptr;
+    const bool shared = of_type(mat, MATMPIAIJ);
+    if (!shared && !of_type(mat, MATSEQAIJ)) return false;
+    const PetscInt* columns = nullptr;
+    if (shared) check(MatMPIAIJGetSeqAIJ(mat, &own, &border, &columns), "MatMPIAIJGetSeqAIJ");
+    const MatrixRows a(own);
     if (!a.done) return false;
     if (rows.ndim() != 2 || out.ndim() != 2 || rows.shape(1) != a.n || out.shape(0) != rows.shape(0) ||
         out.shape(1) != a.n)
         throw std::invalid_argument("rows and out must be (k, n)");
+    PetscInt ghosts = 0;
+    PetscSF sf = nullptr;
+    if (shared) {
+        check(MatGetSize(border, nullptr, &ghosts), "MatGetSize");
+        sf = ghosts_of(mat, columns, ghosts);
+    }
     // Side by side: a product with all of them is one with a register.
-    Beside beside(a.n);
+    Beside beside(a.n), others(ghosts), from_others(shared ? a.n : 0);
     const py::ssize_t count = rows.shape(0), n = a.n;
     for (py::ssize_t first = 0; first < count; first += lanes) {
         const int width = static_cast<int>(std::min<py::ssize_t>(lanes, count - first));
@@ -156,15 +214,14 @@ bool matrix_products(intptr_t handle, const Reals& rows, Reals out) {
         double* to = out.mutable_data() + first * n;
         for (py::ssize_t i = 0; i < n; ++i)
             for (int k = 0; k < lanes; ++k) beside[i][k] = k < width ? from[k * n + i] : 0.0;
-        Lanes product[fields];
-        for (PetscInt i = 0; i < a.n;) {
-            const bool node = i + fields <= a.n && alike(a, i);
-            node ? multiply<fields>(a, i, beside, product) : multiply<1>(a, i, beside, product);
-            const int size = node ? fields : 1;
-            for (int k = 0; k < width; ++k)
-                for (int s = 0; s < size; ++s) to[k * n + i + s] = product[s][k];
-            i += size;
+        if (shared) {
+            exchange(sf, beside, others);
+            multiply_rows(MatrixRows(border), others, [&](PetscInt i, const Lanes& sum) { from_others[i] = sum; });
         }
+        multiply_rows(a, beside, [&](PetscInt i, const Lanes& sum) {
+            const Lanes whole = shared ? Lanes(sum + from_others[i]) : sum;
+            for (int k = 0; k < width; ++k) to[k * n + i] = whole[k];
+        });
     }
     check(PetscLogFlops(2.0 * static_cast<double>(a.start[a.n]) * static_cast<double>(count)), "PetscLogFlops");
     return true;
@@ -178,9 +235,9 @@ void bind_rows(py::module_& m) {
     m.def("combine_rows", &combine_rows, py::arg("weights").noconvert(), py::arg("rows").noconvert(),
           py::arg("out").noconvert(), py::arg("add"),
           "Writes, or adds, weights (m, k) times rows (k, n) to out (m, n).");
-    m.def("matrix_products", &matrix_products, py::arg("handle"), py::arg("rows").noconvert(),
-          py::arg("out").noconvert(),
-          "Writes the products with PETSc's matrix of this handle of each of rows (k, n) into out (k, n); its entries "
-          "are read once for eight rows. Returns whether it does: of matrices other than of one rank and by rows it "
-          "writes nothing.");
+    m.def(
+        "matrix_products", &matrix_products, py::arg("handle"), py::arg("rows").noconvert(), py::arg("out").noconvert(),
+        "Writes the products with PETSc's matrix of this handle of each of rows (k, n) into out (k, n); its entries "
+        "are read once for eight rows. Of a matrix that ranks share rows are this rank's columns of them, and the call "
+        "is collective. Returns whether it does: of matrices other than by rows it writes nothing.");
 }
