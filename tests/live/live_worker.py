@@ -122,8 +122,8 @@ class LocalSession(Page):
         return [one for one in found + self.drain() if one["type"] != "busy"]
 
     def event(self, do: str, **keys: object) -> list[dict[str, Any]]:
-        """The answers to an event."""
-        return self.say("event", event={"do": do, **keys})
+        """The answers to an event, but what the script has gained."""
+        return [one for one in self.say("event", event={"do": do, **keys}) if one["type"] != "written"]
 
     def rest(self) -> int:
         """Lets what goes on by itself come to rest; the frames that it took."""

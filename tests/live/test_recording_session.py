@@ -116,5 +116,4 @@ def test_the_process_goes_on_from_the_frame_that_is_taken(recorded, tmp_path):
         assert cut(session.until("frame")["columns"]) == recorded[1][4]
         number = session.say("event", event={"do": "drag", "to": [0.1, 0.06]})
         last = cut(session.until("frame", number)["columns"])
-        session.until("written", 0)
     assert replayed(restshape.load("docs/examples/bracket.toml", *COARSE), out) == [*recorded[1][:5], last]

@@ -15,6 +15,7 @@ from restshape.errors import UserError
 from restshape.live import messages as page
 from restshape.live.frame_arrays import MessageBody
 from restshape.live.frame_header import header_of
+from restshape.live.json_text import json_bytes
 from restshape.live.link import Link
 from restshape.live.mark_messages import placed
 from restshape.live.message_loop import MessageLoop
@@ -114,24 +115,28 @@ class Worker(MessageLoop):
         """Carries an event out; `missed`: why the press before it was refused, whose frame pages may not have seen."""
         self.live.begin(event)
         while self.live.go_on():
+            # What is shown is written down before.
+            self.live.finish()
+            self._write(with_next=True)
             moment = self.moment()
             if missed:
                 moment.header["missed"] = missed
             self.send(moment)
         self._write()
 
-    def _write(self) -> None:
-        """Writes down what has been done, and tells the server."""
+    def _write(self, with_next: bool = False) -> None:
+        """Writes down what has been done, and tells the server: at once, or with the next message."""
         lines, self.live.lines = self.live.lines, []
         if not lines or self.player is not None:
             return
         for line in lines:
             self.file.add(line)
-        self._say_written(lines)
+        self._say_written(lines, with_next)
 
-    def _say_written(self, lines: Sequence[str]) -> None:
+    def _say_written(self, lines: Sequence[str], with_next: bool = False) -> None:
         text = "".join(f"{line}\n" for line in lines)
-        self.say({"type": "written", "lines": text, "count": self.file.count})
+        message = json_bytes({"type": "written", "lines": text, "count": self.file.count})
+        (self.link.send_with_next if with_next else self.link.send)(message)
 
     def _rest(self) -> None:
         """One more frame of what comes to rest by itself."""

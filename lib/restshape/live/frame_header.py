@@ -14,19 +14,10 @@ if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
     from restshape.scene.model import Scene
 
-Column = float | int | str
 
-
-def columns_of(row: RowValues) -> dict[str, Column]:
+def columns_of(row: RowValues) -> dict[str, object]:
     """The columns of a row that say something: no empty texts, and no numbers that are none."""
-    found: dict[str, Column] = {}
-    for name, value in row.items():
-        if isinstance(value, float):
-            if value - value == 0.0:
-                found[name] = float(value)
-        elif isinstance(value, int) or (isinstance(value, str) and value):
-            found[name] = value
-    return found
+    return {name: value for name, value in row.items() if value == value and value != "" and type(value) is not tuple}
 
 
 def errors_of(row: RowValues, scene: Scene) -> dict[str, float]:

@@ -6,7 +6,8 @@ import struct
 from collections.abc import Mapping, Sequence
 
 from restshape.live.frame_arrays import ALIGNED, MessageBody, PicturePart
-from restshape.live.link import Buffer, encoded
+from restshape.live.json_text import json_bytes
+from restshape.live.link import Buffer
 from restshape.live.mark_messages import placed
 from restshape.live.shown_marks import Mark
 
@@ -46,7 +47,7 @@ class FrameEncoder:
         if len(marks) != len(self._marks) or any(one is not other for one, other in zip(marks, self._marks)):
             whole["marks"] = [placed(mark, body) for mark in marks]
             self._marks = [*marks]
-        text = encoded(whole).encode()
+        text = json_bytes(whole)
         text += b" " * (-(LENGTH.size + len(text)) % ALIGNED)
         return [LENGTH.pack(len(text)), text, *body.pieces]
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.arrays import AnyArray, Reals
+from restshape.arrays import AnyArray, Complexes, Indices, Reals
 from restshape.errors import UserError
 from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.shape.curves import arc_fraction
 from restshape.shape.outline import Outline
 
 
@@ -41,6 +42,54 @@ class Thing:
         return found | {key: value for key, value in more.items() if value}
 
 
+@dataclass(frozen=True, eq=False)
+class OutlineCurves:
+    """Points on all edges of an outline, linear in its control points as long as no arc bends.
+
+    Args:
+        first: (n_edges + 1,) where the points of each edge start, the last one how many there are.
+        ends: (2, m) control points at both ends of the edge of each point.
+        share: (m,) complex: of the way from one end to the other, turned about the first.
+        curved: of edges with inner points: where their points are, their control points, and the weights of these.
+    """
+
+    first: Indices
+    ends: Indices
+    share: Complexes
+    curved: Sequence[tuple[slice, Indices, Reals]]
+
+    @classmethod
+    def none(cls) -> OutlineCurves:
+        """No points."""
+        return cls(np.zeros(1, dtype=np.int32), np.zeros((2, 0), dtype=np.int32), np.zeros(0, dtype=complex), ())
+
+    @classmethod
+    def of(cls, outline: Outline, parameters: Sequence[Reals]) -> OutlineCurves:
+        """Those at parameters (n,) of each edge, from 0 to 1."""
+        first = np.concatenate([[0], np.cumsum([len(s) for s in parameters])]).astype(np.int32)
+        ends = np.repeat(outline.layout.ends, np.diff(first), axis=0).T
+        share, curved = np.zeros(first[-1], dtype=complex), []
+        for edge, s in enumerate(parameters):
+            here = slice(int(first[edge]), int(first[edge + 1]))
+            controls = outline.layout.controls[edge]
+            if edge in outline.layout.curved:
+                units = np.zeros((len(controls), len(outline.points), 2))
+                units[np.arange(len(controls)), controls, 0] = 1.0
+                curved.append((here, controls, np.column_stack([outline.point(edge, s, unit)[:, 0] for unit in units])))
+            else:
+                share[here] = arc_fraction(float(outline.bulges[edge]), s)
+        return cls(first, ends, share, curved)
+
+    def points(self, controls: Reals) -> Reals:
+        """The points (m, 2) of control points (k, 2)."""
+        known = np.ascontiguousarray(controls).view(complex)[:, 0]
+        start = known[self.ends[0]]
+        found = (start + self.share * (known[self.ends[1]] - start)).view(float).reshape(-1, 2)
+        for here, own, weights in self.curved:
+            found[here] = weights @ controls[own]
+        return found
+
+
 class OutlineParts:
     """The edges of an outline as lines, its vertices and the control points of its curves as dots.
 
@@ -51,8 +100,7 @@ class OutlineParts:
         self._outline: Outline | None = None
         self._topology = -1
         self._parts: list[PicturePart] = []
-        self._parameters: list[Reals] = []
-        self._first = np.zeros(1, dtype=np.int32)
+        self._curves = OutlineCurves.none()
         self._controls: list[tuple[int, str]] = []
 
     def __call__(self, outline: Outline | None) -> list[PicturePart]:
@@ -62,7 +110,7 @@ class OutlineParts:
         if outline.topology != self._topology or self._bent(outline):
             self._cut(outline)
         self._outline = outline
-        lines = in_space(outline.points_on_all(self._first, np.concatenate(self._parameters)))
+        lines = in_space(self._curves.points(outline.points))
         starts = self._parts[0].arrays["starts"]
         places: dict[str, dict[str, AnyArray]] = {"outline": {"points": lines, "starts": starts}}
         places["vertices"] = {"points": in_space(outline.points[: len(outline.vertex_names)])}
@@ -72,16 +120,16 @@ class OutlineParts:
 
     def _bent(self, outline: Outline) -> bool:
         """Whether curves have bent since they were cut into pieces."""
-        return self._outline is not None and outline.bulges is not self._outline.bulges
+        before = self._outline
+        return before is not None and (outline.bulges is not before.bulges or outline.layout is not before.layout)
 
     def _cut(self, outline: Outline) -> None:
         """Cut the edges of a layout into pieces."""
         self._topology = outline.topology
         error = 5e-4 * outline.size
-        self._parameters = [_pieces(outline, edge, error) for edge in range(len(outline.edges))]
-        self._first = np.concatenate([[0], np.cumsum([len(s) for s in self._parameters])]).astype(np.int32)
+        self._curves = OutlineCurves.of(outline, [_pieces(outline, edge, error) for edge in range(len(outline.edges))])
         self._controls = [(k, edge.name) for edge in outline.edges for k in edge.inner]
-        starts = self._first[:-1].astype("<u4")
+        starts = self._curves.first[:-1].astype("<u4")
         self._parts = [
             PicturePart(
                 "outline", "lines", "outline", {"starts": starts}, {"names": [edge.name for edge in outline.edges]}

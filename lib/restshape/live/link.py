@@ -22,6 +22,8 @@ TEXT, BINARY = 0, 1
 LARGEST = 1 << 30
 """Bytes of the largest message that is taken."""
 CHUNK = 1 << 18
+MOST_PIECES = os.sysconf("SC_IOV_MAX")
+"""Of one call of the system."""
 
 Message = str | bytes
 """A text, or the bytes of a frame."""
@@ -92,6 +94,7 @@ class Link:
 
     def __init__(self, end: socket.socket) -> None:
         self._end, self._taken = end, Taken()
+        self._before: list[Buffer] = []
         end.setblocking(False)
 
     @classmethod
@@ -146,23 +149,31 @@ class Link:
         self._taken.add(piece)
         return True
 
-    def send(self, message: Mapping[str, object]) -> None:
+    def send(self, message: Mapping[str, object] | bytes) -> None:
         """Sends a message of text, waiting until the system has taken it.
+
+        Args:
+            message: an object, or its JSON in UTF-8.
 
         Raises:
             LinkClosed: the other side has ended.
         """
-        self._send(TEXT, [encoded(message).encode()])
+        self._send(TEXT, [message if isinstance(message, bytes) else encoded(message).encode()])
+
+    def send_with_next(self, message: bytes) -> None:
+        """Sends the JSON of a message right before the next one, in one call of the system."""
+        self._before += [HEAD.pack(len(message), TEXT), message]
 
     def send_binary(self, pieces: Iterable[Buffer]) -> None:
         """Sends a binary message of these pieces, one after the other; errors as of `send`."""
         self._send(BINARY, [memoryview(piece).cast("B") for piece in pieces])
 
     def _send(self, kind: int, pieces: list[Buffer]) -> None:
-        left = [memoryview(HEAD.pack(sum(map(len, pieces)), kind)), *(memoryview(one) for one in pieces)]
+        first, self._before = self._before, []
+        left = [memoryview(one) for one in (*first, HEAD.pack(sum(map(len, pieces)), kind), *pieces)]
         while left:
             try:
-                count = self._end.sendmsg(left[: os.sysconf("SC_IOV_MAX")])
+                count = self._end.sendmsg(left[:MOST_PIECES])
             except (BlockingIOError, InterruptedError):
                 select.select([], [self._end], [])
                 continue

@@ -151,6 +151,11 @@ class LiveSimulation:
         self._follow_hand(step, frame)
         return True
 
+    def finish(self) -> None:
+        """Ends the event if the frame was its last one."""
+        if self.step is not None and self.step.count >= self.sim.written.last_frames:
+            self.go_on()
+
     def stop(self) -> bool:
         """Ends the event after the frames so far; False where it cannot end there: its frames go on."""
         step = self.step

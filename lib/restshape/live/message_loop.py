@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from restshape.errors import UserError
 from restshape.live import messages as page
 from restshape.live.frame_message import FrameEncoder
+from restshape.live.json_text import json_bytes
 from restshape.live.link import Link, LinkClosed
 
 if TYPE_CHECKING:
@@ -127,7 +128,7 @@ class MessageLoop(ABC):
 
     def say(self, message: Mapping[str, object]) -> None:
         """Sends a message of text."""
-        self.link.send(message)
+        self.link.send(json_bytes(message))
 
     def send(self, moment: Moment) -> None:
         """Shows a frame."""

@@ -51,7 +51,9 @@ class ShapeSurface:
     def __init__(self) -> None:
         self._version: tuple[object, int] = (None, -1)
         self._triangles = ShownTriangles.none()
-        self._known: dict[str, tuple[AnyArray, AnyArray]] = {}
+        self._known: dict[str, AnyArray] = {}
+        self._geometry: object = None
+        self._moved = True
 
     @property
     def triangles(self) -> ShownTriangles:
@@ -82,6 +84,10 @@ class ShapeSurface:
         if self._version[0] is not space or self._version[1] != space.topology:
             self._version, self._known = version, {}
             self._triangles = triangles_of(X, space.cells)
+        geometry = getattr(space, "geometry", None)
+        # In a frame that moves nodes nothing is as it was.
+        self._moved = geometry is not None and geometry != self._geometry
+        self._geometry = geometry
         shown = self._triangles
         arrays = {"points": self._placed("points", X), "cells": shown.corners, "border": shown.border}
         moved = at_nodes.get("displacement")
@@ -98,13 +104,17 @@ class ShapeSurface:
 
     def _placed(self, key: str, values: Reals) -> AnyArray:
         """Places, or displacements, in space; those of before where they are the same."""
+        found = in_space(self._triangles.chosen(values))
+        if key == "displacement" and not np.isfinite(found).all():
+            found = np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)
+        return self._kept(key, found)
+
+    def _kept(self, key: str, found: AnyArray) -> AnyArray:
+        """An array, or that of before where it is the same."""
         before = self._known.get(key)
-        if before is not None and np.array_equal(before[0], values, equal_nan=True):
-            return before[1]
-        found = in_space(values if self._triangles.nodes is None else values[self._triangles.nodes])
-        if key == "displacement":
-            np.nan_to_num(found, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
-        self._known[key] = np.array(values), found
+        if before is not None and not self._moved and np.array_equal(before, found, equal_nan=True):
+            return before
+        self._known[key] = found
         return found
 
     def _valued(self, key: str, values: Reals, in_cells: bool) -> tuple[AnyArray, list[float] | None]:
@@ -112,12 +122,12 @@ class ShapeSurface:
         scalar = values
         if values.ndim == 2 and not (in_cells and values.shape[1] == self._triangles.cell_size):
             scalar = np.linalg.norm(values, axis=1)
-        before = self._known.get(key)
-        if before is None or before[0].shape != scalar.shape or not np.array_equal(before[0], scalar, equal_nan=True):
-            shown = self._triangles.spread(scalar) if in_cells else self._triangles.chosen(scalar)
-            self._known[key] = before = np.array(scalar), shown.astype("<f4")
-        finite = scalar[np.isfinite(scalar)]
-        return before[1], [float(finite.min()), float(finite.max())] if finite.size else None
+        shown = self._triangles.spread(scalar) if in_cells else self._triangles.chosen(scalar)
+        low, high = float(scalar.min(initial=np.inf)), float(scalar.max(initial=-np.inf))
+        if not (np.isfinite(low) and np.isfinite(high)):
+            finite = scalar[np.isfinite(scalar)]
+            low, high = (float(finite.min()), float(finite.max())) if finite.size else (np.inf, np.inf)
+        return self._kept(key, shown.astype("<f4")), [low, high] if np.isfinite(low) else None
 
 
 def mode_of(field: str) -> int:
