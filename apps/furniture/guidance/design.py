@@ -42,6 +42,7 @@ from restshape_apps.furniture.physics.furniture import (
     Furniture,
     TestResult,
 )
+from restshape_apps.furniture.physics.joint_compliance import ComplianceModels
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.shape.design_modes import DesignModes
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
@@ -227,13 +228,21 @@ class Design:
         least, found = NARROW * (design_direction.high - design_direction.low), []
 
         def clear(t: float) -> bool:
-            piece = self.furniture.moved(t * design_direction.direction)
-            return not (free(piece) or depends(piece) or violated_limits(piece, {}, self.guidance.bending))
+            gamma = t * design_direction.direction
+            piece = self.furniture.moved(gamma)
+            if free(piece) or (self._models.may_decide(gamma) and depends(piece)):
+                return False
+            return not violated_limits(piece, {}, self.guidance.bending)
 
+        self._models.forget()
         for low, high in design_direction.ranges.intervals.tolist():
             sure = self._sure(design_direction.direction, low, high).intervals.tolist()
             found += complement(clear_ranges(clear, sure, least), low, high, least)
         return tuple(found)
+
+    @cached_property
+    def _models(self) -> ComplianceModels:
+        return ComplianceModels(self.furniture)
 
     def _sure(self, direction: np.ndarray, low: float, high: float) -> Ranges:
         """Where a piece that is valid along a direction (n, 8) is beyond doubt."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from restshape_apps.furniture.guidance.quantity_limits import violated_limits
 from restshape_apps.furniture.physics import plank_findings
-from restshape_apps.furniture.physics.furniture import Furniture
+from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.physics.joint_compliance import utilisation_range
 from restshape_apps.furniture.shape.free_ends import free_ends
 from restshape_apps.furniture.shape.planks import Piece
@@ -43,5 +43,5 @@ def free(piece: Piece) -> tuple[Finding, ...]:
 
 def depends(piece: Piece) -> tuple[Finding, ...]:
     """Joints whose compliance, which nobody knows, decides whether a piece with closed joints holds."""
-    known = utilisation_range(piece, Furniture(piece).compliance)
+    known = utilisation_range(piece, Compliance())
     return known.findings(piece) if known else ()

@@ -75,8 +75,9 @@ def utilisation_range(piece: Piece, nominal: Compliance) -> UtilisationRange | N
     Source: docs/theory/furniture.md, "What compliance decides".
     """
     utilisations, bears, falls = [], [], False
+    model = Furniture(piece, nominal)
     for one in compliances(piece, nominal):
-        furniture = Furniture(piece, one)
+        furniture = model.with_compliance(one)
         flaws = furniture.test().flaws
         if flaws & (ALL ^ WEAK ^ UNSTABLE):
             return None
@@ -87,6 +88,36 @@ def utilisation_range(piece: Piece, nominal: Compliance) -> UtilisationRange | N
     return UtilisationRange(
         np.min(utilisations, axis=0), np.max(utilisations, axis=0), any(bears) and not all(bears) and not falls
     )
+
+
+class ComplianceModels:
+    """Models of a piece with all compliances that are tried, by which its changes are judged without a new model each.
+
+    Args:
+        furniture: of the piece.
+    """
+
+    def __init__(self, furniture: Furniture) -> None:
+        tried = compliances(furniture.piece, Compliance())
+        self._models = [furniture.with_compliance(one) for one in tried]
+
+    def forget(self) -> None:
+        """Find the next equilibria from nothing, so that what was asked before changes nothing."""
+        for model in self._models:
+            model.kernel.forget()
+
+    def may_decide(self, gamma: np.ndarray) -> bool:
+        """Whether the piece bears its loads at design parameters (n, 8) with some compliances alone.
+
+        Each equilibrium is found from the last one. `utilisation_range` says whether redundant joints are the reason.
+        """
+        bears = []
+        for model in self._models:
+            flaws = model.test(gamma).flaws
+            if flaws & (ALL ^ WEAK):
+                return False
+            bears.append(not flaws & WEAK)
+        return any(bears) and not all(bears)
 
 
 def recorded_utilisations(piece: Piece, known: UtilisationRange, most: int) -> list[list[object]]:
