@@ -1,6 +1,7 @@
 """Set-up: pins, entry points, packages, and what the repository's text may not say."""
 
 import configparser
+import json
 import re
 import subprocess
 import tomllib
@@ -94,3 +95,17 @@ def test_setup_names_the_missing_petsc(tmp_path: Path) -> None:
     )
     assert done.returncode == 1
     assert str(absent) in done.stderr and "try:" in done.stderr
+
+
+def test_packages_of_the_page_are_pinned_by_what_they_hold_and_not_by_where_they_come_from() -> None:
+    wanted = json.loads((ROOT / "package.json").read_text())["devDependencies"]
+    text = (ROOT / "package-lock.json").read_text()
+    locked = {name.removeprefix("node_modules/"): one for name, one in json.loads(text)["packages"].items() if name}
+    assert "resolved" not in text and "://" not in text
+    assert {name: locked[name]["version"] for name in wanted} == wanted
+    assert all(one["integrity"].startswith("sha512-") for one in locked.values())
+
+
+def test_the_built_page_is_package_data_and_never_committed() -> None:
+    assert "page/dist/*" in setup_cfg()["options.package_data"]["restshape.live"].split()
+    assert not [path for path in tracked_files() if "live/page/dist" in path.as_posix()]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import gc
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
@@ -57,6 +58,9 @@ def session(options: WorkerOptions, process: Begun | None = None) -> int:
     calibration = Calibration.load(options.calibration) if options.calibration else None
     solved_by = SolvedBy(options.policy or parts.policy, options.guess, calibration, options.petsc)
     live = simulation(parts.scene, solved_by, parts.predict)
+    # All that stays is there: cycles are looked for again, among what comes.
+    gc.freeze()
+    gc.enable()
     if link is None:
         follow_first_rank(live)
         return 0

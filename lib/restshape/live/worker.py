@@ -5,11 +5,12 @@
 Source: docs/live-protocol.md.
 """
 
+import gc
 import signal
 import sys
 from collections.abc import Sequence
 
-from restshape.errors import UserError
+from restshape.errors import UserError, printable
 from restshape.live.worker_options import options_of
 from restshape.replay.recorder_start import begun
 from restshape.surroundings import start_petsc
@@ -19,6 +20,8 @@ def main(words: Sequence[str]) -> int:
     """Simulates until the server ends the session; 2 where the input is bad."""
     # The server says when it ends: Ctrl-C at a console comes to all processes.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Until the first frame nothing is given back: memory need not be searched for cycles while modules load.
+    gc.disable()
     options = options_of(words)
     # What writes a recording is begun before MPI.
     process = begun() if options.record is not None else None
@@ -28,7 +31,9 @@ def main(words: Sequence[str]) -> int:
 
         return session(options, process)
     except UserError as error:
-        print(error, file=sys.stderr)
+        # Other ranks have no link, and say nothing.
+        if options.link is not None:
+            print(printable(f"restshape live: {error}"), file=sys.stderr)
         return 2
 
 
