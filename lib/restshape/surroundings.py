@@ -36,7 +36,7 @@ def start_petsc(words: Sequence[str] = ()) -> None:
         words: for its options database; ``-options_file FILE`` among them names a file that it does read.
 
     Raises:
-        UserError: PETSc refuses them.
+        UserError: PETSc refuses them, or is built with complex numbers.
     """
     import petsc4py
 
@@ -61,6 +61,9 @@ def start_petsc(words: Sequence[str] = ()) -> None:
         if lone:
             # Ranks that this process starts choose for themselves.
             os.environ.pop(POINT_TO_POINT, None)
+    if issubclass(getattr(sys.modules.get(PETSC), "ScalarType", float), complex):
+        where, do = f"petsc4py of {petsc4py.__path__[0]}", "set PETSC_DIR and PETSC_ARCH to a build with real numbers"
+        raise UserError("PETSc is built with complex numbers, and restshape computes with real ones", where, do)
 
 
 def start_gmsh() -> ModuleType:
