@@ -16,8 +16,8 @@ export function joinHand(app: App, scene: Scene): PageStage {
   const tools = new Tools(app, scene);
   const pointer = new Pointer(app, scene, tools, beside);
   tools.targets = pointer.targets;
-  new Keys(app, scene, pointer, tools);
-  new Turning(app, scene, tools, (name) => pointer.targets.find(app.things, name));
+  const turning = new Turning(app, scene, tools, (name) => pointer.targets.find(app.things, name));
+  new Keys(app, scene, pointer, tools, turning);
   showToolbars(app, scene, tools, pointer);
   return new PageStage(scene, tools, beside);
 }

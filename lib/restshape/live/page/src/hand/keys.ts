@@ -8,6 +8,7 @@ import { Grasp, pulls } from "./grasp";
 import type { Pointer } from "./pointer";
 import type { Target } from "./targets";
 import type { Tools } from "./tools";
+import type { Turning } from "./turning";
 
 const STEP = 0.005; // of the scene's size
 const ARROWS: Record<string, [number, number, number]> = {
@@ -17,11 +18,15 @@ const ARROWS: Record<string, [number, number, number]> = {
 export class Keys {
   private at: [number, number, number] = [0, 0, 0];
   private by = 0;
+  private fresh = true;                              // focus has just come: Tab begins with the first thing
   private grasp: Grasp | null = null;
 
-  constructor(private readonly app: App, private readonly scene: Scene, private readonly pointer: Pointer, private readonly tools: Tools) {
+  constructor(
+    private readonly app: App, private readonly scene: Scene, private readonly pointer: Pointer, private readonly tools: Tools,
+    private readonly turning: Turning,
+  ) {
     scene.canvas.addEventListener("keydown", (event) => { if (this.key(event)) event.preventDefault(); });
-    scene.canvas.addEventListener("blur", () => this.release());
+    scene.canvas.addEventListener("blur", () => this.leave());
     addEventListener("keydown", (event) => { if (event.key === "Escape") this.escape(); });
   }
 
@@ -37,6 +42,7 @@ export class Keys {
       case "-": this.scene.view.zoom(1 / 1.2); return true;
       case "f": case "Home": this.scene.fit(); return true;
       case "i": return this.insert();
+      case "h": return this.turning.focus();
       default: return false;
     }
   }
@@ -46,11 +52,12 @@ export class Keys {
     this.release();
     const all = this.pointer.targets.list(this.app.things);
     const { selected } = this.app;
-    const now = all.findIndex(({ thing }) => thing.name === selected?.name && thing.role === selected.role);
+    const now = this.fresh ? -1 : all.findIndex(({ thing }) => thing.name === selected?.name && thing.role === selected.role);
     const then = now < 0 ? (step > 0 ? 0 : all.length - 1) : now + step;
     const target = all[then];
-    this.app.tell("selected", target?.thing ?? null);
     if (!target) return false;
+    this.fresh = false;
+    this.app.tell("selected", target.thing);
     this.pointer.beside.say(`${target.thing.role} ${target.thing.name}, ${then + 1} of ${all.length}: Enter takes hold`);
     return true;
   }
@@ -120,6 +127,11 @@ export class Keys {
     this.grasp.release();
     this.grasp = null;
     this.pointer.hover.show(null, null);
+  }
+
+  private leave(): void {
+    this.release();
+    this.fresh = true;
   }
 
   private escape(): void {

@@ -28,6 +28,13 @@ export class Turning {
     scene.onDraw.push(() => this.place());
   }
 
+  /** Gives the focus to the first of the handles that are there. */
+  focus(): boolean {
+    const button = Object.values(this.buttons).find(({ hidden }) => !hidden);
+    button?.focus();
+    return Boolean(button);
+  }
+
   private make(kind: Kind, text: string): HTMLButtonElement {
     const button = document.createElement("button");
     button.type = "button";
@@ -112,6 +119,7 @@ export class Turning {
   }
 
   private key(kind: Kind, event: KeyboardEvent): void {
+    if (event.key === "Escape") this.scene.canvas.focus();
     const sign = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
     if (!sign || !this.target) return;
     event.preventDefault();
