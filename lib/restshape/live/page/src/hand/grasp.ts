@@ -13,7 +13,8 @@ export function coordinates(app: App, thing: ThingInfo | null, at: readonly numb
 }
 
 export class Grasp {
-  private pressed = false;
+  private pressed = 0;                               // number of the message that took hold
+  private at: readonly number[];                     // where
   private ended = false;
   private last: string | null = null;
   readonly thing: ThingInfo;
@@ -21,6 +22,7 @@ export class Grasp {
   /** parameter: of a plank, which the hand changes in place of its place. */
   constructor(private readonly app: App, readonly grip: Grip, private readonly pull: boolean, readonly parameter: string | null) {
     this.thing = grip.target.thing;
+    this.at = grip.at;
     app.tell("held", this.thing);
   }
 
@@ -31,7 +33,7 @@ export class Grasp {
     const text = JSON.stringify(drag);
     if (text === this.last || this.ended || !this.press()) return;
     this.last = text;
-    this.app.act(drag, true);
+    if (this.app.act(drag, true) && typeof to !== "number") this.at = to;
   }
 
   release(): void {
@@ -42,14 +44,20 @@ export class Grasp {
   }
 
   private press(): boolean {
-    if (this.pressed) return true;
-    const { thing, grip, pull, parameter } = this;
+    if (this.pressed && !this.lost()) return true;
+    const { thing, pull, parameter } = this;
     if (leftHeld(this.app)) letGo(this.app);
     const event: ScriptEvent = { do: pull ? "pull" : "press", on: thing.name };
     if (parameter) event["parameter"] = parameter;
-    else event["at"] = coordinates(this.app, thing, grip.at);
-    this.pressed = this.app.act(event) > 0;
-    return this.pressed;
+    else event["at"] = coordinates(this.app, thing, this.at);
+    this.pressed = this.app.act(event);
+    return this.pressed > 0;
+  }
+
+  /** Whether the simulation no longer holds it, as after it was started again. */
+  private lost(): boolean {
+    const header = this.app.frame?.header;
+    return header !== undefined && header.held === null && header.id > this.pressed;
   }
 }
 
