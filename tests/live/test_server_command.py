@@ -1,7 +1,11 @@
 """The command `restshape live`, its bad inputs, and the page of a program."""
 
 import os
+import signal
+import subprocess
+import sys
 import time
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -103,3 +107,43 @@ def test_a_page_that_does_not_start_says_why(monkeypatch, tmp_path):
     monkeypatch.setattr(notebook, "COMMAND", "stand_in_live")
     with pytest.raises(restshape.UserError, match=r"^the port is gone"):
         restshape.live(restshape.load(SCENE))
+
+
+SERVED = """
+import sys
+from pathlib import Path
+from live_client import StandIn
+from restshape.live.server import Serving, serve
+from restshape.live.server_files import page_files
+
+page_files.__defaults__ = (Path(sys.argv[1]),)
+sys.exit(serve(StandIn(sys.argv[2:]), Serving(script=Path("script.jsonl"))))
+"""
+
+
+def started(folder: Path, *words: str) -> subprocess.Popen[str]:
+    """A server with a stand-in that simulates, in a process of its own."""
+    (folder / FIRST).write_text("<title>page</title>")
+    path = os.pathsep.join([str(Path(__file__).parent), os.environ["PYTHONPATH"]])
+    command = [sys.executable, "-c", SERVED, str(folder), *words]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=os.environ | {"PYTHONPATH": path})
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 128 + signal.SIGTERM)])
+def test_signals_end_a_session_in_order(tmp_path, number, code):
+    process = started(tmp_path)
+    assert process.stdout
+    address, how = process.stdout.readline().strip(), process.stdout.readline()
+    assert address.startswith("http://127.0.0.1:") and "Ctrl-C ends" in how and "script.jsonl" in how
+    with urllib.request.urlopen(address) as answer:
+        assert b"page" in answer.read()
+    process.send_signal(number)
+    assert process.communicate(timeout=10)[1] == "" and process.returncode == code
+
+
+@pytest.mark.cli
+def test_bad_input_of_the_simulation_is_the_exit_code_of_the_command(tmp_path):
+    process = started(tmp_path, "bad")
+    assert "bad.toml: it is bad" in process.communicate(timeout=10)[1] and process.returncode == 2
