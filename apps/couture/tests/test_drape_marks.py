@@ -11,6 +11,7 @@ import restshape
 SCENES = Path(__file__).parents[1] / "scenes"
 
 
+@pytest.mark.slow
 def test_cloth_on_a_ball_touches_it_where_its_dots_are():
     scene = restshape.load(SCENES / "sphere.toml", "mesh.size='80 mm'", "mesh.levels=1")
     with restshape.open(scene) as simulation:
@@ -32,9 +33,10 @@ def test_pins_are_supports_that_stay_where_they_are():
             assert pin.meaning == "support" and pin.points.shape == pin.moved.shape == (len(pin.points), 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("predict", ["none", "linear"])
 def test_marks_change_no_row_of_cloth(predict):
-    scene = restshape.load(SCENES / "pins.toml", "mesh.size='100 mm'")
+    scene = restshape.load(SCENES / "pins.toml", "mesh.size='150 mm'")
     events = [{"do": "press", "on": "c"}, {"do": "drag", "to": [0.52, 0.0], "frames": 2}, {"do": "release"}]
     marked, plain = rows_with_and_without(scene, events, predict)
     assert len(plain) == 4 and marked == plain

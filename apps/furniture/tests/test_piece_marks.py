@@ -77,6 +77,7 @@ def test_suggestions_are_offers_that_can_be_chosen_and_slid_along(table):
     table.undo()
 
 
+@pytest.mark.slow
 def test_marks_change_no_row():
     events = [
         {"do": "choose", "number": 1},
