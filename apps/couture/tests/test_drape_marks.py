@@ -13,13 +13,13 @@ SCENES = Path(__file__).parents[1] / "scenes"
 
 @pytest.mark.slow
 def test_cloth_on_a_ball_touches_it_where_its_dots_are():
-    scene = restshape.load(SCENES / "sphere.toml", "mesh.size='80 mm'", "mesh.levels=1")
+    scene = restshape.load(SCENES / "sphere.toml", "mesh.size='120 mm'", "mesh.levels=1")
     with restshape.open(scene) as simulation:
         marks, row = last_marks(simulation), simulation.frame.row
         dots = marks["touches a body"]
         centre = np.array([row[f"bodies.ball.sphere.center.{k}"] for k in range(3)])
         away = np.linalg.norm(dots.points + dots.moved - centre, axis=1) - row["bodies.ball.sphere.radius"]
-        assert len(away) > 10 and (away < scene.effects["contact"]["thickness"]).all()
+        assert len(away) >= 8 and (away < scene.effects["contact"]["thickness"]).all()
         assert any(text.startswith("in equilibrium: residual ") for text in marks)
         assert any(text == f"stretched most: {100.0 * row['max_strain']:.2g} %" for text in marks)
 
