@@ -153,6 +153,7 @@ def test_only_those_who_know_the_token_find_anything_and_only_under_its_own_name
             assert (await asked(server, path))[0] == 404, path
         assert (await asked(server, f"/{token}/", Host=f"evil.example:{port}"))[0] == 421
         assert (await asked(server, f"/{token}/", Host=f"localhost:{port}"))[0] == 200
+        assert (await asked(server, f"/{token}"))[0] == 302
         assert [(await asked(server, f"/{server.address.once}/"))[0] for _ in range(2)] == [302, 404]
         for origin in ("http://evil.example", f"http://127.0.0.1:{port + 1}", "null", ""):
             with pytest.raises(aiohttp.WSServerHandshakeError, match="403"):

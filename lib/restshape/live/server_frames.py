@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import prod
 from typing import Any
@@ -180,10 +179,3 @@ def moved(value: Any, content: memoryview, places: Places) -> Any:
     if isinstance(value, dict):
         return {key: moved(one, content, places) for key, one in value.items()}
     return [moved(one, content, places) for one in value] if isinstance(value, list) else value
-
-
-def arrays_in(header: Table) -> Iterator[tuple[str, str]]:
-    """The names of all arrays of parts in a header, each after that of its part."""
-    for part in header["parts"]:
-        for name in part.get("arrays", {}):
-            yield part["name"], name

@@ -36,19 +36,24 @@ class Requests:
 
     async def answer(self, request: web.BaseRequest) -> web.StreamResponse:
         """The response to a request: nothing is there for those who do not know the token."""
-        token, _, name = request.path.removeprefix("/").partition("/")
+        token, slash, name = request.path.removeprefix("/").partition("/")
         if not self._address.has_host(request.host):
             return self._refusal(421, "this server has another name")
         if request.method not in ("GET", "HEAD"):
             return self._refusal(405, "there is nothing to be sent here")
         if not self._once_asked and same(token, self._address.once):
             self._once_asked = True
-            return web.Response(status=302, headers={"Location": str(self._address)} | headers(self._address.port))
+            return self._to_the_page()
         if not self._address.has_token(token):
             return self._refusal(404, "nothing is here: open the address that restshape live has printed")
+        if not slash:
+            return self._to_the_page()
         if name == SOCKET:
             return await self._socket(request)
         return self._file(name or FIRST)
+
+    def _to_the_page(self) -> web.Response:
+        return web.Response(status=302, headers={"Location": str(self._address)} | headers(self._address.port))
 
     def _refusal(self, status: int, why: str) -> web.Response:
         return web.Response(status=status, text=f"{why}\n", headers=headers(self._address.port))

@@ -23,11 +23,6 @@ class ShownState:
         self.predict: str | None = None
         self._player: Table | None = None
 
-    @property
-    def playing(self) -> bool:
-        """Whether a script is played at this moment."""
-        return bool(self._player and self._player.get("playing"))
-
     def hear(self, message: Table) -> None:
         """Keeps what stays true of a message."""
         kind = message["type"]
