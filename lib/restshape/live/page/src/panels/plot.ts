@@ -24,6 +24,7 @@ const FONT = "11px system-ui, sans-serif";
 export class Plot {
   readonly canvas: HTMLCanvasElement;
   private width = 0;
+  private saying = 0;
   private ink: Ink | null = null;
   private drawing: Drawing | null = null;
 
@@ -67,7 +68,9 @@ export class Plot {
     this.across = this.axisAcross(drawing, left);
     this.frame(pen, drawing, labels, up, left);
     this.lines(pen, drawing, up);
-    mark(this.canvas, "aria-label", drawing.spoken);
+    // Said when the plot rests: a name that changes with each frame is of use to nobody.
+    clearTimeout(this.saying);
+    this.saying = window.setTimeout(() => mark(this.canvas, "aria-label", drawing.spoken), 300);
   }
 
   private axisUp(drawing: Drawing): Axis {
