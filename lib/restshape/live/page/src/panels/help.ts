@@ -9,6 +9,7 @@ const KEYS: [string, string][] = [
   ["Page up, Page down", "move what is held up and down in space"],
   ["Escape", "lets go; ends picking a place"],
   ["Delete", "deletes what is selected"],
+  ["H", "goes to the handles that turn and scale what is selected"],
   ["I", "inserts a vertex in the edge that is selected"],
   ["F, + and −", "show all, closer, farther"],
   ["Ctrl+Z", "takes the last edit back"],
