@@ -13,7 +13,9 @@ from restshape.live.link import Buffer
 
 ALIGNED = 8
 """Arrays begin at multiples of so many bytes."""
-TYPES = {"f": ("f4", np.dtype("<f4")), "i": ("u4", np.dtype("<u4")), "u": ("u4", np.dtype("<u4"))}
+PADDING = bytes(ALIGNED)
+FLOAT = np.dtype("<f4")
+TYPES = {"f": ("f4", FLOAT), "i": ("u4", np.dtype("<u4")), "u": ("u4", np.dtype("<u4"))}
 """Type of the arrays of a message by the kind of NumPy's."""
 Kind = Literal["surface", "lines", "dots"]
 
@@ -38,12 +40,15 @@ class PicturePart:
 
 def shortened(values: AnyArray) -> AnyArray:
     """An array in the type in which it travels, contiguous; indices are no longer signed."""
-    return np.ascontiguousarray(values, dtype=TYPES[values.dtype.kind][1])
+    wanted = TYPES[values.dtype.kind][1]
+    if values.dtype is wanted and values.flags.c_contiguous:
+        return values
+    return np.ascontiguousarray(values, dtype=wanted)
 
 
 def in_space(points: AnyArray) -> AnyArray:
     """Points (m, 2) or (m, 3) as (m, 3) f4, as they travel."""
-    found = np.zeros((len(points), 3), dtype="<f4")
+    found = np.zeros((len(points), 3), dtype=FLOAT)
     found[:, : points.shape[1]] = points
     return found
 
@@ -63,8 +68,9 @@ class MessageBody:
         """Adds an array; where it is, as the header says it."""
         found = shortened(values)
         place = {"at": self._at, "type": TYPES[values.dtype.kind][0], "shape": list(found.shape)}
-        content = found.tobytes()
-        room = -len(content) % ALIGNED
-        self.pieces.append(content + bytes(room))
-        self._at += len(content) + room
+        room = -found.nbytes % ALIGNED
+        self.pieces.append(found.reshape(-1).view(np.uint8).data)
+        if room:
+            self.pieces.append(PADDING[:room])
+        self._at += found.nbytes + room
         return place
