@@ -147,3 +147,10 @@ def test_signals_end_a_session_in_order(tmp_path, number, code):
 def test_bad_input_of_the_simulation_is_the_exit_code_of_the_command(tmp_path):
     process = started(tmp_path, "bad")
     assert "bad.toml: it is bad" in process.communicate(timeout=10)[1] and process.returncode == 2
+
+
+@pytest.mark.cli
+def test_the_server_loads_nothing_of_the_simulation():
+    code = "import restshape.live.server, sys; print(*{'numpy', 'petsc4py', 'pydantic', 'scipy'} & sys.modules.keys())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0 and not done.stdout.strip(), done.stdout + done.stderr
