@@ -13,7 +13,6 @@ START = "start"
 Found = Mapping[str, Any]
 MEASURES = {
     "processor_ms": ("a frame, processor", "ms"),
-    "first_ms": ("the first frame, processor", "ms"),
     "processor": ("start to first answer, processor", "s"),
     "peak_mb": ("peak memory", "MB"),
 }
