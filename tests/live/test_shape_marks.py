@@ -95,7 +95,7 @@ def test_a_frame_that_is_refused_keeps_the_last_marks():
             assert last and shape_marks(simulation) is last
 
 
-MOST_CALLS = 200
+MOST_CALLS = 220
 """Of functions, for the marks of a frame of a drag: less than 0.1 ms."""
 
 

@@ -1,9 +1,8 @@
 """Unknowns without which the ranks' own ones do not couple: where a matrix is parted among ranks."""
 
-from typing import Any
-
 import numpy as np
 import scipy.sparse as sp
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from restshape.arrays import Flags, Integers, Reals
@@ -71,7 +70,7 @@ class RankBorder:
         return self._between_rows, self._between_columns, values[self._between]
 
 
-def _cover(row_of: Integers, indices: Integers, first: int, last: int, size: int, world: Any) -> Flags:
+def _cover(row_of: Integers, indices: Integers, first: int, last: int, size: int, world: MPI.Comm) -> Flags:
     """Which (n,) of this rank's rows are in the border; the arguments are the entries' rows and columns."""
     cut = (indices < first) | (indices >= last)
     degree = np.bincount(row_of[cut], minlength=last - first)

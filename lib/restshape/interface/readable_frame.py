@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from restshape.analysis.row_values import number, whole
 from restshape.errors import UserError
 from restshape.findings import Finding, decode_findings
 from restshape.replay.columns import quantity_names
@@ -59,7 +60,7 @@ class ReadableFrame(ABC):
     @property
     def index(self) -> int:
         """Its number in the edit, from 0."""
-        return int(self.row["index"])
+        return whole(self.row, "index")
 
     @property
     def refused(self) -> str:
@@ -69,7 +70,7 @@ class ReadableFrame(ABC):
     @property
     def quantities(self) -> dict[str, float]:
         """The scene's quantities by name, in SI units; not numbers where the frame has no answer."""
-        return {name: float(self.row[QUANTITY + name]) for name in quantity_names(list(self.row))}
+        return {name: number(self.row, QUANTITY + name) for name in quantity_names(list(self.row))}
 
     @property
     def findings(self) -> tuple[Finding, ...]:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -148,7 +148,7 @@ class Run(Iterator[ShownFrame]):
         self.replay.follow(session, request)
         return Run(request, summed=False, answer=LastAnswer(self.replay, request))
 
-    def _computed(self, rows: Iterator[RowValues], csv: Path | None) -> Iterator[ShownFrame]:
+    def _computed(self, rows: Iterator[RowValues], csv: Path | None) -> Generator[ShownFrame, None, None]:
         """Each frame, when it is written and summed up."""
         asked = self._request
         names = list(columns_of(asked.scene, asked.application, asked.predict)) if csv else []

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape.analysis.row_values import number
 from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.findings import OMITTED, Finding
@@ -139,8 +140,8 @@ def _said(one: LookedAt, seen: SeenFrame, node: int) -> str:
     if not one.name:
         values, nodes = _values(one, seen)
         return extreme_words("max", float((values if nodes is None else values[nodes == node]).max()), np.nan, one.unit)
-    error = float(row.get(error_column(quantity_column(one.name)), np.nan))
-    return extreme_words(one.name, float(row[quantity_column(one.name)]), error, one.unit)
+    error = number(row, error_column(quantity_column(one.name)))
+    return extreme_words(one.name, number(row, quantity_column(one.name)), error, one.unit)
 
 
 def _on_limit(finding: Finding) -> bool:

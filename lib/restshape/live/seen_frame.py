@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -36,9 +36,9 @@ class SeenFrame:
     def of(cls, simulation: Simulation) -> SeenFrame:
         """The last frame of a simulation."""
         frame, replay = simulation.frame, simulation.replay
-        return cls(
-            frame, replay.session.scene, replay.solver.space, frame.fields.get("displacement"), replay.solver.known
-        )
+        # Shapes that have marks by their nodes lie in the plane: other sessions have marks of their own.
+        space = cast("PlaneSpace", replay.solver.space)
+        return cls(frame, replay.session.scene, space, frame.fields.get("displacement"), replay.solver.known)
 
     def moved(self, nodes: Indices) -> Reals | None:
         """The displacements [m] of nodes; None where there are none to be drawn."""

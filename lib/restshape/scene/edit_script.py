@@ -5,7 +5,7 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal, NoReturn, Self, get_args
+from typing import Annotated, Final, Literal, NoReturn, Self, get_args
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -34,8 +34,8 @@ from restshape.scene.units import UnitError, article, length_unit
 from restshape.scene.validation_errors import user_error
 from restshape.scene.values import Angle, Number, PartName, Strict, only_one
 
-FORMAT = "restshape-edits"
-VERSION = 1
+FORMAT: Final = "restshape-edits"
+VERSION: Final = 1
 
 
 class Header(Strict):
