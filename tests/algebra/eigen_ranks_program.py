@@ -8,7 +8,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra import shared_factor
+from restshape.algebra import interior_factor, shared_factor
 from restshape.algebra.buckling_solver import BucklingSolver
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.interior_factor import MumpsInterior, PlainInterior
@@ -128,6 +128,23 @@ def refused(sizes: list[int]) -> bool:
     return False
 
 
+def too_large(sizes: list[int]) -> list[str]:
+    """What is said of a border beyond the most, and of insides for which there is no memory; then there is a factor."""
+    n, factor, said = sum(sizes), SharedFactor(), []
+    K, M = sparse(grid(6), np.eye(n), sizes), sparse(np.eye(n), grid(6), sizes)
+    most, spaces = shared_factor.MOST_BORDER, interior_factor.SPACES
+    for border, tried in ((2, spaces), (most, (-100,))):
+        shared_factor.MOST_BORDER, interior_factor.SPACES = border, tried
+        # Here it lacks on one rank alone.
+        interior_factor.SPACES = tried if WORLD.rank == 1 else spaces
+        try:
+            said.append(f"factored: {factor.make(K, M, 1.3)}")
+        except ReplayProblem as problem:
+            said.append(str(problem))
+    shared_factor.MOST_BORDER, interior_factor.SPACES = most, (-100, *spaces)
+    return [*said, f"factored: {factor.make(K, M, 1.3)}"]
+
+
 def tiny() -> list[list[float]]:
     """Frequencies of a plate of two triangles, on all ranks and on one."""
     scene = SCENES / "bar_100.toml"
@@ -167,6 +184,7 @@ def main() -> None:
     }
     blocks = np.kron(grid(4), np.arange(1.0, 10.0).reshape(3, 3))
     found["multiplied"] = [multiplied(blocks, [18, 0, 30]), multiplied(grid(6), [10, 20, 6])]
+    found["too large"] = too_large([12, 12, 12])
     found["buckled"], found["tiny"] = buckled([7, 0, 9]), tiny()
     every = WORLD.tompi4py().allgather(json.dumps(found))
     if WORLD.rank == 0:

@@ -41,6 +41,13 @@ def test_a_shift_that_is_an_eigenvalue_is_refused_on_all_ranks(found, kind):
     assert found[kind]["refused"]
 
 
+def test_what_is_too_large_is_refused_on_all_ranks_and_more_memory_is_tried(found):
+    border, inside, then = found["too large"]
+    assert "12 unknowns couple the parts of 3 ranks" in border and "coarser mesh" in border
+    assert "more memory than a rank has" in inside
+    assert then == "factored: 3"
+
+
 @pytest.mark.parametrize("method", ["direct", "auto", "ilu"])
 def test_modes_of_shared_matrices_are_those_of_the_closed_form(found, method):
     near = {"first": 1.0, "near": 1.01}

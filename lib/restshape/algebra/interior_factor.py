@@ -11,19 +11,26 @@ from restshape import _kernels
 from restshape.algebra.preconditioner import order_factor
 from restshape.arrays import Reals
 
-SPACE = 60
-"""Percent of memory beyond its estimate that MUMPS takes before it gives up, where it exchanges rows."""
+SPACES = 60, 240, 960
+"""Percent of memory beyond its estimate that MUMPS takes before it gives up, one after the other: it exchanges rows."""
+
+NO_SPACE = -8, -9
+"""What MUMPS ends with where this is not enough."""
+
+NO_MEMORY = *NO_SPACE, -5, -7, -13, -19
+"""What it ends with where there is not enough memory."""
 
 
 class InteriorFactor(Protocol):
     """A factor of the first n unknowns of a symmetric matrix (n + m, n + m) whose last ones are the border.
 
     Attributes:
-        negative: pivots; singular: whether there is no factor; nonzeros: of the factor.
+        negative: pivots; singular: whether there is no factor, too_large: for want of memory; nonzeros: of the factor.
     """
 
     negative: int
     singular: bool
+    too_large: bool
     nonzeros: float
 
     def make(self, local: sp.csr_matrix) -> Reals:
@@ -71,22 +78,21 @@ class MumpsInterior:
 
     def __init__(self, count: int, border: int) -> None:
         self.count, self.border = count, border
-        self.negative, self.singular, self.nonzeros = 0, False, 0.0
+        self.negative, self.singular, self.too_large, self.nonzeros = 0, False, False, 0.0
         self._matrix: PETSc.Mat = None
         self._factor: PETSc.Mat = None
         self._pc: PETSc.PC = None
 
     def make(self, local: sp.csr_matrix) -> Reals:
         """Factor values on the pattern of before; see `InteriorFactor`."""
-        if self._pc is None:
-            self._begin(local)
-        else:
-            self._matrix.setValuesCSR(local.indptr, local.indices, local.data)
-            self._matrix.assemble()
-        self._pc.setUp()
-        # Solves are of the inside alone; the analysis of the pattern has set it otherwise.
-        self._factor.setMumpsIcntl(26, 0)
-        self.singular = self._factor.getMumpsInfog(1) < 0 or self._factor.getMumpsInfog(28) > 0
+        status = self._set_up(local, SPACES[0])
+        for space in SPACES[1:]:
+            if status in NO_SPACE:
+                # PETSc takes up no factor again that has ended.
+                self.destroy()
+                status = self._set_up(local, space)
+        self.too_large = status in NO_MEMORY
+        self.singular = status < 0 or self._factor.getMumpsInfog(28) > 0
         self.negative = self._factor.getMumpsInfog(12)
         entries = self._factor.getMumpsInfog(29)
         self.nonzeros = float(entries if entries >= 0 else -1_000_000 * entries)
@@ -95,7 +101,19 @@ class MumpsInterior:
             _kernels.schur_complement(self._factor.handle, schur)
         return schur
 
-    def _begin(self, local: sp.csr_matrix) -> None:
+    def _set_up(self, local: sp.csr_matrix, space: int) -> int:
+        """Factor, with so many percent of memory more where it is the first time; how MUMPS ends."""
+        if self._pc is None:
+            self._begin(local, space)
+        else:
+            self._matrix.setValuesCSR(local.indptr, local.indices, local.data)
+            self._matrix.assemble()
+        self._pc.setUp()
+        # Solves are of the inside alone; the analysis of the pattern has set it otherwise.
+        self._factor.setMumpsIcntl(26, 0)
+        return int(self._factor.getMumpsInfog(1))
+
+    def _begin(self, local: sp.csr_matrix, space: int) -> None:
         csr = (local.indptr, local.indices, local.data)
         self._matrix = PETSc.Mat().createAIJ(local.shape, csr=csr, comm=PETSc.COMM_SELF)
         self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
@@ -110,7 +128,7 @@ class MumpsInterior:
             _kernels.set_schur_rows(self._factor.handle, rows)
         # Pivots that are zero are found, and count as neither sign.
         self._factor.setMumpsIcntl(24, 1)
-        self._factor.setMumpsIcntl(14, SPACE)
+        self._factor.setMumpsIcntl(14, space)
 
     def solve(self, rows: Reals) -> Reals:
         """The inverse of the first block times each row (k, n)."""
@@ -147,7 +165,7 @@ class PlainInterior:
 
     def __init__(self, count: int, border: int) -> None:
         self.count, self.border = count, border
-        self.negative, self.singular, self.nonzeros = 0, False, 0.0
+        self.negative, self.singular, self.too_large, self.nonzeros = 0, False, False, 0.0
         self._matrix: PETSc.Mat = None
         self._pc: PETSc.PC = None
 

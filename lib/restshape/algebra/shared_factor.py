@@ -14,14 +14,18 @@ from restshape.errors import ReplayProblem
 log = logging.getLogger("restshape.algebra")
 
 NO_FACTOR = "the pencil of stiffness and mass has no factor at this shift"
+TOO_LARGE = "the factor of the stiffness takes more memory than a rank has: start more ranks, or take a coarser mesh"
+
+MOST_BORDER = 16_000
+"""Unknowns between ranks whose dense factor, of 2 GB, the first rank can be asked for."""
 
 
 class SharedFactor:
     """A complete factor of K - s M on several ranks, whose pivots count eigenvalues, and whose bits repeat.
 
     Substructuring: the ranks' insides do not couple, so that the Schur complement of their border is the sum of what
-    each of them leaves there. The first rank factors it, dense. By Haynsworth's rule the eigenvalues below s are the
-    negative ones of the insides and of this complement.
+    each of them leaves there. The first rank factors it, dense: `MOST_BORDER` unknowns at most. By Haynsworth's rule
+    the eigenvalues below s are the negative ones of the insides and of this complement.
 
     Attributes:
         made: whether there is one; stale_pattern: whether the next one is of another pattern.
@@ -50,7 +54,8 @@ class SharedFactor:
         """Factor; the number of eigenvalues below the shift, the same on all ranks.
 
         Raises:
-            ReplayProblem: there is no factor: the shift is an eigenvalue, or the matrices are not numbers.
+            ReplayProblem: there is no factor: the shift is an eigenvalue, the matrices are not numbers, or what ranks
+                share is too large for one of them.
         """
         if self.stale_pattern:
             self._begin(stiffness)
@@ -65,41 +70,57 @@ class SharedFactor:
         # Of numbers that are none no library promises an end.
         finite = bool(np.isfinite(values).all())
         schur = self._inside.make(local) if count and finite else np.zeros(2 * (len(self._border.beside),))
-        failed = not finite or (count > 0 and self._inside.singular)
-        below, self.nonzeros = self._factor_border(schur, values, failed)
+        why = "" if finite and not (count and self._inside.singular) else NO_FACTOR
+        why = TOO_LARGE if count and finite and self._inside.too_large else why
+        below, self.nonzeros = self._factor_border(schur, values, why)
         self.made = True
         return below
 
     def _begin(self, stiffness: PETSc.Mat) -> None:
         """Take up another pattern."""
         self.forget()
-        self._matrix = stiffness.duplicate(copy=True)
-        self._border = RankBorder(self._matrix)
+        border = RankBorder(stiffness)
+        if (m := len(border.rows)) > MOST_BORDER:
+            what = f"{m:,} unknowns couple the parts of {stiffness.getComm().size} ranks"
+            much = f"their factor would take {8e-9 * m * m:.1f} GB of the first rank"
+            raise ReplayProblem(f"{what}, and {much}: start fewer ranks, or take a coarser mesh")
+        self._matrix, self._border = stiffness.duplicate(copy=True), border
         self._inside = interior_factor(len(self._border.inside), len(self._border.beside))
         self._world = stiffness.getComm().tompi4py()
         self.stale_pattern = False
         if not has_mumps() and len(self._border.rows):
             log.info("ST factor: PETSc has no MUMPS, so that a border of %d costs as much", len(self._border.rows))
 
-    def _factor_border(self, schur: Reals, values: Reals, failed: bool) -> tuple[int, float]:
-        """Sum what the ranks leave on their border, in their order, and factor it on the first one; `make`'s answer."""
+    def _factor_border(self, schur: Reals, values: Reals, why: str) -> tuple[int, float]:
+        """Sum what the ranks leave on their border, in their order, and factor it on the first one; `make`'s answer.
+
+        Args:
+            schur: what this rank leaves; values: of its rows; why: it has no factor, empty where it has one.
+        """
         border, inside = self._border, self._inside
-        own = (border.beside, schur, border.between(values), inside.negative, inside.nonzeros, failed)
+        own = (border.beside, border.between(values), inside.negative, inside.nonzeros, why)
         parts, answer = self._world.gather(own), None
-        if parts is not None:
-            complement = np.asfortranarray(np.zeros(2 * (len(border.rows),)))
-            for beside, left, (rows, columns, entries), *_ in parts:
+        if parts is None:
+            self._world.Send(schur, 0)
+        else:
+            complement = np.zeros(2 * (len(border.rows),), order="F")
+            for rank, (beside, (rows, columns, entries), *_) in enumerate(parts):
+                left = schur
+                if rank:
+                    left = np.empty(2 * (len(beside),))
+                    self._world.Recv(left, rank)
                 complement[np.ix_(beside, beside)] += left
                 # Of another rank's rows each has its half of the pattern.
                 np.add.at(complement, (rows, columns), entries)
-            below, zero = self._decompose(complement)
-            failed = zero or any(part[-1] for part in parts)
-            nonzeros = sum(part[4] for part in parts) + complement.size
-            answer = (below + sum(part[3] for part in parts), float(nonzeros), failed)
-        below, nonzeros, failed = self._world.bcast(answer)
-        if failed:
+            whys = [part[-1] for part in parts if part[-1]]
+            below, zero = (0, True) if whys else self._decompose(complement)
+            why = max(whys, key=[NO_FACTOR, TOO_LARGE].index) if whys else NO_FACTOR if zero else ""
+            nonzeros = sum(part[3] for part in parts) + complement.size
+            answer = (below + sum(part[2] for part in parts), float(nonzeros), why)
+        below, nonzeros, why = self._world.bcast(answer)
+        if why:
             self.forget()
-            raise ReplayProblem(NO_FACTOR)
+            raise ReplayProblem(why)
         return below, nonzeros
 
     def _decompose(self, complement: Reals) -> tuple[int, bool]:
@@ -107,7 +128,12 @@ class SharedFactor:
         zero."""
         if not complement.size:
             return 0, False
-        self._factors, self._pivots, zero = lapack.dsytrf(complement, lower=1, overwrite_a=1)
+        # Insides whose pivots are close to zero may leave numbers that are none.
+        if not np.isfinite(complement).all():
+            return 0, True
+        # By default it would work without blocks, which takes four times as long.
+        room = int(lapack.dsytrf_lwork(len(complement), lower=1)[0])
+        self._factors, self._pivots, zero = lapack.dsytrf(complement, lower=1, lwork=room, overwrite_a=1)
         single = self._pivots > 0
         # Of a pair of rows that pivot together one is negative (Bunch, Kaufman).
         pairs = int(np.count_nonzero(~single)) // 2
