@@ -80,6 +80,8 @@ def test_the_hand_takes_over_at_any_frame(scene, script, tmp_path, at, ends, bac
     answers = session.say("take")
     assert answers[-2]["type"] == "welcome" and not answers[-2]["player"]
     assert answers[-1]["number"] == ends
+    # A page begins with an empty picture where it is welcomed.
+    assert {part["name"] for part in answers[-1]["parts"]} == {name for name, _ in session.arrays}
     rows = [cut(frame.row) for frame in restshape.replay(scene, script)][: ends + 1]
     assert replayed(scene, out) == rows
     held = answers[-1]["held"]

@@ -218,7 +218,9 @@ class Worker(MessageLoop):
         lines = self.live.all_lines()
         self.file.begin(self.live.sim.written.header_line(), lines)
         self._say_written(lines)
+        # With a welcome a page begins with an empty picture.
         self.welcome()
+        self.send_all_again()
         self.send(self.moment())
 
     def welcome(self) -> None:

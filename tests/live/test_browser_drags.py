@@ -1,0 +1,33 @@
+"""A drag with the mouse in each application: what the page has shown is what the recorded script replays to."""
+
+from pathlib import Path
+
+import pytest
+
+from restshape.application import applications
+
+ROLES = ("plank", "hole", "body", "vertex", "support", "control")
+APPS = Path(__file__).parents[2] / "apps"
+TEMPLATES = {
+    name: one.folder / "template" / "scene.toml"
+    for name, one in sorted(applications().items())
+    if one.folder.is_relative_to(APPS)
+}
+
+
+EACH_DAY = ("solid", "furniture", "couture")
+"""In the plane, in space, and one that goes on by itself."""
+NAMES = [name if name in EACH_DAY else pytest.param(name, marks=pytest.mark.weekly) for name in TEMPLATES]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_drag_with_the_mouse_replays_to_what_was_seen(name, session, opened):
+    live = session(TEMPLATES[name])
+    page = opened(live)
+    page.drag(page.place(ROLES), (14.0, 9.0))
+    page.press("Undo")
+    live.end()
+    kinds = [event["do"] for event in live.script()]
+    assert kinds[0] == "press" and kinds.count("drag") == 3 and "release" in kinds and "undo" in kinds
+    assert not page.refusals() and not page.faults
+    live.assert_replays(page.frames())

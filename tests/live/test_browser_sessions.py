@@ -1,0 +1,197 @@
+"""What a person's session in a browser goes through: pages that are loaded again, close, look, lose their socket."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import BrowserPage, context_of
+
+APPS = Path(__file__).parents[2] / "apps"
+SOLID = APPS / "solid" / "template" / "scene.toml"
+ROUND = "hole"
+KEEP_SOCKETS = """window.sockets = [];
+window.WebSocket = class extends WebSocket { constructor(...words) { super(...words); window.sockets.push(this); } };"""
+
+
+def without_times(frame):
+    """A frame as two pages must have it."""
+    columns = {name: value for name, value in frame["columns"].items() if not name.startswith("ms")}
+    return frame["number"], columns, frame["held"], frame["limits"]
+
+
+def same_picture(one, other):
+    """Two pages show the same."""
+    assert one.arrays.keys() == other.arrays.keys()
+    for key, values in one.arrays.items():
+        np.testing.assert_array_equal(values, other.arrays[key], str(key))
+
+
+def test_pages_that_come_again_close_and_look(session, context, opened):
+    live = session(SOLID)
+    page = opened(live)
+    start = page.arrays["outline", "points"].copy()
+    at = page.place([ROUND])
+    page.drag(at, (12.0, 6.0), release=False)
+    before = page.frame
+    assert before["held"] and not np.array_equal(start, page.arrays["outline", "points"])
+
+    # A second page looks, and says so; what it sees is the same.
+    looker = BrowserPage(context, live.address)
+    assert looker.of("welcome")[-1]["role"] == "looker"
+    assert without_times(looker.frame) == without_times(before)
+    looker.until(lambda: "another page has the hand" in (looker.drag_in_vain(at) or looker.beside.inner_text()))
+    assert not looker.events()
+    same_picture(page, looker)
+
+    # The page is loaded again in the drag: it has the hand, and all is as it was.
+    heard = len(page.of("frame"))
+    page.tab.reload()
+    page.until(lambda: len(page.of("frame")) > heard, "the frame after a reload")
+    assert page.of("welcome")[-1]["role"] == "hand" and without_times(page.frame) == without_times(before)
+    same_picture(page, looker)
+    looker.tab.close()
+
+    # It is closed in the drag: the next one has the hand, takes hold again, and undoes both drags.
+    page.tab.close()
+    last = opened(live)
+    assert last.of("welcome")[-1]["role"] == "hand" and last.frame["held"]
+    last.drag(last.place([ROUND]), (5.0, -8.0))
+    last.tab.keyboard.press("Control+z")
+    last.settle()
+    last.press("Undo")
+    np.testing.assert_array_equal(last.arrays["outline", "points"], start)
+    live.end()
+    kinds = [event["do"] for event in live.script()]
+    assert kinds == ["press", *3 * ["drag"], "release", "press", *3 * ["drag"], "release", "undo", "undo"]
+    live.assert_replays(page.frames() | last.frames())
+    assert not page.refusals() + last.refusals() and not page.faults + looker.faults + last.faults
+
+
+def test_a_lost_socket_comes_back_in_the_drag(session, context):
+    context.add_init_script(KEEP_SOCKETS)
+    live = session(SOLID)
+    page = BrowserPage(context, live.address)
+    at = page.place([ROUND])
+    page.drag(at, (12.0, 6.0), release=False)
+    held = page.frame["held"]["at"]
+    welcomes = len(page.of("welcome"))
+    page.tab.evaluate("sockets.at(-1).close()")
+    page.until(lambda: len(page.of("welcome")) > welcomes and page.frame["held"], "the socket that comes back")
+    assert page.of("welcome")[-1]["role"] == "hand" and page.frame["held"]["at"] == held
+    page.tab.mouse.move(at[0] + 20, at[1])
+    page.settle()
+    assert page.frame["held"]["at"] != held
+    page.release()
+    live.end()
+    live.assert_replays(page.frames())
+    assert [event["do"] for event in live.script()] == ["press", *4 * ["drag"], "release"] and not page.faults
+
+
+def test_a_refused_edit_says_why_beside_the_hand_and_the_drag_goes_on(session, opened):
+    live = session(SOLID)
+    page = opened(live)
+    x, y = page.place([ROUND])
+    mouse = page.tab.mouse
+    mouse.move(x, y)
+    mouse.down()
+    # Of the hole over the left edge, and back.
+    mouse.move(x - 200, y)
+    page.settle()
+    assert page.frame["columns"]["refused"] and page.beside.get_attribute("data-kind") == "refused"
+    page.until(lambda: page.beside.inner_text() == page.frame["columns"]["refused"], "the reason beside the hand")
+    box, hand = page.beside.bounding_box(), page.frame["held"]
+    assert abs(box["x"] - (x - 200)) < 150 and abs(box["y"] - y) < 150
+    assert page.frame["columns"]["refused"] in page.log.inner_text()
+    mouse.move(x + 10, y)
+    page.settle()
+    assert not page.frame["columns"].get("refused") and page.frame["held"] != hand
+    page.release()
+    live.end()
+    live.assert_replays(page.frames())
+
+
+def test_a_played_script_is_taken_over_by_the_hand(session, opened):
+    live = session(SOLID, "--edits", str(SOLID.with_name("edits.jsonl")))
+    page = opened(live)
+    assert page.of("welcome")[-1]["player"]
+    for number in (1, 2, 3):
+        page.tab.get_by_role("button", name="▸").click()
+        page.until(lambda number=number: page.frame["number"] == number, "one frame on")
+    page.tab.get_by_role("button", name="Take over").click()
+    page.until(lambda: not page.of("welcome")[-1]["player"], "the hand")
+    page.drag(page.place([ROUND]), (0.0, -9.0))
+    live.end()
+    script = live.script()
+    assert [event["do"] for event in script[:1] + script[-1:]] == ["press", "release"]
+    assert len(page.frames()) > 6 and not page.faults
+    live.assert_replays(page.frames())
+
+
+def test_a_finger_and_keys_edit_on_a_phone(browser, session):
+    live = session(SOLID)
+    phone = context_of(browser, viewport={"width": 390, "height": 760}, has_touch=True, is_mobile=True)
+    page = BrowserPage(phone, live.address)
+    assert page.tab.evaluate("document.documentElement.scrollWidth") <= 390
+    shown = page.tab.locator("#canvas").bounding_box()
+    assert shown["width"] > 300 and shown["height"] > 200
+    x, y = page.place([ROUND])
+    touch = phone.new_cdp_session(page.tab)
+
+    def finger(kind, *places):
+        points = [{"x": x, "y": y} for x, y in places]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    finger("touchStart", (x, y))
+    for step in (6, 12):
+        finger("touchMove", (x + step, y))
+        page.until(lambda step=step: len(page.events()) >= 1 + step // 6)
+        page.settle()
+    finger("touchEnd")
+    page.until(lambda: page.events()[-1]["event"]["do"] == "release")
+    page.settle()
+    # By keys the first vertex, to the right and up.
+    page.tab.locator("#canvas").focus()
+    for key in ("Tab", "Enter", "ArrowRight", "ArrowUp", "Escape"):
+        page.tab.keyboard.press(key)
+        page.settle()
+    assert "is let go" in page.tab.locator("#said").inner_text()
+    # What is needed can be come by: the panels unfold.
+    page.tab.get_by_role("button", name="Panels").click()
+    page.tab.get_by_role("button", name="Undo", exact=True).scroll_into_view_if_needed()
+    page.press("Undo")
+    assert page.tab.evaluate("document.documentElement.scrollWidth") <= 390
+    live.end()
+    kinds = [event["do"] for event in live.script()]
+    assert kinds == [*("press", "drag", "drag", "release"), *("press", "drag", "drag", "release"), "undo"]
+    assert not page.faults
+    live.assert_replays(page.frames())
+
+
+def test_a_browser_without_webgl_says_so_and_its_panels_work(context, session):
+    context.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    live = session(SOLID)
+    page = BrowserPage(context, live.address)
+    said = page.tab.get_by_role("alert").first
+    assert "no WebGL 2" in said.inner_text()
+    page.press("Idle")
+    assert page.frame["columns"]["event"] == "idle" and not page.faults
+    live.end()
+    assert [event["do"] for event in live.script()] == ["idle"]
+
+
+def test_the_tone_is_heard_after_a_blow(context, session):
+    context.add_init_script(
+        "window.heard = []; const start = OscillatorNode.prototype.start;"
+        "OscillatorNode.prototype.start = function (...at) { heard.push(this.frequency.value); start.apply(this, at); };"
+    )
+    live = session(APPS / "metallophone" / "template" / "scene.toml")
+    page = BrowserPage(context, live.address)
+    strike = page.tab.get_by_role("button", name="strike", exact=True)
+    strike.click()
+    (tone,) = page.until(lambda: page.of("struck"), "the blow")
+    strike.click()
+    heard = page.until(lambda: page.tab.evaluate("heard"), "a tone")
+    wanted = np.asarray(tone["tone"]["frequencies"])
+    assert all(np.min(np.abs(wanted / one - 1)) < 1e-5 for one in heard) and not page.faults
+    live.end()
