@@ -161,7 +161,10 @@ APPLICATION = re.compile(
     rf"|applications?\(\)?[\[(]?[\"']({NAMED})[\"']|\b(couture|furniture|metallophone|thermal)\b"
 )
 """What names an application, of which some have the names of what mechanics speaks of."""
-OF_ALL = {"test_examples.py", "test_house.py", "test_layers.py", "test_recordings.py", "test_words.py"}
+OF_ALL = {
+    *("test_browser_drags.py", "test_examples.py", "test_house.py"),
+    *("test_layers.py", "test_recordings.py", "test_words.py"),
+}
 """Tests of what goes over all applications."""
 
 

@@ -28,10 +28,12 @@ LOOK = """step => {
     const canvas = document.getElementById("canvas"), found = {};
     const { left, top, right, bottom } = canvas.getBoundingClientRect();
     canvas.dispatchEvent(new PointerEvent("pointerenter"));
-    for (let clientY = top + step; clientY < bottom; clientY += step) for (let clientX = left + step; clientX < right; clientX += step) {
-        if (document.elementFromPoint(clientX, clientY) !== canvas) continue;
-        canvas.dispatchEvent(new PointerEvent("pointermove", { clientX, clientY, pointerType: "mouse" }));
-        if (canvas.title) (found[canvas.title] ??= []).push([clientX, clientY]);
+    for (let y = top + step; y < bottom; y += step) {
+        for (let x = left + step; x < right; x += step) {
+            if (document.elementFromPoint(x, y) !== canvas) continue;
+            canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: x, clientY: y, pointerType: "mouse" }));
+            if (canvas.title) (found[canvas.title] ??= []).push([x, y]);
+        }
     }
     return found;
 }"""
@@ -42,13 +44,20 @@ class Session:
     """The command `restshape live` in a process.
 
     Args:
-        start: starts a command; scene: path or name; words: further ones.
-        out: the script, which the command writes.
+        start: starts a command; scene: its path; out: the script, which the command writes.
+        words: further ones; settings: as of `--set`.
     """
 
-    def __init__(self, start: Callable[..., subprocess.Popen], scene: Path, out: Path, *words: str) -> None:
-        self.scene, self.out = scene, out
-        self.process = start("live", scene, "--out", out, *words)
+    def __init__(
+        self,
+        start: Callable[..., subprocess.Popen],
+        scene: Path,
+        out: Path,
+        words: Sequence[str] = (),
+        settings: Sequence[str] = (),
+    ) -> None:
+        self.scene, self.out, self.settings = scene, out, settings
+        self.process = start("live", scene, "--out", out, *words, *(f"--set={one}" for one in settings))
         assert self.process.stdout
         self.address = self.process.stdout.readline().strip()
         assert self.address.startswith("http://127.0.0.1:"), self.process.communicate()[1]
@@ -63,12 +72,12 @@ class Session:
         """The events that are written."""
         return [json.loads(line) for line in self.out.read_text().splitlines()[1:]]
 
-    def assert_replays(self, rows: dict[int, dict[str, Any]], *settings: str) -> None:
+    def assert_replays(self, rows: dict[int, dict[str, Any]]) -> None:
         """The script that was written gives the rows that a page has seen, in all columns but times.
 
         JSON has no infinite numbers, so that a page does not see them.
         """
-        found = replayed(restshape.load(self.scene, *settings), self.out)
+        found = replayed(restshape.load(self.scene, *self.settings), self.out)
         assert len(rows) > 2 and max(rows) < len(found)
         for number, row in rows.items():
             seen, again = cut(row), {name: value for name, value in found[number].items() if value != inf}

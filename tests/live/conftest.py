@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from browser import WORDS, BrowserPage, Session, context_of
+from live_worker import BRACKET, COARSE
 
 from restshape.live.server_files import FIRST, FOLDER
 
@@ -56,7 +57,13 @@ def context(browser: "Browser") -> "BrowserContext":
 @pytest.fixture
 def session(start_restshape: Callable, tmp_path: Path) -> Callable[..., Session]:
     """Starts a session of a scene: its script is session.jsonl."""
-    return lambda scene, *words: Session(start_restshape, scene, tmp_path / "session.jsonl", *words)
+    return lambda scene, **more: Session(start_restshape, scene, tmp_path / "session.jsonl", **more)
+
+
+@pytest.fixture
+def bracket_session(session: Callable[..., Session]) -> Callable[..., Session]:
+    """Starts a session of a bracket with a window."""
+    return lambda *words: session(BRACKET, words=words, settings=COARSE)
 
 
 @pytest.fixture

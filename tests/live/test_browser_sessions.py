@@ -1,17 +1,23 @@
 """What a person's session in a browser goes through: pages that are loaded again, close, look, lose their socket."""
 
-import json
-from pathlib import Path
-
 import numpy as np
-import pytest
 from browser import BrowserPage, context_of
 
-APPS = Path(__file__).parents[2] / "apps"
-SOLID = APPS / "solid" / "template" / "scene.toml"
+from restshape.application import applications
+
 ROUND = "hole"
 KEEP_SOCKETS = """window.sockets = [];
 window.WebSocket = class extends WebSocket { constructor(...words) { super(...words); window.sockets.push(this); } };"""
+
+HEAR_TONES = """window.heard = [];
+const start = OscillatorNode.prototype.start;
+OscillatorNode.prototype.start = function (at) { heard.push(this.frequency.value); start.call(this, at); };"""
+
+EDITS = """{"format": "restshape-edits", "version": 1, "units": "mm"}
+{"t": 0.0, "do": "press", "on": "window", "at": [90, 60]}
+{"t": 0.1, "do": "drag", "path": [[92, 60], [94, 61], [96, 62], [98, 62]]}
+{"t": 0.5, "do": "release"}
+"""
 
 
 def without_times(frame):
@@ -27,8 +33,8 @@ def same_picture(one, other):
         np.testing.assert_array_equal(values, other.arrays[key], str(key))
 
 
-def test_pages_that_come_again_close_and_look(session, context, opened):
-    live = session(SOLID)
+def test_pages_that_come_again_close_and_look(bracket_session, context, opened):
+    live = bracket_session()
     page = opened(live)
     start = page.arrays["outline", "points"].copy()
     at = page.place([ROUND])
@@ -68,9 +74,9 @@ def test_pages_that_come_again_close_and_look(session, context, opened):
     assert not page.refusals() + last.refusals() and not page.faults + looker.faults + last.faults
 
 
-def test_a_lost_socket_comes_back_in_the_drag(session, context):
+def test_a_lost_socket_comes_back_in_the_drag(bracket_session, context):
     context.add_init_script(KEEP_SOCKETS)
-    live = session(SOLID)
+    live = bracket_session()
     page = BrowserPage(context, live.address)
     at = page.place([ROUND])
     page.drag(at, (12.0, 6.0), release=False)
@@ -88,8 +94,8 @@ def test_a_lost_socket_comes_back_in_the_drag(session, context):
     assert [event["do"] for event in live.script()] == ["press", *4 * ["drag"], "release"] and not page.faults
 
 
-def test_a_refused_edit_says_why_beside_the_hand_and_the_drag_goes_on(session, opened):
-    live = session(SOLID)
+def test_a_refused_edit_says_why_beside_the_hand_and_the_drag_goes_on(bracket_session, opened):
+    live = bracket_session()
     page = opened(live)
     x, y = page.place([ROUND])
     mouse = page.tab.mouse
@@ -111,8 +117,9 @@ def test_a_refused_edit_says_why_beside_the_hand_and_the_drag_goes_on(session, o
     live.assert_replays(page.frames())
 
 
-def test_a_played_script_is_taken_over_by_the_hand(session, opened):
-    live = session(SOLID, "--edits", str(SOLID.with_name("edits.jsonl")))
+def test_a_played_script_is_taken_over_by_the_hand(bracket_session, opened, tmp_path):
+    (edits := tmp_path / "edits.jsonl").write_text(EDITS)
+    live = bracket_session("--edits", str(edits))
     page = opened(live)
     assert page.of("welcome")[-1]["player"]
     for number in (1, 2, 3):
@@ -128,8 +135,8 @@ def test_a_played_script_is_taken_over_by_the_hand(session, opened):
     live.assert_replays(page.frames())
 
 
-def test_a_finger_and_keys_edit_on_a_phone(browser, session):
-    live = session(SOLID)
+def test_a_finger_and_keys_edit_on_a_phone(browser, bracket_session):
+    live = bracket_session()
     phone = context_of(browser, viewport={"width": 390, "height": 760}, has_touch=True, is_mobile=True)
     page = BrowserPage(phone, live.address)
     assert page.tab.evaluate("document.documentElement.scrollWidth") <= 390
@@ -168,9 +175,9 @@ def test_a_finger_and_keys_edit_on_a_phone(browser, session):
     live.assert_replays(page.frames())
 
 
-def test_a_browser_without_webgl_says_so_and_its_panels_work(context, session):
+def test_a_browser_without_webgl_says_so_and_its_panels_work(context, bracket_session):
     context.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
-    live = session(SOLID)
+    live = bracket_session()
     page = BrowserPage(context, live.address)
     said = page.tab.get_by_role("alert").first
     assert "no WebGL 2" in said.inner_text()
@@ -181,11 +188,9 @@ def test_a_browser_without_webgl_says_so_and_its_panels_work(context, session):
 
 
 def test_the_tone_is_heard_after_a_blow(context, session):
-    context.add_init_script(
-        "window.heard = []; const start = OscillatorNode.prototype.start;"
-        "OscillatorNode.prototype.start = function (...at) { heard.push(this.frequency.value); start.apply(this, at); };"
-    )
-    live = session(APPS / "metallophone" / "template" / "scene.toml")
+    context.add_init_script(HEAR_TONES)
+    sounding = next(one for one in applications().values() if one.marks.struck)
+    live = session(sounding.folder / "template" / "scene.toml")
     page = BrowserPage(context, live.address)
     strike = page.tab.get_by_role("button", name="strike", exact=True)
     strike.click()

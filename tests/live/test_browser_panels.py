@@ -1,0 +1,156 @@
+"""Panels and picture in a browser: each event by its form, names for screen readers, colours as in reports."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import BrowserPage, context_of
+from live_worker import BRACKET, COARSE
+from matplotlib import pyplot
+from PIL import Image
+
+import restshape
+from restshape.outputs.si_numbers import si
+from restshape.replay.recording import Recording
+from restshape.report.drawing import Drawing
+from restshape.report.scenery import scenery
+
+AXE = Path(__file__).parents[2] / "node_modules" / "axe-core" / "axe.min.js"
+FORMS = [
+    {"do": "press", "on": "window", "at": "0.09, 0.062"},
+    {"do": "drag", "to": "92 mm, 0.062"},
+    {"do": "release"},
+    {"do": "rotate", "on": "window", "by": "5 deg"},
+    {"do": "scale", "on": "window", "factor": "1.05", "frames": "2"},
+    {"do": "set", "key": "material.steel.thickness", "value": "9 mm"},
+    {"do": "insert", "on": "top", "name": "peak", "s": "0.5"},
+    {"do": "delete", "on": "peak"},
+    {"do": "hole", "name": "vent", "center": "220 mm, 70 mm", "radius": "12 mm"},
+    {"do": "arc", "on": "tip", "bulge": "0.05"},
+    {"do": "pull", "on": "window.1"},
+    {"do": "release"},
+    {"do": "smooth", "on": "window.1", "strength": "0.3"},
+    {"do": "idle"},
+    {"do": "analyse"},
+    {"do": "undo"},
+    {"do": "redo"},
+]
+"""As they are typed."""
+
+
+def test_each_event_can_be_done_by_its_form(bracket_session, opened):
+    live = bracket_session()
+    page = opened(live)
+    assert {form["do"] for form in FORMS} == set(page.of("welcome")[-1]["events"])
+    choice = page.tab.get_by_label("event", exact=True)
+    for form in FORMS:
+        choice.select_option(form["do"])
+        for name, text in form.items():
+            if name != "do":
+                page.tab.locator("form.event").get_by_label(re.compile(rf"^{name}( \(optional\))?$")).fill(text)
+        page.tab.locator("form.event button[type=submit]").click()
+        page.until(lambda form=form: page.events()[-1]["event"]["do"] == form["do"], "the event of the form")
+        page.settle()
+        assert not page.refusals(), form
+    # What is wrong is said in the form, and nothing is sent.
+    asked = len(page.events())
+    choice.select_option("scale")
+    page.tab.locator("form.event").get_by_label("on", exact=True).fill("window")
+    page.tab.locator("form.event button[type=submit]").click()
+    assert page.tab.locator("form.event").get_by_role("alert").inner_text() == "factor is needed"
+    live.end()
+    script = live.script()
+    assert [event["do"] for event in script] == [form["do"] for form in FORMS] and len(page.events()) == asked
+    for event, form in zip(script, FORMS, strict=True):
+        assert form.keys() <= event.keys() and all(
+            event[key] == form[key] for key in form.keys() & {"on", "name", "key"}
+        )
+    assert not page.faults
+    live.assert_replays(page.frames())
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not here: make setup installs it")
+def test_screen_readers_find_names_and_eyes_find_contrast(browser, bracket_session):
+    live = bracket_session()
+    page = BrowserPage(context_of(browser), live.address)
+    page.drag(page.place(["hole"]), (8.0, 4.0))
+    page.tab.evaluate(AXE.read_text())
+    for colours in ("light", "dark"):
+        page.tab.emulate_media(color_scheme=colours)
+        done, found = page.tab.evaluate("axe.run().then(({ passes, violations }) => [passes, violations])")
+        assert {"button-name", "color-contrast", "label", "aria-roles"} <= {one["id"] for one in done + found}
+        said = [f"{one['id']}: {node['html'][:200]} {node['failureSummary']}" for one in found for node in one["nodes"]]
+        assert not said, (colours, "\n".join(said))
+    live.end()
+
+
+def pixels_of_places(page):
+    """A function from places [m] (n, 2) to pixels of the canvas: by a drag, of which the events say where it went."""
+    x, y = page.place(["hole"])
+    page.drag((x, y), (40.0, 24.0), steps=1)
+    press, drag = (one["event"] for one in page.events()[:2])
+    metres = (drag["to"][0] - press["at"][0]) / 40.0
+    canvas = page.tab.locator("#canvas").bounding_box()
+    start = np.array([x - canvas["x"], y - canvas["y"]])
+    return lambda places: start + (places - press["at"]) / metres * [1.0, -1.0]
+
+
+def calm_cells(X, cells, values):
+    """Ten cells of different values in which the field is nearly the same: their middles."""
+    spread, middle = np.ptp(values, axis=1), X[cells[:, :3]].mean(axis=1)
+    calm = np.flatnonzero(spread < 0.02 * np.ptp(values))
+    order = calm[np.argsort(values[calm].mean(axis=1))]
+    return middle[order[np.linspace(0, len(order) - 1, 10).astype(int)]]
+
+
+def colours_at(picture, pixels):
+    """Of pixels (n, 2) the colours (n, 3)."""
+    column, row = np.round(pixels - 0.5).astype(int).T
+    return picture[row, column, :3].astype(int)
+
+
+def report_colours(recording, looks, places):
+    """The colours that a report has at places (n, 2) [m]."""
+    figure, axes = pyplot.subplots(figsize=(8, 5), dpi=100)
+    Drawing(axes, looks, mesh=False).show(recording, recording.n - 1)
+    figure.canvas.draw()
+    picture = np.asarray(figure.canvas.buffer_rgba())
+    pixels = axes.transData.transform(looks.unit[0] * places)
+    pyplot.close(figure)
+    return colours_at(picture, [0.0, len(picture)] + pixels * [1.0, -1.0])
+
+
+def test_the_picture_is_that_of_a_report(bracket_session, opened, tmp_path):
+    """The same extremes in words, and the same colours at ten places."""
+    live = bracket_session()
+    page = opened(live)
+    for name in ("edges of the mesh", "outline before deformation", "what can be held", "marks"):
+        page.tab.get_by_label(name, exact=True).uncheck()
+    page.tab.get_by_role("button", name="1 : 1").click()
+    pixels = pixels_of_places(page)
+    page.tab.locator("#canvas").press("Escape")
+    with page.tab.expect_download() as download:
+        page.tab.get_by_role("button", name="PNG").click()
+    picture = np.asarray(Image.open(download.value.path()).convert("RGB"))
+    words = page.tab.locator("#bar .extremes").inner_text()
+    live.end()
+
+    # The same edit as a recording, as a report draws its last frame.
+    scene = restshape.load(BRACKET, *COARSE)
+    path = tmp_path / "again.vtkhdf"
+    frames = list(restshape.replay(scene, restshape.load_script(live.out, scene), out=path))
+    with Recording(path) as recording:
+        last = len(frames) - 1
+        looks = scenery(recording, scale=1.0, frames=[last])
+        X, cells = recording.mesh(last)
+        values = looks.field.values(recording, last, cells)
+        middle = calm_cells(X, cells, values)
+        seen, drawn = colours_at(picture, pixels(middle)), report_colours(recording, looks, middle)
+    # The page keeps zeros at the end, so that its words stand still.
+    assert (
+        re.sub(r"\d+\.\d+", lambda one: f"{float(one[0]):g}", words)
+        == f"{si(np.nanmin(values), 'Pa', 4)} to {si(np.nanmax(values), 'Pa', 4)}"
+    )
+    assert np.ptp(seen, axis=0).max() > 100
+    np.testing.assert_allclose(seen, drawn, atol=8)
