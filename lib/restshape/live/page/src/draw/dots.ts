@@ -33,6 +33,7 @@ export class Dots {
   readonly colour: IUniform<Color>;
   private readonly moves: IUniform<number>;
   private readonly width: IUniform<number>;
+  private count = 0;
 
   constructor(shared: Shared, look: DotLook) {
     this.colour = { value: look.colour };
@@ -63,10 +64,16 @@ export class Dots {
     refresh(geometry, "position", count);
     refresh(geometry, "shift", count);
     geometry.setDrawRange(0, count);
+    this.count = count;
     this.points.visible = count > 0;
   }
 
-  clear(): void { this.points.visible = false; }
+  get empty(): boolean { return this.count === 0; }
+
+  clear(): void {
+    this.count = 0;
+    this.points.visible = false;
+  }
 
   dispose(): void {
     this.points.geometry.dispose();

@@ -109,6 +109,7 @@ export class Scene {
 
   private take({ header, read }: Frame): void {
     this.parts.update(header.parts, read);
+    this.leaveOut(this.app.look);
     for (const part of header.parts) this.nameField(part.field);
     this.answered = Math.max(this.answered, header.id);
     if (this.fitted) this.rescale();
@@ -132,14 +133,19 @@ export class Scene {
 
   private restyle(look: Look): void {
     this.shared.wires.value = look.wireframe ? 1 : 0;
-    for (const { lines, dots, part } of this.parts.all.values()) {
-      if (part.role !== "outline") continue;
-      if (lines) lines.mesh.visible = look.rest && !lines.empty;
-      if (dots) dots.points.visible = look.handles;
-    }
+    this.leaveOut(look);
     this.rescale();
     this.colour();
     this.request();
+  }
+
+  /** Hides what is not to be seen. */
+  private leaveOut(look: Look): void {
+    for (const { lines, dots, part } of this.parts.all.values()) {
+      if (part.role !== "outline") continue;
+      if (lines) lines.mesh.visible = look.rest && !lines.empty;
+      if (dots) dots.points.visible = look.handles && !dots.empty;
+    }
   }
 
   private rescale(): void {
