@@ -51,6 +51,16 @@ def test_a_script_is_stepped_and_scrubbed_to_the_frames_of_its_replay(scene, scr
     session.end()
 
 
+def test_the_first_frame_is_gone_back_to_after_another_field_was_chosen(scene, script):
+    session = LocalSession(scene, script=script)
+    session.say("seek", frame=5)
+    session.say("show", field="displacement")
+    for number in (0, 3):
+        session.say("seek", frame=number)
+        assert session.of("frame")[-1]["number"] == number == session.of("player")[-1]["frame"]
+    session.end()
+
+
 def test_a_script_plays_at_its_pace_until_its_end_or_a_pause(scene, script):
     session = LocalSession(scene, script=script)
     session.say("play", speed=1000.0)

@@ -71,6 +71,8 @@ class ScriptPlayer:
             else:
                 self._live.reopen((), self._live.predict)
                 self._next = 0
+                first = self._keep()
+                kept = first if number == 0 else None
         while kept is None:
             progress(self.computed, number)
             if not self.advance():
