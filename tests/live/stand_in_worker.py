@@ -30,11 +30,11 @@ class Shown:
     """What it has done."""
 
     def __init__(self, link: Link) -> None:
-        self.link, self.done, self.size = link, 0, 8
+        self.link, self.done, self.size, self.field = link, 0, 8, "a"
 
     def greet(self) -> None:
         """Says what pages must know, and shows a frame with all arrays."""
-        self.link.send({"type": "welcome", "app": "stand-in", "field": "a", "numbers": []})
+        self.link.send({"type": "welcome", "app": "stand-in", "field": self.field, "numbers": []})
         self.show(0, rest=True)
 
     def show(self, answers: int, rest: bool = False) -> None:
@@ -50,7 +50,7 @@ class Shown:
             sys.exit(7)
         if do == "wait":
             time.sleep(event["seconds"])
-        if do == "refuse":
+        if do == "refuse" or message.get("field") == "unknown":
             self.link.send({"type": "refused", "id": number, "message": "no", "place": "p", "todo": "t"})
             return
         if do == "grow":
@@ -70,7 +70,8 @@ def main(words: list[str]) -> int:
         shown.link.send({"type": "lost", "message": "bad.toml: it is bad", "restarting": False})
         return 2
     if "--resume" in words:
-        shown.done = len(json.loads(shown.link.receive())["lines"].splitlines())
+        resumed = json.loads(shown.link.receive())
+        shown.done, shown.field = len(resumed["lines"].splitlines()), resumed["field"]
     shown.greet()
     try:
         while True:

@@ -77,6 +77,32 @@ def test_a_second_socket_of_a_page_replaces_the_first(tmp_path):
     run(tmp_path, story)
 
 
+def test_what_was_refused_is_not_shown_to_pages_that_open_later_and_what_was_shown_stays(tmp_path):
+    async def story(server: Served) -> None:
+        page = await server.page("a")
+        await page.until("frame")
+        for field, seen in (("unknown", "a"), ("b", "b")):
+            number = await page.say(type="show", field=field, predict=7)
+            await page.until("done" if field == "b" else "refused", id=number)
+            looker = await server.page(field)
+            assert (await looker.until("welcome"))["field"] == seen
+        await page.do("crash")
+        await page.until("lost", restarting=True)
+        assert (await page.until("welcome"))["field"] == "b"
+        assert server.session.state.predict is None
+
+    run(tmp_path, story)
+
+
+def test_a_session_that_is_ended_before_its_process_is_heard_ends():
+    async def led() -> int:
+        session = LiveSession(StandIn([]))
+        await session.end()
+        return await asyncio.wait_for(session.lead(), 5.0)
+
+    assert asyncio.run(led()) == 0
+
+
 def test_frames_are_not_queued_for_a_page_that_is_busy_with_others(tmp_path):
     async def story(server: Served) -> None:
         page = await server.page()

@@ -1,6 +1,7 @@
 """The process of a live session that simulates: what is seen live is what replays."""
 
 import json
+import os
 import random
 
 import numpy as np
@@ -51,9 +52,10 @@ def test_the_script_of_a_session_replays_to_its_rows_and_its_picture(scene, tmp_
 def test_what_is_no_message_and_no_event_is_answered_and_changes_nothing(scene, tmp_path):
     session = LocalSession(scene, out := tmp_path / "session.jsonl")
     bad = ["", "[]", "{", '{"type": "event", "id": 3}', '{"type": "dance", "id": 9}', '{"type": "pause", "id": -1}']
+    bad += ['{"type": "show", "id": 11, "field": 7}', '{"type": "event", "id": 12, "event": []}']
     answers = session.say_all(bad)
     assert [one["type"] for one in answers] == ["refused"] * len(bad)
-    assert [one["id"] for one in answers] == [0, 0, 0, 3, 9, 0]
+    assert [one["id"] for one in answers] == [0, 0, 0, 3, 9, 0, 11, 12]
     (one,) = session.event("drag", to=[1, 1])
     assert one["type"] == "refused" and "before a press" in one["message"] and one["todo"]
     (one,) = session.event("set", key="material.steel.E", value="1 GPa", wrong=1)
@@ -62,6 +64,24 @@ def test_what_is_no_message_and_no_event_is_answered_and_changes_nothing(scene, 
     # A press that misses is a frame, and scripts let go of what it does not hold.
     assert [one["type"] for one in session.event("press", on="nowhere")] == ["frame"] * 2
     assert session.event("press", on="window")[0]["columns"]["event"] == "press"
+    assert [cut(row) for row in session.rows()] == replayed(scene, out)
+    session.end()
+
+
+def test_a_disk_without_room_ends_no_session_and_what_is_missing_is_written_later(scene, tmp_path, monkeypatch):
+    session = LocalSession(scene, out := tmp_path / "session.jsonl")
+    session.event("press", on="window", at=[0.09, 0.062])
+    with monkeypatch.context() as full:
+        full.setattr(os, "pwrite", lambda *_: 0)
+        drag(session, path(3))
+        (note,) = session.of("note")
+        assert "no space left" in note["message"] and str(out) in note["message"]
+        assert len(out.read_text().splitlines()) == 2
+        (refused,) = session.say("save")
+        assert refused["type"] == "refused" and "make room" in refused["todo"]
+    assert session.of("written")[-1]["count"] == 4
+    session.event("release")
+    assert session.say("save")[0]["events"] == 5
     assert [cut(row) for row in session.rows()] == replayed(scene, out)
     session.end()
 

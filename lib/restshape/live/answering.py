@@ -7,7 +7,8 @@ Source: docs/live-protocol.md.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, cast
 
 from restshape.application import application_of
@@ -48,6 +49,7 @@ class Worker(MessageLoop):
         self.words = SessionWords(live)
         self.player: PlayerControls | None = None
         self._rested = 0
+        self._unwritten = False
         self._marks = True
         self.handlers |= {
             page.EventMessage: self._event,
@@ -69,13 +71,21 @@ class Worker(MessageLoop):
         super().run()
         self.live.stop()
         self._write()
+        self.file.write()
 
     def start(self) -> None:
         """Says what there is, and shows it."""
         if self.player is None:
-            self.file.begin(self.live.sim.written.header_line(), self.live.all_lines())
+            self._begin_file()
+        self._greet()
+
+    def _greet(self) -> None:
         self.welcome()
         self.send(self.moment())
+
+    def _begin_file(self) -> None:
+        """Has the file hold the session so far."""
+        self.file.begin(self.live.sim.written.header_line(), self.live.all_lines())
 
     def idle(self) -> None:
         """Goes on with what goes on by itself, or waits for a message."""
@@ -130,8 +140,19 @@ class Worker(MessageLoop):
         if not lines or self.player is not None:
             return
         for line in lines:
-            self.file.add(line)
+            self._to_file(partial(self.file.add, line))
         self._say_written(lines, with_next)
+
+    def _to_file(self, write: Callable[[], object]) -> None:
+        """Has the script's file written; a disk that has no room ends no session: what is missing is written later."""
+        try:
+            write()
+        except UserError as error:
+            if not self._unwritten:
+                self.say({"type": "note", "message": str(error)})
+            self._unwritten = True
+        else:
+            self._unwritten = False
 
     def _say_written(self, lines: Sequence[str], with_next: bool = False) -> None:
         text = "".join(f"{line}\n" for line in lines)
@@ -179,6 +200,7 @@ class Worker(MessageLoop):
     def _save(self, message: page.SaveMessage) -> None:
         if not self.file.name:
             raise UserError("no file was named for the script", do="start restshape live with --out SCRIPT")
+        self.file.write()
         self.say({"type": "saved", "id": message.id, "path": self.file.name, "events": self.file.count})
 
     def _record(self, message: page.RecordMessage) -> None:
@@ -205,7 +227,11 @@ class Worker(MessageLoop):
         if lines:
             self.player = None
             self.live.reopen(lines, message.predict or self.live.predict, self.progress("what was done is done again"))
-        self.start()
+        if message.field in self.live.picture.choice.looks:
+            self.live.picture.show(message.field)
+        if self.player is None:
+            self._to_file(self._begin_file)
+        self._greet()
 
     def _control(self, message: page.Message) -> None:
         if self.player is None:
@@ -215,9 +241,8 @@ class Worker(MessageLoop):
     def take_over(self) -> None:
         """The hand goes on from where the player is: the script so far is written down."""
         self.player, self.live.lines = None, []
-        lines = self.live.all_lines()
-        self.file.begin(self.live.sim.written.header_line(), lines)
-        self._say_written(lines)
+        self._to_file(self._begin_file)
+        self._say_written(self.live.all_lines())
         # With a welcome a page begins with an empty picture.
         self.welcome()
         self.send_all_again()

@@ -22,6 +22,8 @@ class GrowingScript:
     def __init__(self, path: Path | None) -> None:
         self._path, self.count = path, 0
         self._file: GrowingText | None = None
+        self._beginning: str | None = None
+        self._waiting: list[str] = []
 
     @property
     def name(self) -> str:
@@ -32,30 +34,36 @@ class GrowingScript:
         """Puts a header and lines of events in place of what the file holds.
 
         Raises:
-            UserError: it cannot be written.
+            UserError: it cannot be written; what is missing is written with what comes next, if that can be.
         """
         self.count = len(lines)
-        if self._path is None:
-            return
-        text = "".join(f"{line}\n" for line in (header, *lines))
-        try:
-            if self._file is None:
-                self._file = GrowingText(self._path, text)
-            else:
-                self._file.replace(text)
-        except OSError as error:
-            what = f"it cannot be written: {(error.strerror or str(error)).lower()}"
-            raise UserError(what, f"--out {self._path}", "name another file") from error
+        self._beginning, self._waiting = "".join(f"{line}\n" for line in (header, *lines)), []
+        self.write("name another file")
 
     def add(self, line: str) -> None:
         """Adds an event; errors as of `begin`."""
         self.count += 1
-        if self._file is not None:
-            try:
-                self._file.add(line)
-            except OSError as error:
-                what = f"it cannot be written: {(error.strerror or str(error)).lower()}"
-                raise UserError(what, f"--out {self._path}", "make room on the disk") from error
+        self._waiting.append(line)
+        self.write()
+
+    def write(self, remedy: str = "make room on the disk") -> None:
+        """Writes what could not be written before; errors as of `begin`."""
+        if self._path is None:
+            self._beginning, self._waiting = None, []
+            return
+        try:
+            if self._beginning is not None:
+                if self._file is None:
+                    self._file = GrowingText(self._path, self._beginning)
+                else:
+                    self._file.replace(self._beginning)
+                self._beginning = None
+            while self._waiting and self._file is not None:
+                self._file.add(self._waiting[0])
+                self._waiting.pop(0)
+        except OSError as error:
+            what = f"it cannot be written: {(error.strerror or str(error)).lower()}"
+            raise UserError(what, f"--out {self._path}", remedy) from error
 
     def close(self) -> None:
         """Adds no more."""

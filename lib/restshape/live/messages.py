@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
@@ -124,12 +125,14 @@ class ResumeMessage(FromPage):
 
     Args:
         lines: of the script, an event a line; predict: how frames were predicted; None: as at first.
+        field: that gave the colours; None: the one at first.
     """
 
     id: Number = 0
     type: Literal["resume"]
     lines: str
     predict: Literal["none", "linear", "gmls"] | None = None
+    field: str | None = None
 
 
 class EndMessage(FromPage):
@@ -186,13 +189,17 @@ def read(content: str | bytes) -> Message:
         first = error.errors(include_url=False, include_context=False)[0]
         where = ".".join(map(str, first["loc"][1:])) if first["loc"] else ""
         what = f"{where}: {first['msg']}" if where else str(first["msg"])
-        raise MalformedMessage(quoted(what), _number(first.get("input"))) from error
+        raise MalformedMessage(quoted(what), _number(content)) from error
 
 
-def _number(given: object) -> int:
-    """The number of a message that is none otherwise."""
+def _number(content: str) -> int:
+    """The number of a message that is none otherwise: 0 where it has none that can be read."""
+    try:
+        given = json.loads(content)
+    except (ValueError, RecursionError):
+        return 0
     number = given.get("id") if isinstance(given, dict) else None
-    return number if isinstance(number, int) and 0 <= number <= 2**53 else 0
+    return number if type(number) is int and 0 <= number <= 2**53 else 0
 
 
 def merged(waiting: list[Message], new: Message) -> None:

@@ -92,6 +92,8 @@ class RecordingSession(MessageLoop):
         if message.lines.strip():
             self._waiting.insert(0, message)
             raise SessionEnd
+        if message.field in self._recorded.looks:
+            self._recorded.field = message.field
         self.start()
 
     def idle(self) -> None:

@@ -74,11 +74,13 @@ class LiveSession:
     async def _simulate(self) -> None:
         """Hears what one process says, until it has ended."""
         link = self._link = await ServerLink.of_socket(self._process.end)
+        if self._ending:
+            link.finish()
         sending = asyncio.create_task(self._send_all(link))
         try:
             with suppress(LinkClosed):
                 if self._restarted:
-                    link.send({"type": "resume", "lines": self._process.lines, "predict": self.state.predict})
+                    link.send(self.state.resuming(self._process.lines))
                 while True:
                     self._hear(await link.receive())
         finally:
@@ -111,6 +113,7 @@ class LiveSession:
         if self._ending:
             return
         self._why, self._restarted = "", True
+        self.state.forget()
         self.state.frames.begin_again()
         self._process.start_again()
 
@@ -119,6 +122,7 @@ class LiveSession:
         if isinstance(message, bytes):
             header = self.state.frames.add(message)
             self._work.frame(header.get("id", 0))
+            self.state.answered(header.get("id", 0))
             self._fruitless = 0
             self.pages.wake()
             return
@@ -197,7 +201,7 @@ class LiveSession:
         if not self._waiting.add(message, text):
             page.say(refused(number, "too much waits already", "wait until it was answered"))
             return
-        self.state.shows(message)
+        self.state.asks(message)
         self._asked[number] = page
         while len(self._asked) > MOST_ASKED:
             self._asked.popitem(last=False)

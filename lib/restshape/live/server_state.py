@@ -22,6 +22,7 @@ class ShownState:
         self.welcome: Table | None = None
         self.predict: str | None = None
         self._player: Table | None = None
+        self._asked: dict[int, Table] = {}
 
     def hear(self, message: Table) -> None:
         """Keeps what stays true of a message."""
@@ -32,14 +33,32 @@ class ShownState:
             self._player = message
         elif kind == "known" and self.welcome:
             self.welcome |= {key: value for key, value in message.items() if key != "type"}
+        elif kind == "refused":
+            self._asked.pop(message["id"], None)
 
-    def shows(self, message: Table) -> None:
-        """The page that has the hand has chosen what is shown."""
-        if message["type"] != "show" or not self.welcome:
-            return
-        chosen = {key: message[key] for key in ("field", "predict") if isinstance(message.get(key), str)}
-        self.welcome |= chosen
-        self.predict = chosen.get("predict", self.predict)
+    def asks(self, message: Table) -> None:
+        """The page that has the hand chooses what is shown; the next frame tells whether it is."""
+        if message["type"] == "show":
+            self._asked[message["id"]] = {
+                key: message[key] for key in ("field", "predict") if isinstance(message.get(key), str)
+            }
+
+    def answered(self, number: int) -> None:
+        """A frame answers the message of a number, and all before it: what they have chosen is shown."""
+        for one in [one for one in self._asked if one <= number]:
+            chosen = self._asked.pop(one)
+            if self.welcome:
+                self.welcome |= chosen
+            self.predict = chosen.get("predict", self.predict)
+
+    def resuming(self, lines: str) -> Table:
+        """What another process is told of the one before, whose script had these lines."""
+        field = self.welcome and self.welcome.get("field")
+        return {"type": "resume", "lines": lines, "predict": self.predict, "field": field or None}
+
+    def forget(self) -> None:
+        """The process is another one: what it was asked to show is not."""
+        self._asked.clear()
 
     def greeting(self, role: str, script: str) -> list[Table]:
         """What a page of this role is said when it opens; `script`: its lines so far."""

@@ -37,11 +37,10 @@ class GrowingText:
         self._end += len(content)
 
     def replace(self, text: str) -> None:
-        """Puts another text in place of all lines."""
-        os.close(self._file)
-        self._file = -1
+        """Puts another text in place of all lines; errors as of `add`, after which the lines of before are there."""
         write_whole(self.path, text)
-        self._file = os.open(self.path, os.O_WRONLY | os.O_CLOEXEC)
+        before, self._file = self._file, os.open(self.path, os.O_WRONLY | os.O_CLOEXEC)
+        os.close(before)
         self._end = len(text.encode())
 
     def close(self) -> None:
