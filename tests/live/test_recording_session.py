@@ -1,12 +1,15 @@
 """A recording in place of a scene: played from its frames, and taken over by the hand."""
 
+import json
 import socket
 
 import numpy as np
 import pytest
-from live_worker import COARSE, LocalSession, Page, bracket, cut
+from live_worker import BRACKET, COARSE, LocalSession, Page, bracket, cut
 
 import restshape
+from restshape.live.frame_header import errors_of, header_of
+from restshape.live.json_text import json_bytes
 from restshape.live.link import Link
 from restshape.live.recording_player import RecordingPlayer
 from restshape.live.recording_session import RecordingSession
@@ -117,3 +120,19 @@ def test_the_process_goes_on_from_the_frame_that_is_taken(recorded, tmp_path):
         number = session.say("event", event={"do": "drag", "to": [0.1, 0.06]})
         last = cut(session.until("frame", number)["columns"])
     assert replayed(restshape.load("docs/examples/bracket.toml", *COARSE), out) == [*recorded[1][:5], last]
+
+
+def test_frames_of_a_recording_have_the_errors_and_limits_of_those_that_were_live(tmp_path):
+    scene = restshape.load(BRACKET, *COARSE, "quantities.stress_at_window.max='1 Pa'")
+    for frame in restshape.replay(scene, out=tmp_path / "one.vtkhdf"):
+        live = header_of(frame.index, frame.row, scene, None)
+    assert live["limits"] == {"stress_at_window": "fails"} and live["errors"]["stress_at_window"] > 0
+    (shown,) = Viewer(tmp_path / "one.vtkhdf").of("frame")
+    assert (shown["limits"], shown["errors"]) == (live["limits"], live["errors"])
+
+
+def test_an_error_without_a_limit_is_said_and_one_that_is_not_estimated_is_not():
+    row = {"a_error": np.inf, "b_error": np.nan, "c_error": 2.0}
+    found = errors_of(row, ["a", "b", "c", "d"])
+    assert found == {"a": np.inf, "c": 2.0}
+    assert json.loads(json_bytes(found)) == {"a": None, "c": 2.0}

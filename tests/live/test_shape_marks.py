@@ -2,19 +2,24 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from operator import is_
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from marked_edits import rows_with_and_without
 
 import restshape
+from restshape.live.extreme_marks import ExtremeMarks, LookedAt
 from restshape.live.isolines import isolines, round_levels
 from restshape.live.kept_marks import kept
+from restshape.live.seen_frame import SeenFrame
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shape_surface import mode_of
 from restshape.live.shown_marks import Arrows, Lines, Words, shown_with
+from restshape.outputs.si_numbers import si
 
 BRACKET = Path(__file__).parents[2] / "docs" / "examples" / "bracket.toml"
 COARSE = ("mesh.size='30 mm'", "mesh.near.window='15 mm'")
@@ -52,6 +57,25 @@ def test_an_extreme_is_said_where_the_field_has_it(bracket):
         assert np.array_equal(frame.mesh.points[node], words.at)
         assert frame.von_mises[node] == pytest.approx(frame.quantities[name], rel=1e-12)
         assert np.array_equal(words.moved, frame.displacement[node])
+
+
+def test_an_extreme_is_said_with_its_estimated_error():
+    scene = restshape.load(BRACKET, *COARSE, "quantities.stress_at_window.max='1 GPa'")
+    with restshape.open(scene) as simulation:
+        error = simulation.frame.row["stress_at_window_error"]
+        (words,) = (one.text for one in marks_of(simulation, Words) if one.text.startswith("stress_at_window "))
+    assert error > 0 and words.endswith(f"(error {si(error, 'Pa', 2)})")
+
+
+def test_an_extreme_is_found_among_the_values_that_are_known(bracket):
+    seen = SeenFrame.of(bracket)
+    for reduce, place in (("max", 2), ("min", 1), ("absmax", 2)):
+        values = np.array([np.nan, 1.0, 3.0, np.nan])
+        fields = {**seen.frame.fields, "known": values}
+        partly = replace(seen, frame=SimpleNamespace(fields=fields))
+        assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None), partly) == place
+        values[:] = np.nan
+        assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None), partly) is None
 
 
 def test_a_limit_that_fails_is_said_at_its_place():

@@ -16,6 +16,7 @@ from restshape.findings import OMITTED, Finding
 from restshape.live.shown_marks import Meaning, Words
 from restshape.replay.columns import error_column, quantity_column
 from restshape.replay.constraints import LIMIT, UNCERTAINTY, formatted_constraint, value_and_bound
+from restshape.replay.rounding import cleared
 from restshape.report.extreme_words import EXTREMES, extreme_words
 from restshape.report.field import IN_CELLS
 
@@ -84,6 +85,12 @@ class ExtremeMarks:
         if one.reduce in ("absmax", "peak"):
             values = np.abs(values)
         place = int(values.argmin() if one.reduce == "min" else values.argmax())
+        if not np.isfinite(values[place]):
+            # Some are not known: the extreme is among the others.
+            known = np.flatnonzero(np.isfinite(values))
+            if not len(known):
+                return None
+            place = int(known[values[known].argmin() if one.reduce == "min" else values[known].argmax()])
         return int(place if nodes is None else nodes[place])
 
 
@@ -140,8 +147,8 @@ def _said(one: LookedAt, seen: SeenFrame, node: int) -> str:
     if not one.name:
         values, nodes = _values(one, seen)
         return extreme_words("max", float((values if nodes is None else values[nodes == node]).max()), np.nan, one.unit)
-    error = number(row, error_column(quantity_column(one.name)))
-    return extreme_words(one.name, number(row, quantity_column(one.name)), error, one.unit)
+    value, error = number(row, quantity_column(one.name)), number(row, error_column(one.name))
+    return extreme_words(one.name, value, cleared(error, value), one.unit)
 
 
 def _on_limit(finding: Finding) -> bool:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import isfinite
+from collections.abc import Iterable, Mapping, Sequence
+from math import isnan
 from typing import TYPE_CHECKING
 
 from restshape.findings import decode_findings
@@ -20,19 +20,18 @@ def columns_of(row: RowValues) -> dict[str, object]:
     return {name: value for name, value in row.items() if value == value and value != "" and type(value) is not tuple}
 
 
-def errors_of(row: RowValues, scene: Scene) -> dict[str, float]:
-    """Estimated errors of quantities, of those alone that have one."""
+def errors_of(row: RowValues, quantities: Iterable[str]) -> dict[str, float]:
+    """Estimated errors of quantities, of those alone that have one; infinite where mesh refinement finds no limit."""
     found = {}
-    for name in scene.quantities:
+    for name in quantities:
         error = row.get(error_column(name))
-        if isinstance(error, float) and isfinite(error):
+        if isinstance(error, float) and not isnan(error):
             found[name] = float(error)
     return found
 
 
-def limits_of_frame(row: RowValues, scene: Scene) -> dict[str, str]:
+def limits_of_frame(row: RowValues, limited: Sequence[str]) -> dict[str, str]:
     """Whether the limits of quantities hold, of those that have one."""
-    limited = [name for name, one in scene.quantities.items() if one.min is not None or one.max is not None]
     if not limited or row["refused"]:
         return {}
     found = dict.fromkeys(limited, HOLDS)
@@ -51,11 +50,12 @@ def header_of(number: int, row: RowValues, scene: Scene, hand: Mapping[str, obje
         row: of the frame; scene: with the values that hold in it.
         hand: what it holds, and where it is; None: it holds nothing.
     """
+    limited = [name for name, one in scene.quantities.items() if one.min is not None or one.max is not None]
     return {
         "type": "frame",
         "number": number,
         "columns": columns_of(row),
-        "errors": errors_of(row, scene),
-        "limits": limits_of_frame(row, scene),
+        "errors": errors_of(row, scene.quantities),
+        "limits": limits_of_frame(row, limited),
         "held": hand,
     }

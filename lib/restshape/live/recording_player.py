@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.live.frame_header import columns_of
+from restshape.live.frame_header import columns_of, errors_of, limits_of_frame
 from restshape.live.grab_parts import OutlineParts
 from restshape.live.moment import Moment
 from restshape.live.shape_surface import MODE, ShapeSurface
@@ -145,11 +145,21 @@ class RecordingPlayer:
         mesh = self.mesh(number)
         X = recording.points(number)
         part = self._surface.placed(mesh, X, at_nodes, in_cells, colours_of(self.field, at_nodes, in_cells))
-        row = {name: values[number] for name, values in recording.table.items()}
-        columns = columns_of({name: _plain(value) for name, value in row.items()})
-        header = {"type": "frame", "number": number, "columns": columns, "errors": {}, "limits": {}, "held": None}
+        row = {name: _plain(values[number]) for name, values in recording.table.items()}
+        said = {"errors": errors_of(row, self._units), "limits": limits_of_frame(row, self._limited)}
+        header = {"type": "frame", "number": number, "columns": columns_of(row), "held": None, **said}
         parts = [part, *self._outline(self.outline(number))]
         return Moment(header, parts, (), float(recording.times[number]))
+
+    @cached_property
+    def _units(self) -> dict[str, str]:
+        """Of the quantities."""
+        return quantity_units(self.recording.header)
+
+    @cached_property
+    def _limited(self) -> list[str]:
+        """The quantities that have a limit."""
+        return [*limits_of(self.recording)] if "findings" in self.recording.table else []
 
     def forget(self) -> None:
         """Frames are read again each time: nothing is to be forgotten."""
@@ -166,7 +176,7 @@ class RecordingPlayer:
         names = {"min": "limitLow", "max": "limitHigh"}
         return [
             {"name": name, "unit": unit} | {names[key]: value for key, value in limits.get(name, {}).items()}
-            for name, unit in quantity_units(self.recording.header).items()
+            for name, unit in self._units.items()
         ]
 
 

@@ -24,7 +24,8 @@ test("numbers have SI prefixes as on the console", () => {
   assert.equal(siText(0, "m"), "0 m");
   assert.equal(siText(NaN, "Pa"), "–");
   assert.equal(siText(2e9, "m^2"), "2.000e9 m²");
-  assert.equal(errorText(2e6, 2e8, "Pa"), "± 2.0 MPa (1.0 %)");
+  assert.equal(errorText(2e6, 2e8, "Pa"), "error 2.0 MPa (1.0 %)");
+  assert.equal(errorText(null, 1, "Pa"), "no limit under refinement");
   assert.equal(errorText(Infinity, 1, "Pa"), "no limit under refinement");
   assert.equal(errorText(undefined, 1, "Pa"), "");
 });

@@ -95,7 +95,13 @@ export class Connection {
 
 /** A name by which the server knows this page again when it is reloaded, or its socket was lost. */
 function pageName(): string {
-  const known = sessionStorage.getItem("restshape page") ?? crypto.randomUUID();
-  sessionStorage.setItem("restshape page", known);
-  return known;
+  try {
+    const known = sessionStorage.getItem("restshape page") ?? unnamed;
+    sessionStorage.setItem("restshape page", known);
+    return known;
+  } catch {
+    return unnamed; // a frame of another page, as in a notebook, may have no storage
+  }
 }
+
+const unnamed = crypto.randomUUID();

@@ -38,7 +38,7 @@ export type FromServer =
   | { type: "welcome"; scene: string; app: string; dim: 2 | 3; role: "hand" | "looker"; trueScale: boolean;
       fields: FieldInfo[]; field: string; numbers: NumberInfo[]; quantities: QuantityInfo[]; things: ThingInfo[];
       events: Record<string, object>;                                      // JSON schema of each event by its name
-      script: string; player: boolean; frames: number; predicts: string[]; out: string; recordable: boolean }
+      script: string; player: boolean; frames: number; predicts: string[]; predict: string; out: string; recordable: boolean }
   | { type: "known"; numbers?: NumberInfo[]; things?: ThingInfo[]; quantities?: QuantityInfo[] } // what has changed
   | { type: "done"; id: number }
   | { type: "refused"; id: number; message: string; place: string; todo: string }
@@ -82,7 +82,7 @@ export type MarkMessage =
 export interface FrameMessage {
   type: "frame"; number: number; id: number;                               // id: of the last message that it answers
   columns: Record<string, number | string>;                                // level, ms, iterations, estimate, refused, note, predicted, q_...
-  errors: Record<string, number>;                                          // of quantities, where they are estimated
+  errors: Record<string, number | null>;                                   // of quantities, where they are estimated; null: infinite
   limits: Record<string, "holds" | "uncertain" | "fails">;
   missed?: string;                                                         // why the press was refused that this frame lets go of
   held: { on: string; at: number[] } | null;

@@ -4,8 +4,9 @@ import { Vector3 } from "three";
 
 import type { View } from "./view";
 
-export interface Word { text: string; at: ArrayLike<number>; meaning: string; }
-interface Shown { element: HTMLSpanElement; at: Vector3; width: number; text: string; meaning: string; }
+/** moved: displacement of the place, where it goes with the deformation that is drawn. */
+export interface Word { text: string; at: ArrayLike<number>; meaning: string; moved?: ArrayLike<number> | null; }
+interface Shown { element: HTMLSpanElement; at: Vector3; moved: Vector3; width: number; text: string; meaning: string; }
 
 const BESIDE = 9; // pixels from the place
 const HEIGHT = 17; // pixels of a line with its padding
@@ -27,12 +28,14 @@ export class Labels {
     else this.sets.delete(name);
   }
 
-  /** Moves all words to where their places are seen. */
-  place(view: View, width: number, height: number): void {
+  /** Moves all words to where their places are seen. scale: of displacements. */
+  place(view: View, width: number, height: number, scale: number): void {
     const taken: [number, number, number, number][] = [];
     for (const shown of this.sets.values()) {
       for (const one of shown) {
-        const { x, y, z } = view.toScreen(one.at.x, one.at.y, one.at.z, this.work);
+        const { x, y, z } = view.toScreen(
+          one.at.x + scale * one.moved.x, one.at.y + scale * one.moved.y, one.at.z + scale * one.moved.z, this.work,
+        );
         const left = x + BESIDE + one.width > width ? x - BESIDE - one.width : x + BESIDE;
         const top = Math.min(Math.max(y - HEIGHT - 4, 0), height - HEIGHT);
         const box: [number, number, number, number] = [left, top, left + one.width, top + HEIGHT];
@@ -47,12 +50,13 @@ export class Labels {
   private make(): Shown {
     const element = document.createElement("span");
     this.over.append(element);
-    return { element, at: new Vector3(), width: 0, text: "", meaning: "" };
+    return { element, at: new Vector3(), moved: new Vector3(), width: 0, text: "", meaning: "" };
   }
 }
 
-function write(shown: Shown, { text, at, meaning }: Word): void {
+function write(shown: Shown, { text, at, meaning, moved }: Word): void {
   shown.at.set(at[0] ?? 0, at[1] ?? 0, at[2] ?? 0);
+  shown.moved.set(moved?.[0] ?? 0, moved?.[1] ?? 0, moved?.[2] ?? 0);
   if (shown.meaning !== meaning) shown.element.style.color = `var(--${meaning}, var(--guide))`;
   shown.meaning = meaning;
   if (shown.text === text) return;

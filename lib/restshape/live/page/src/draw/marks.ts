@@ -16,9 +16,6 @@ export interface LinesDrawn {
 export interface ArrowsDrawn {
   points: Float32Array; vectors: Float32Array; meaning: string; moved?: Float32Array | null; tips?: readonly boolean[]; words?: readonly string[];
 }
-/** A word whose place goes with the deformation that is drawn. */
-export interface MovedWord extends Word { moved?: readonly number[]; }
-
 const NONE = new Float32Array(0);
 const LONGEST = 0.1; // of the shape's size: the longest arrow
 const HEAD = 11; // pixels
@@ -46,8 +43,7 @@ export class Marks {
     drawn.lines.look(this.theme.colour(meaning), lines.width ?? 2.5);
     drawn.lines.setLines(points, moved, starts);
     this.setDots(drawn, points, moved, starts, meaning);
-    const scale = moved.length ? this.shared.scale.value : 0;
-    this.labels.set(name, wordsOf(lines.words, meaning, (i) => middleOf(points, moved, scale, starts, i)));
+    this.labels.set(name, wordsOf(lines.words, meaning, points, moved, (i) => middleOf(points, starts, i)));
   }
 
   /** Draws arrows under a name. size: of the shape [m]. */
@@ -64,17 +60,12 @@ export class Marks {
       segments.look(this.theme.colour(meaning), 2);
       segments.setLines(ends, moved, starts);
     }
-    const scale = moved.length ? this.shared.scale.value : 0;
     // Beside the end that is away from the point.
-    this.labels.set(name, wordsOf(arrows.words, meaning, (i) => placeOf(ends, moved, scale, 6 * i + (tips[i] ? 0 : 3))));
+    this.labels.set(name, wordsOf(arrows.words, meaning, ends, moved, (i) => 6 * i + (tips[i] ? 0 : 3)));
   }
 
-  setWords(name: string, words: readonly MovedWord[] | null): void {
-    const scale = this.shared.scale.value;
-    const placed = (words ?? []).map(({ text, at, meaning, moved }) => (
-      { text, meaning, at: Array.from(at, (x, k) => x + scale * (moved?.[k] ?? 0)) }
-    ));
-    this.labels.set(name, placed);
+  setWords(name: string, words: readonly Word[] | null): void {
+    this.labels.set(name, words ?? []);
     this.changed();
   }
 
@@ -134,15 +125,11 @@ function taken(points: Float32Array, which: readonly number[]): Float32Array {
   return Float32Array.from(which.flatMap((i) => [...points.subarray(3 * i, 3 * i + 3)]));
 }
 
-function middleOf(points: Float32Array, moved: Float32Array, scale: number, starts: ArrayLike<number>, line: number): number[] {
+/** Where the numbers of the middle point of a line begin. */
+function middleOf(points: Float32Array, starts: ArrayLike<number>, line: number): number {
   const begin = starts[line] ?? 0;
   const end = line + 1 < starts.length ? starts[line + 1]! : points.length / 3;
-  const at = 3 * (begin + ((end - begin) >> 1));
-  return placeOf(points, moved, scale, at);
-}
-
-function placeOf(points: Float32Array, moved: Float32Array, scale: number, at: number): number[] {
-  return [0, 1, 2].map((k) => points[at + k]! + (scale ? scale * moved[at + k]! : 0));
+  return 3 * (begin + ((end - begin) >> 1));
 }
 
 /** The displacements of points for both ends of an arrow at each. */
@@ -156,8 +143,15 @@ function ofBothEnds(moved: Float32Array): Float32Array {
   return both;
 }
 
-function wordsOf(words: readonly string[] | undefined, meaning: string, at: (i: number) => number[]): Word[] {
-  return (words ?? []).map((text, i) => ({ text, at: at(i), meaning })).filter(({ text }) => text);
+/** Words at points. at: where the numbers of the point of each begin. */
+function wordsOf(
+  words: readonly string[] | undefined, meaning: string, points: Float32Array, moved: Float32Array, at: (i: number) => number,
+): Word[] {
+  const placed = (words ?? []).map((text, i) => {
+    const from = at(i);
+    return { text, meaning, at: points.slice(from, from + 3), moved: moved.length ? moved.slice(from, from + 3) : null };
+  });
+  return placed.filter(({ text }) => text);
 }
 
 /** Lines from points along vectors, the longest of a given length. tips: which of them end at their points instead. */

@@ -6,8 +6,8 @@ import type { App, Frame, Look, Welcome } from "../app";
 import type { FieldInfo } from "../protocol";
 import { chosenMap, ends } from "./colour_maps";
 import { ColourBar } from "./colour_bar";
-import { Labels } from "./labels";
-import { Marks, type ArrowsDrawn, type LinesDrawn, type MovedWord } from "./marks";
+import { Labels, type Word } from "./labels";
+import { Marks, type ArrowsDrawn, type LinesDrawn } from "./marks";
 import { Parts } from "./parts";
 import { autoScale, largest } from "./scale";
 import { Shared } from "./shared";
@@ -65,7 +65,7 @@ export class Scene {
 
   setLines(name: string, lines: LinesDrawn | null): void { this.marks.setLines(name, lines); }
   setArrows(name: string, arrows: ArrowsDrawn | null): void { this.marks.setArrows(name, arrows, this.size); }
-  setWords(name: string, words: readonly MovedWord[] | null): void { this.marks.setWords(name, words); }
+  setWords(name: string, words: readonly Word[] | null): void { this.marks.setWords(name, words); }
 
   /** Size of the scene [m]. */
   get size(): number { return this.parts.bounds.size() || 1; }
@@ -223,7 +223,7 @@ export class Scene {
     this.asked = false;
     for (const before of this.onDraw) before();
     this.renderer.render(this.scene, this.view.camera);
-    this.labels.place(this.view, this.width, this.height);
+    this.labels.place(this.view, this.width, this.height, this.shared.scale.value);
     if (this.answered) this.app.tell("drawn", this.answered);
     this.answered = 0;
   }

@@ -1,7 +1,8 @@
 // The drawing and the hand as panels see them.
 
 import type { Scene } from "../draw/scene";
-import type { ArrowsDrawn, LinesDrawn, MovedWord } from "../draw/marks";
+import type { Word } from "../draw/labels";
+import type { ArrowsDrawn, LinesDrawn } from "../draw/marks";
 import type { Beside } from "./beside";
 import type { Tools } from "./tools";
 
@@ -19,5 +20,5 @@ export class PageStage {
   /** Draws lines, arrows or words in place of those of that name; null takes them away. */
   setLines(name: string, lines: LinesDrawn | null): void { this.scene.setLines(name, lines); }
   setArrows(name: string, arrows: ArrowsDrawn | null): void { this.scene.setArrows(name, arrows); }
-  setWords(name: string, words: readonly MovedWord[] | null): void { this.scene.setWords(name, words); }
+  setWords(name: string, words: readonly Word[] | null): void { this.scene.setWords(name, words); }
 }

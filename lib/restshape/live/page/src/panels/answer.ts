@@ -42,7 +42,8 @@ export function showAnswer(app: App, painter: Painter): HTMLElement {
 function predictChoice(app: App): HTMLElement {
   const group = element("fieldset", { class: "row choice" }, element("legend", {}, "frames of a drag"));
   let way = "none";
-  app.on("welcome", ({ predicts }) => {
+  app.on("welcome", ({ predicts, predict }) => {
+    way = predict;
     const ways = ["none", ...predicts.filter((way) => way !== "none")];
     const chosen = ways.includes(way) ? way : "none";
     group.replaceChildren(group.firstChild!, ...ways.map((one) => {
@@ -66,7 +67,7 @@ function limitsText(frame: FrameMessage): string {
 }
 
 function shareText(value: number): string {
-  return Number.isNaN(value) ? "" : `± ${percentText(value)}`;
+  return Number.isNaN(value) ? "" : percentText(value);
 }
 
 function iterationsText(frame: FrameMessage): string {

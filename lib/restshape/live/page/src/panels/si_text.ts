@@ -41,13 +41,13 @@ export function siText(value: number, unit: string, digits = 4, like = value): s
   return scale.unit ? `${text} ${scale.unit}` : text;
 }
 
-/** An estimated error beside its value: "± 2.1 MPa (0.9 %)"; empty where none is estimated. */
-export function errorText(error: number | undefined, value: number, unit: string): string {
+/** An estimated error beside its value: "error 2.1 MPa (0.9 %)"; empty where none is estimated. null: it is infinite. */
+export function errorText(error: number | null | undefined, value: number, unit: string): string {
   if (error === undefined || Number.isNaN(error)) return "";
-  if (!Number.isFinite(error)) return "no limit under refinement";
+  if (error === null || !Number.isFinite(error)) return "no limit under refinement";
   const share = Math.abs(error / value);
   const percent = Number.isFinite(share) ? ` (${percentText(share)})` : "";
-  return `± ${siText(Math.abs(error), unit, 2, value)}${percent}`;
+  return `error ${siText(Math.abs(error), unit, 2, value)}${percent}`;
 }
 
 /** A share as a percentage of two digits. */
