@@ -227,7 +227,7 @@ class Worker(MessageLoop):
         if lines:
             self.player = None
             self.live.reopen(lines, message.predict or self.live.predict, self.progress("what was done is done again"))
-        if message.field in self.live.picture.choice.looks:
+        if message.field is not None and message.field in self.live.picture.choice.looks:
             self.live.picture.show(message.field)
         if self.player is None:
             self._to_file(self._begin_file)
