@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 import restshape
+from restshape.application import application_of
+from restshape.replay.request import Request
+from restshape.scene.edit_script import Script
+from restshape.variation.following_session import FollowingSession, Standing
 
 BRACKET = Path(__file__).parents[2] / "docs" / "examples" / "bracket.toml"
 PNG = b"\x89PNG\r\n"
@@ -44,7 +48,7 @@ def test_a_recording_has_the_frames_that_were_replayed(bracket, tmp_path):
 
 def test_a_frame_is_drawn_as_a_recording_of_it(bracket, tmp_path):
     path = tmp_path / "first.vtkhdf"
-    run = restshape.replay(bracket, out=path)
+    run = restshape.replay(bracket, out=path, parity=True)
     drawn = next(run)._repr_png_()
     assert not list(run)
     with restshape.recording(path) as found:
@@ -60,6 +64,19 @@ def test_a_frame_that_is_gone_is_not_drawn(bracket):
     assert sim._repr_png_().startswith(PNG)
 
 
+def test_of_frames_of_a_run_that_another_one_follows_nothing_more_is_read(bracket):
+    run = restshape.replay(bracket)
+    (frame,) = run
+    points = frame.mesh.points
+    other = restshape.changed(bracket, "material.steel.E", "70 GPa")
+    script, before = Script.empty(other), Standing(run.replay.session.outline, bracket, False)
+    session = FollowingSession(other, script, application_of(other), before, False, None)
+    (next_frame,) = run.follow(session, Request.of(other, script))
+    assert frame.mesh.points is points and next_frame.fields
+    with pytest.raises(restshape.UserError, match="closed"):
+        assert frame.fields
+
+
 def test_a_run_that_is_left_has_written_what_it_had(bracket, tmp_path):
     path = tmp_path / "left.vtkhdf"
     script = restshape.new_script(bracket, [{"do": "idle", "frames": 9}])
@@ -68,6 +85,8 @@ def test_a_run_that_is_left_has_written_what_it_had(bracket, tmp_path):
     run.close()
     with restshape.recording(path) as found:
         assert found.status == "interrupted" and found.n == 2
+    restshape.replay(bracket, script, out=tmp_path / "none.vtkhdf").close()
+    assert not [one.name for one in tmp_path.iterdir() if "none" in one.name]
     with pytest.raises(restshape.UserError, match="not summed up"):
         run.summary()
     with pytest.raises(restshape.UserError, match=r"ends in \.vtkhdf"):

@@ -158,3 +158,16 @@ def test_an_error_in_a_frame_closes_the_simulation(bracket, monkeypatch):
         with pytest.raises(ZeroDivisionError):
             sim.idle(2)
         assert sim.closed and [event.frame_count for event in sim.script.events] == [1]
+
+
+def test_an_interrupt_in_frames_that_nobody_asked_for_closes_it_too(bracket, monkeypatch):
+    def interrupted(edit):
+        raise KeyboardInterrupt
+
+    with restshape.open(bracket) as sim:
+        sim.idle()
+        next(sim.each("idle", frames=3))
+        monkeypatch.setattr(sim._replay, "_frame", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            sim.undo()
+        assert sim.closed and [event.frame_count for event in sim.script.events] == [1]

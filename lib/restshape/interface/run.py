@@ -94,6 +94,9 @@ class Run(Iterator[ShownFrame]):
     def close(self) -> None:
         """Ends the run where it is: what was written so far is whole."""
         self._frames.close()
+        if self._to_close:
+            # Where no frame was asked for, nothing has begun that would end.
+            self._to_close.close("interrupted")
 
     def to_end(self, on_frame: Callable[[], None] | None = None) -> Summary:
         """Computes all frames that are left; the summary.
@@ -138,6 +141,8 @@ class Run(Iterator[ShownFrame]):
     def follow(self, session: Session, request: Request) -> Run:
         """The run of another session, which goes on with the solvers of this one; neither is summed up or written.
 
+        Of frames of this run nothing can be read any more but what was read before.
+
         Args:
             session: its first frame says what changes from the last one of this run.
             request: what is replayed in it.
@@ -145,6 +150,7 @@ class Run(Iterator[ShownFrame]):
         Raises:
             UserError: errors of quantities cannot be estimated.
         """
+        self._answer.closed = True
         self.replay.follow(session, request)
         return Run(request, summed=False, answer=LastAnswer(self.replay, request))
 

@@ -194,8 +194,12 @@ class Simulation(Edits):
         """Computes what is left of the last event."""
         if self.closed:
             raise UserError("the simulation is closed", do="open it again: restshape.open(scene)")
-        for row in self._rows:
-            self.frame = self._answer.frame(row)
+        try:
+            for row in self._rows:
+                self.frame = self._answer.frame(row)
+        except BaseException:
+            self._break_off()
+            raise
 
     def _break_off(self) -> None:
         """Closes the simulation in the middle of a frame, whose event the script does not have."""

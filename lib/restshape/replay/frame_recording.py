@@ -45,9 +45,12 @@ class FrameRecording(Recording):
         header = cleaned(json.loads(json.dumps(request.header() | dict(extra), allow_nan=False)))
         assert isinstance(header, dict), "the header is a table"
         self.header, self.dimension = header, points.shape[1]
-        dtype = row_dtype(columns_of(request.scene, request.application, request.predict))
+        columns = columns_of(request.scene, request.application, request.predict)
+        dtype = row_dtype(columns)
         packed = bytearray(dtype.itemsize)
-        RowPacker(dtype).pack_into(memoryview(packed), 0, row)
+        # A parity check adds values to a row, which no recording has.
+        known = {name: value for name, value in row.items() if name in columns}
+        RowPacker(dtype).pack_into(memoryview(packed), 0, known)
         self._rows = np.frombuffer(bytes(packed), dtype=dtype)
         self.table = columns_in(self._rows)
         self._points, self._cells = points, cells
