@@ -82,6 +82,11 @@ def test_screen_readers_find_names_and_eyes_find_contrast(browser, bracket_sessi
         assert {"button-name", "color-contrast", "label", "aria-roles"} <= {one["id"] for one in done + found}
         said = [f"{one['id']}: {node['html'][:200]} {node['failureSummary']}" for one in found for node in one["nodes"]]
         assert not said, (colours, "\n".join(said))
+    for width in (360, 390, 760, 1280, 2560):
+        page.tab.set_viewport_size({"width": width, "height": 700})
+        assert page.tab.evaluate("document.documentElement.scrollWidth") <= width
+        shown = page.tab.locator("#canvas").bounding_box()
+        assert shown["width"] > 0.5 * min(width, 760) and shown["height"] > 250, (width, shown)
     live.end()
 
 

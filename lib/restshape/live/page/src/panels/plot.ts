@@ -47,6 +47,7 @@ export class Plot {
 
   draw(drawing: Drawing): void {
     this.drawing = drawing;
+    if (!this.canvas.hasAttribute("aria-label")) mark(this.canvas, "aria-label", drawing.spoken);
     this.redraw();
   }
 
