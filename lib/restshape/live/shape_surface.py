@@ -94,12 +94,12 @@ class ShapeSurface:
         moved = at_nodes.get(_mode(at_nodes, colours)) if moved is None else moved
         if moved is not None:
             arrays["displacement"] = self._placed("displacement", moved)
-        said: dict[str, object] = {}
+        said: dict[str, object] = {} if shown.parts == 1 else {"element": shown.parts}
         if colours is not None:
             given = (in_cells if colours.in_cells else at_nodes)[colours.source]
             key = "valueInCells" if colours.in_cells else "value"
             arrays[key], known = self._valued(key, given, colours.in_cells)
-            said = {"field": colours.name, "range": known}
+            said |= {"field": colours.name, "range": known}
         return PicturePart("shape", "surface", "shape", arrays, said)
 
     def _placed(self, key: str, values: Reals) -> AnyArray:

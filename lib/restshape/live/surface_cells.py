@@ -43,6 +43,11 @@ class ShownTriangles:
         empty = np.empty((0, 3), dtype=np.int64)
         return cls(empty.astype("<u4"), empty[:, :2].astype("<u4"), None, empty[:, 0], empty, 3)
 
+    @property
+    def parts(self) -> int:
+        """Triangles of each cell that lie in a plane: all first ones come first, then all second ones, and so on."""
+        return {6: 4, 8: 2, 10: 4}.get(self.cell_size, 1)
+
     def chosen(self, values: Reals) -> Reals:
         """Of values (n, ...) of all nodes those of the shown ones."""
         return values if self.nodes is None else values[self.nodes]

@@ -10,6 +10,7 @@ import { follow } from "../../../lib/restshape/live/page/src/draw/follow";
 import { arrowLines } from "../../../lib/restshape/live/page/src/draw/marks";
 import { addNormals } from "../../../lib/restshape/live/page/src/draw/normals";
 import { autoScale, largest, readable } from "../../../lib/restshape/live/page/src/draw/scale";
+import { Sharpness } from "../../../lib/restshape/live/page/src/draw/sharpness";
 import { pairsOf } from "../../../lib/restshape/live/page/src/draw/segments";
 import { frameOf } from "../../../lib/restshape/live/page/src/frames";
 import { newName } from "../../../lib/restshape/live/page/src/hand/names";
@@ -126,4 +127,23 @@ test("lines, arrows, normals, boxes, names and turns", () => {
   assert.equal(box.size(), 13);
   assert.equal(newName("hole_", new Set(["hole_1", "hole_3"])), "hole_2");
   close([turn({ x: 1, y: 0 }, { x: 0, y: -1 })], [Math.PI / 2]);
+});
+
+test("a picture that is drawn late takes fewer pixels until it is at rest", () => {
+  let now = 0, changes = 0;
+  const draw = (ms: number): number => {
+    sharpness.request(now);
+    sharpness.begin(now += ms, true);
+    return sharpness.share;
+  };
+  const sharpness = new Sharpness(() => { changes += 1; });
+  for (let i = 0; i < 40; i += 1) assert.equal(draw(16), 1);
+  const late = Array.from({ length: 8 }, () => draw(30));
+  assert.deepEqual([late[0], late[7], changes], [1, 0.5, 2]);
+  for (let i = 0; i < 119; i += 1) assert.equal(draw(16), 0.5);
+  assert.equal(draw(16), 0.75); // in time for long: tried again
+  sharpness.settle();
+  assert.equal(sharpness.share, 1);
+  assert.equal(draw(16), 0.75); // it has learned what it can
+  sharpness.settle();
 });

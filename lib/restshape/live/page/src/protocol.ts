@@ -64,6 +64,7 @@ export interface ArrayPlace { at: number; type: "f4" | "u4" | "u1"; shape: numbe
 export interface Part {
   name: string; kind: "surface" | "lines" | "dots"; role: "shape" | "outline" | "body" | "plank" | "support" | "load" | "goal";
   field?: string; range?: [number, number];                                // of the field in this frame
+  element?: 2 | 4;                                                         // triangles of an element: all first ones, all second ones, ...
   names?: string[];                                                        // of each line or dot
   arrays: Record<string, ArrayPlace>; gone?: boolean;
 }

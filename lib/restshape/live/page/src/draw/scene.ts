@@ -11,6 +11,7 @@ import { Marks, type ArrowsDrawn, type LinesDrawn } from "./marks";
 import { Parts } from "./parts";
 import { autoScale, largest } from "./scale";
 import { Shared } from "./shared";
+import { Sharpness } from "./sharpness";
 import { Theme } from "./theme";
 import { View } from "./view";
 
@@ -32,6 +33,7 @@ export class Scene {
   private field: FieldInfo | null = null;
   private said = { scale: 1, text: "" };
   private asked = false;
+  private readonly sharpness = new Sharpness(() => this.sharpen());
   private answered = 0;
   private fitted = false;
   left = 0;                                          // of the canvas in the window, pixels
@@ -74,6 +76,7 @@ export class Scene {
   request(): void {
     if (this.asked) return;
     this.asked = true;
+    this.sharpness.request(performance.now());
     requestAnimationFrame(() => this.draw());
   }
 
@@ -87,6 +90,7 @@ export class Scene {
 
   /** The picture as it is now, drawn at once so that its pixels can be read. */
   pixels(): HTMLCanvasElement {
+    this.sharpness.settle();
     this.renderer.render(this.scene, this.view.camera);
     return this.canvas;
   }
@@ -132,7 +136,8 @@ export class Scene {
   }
 
   private restyle(look: Look): void {
-    this.shared.wires.value = look.wireframe ? 1 : 0;
+    this.shared.wires = look.wireframe;
+    for (const surface of this.parts.surfaces()) surface.setWired();
     this.leaveOut(look);
     this.rescale();
     this.colour();
@@ -210,16 +215,27 @@ export class Scene {
     const { clientWidth, clientHeight } = this.canvas;
     this.width = Math.max(clientWidth, 1);
     this.height = Math.max(clientHeight, 1);
-    const ratio = Math.min(devicePixelRatio || 1, 2);
+    this.view.resize(this.width, this.height);
+    this.grain();
+    this.draw();
+  }
+
+  /** Takes as many pixels as the picture has now. */
+  private grain(): void {
+    const ratio = Math.min(devicePixelRatio || 1, 2) * this.sharpness.share;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(this.width, this.height, false);
     this.shared.size.value.set(this.width * ratio, this.height * ratio);
     this.shared.pixels.value = ratio;
-    this.view.resize(this.width, this.height);
-    this.draw();
+  }
+
+  private sharpen(): void {
+    this.grain();
+    this.request();
   }
 
   private draw(): void {
+    if (this.asked) this.sharpness.begin(performance.now(), this.answered > 0 || this.view.moving);
     this.asked = false;
     for (const before of this.onDraw) before();
     this.renderer.render(this.scene, this.view.camera);

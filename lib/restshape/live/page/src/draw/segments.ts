@@ -1,8 +1,7 @@
-// Straight pieces of lines, as many pixels wide at any distance: one instance of a rectangle each; or the heads of arrows.
+// Straight pieces of lines, as many pixels wide at any distance: a rectangle each; or the heads of arrows. They are no instances
+// of one rectangle: where there is no graphics card, each instance is drawn by itself, which takes ten times as long.
 
-import {
-  BufferAttribute, Color, GLSL3, InstancedBufferGeometry, Mesh, ShaderMaterial, type IUniform,
-} from "three";
+import { BufferAttribute, BufferGeometry, Color, GLSL3, Mesh, ShaderMaterial, type IUniform } from "three";
 
 import { refresh, room } from "./buffers";
 import type { Shared } from "./shared";
@@ -13,6 +12,8 @@ uniform float scale, width, moves, headLength, pixels;
 uniform vec2 size;
 out float vAcross, vHalf;
 void main() {
+  int number = gl_VertexID & 3; // of the corner of the rectangle, around it
+  vec2 corner = vec2(number == 1 || number == 2, number < 2 ? -1 : 1);
   vec4 a = projectionMatrix * (modelViewMatrix * vec4(begin + moves * scale * beginShift, 1.0));
   vec4 b = projectionMatrix * (modelViewMatrix * vec4(end + moves * scale * endShift, 1.0));
   vec2 way = (b.xy / b.w - a.xy / a.w) * size;
@@ -22,17 +23,17 @@ void main() {
   float wide = width * pixels;
   float head = headLength * pixels;
   vHalf = 0.5 * wide;
-  vec4 place = position.x < 0.5 ? a : b;
+  vec4 place = corner.x < 0.5 ? a : b;
   vec2 off;
   if (head > 0.0) { // a triangle whose tip is the end
     vHalf = 1e3;
     vAcross = 0.0;
     place = b;
-    off = position.x > 0.5 ? vec2(0.0) : -along * head + across * position.y * 0.38 * head;
+    off = corner.x > 0.5 ? vec2(0.0) : -along * head + across * corner.y * 0.38 * head;
     if (span < 1.0) off = vec2(0.0);
   } else {
-    vAcross = position.y * (vHalf + 1.0);
-    off = across * vAcross + along * (position.x - 0.5) * 0.6 * wide;
+    vAcross = corner.y * (vHalf + 1.0);
+    off = across * vAcross + along * (corner.x - 0.5) * 0.6 * wide;
   }
   place.xy += 2.0 * off / size * place.w;
   place.z -= 2e-4 * place.w;
@@ -52,7 +53,7 @@ void main() {
 export interface SegmentLook { colour: Color; width: number; opacity?: number; through?: boolean; moves?: boolean; head?: number; }
 
 export class Segments {
-  readonly mesh: Mesh<InstancedBufferGeometry, ShaderMaterial>;
+  readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
   readonly colour: IUniform<Color>;
   private readonly moves: IUniform<number>;
   private readonly width: IUniform<number>;
@@ -63,10 +64,8 @@ export class Segments {
     this.colour = { value: look.colour };
     this.width = { value: look.width };
     this.moves = { value: look.moves === false ? 0 : 1 };
-    const geometry = new InstancedBufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(new Float32Array([0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0]), 3));
-    geometry.setIndex([0, 1, 2, 0, 2, 3]);
-    geometry.instanceCount = 0;
+    const geometry = new BufferGeometry();
+    geometry.setDrawRange(0, 0);
     this.mesh = new Mesh(geometry, new ShaderMaterial({
       glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, depthWrite: false,
       depthTest: !look.through, side: 2,
@@ -88,16 +87,17 @@ export class Segments {
   setPairs(points: Float32Array, shifts: Float32Array, pairs: ArrayLike<number>): void {
     const count = pairs.length >> 1;
     const { geometry } = this.mesh;
-    const begins = room(geometry, "begin", count, 3, true), ends = room(geometry, "end", count, 3, true);
-    const beginShifts = room(geometry, "beginShift", count, 3, true), endShifts = room(geometry, "endShift", count, 3, true);
+    const begins = room(geometry, "begin", 4 * count, 3), ends = room(geometry, "end", 4 * count, 3);
+    const beginShifts = room(geometry, "beginShift", 4 * count, 3), endShifts = room(geometry, "endShift", 4 * count, 3);
     for (let i = 0; i < count; i += 1) {
       const a = 3 * pairs[2 * i]!;
       const b = 3 * pairs[2 * i + 1]!;
-      for (let k = 0; k < 3; k += 1) {
-        begins[3 * i + k] = points[a + k]!;
-        ends[3 * i + k] = points[b + k]!;
-        beginShifts[3 * i + k] = shifts.length ? shifts[a + k]! : 0;
-        endShifts[3 * i + k] = shifts.length ? shifts[b + k]! : 0;
+      for (let to = 12 * i, k = 0; k < 12; k += 1, to += 1) {
+        const axis = k % 3;
+        begins[to] = points[a + axis]!;
+        ends[to] = points[b + axis]!;
+        beginShifts[to] = shifts.length ? shifts[a + axis]! : 0;
+        endShifts[to] = shifts.length ? shifts[b + axis]! : 0;
       }
     }
     this.shown(count);
@@ -110,20 +110,28 @@ export class Segments {
 
   private shown(count: number): void {
     const { geometry } = this.mesh;
-    for (const name of ["begin", "end", "beginShift", "endShift"]) refresh(geometry, name, count);
-    geometry.instanceCount = count;
+    for (const name of ["begin", "end", "beginShift", "endShift"]) refresh(geometry, name, 4 * count);
+    if ((geometry.index?.count ?? 0) < 6 * count) geometry.setIndex(new BufferAttribute(rectangles(2 * count), 1));
+    geometry.setDrawRange(0, 6 * count);
     this.count = count;
     this.mesh.visible = count > 0;
   }
 
   get empty(): boolean { return this.count === 0; }
 
-  clear(): void { this.mesh.geometry.instanceCount = 0; this.count = 0; this.mesh.visible = false; }
+  clear(): void { this.mesh.geometry.setDrawRange(0, 0); this.count = 0; this.mesh.visible = false; }
 
   dispose(): void {
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
   }
+}
+
+/** Corners of two triangles for each of some rectangles, which have four corners each. */
+function rectangles(count: number): Uint32Array {
+  const corners = new Uint32Array(6 * count);
+  for (let i = 0; i < count; i += 1) corners.set([4 * i, 4 * i + 1, 4 * i + 2, 4 * i, 4 * i + 2, 4 * i + 3], 6 * i);
+  return corners;
 }
 
 /** Numbers of the points at both ends of each straight piece. */

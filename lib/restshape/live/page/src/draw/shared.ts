@@ -11,7 +11,7 @@ export class Shared {
   readonly ends = { value: new Vector2(0, 1) };     // values at the ends of the colours
   readonly map = { value: new DataTexture(colourTable("viridis") as Uint8Array<ArrayBuffer>, 256, 1, RGBAFormat) };
   readonly glowing = { value: new Color() };       // what lights up under the pointer
-  readonly wires = { value: 1 };                    // 0: none, 1: all
+  wires = true;                                     // whether edges of elements are drawn
   private shown: ColourMap = "viridis";
 
   constructor() {

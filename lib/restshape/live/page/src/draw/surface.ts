@@ -10,6 +10,7 @@ import { SURFACE_FRAGMENT, SURFACE_VERTEX } from "./surface_shader";
 
 export type Read = (place: ArrayPlace) => Float32Array | Uint32Array | Uint8Array;
 const UNKNOWN = 1e30;
+const LOOKED = 200; // triangles that tell the usual size
 const NONE = new Float32Array(0);
 
 export class Surface {
@@ -22,23 +23,38 @@ export class Surface {
   private values: Float32Array = NONE;
   private inCells = false;
   private normals: Float32Array = NONE;
+  private readonly tall: IUniform<number> = { value: 0 };
+  private readonly whole: IUniform<number> = { value: 0 };
+  private element = 1;                               // triangles that show an element
   private readonly coloured: IUniform<number> = { value: 0 };
   private readonly glow: IUniform<number> = { value: 0 };
 
   /** lit: with light and shade, as in space. smooth: nodes have normals. colour: of what has no values. */
-  constructor(private readonly shared: Shared, private readonly lit: boolean, private readonly smooth: boolean, wired: boolean, colour: Color) {
-    const { scale, ends, map, wires, glowing } = shared;
+  constructor(private readonly shared: Shared, private readonly lit: boolean, private readonly smooth: boolean, private readonly wired: boolean, colour: Color) {
+    const { scale, ends, map, size, glowing } = shared;
     const material = new ShaderMaterial({
       glslVersion: GLSL3, vertexShader: SURFACE_VERTEX, fragmentShader: SURFACE_FRAGMENT, side: DoubleSide,
       defines: lit ? { LIT: "" } : {}, depthTest: lit, depthWrite: lit, polygonOffset: lit, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
       uniforms: {
-        scale, ends, map, glowing, body: { value: colour }, wires: wired ? wires : { value: 0 }, glow: this.glow,
-        coloured: this.coloured,
+        scale, ends, map, glowing, body: { value: colour }, glow: this.glow, coloured: this.coloured, size, tall: this.tall,
+        whole: this.whole,
       },
     });
     this.mesh = new Mesh(new BufferGeometry(), material);
     this.mesh.frustumCulled = false;
     this.mesh.matrixAutoUpdate = false;
+    this.setWired();
+  }
+
+  /** Draws edges of elements where they are wanted. */
+  setWired(): void {
+    const { material } = this.mesh;
+    const element = this.wired && this.shared.wires ? this.element : 0;
+    if (material.defines["ELEMENT"] === element) return;
+    material.defines["ELEMENT"] = element;
+    if (element) material.defines["WIRED"] = "";
+    else delete material.defines["WIRED"];
+    material.needsUpdate = true;
   }
 
   /** Takes the arrays of a part that have changed. */
@@ -46,6 +62,8 @@ export class Surface {
     const { points, displacement, cells, value, valueInCells } = part.arrays;
     if (points) this.points = read(points) as Float32Array;
     if (cells) this.cells = read(cells) as Uint32Array<ArrayBuffer>;
+    if (cells) this.setElement(part.element ?? 1);
+    if (points ?? cells) this.tall.value = heightOf(this.points, this.cells) * (this.element > 2 ? 2 : 1);
     if (displacement) this.shifts = read(displacement) as Float32Array;
     else if (points && this.shifts.length !== this.points.length) this.shifts = NONE;
     if (value ?? valueInCells) {
@@ -78,6 +96,12 @@ export class Surface {
   dispose(): void {
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
+  }
+
+  private setElement(triangles: number): void {
+    this.element = triangles;
+    this.whole.value = this.cells.length / triangles;
+    this.setWired();
   }
 
   private fill(places: boolean, shifts: boolean): void {
@@ -121,6 +145,19 @@ export class Surface {
     this.low = low;
     this.high = high;
   }
+}
+
+/** Height of a usual triangle [m]: that of an equilateral one of their mean area. */
+function heightOf(points: Float32Array, cells: Uint32Array): number {
+  const step = 3 * Math.ceil(cells.length / 3 / LOOKED);
+  let sum = 0, count = 0;
+  for (let i = 0; i < cells.length; i += step, count += 1) {
+    const a = 3 * cells[i]!, b = 3 * cells[i + 1]!, c = 3 * cells[i + 2]!;
+    const ux = points[b]! - points[a]!, uy = points[b + 1]! - points[a + 1]!, uz = points[b + 2]! - points[a + 2]!;
+    const vx = points[c]! - points[a]!, vy = points[c + 1]! - points[a + 1]!, vz = points[c + 2]! - points[a + 2]!;
+    sum += 0.5 * Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
+  }
+  return count ? Math.sqrt((Math.sqrt(3) * sum) / count) : 0;
 }
 
 /** Three numbers of a node to each corner of a triangle. */

@@ -1,36 +1,62 @@
-// How surfaces are drawn: place = rest + scale * displacement, colour of a value by a texture, edges of triangles by their
-// barycentric coordinates, light from the eye in space (LIT).
+// How surfaces are drawn: place = rest + scale * displacement, colour of a value by a texture, edges of elements by the
+// barycentric coordinates of their triangles (WIRED), light from the eye in space (LIT).
 
 export const SURFACE_VERTEX = /* glsl */ `
 in vec3 shift;
 in float worth;
 uniform float scale;
-out float vWorth;
+uniform vec2 ends;
+out float vShare; // of the way along the colours
+const float UNKNOWN = 1e29;
+#ifdef WIRED
+uniform float tall;
+uniform vec2 size;
+uniform int whole;
 out vec3 vCorner;
+out float vWire;
+
+/** 1 for each side of a triangle that is inside its element, which is drawn in ELEMENT parts, one after the other. */
+vec3 innerSides() {
+#if ELEMENT == 4
+  int part = gl_VertexID / whole;
+  return part == 3 ? vec3(1.0) : vec3(part == 0, part == 1, part == 2);
+#elif ELEMENT == 2
+  return gl_VertexID < whole ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+#else
+  return vec3(0.0);
+#endif
+}
+#endif
 #ifdef LIT
 out vec3 vPlace, vNormal;
 #endif
 void main() {
-  int corner = gl_VertexID % 3;
-  vCorner = vec3(corner == 0, corner == 1, corner == 2);
-  vWorth = worth;
+  vShare = worth < UNKNOWN ? (worth - ends.x) / (ends.y - ends.x) : 1e20;
   vec4 place = modelViewMatrix * vec4(position + scale * shift, 1.0);
 #ifdef LIT
   vPlace = place.xyz;
   vNormal = (modelViewMatrix * vec4(normal, 0.0)).xyz;
 #endif
   gl_Position = projectionMatrix * place;
+#ifdef WIRED
+  int corner = gl_VertexID % 3;
+  vCorner = vec3(corner == 0, corner == 1, corner == 2) + innerSides();
+  // Elements of a few pixels would be all edge.
+  float pixels = 0.5 * tall * projectionMatrix[1][1] * size.y / gl_Position.w;
+  vWire = 0.38 * clamp(1.33 - 3.3 / pixels, 0.0, 1.0);
+#endif
 }`;
 
 export const SURFACE_FRAGMENT = /* glsl */ `
 uniform sampler2D map;
-uniform vec2 ends;
 uniform vec3 body, glowing;
-uniform float glow, wires, coloured;
-in float vWorth;
+uniform float glow, coloured;
+in float vShare;
+#ifdef WIRED
 in vec3 vCorner;
+in float vWire;
+#endif
 layout(location = 0) out vec4 shown;
-const float UNKNOWN = 1e29;
 
 #ifdef LIT
 in vec3 vPlace, vNormal;
@@ -45,19 +71,13 @@ vec3 shade(vec3 colour) {
 
 void main() {
   vec3 colour = body;
-  if (coloured > 0.5 && vWorth < UNKNOWN) {
-    float t = clamp((vWorth - ends.x) / (ends.y - ends.x), 0.0, 1.0);
-    colour = texelFetch(map, ivec2(min(256.0 * t, 255.0), 0), 0).rgb;
-  }
+  if (coloured > 0.5 && vShare < 1e10) colour = texelFetch(map, ivec2(clamp(256.0 * vShare, 0.0, 255.0), 0), 0).rgb;
 #ifdef LIT
   colour = shade(colour);
 #endif
-  if (wires > 0.0) {
-    vec3 width = fwidth(vCorner);
-    vec3 near = vCorner / width;
-    float edge = clamp(1.3 - min(near.x, min(near.y, near.z)), 0.0, 1.0);
-    float large = clamp(1.33 - 3.3 * max(width.x, max(width.y, width.z)), 0.0, 1.0); // of a few pixels they would be all edge
-    colour += (1.0 - colour) * (0.38 * wires * edge * large);
-  }
+#ifdef WIRED
+  vec3 near = vCorner / fwidth(vCorner);
+  colour += (1.0 - colour) * (vWire * clamp(1.3 - min(near.x, min(near.y, near.z)), 0.0, 1.0));
+#endif
   shown = vec4(mix(colour, glowing, glow), 1.0);
 }`;

@@ -14,6 +14,7 @@ export interface Ray { origin: Vector3; direction: Vector3; }
 export class View {
   readonly camera: OrthographicCamera | PerspectiveCamera;
   readonly controls: OrbitControls;
+  moving = false;                                    // by a hand on the picture
   private width = 1;
   private height = 1;
   private half = new Vector2(1, 1);                  // of what the plane view shows without zoom
@@ -30,6 +31,8 @@ export class View {
     this.controls.mouseButtons = { LEFT: dim === 2 ? MOUSE.PAN : MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
     this.controls.touches = { ONE: dim === 2 ? TOUCH.PAN : TOUCH.ROTATE, TWO: TOUCH.DOLLY_PAN };
     this.controls.addEventListener("change", changed);
+    this.controls.addEventListener("start", () => { this.moving = true; });
+    this.controls.addEventListener("end", () => { this.moving = false; });
   }
 
   resize(width: number, height: number): void {
