@@ -68,6 +68,14 @@ class Session:
         said = self.process.communicate(timeout=SECONDS)[1]
         assert self.process.returncode == 0, said
 
+    def simulating(self) -> int:
+        """The number of the process that simulates."""
+        number = self.process.pid
+        children = Path(f"/proc/{number}/task/{number}/children").read_text().split()
+        words = {child: Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0") for child in children}
+        (found,) = [int(child) for child, said in words.items() if b"restshape.live.worker" in said]
+        return found
+
     def script(self) -> list[dict[str, Any]]:
         """The events that are written."""
         return [json.loads(line) for line in self.out.read_text().splitlines()[1:]]

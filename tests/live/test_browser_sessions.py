@@ -1,5 +1,8 @@
 """What a person's session in a browser goes through: pages that are loaded again, close, look, lose their socket."""
 
+import os
+import signal
+
 import numpy as np
 from browser import BrowserPage, context_of
 
@@ -92,6 +95,24 @@ def test_a_lost_socket_comes_back_in_the_drag(bracket_session, context):
     live.end()
     live.assert_replays(page.frames())
     assert [event["do"] for event in live.script()] == ["press", *4 * ["drag"], "release"] and not page.faults
+
+
+def test_a_simulation_that_is_killed_in_the_drag_begins_again(bracket_session, opened):
+    live = bracket_session()
+    page = opened(live)
+    at = page.place([ROUND])
+    page.drag(at, (12.0, 6.0), release=False)
+    before = page.frame
+    os.kill(live.simulating(), signal.SIGKILL)
+    page.until(lambda: page.of("lost"), "what the page says of it")
+    page.until(lambda: page.heard.index(page.of("lost")[-1]) < page.heard.index(page.frame), "a frame again")
+    assert without_times(page.frame)[:3] == without_times(before)[:3]
+    page.tab.mouse.move(at[0] + 20, at[1])
+    page.until(lambda: page.frame["held"]["at"] != before["held"]["at"], "the drag that goes on")
+    page.release()
+    live.end()
+    assert [event["do"] for event in live.script()] == ["press", *4 * ["drag"], "release"] and not page.faults
+    live.assert_replays(page.frames())
 
 
 def test_a_refused_edit_says_why_beside_the_hand_and_the_drag_goes_on(bracket_session, opened):

@@ -36,7 +36,9 @@ export class Labels {
         const { x, y, z } = view.toScreen(
           one.at.x + scale * one.moved.x, one.at.y + scale * one.moved.y, one.at.z + scale * one.moved.z, this.work,
         );
-        const left = x + BESIDE + one.width > width ? x - BESIDE - one.width : x + BESIDE;
+        const right = x + BESIDE + one.width <= width;
+        // Words that are wider than both sides begin where the picture does.
+        const left = right ? x + BESIDE : Math.max(x - BESIDE - one.width, Math.min(0, x + BESIDE));
         const top = Math.min(Math.max(y - HEIGHT - 4, 0), height - HEIGHT);
         const box: [number, number, number, number] = [left, top, left + one.width, top + HEIGHT];
         const free = z < 1 && x > -20 && y > -20 && x < width + 20 && y < height + 20 && !taken.some((other) => meet(box, other));
