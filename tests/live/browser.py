@@ -62,11 +62,11 @@ class Session:
         self.address = self.process.stdout.readline().strip()
         assert self.address.startswith("http://127.0.0.1:"), self.process.communicate()[1]
 
-    def end(self) -> None:
-        """Ends it by Ctrl-C, with its pages open."""
+    def end(self, code: int = 0) -> None:
+        """Ends it by Ctrl-C, with its pages open; `code`: that it ends with."""
         self.process.send_signal(signal.SIGINT)
         said = self.process.communicate(timeout=SECONDS)[1]
-        assert self.process.returncode == 0, said
+        assert self.process.returncode == code, (self.process.returncode, said)
 
     def simulating(self) -> int:
         """The number of the process that simulates."""

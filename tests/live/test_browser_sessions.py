@@ -4,8 +4,11 @@ import os
 import signal
 
 import numpy as np
-from browser import BrowserPage, context_of
+import pytest
+from browser import BrowserPage, Session, context_of
+from live_worker import BRACKET, COARSE, replayed
 
+import restshape
 from restshape.application import applications
 
 ROUND = "hole"
@@ -221,3 +224,22 @@ def test_the_tone_is_heard_after_a_blow(context, session):
     wanted = np.asarray(tone["tone"]["frequencies"])
     assert all(np.min(np.abs(wanted / one - 1)) < 1e-5 for one in heard) and not page.faults
     live.end()
+
+
+@pytest.mark.weekly
+@pytest.mark.mpi
+def test_two_ranks_have_a_page(start_restshape, opened, tmp_path):
+    def start(*words):
+        return start_restshape(*words, ranks=2)
+
+    live = Session(start, BRACKET, tmp_path / "session.jsonl", settings=COARSE)
+    page = opened(live)
+    page.drag(page.place([ROUND]), (12.0, 6.0))
+    page.press("Undo")
+    live.end(code=1)  # mpiexec has no other one for Ctrl-C
+    assert [event["do"] for event in live.script()] == ["press", *3 * ["drag"], "release", "undo"] and not page.faults
+    # One rank alone gets the same quantities.
+    again = replayed(restshape.load(BRACKET, *COARSE), live.out)
+    for number, row in page.frames().items():
+        for name in (name for name in row if name.startswith("q_")):
+            assert row[name] == pytest.approx(again[number][name], rel=1e-5), (number, name)
