@@ -17,6 +17,7 @@ from restshape.application import (
     HandMarks,
     Reporting,
     ScriptLines,
+    ShownColumn,
 )
 
 application = Application(
@@ -45,7 +46,16 @@ application = Application(
         arguments="restshape_apps.furniture.cli.report:arguments",
         check="restshape_apps.furniture.cli.report:check",
     ),
-    marks=HandMarks("restshape_apps.furniture.marks.piece_marks:piece_marks"),
+    marks=HandMarks(
+        "restshape_apps.furniture.marks.piece_marks:piece_marks",
+        columns=(
+            ShownColumn("utilisation", most=1.0),
+            ShownColumn("stability_margin", least=0.0),
+            ShownColumn("unbalanced_load"),
+            ShownColumn("deflection", "m", effect="bending"),
+            ShownColumn("bending_utilisation", most=1.0, effect="bending"),
+        ),
+    ),
     explained=Explanation(parts="restshape_apps.furniture.cli.frame_parts:FRAME_PARTS"),
     commands=(
         Command(

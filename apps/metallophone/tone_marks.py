@@ -82,11 +82,8 @@ def _still_lines(analysis: ModalAnalysis, row: RowValues, fields: dict[str, Real
         if count:
             tone = f"mode {k}: {tone_words(str(row[f'tone_{k}']), float(row[f'cents_{k}']))}"
             words = [tone, *[""] * (count - 1)]
-            marks.append(
-                Lines(
-                    f"mode {k} is still", found.ends(X).reshape(-1, 2), range(0, 2 * count, 2), "node", None, words, k
-                )
-            )
+            at, moved = found.ends(X).reshape(-1, 2), found.ends(shape).reshape(-1, 3)
+            marks.append(Lines(f"mode {k} is still", at, range(0, 2 * count, 2), "node", moved, words, k))
     return marks
 
 

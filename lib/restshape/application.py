@@ -292,6 +292,23 @@ class Command:
 
 
 @dataclass(frozen=True)
+class ShownColumn:
+    """A column of the frames that live sessions show beside the quantities of a scene.
+
+    Args:
+        name: of the column; unit: SI, empty for pure numbers.
+        least, most: between which it should be; None: there is no such limit.
+        effect: without which it has no values; empty: it always has some.
+    """
+
+    name: str
+    unit: str = ""
+    least: float | None = None
+    most: float | None = None
+    effect: str = ""
+
+
+@dataclass(frozen=True)
 class HandMarks:
     """What live sessions show at the hand; each a path ``module:attribute`` of a function.
 
@@ -300,10 +317,12 @@ class HandMarks:
             `restshape.live.shown_marks.Mark`; empty: there are none.
         struck: of such a simulation and a place [m], or None, the `restshape.live.shown_marks.Tone` of its shape struck
             there; empty: it has none.
+        columns: that are shown and plotted as quantities are.
     """
 
     shown: str = ""
     struck: str = ""
+    columns: tuple[ShownColumn, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -454,6 +473,12 @@ class Application:
             UserError: the place is off the shape.
         """
         return _function(self.marks.struck)(simulation, at) if self.marks.struck else None
+
+    def shown_columns(self, scene: Scene) -> list[ShownColumn]:
+        """The columns of a scene that live sessions show as quantities; none by the name of a quantity."""
+        on = {name for name, effect in self.effects.items() if effect.required or name in scene.effects}
+        known = (one for one in self.marks.columns if not one.effect or one.effect in on)
+        return [one for one in known if one.name not in scene.quantities]
 
     def make_analysis(self) -> Callable[..., object]:
         """The factory of this application's analysis, imported now.

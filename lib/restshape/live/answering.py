@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from time import monotonic
 from typing import TYPE_CHECKING, cast
 
 from restshape.application import application_of
@@ -21,6 +22,7 @@ from restshape.live.link import Link
 from restshape.live.mark_messages import placed
 from restshape.live.message_loop import MessageLoop
 from restshape.live.moment import Moment
+from restshape.live.moved_marks import MovedMarks
 from restshape.live.player_controls import PlayerControls
 from restshape.live.shape_surface import mode_of
 from restshape.live.shown_marks import Mark, Tone, shown_with
@@ -33,6 +35,10 @@ if TYPE_CHECKING:
 
 MOST_REST = 5_000
 """Frames in which cloth goes on by itself, at most, after something was done."""
+MOST_RUN = 100_000
+"""Frames in which time goes on by itself, at most, after something was done."""
+PACE = 1 / 60
+"""Seconds between two frames in which time goes on, at least: those of edit time."""
 
 
 class Worker(MessageLoop):
@@ -50,12 +56,14 @@ class Worker(MessageLoop):
         self.player: PlayerControls | None = None
         self._rested = 0
         self._unwritten = False
-        self._marks = True
+        self._marks, self._moved_marks = True, MovedMarks()
+        self._due: float | None = None
         self.handlers |= {
             page.EventMessage: self._event,
             page.ShowMessage: self._show,
             page.RatesMessage: self._rates,
             page.SaveMessage: self._save,
+            page.RunMessage: self._run,
             page.RecordMessage: self._record,
             page.RestartMessage: self._restart,
             page.StrikeMessage: self._strike,
@@ -92,6 +100,8 @@ class Worker(MessageLoop):
         self._say_changes()
         if self.player is not None and self.player.playing:
             self.wait(self.player.go_on())
+        elif self._due is not None:
+            self._go_on_in_time(self._due)
         elif self.player is None and not self.live.settled and self._rested < MOST_REST:
             self._rest()
         else:
@@ -167,6 +177,24 @@ class Worker(MessageLoop):
         live.go_on()
         self._rested += 1
         self.send(self.moment())
+
+    def _run(self, message: page.RunMessage) -> None:
+        """Lets time go on while nothing else happens, or stand still."""
+        if message.on and self.player is not None:
+            raise UserError("a script is played, and time goes on with it", do="take the script over first")
+        if message.on and not application_of(self.live.scene).transient(self.live.scene):
+            raise UserError("nothing in this scene goes on in time", do="use a scene with dynamics, or steps in time")
+        self._due = monotonic() if message.on else None
+        self.send(self.moment())
+        self.done(message)
+
+    def _go_on_in_time(self, due: float) -> None:
+        """One more frame of what goes on in time, once it is due."""
+        if (early := due - monotonic()) > 0.0:
+            self.wait(early)
+            return
+        self._due = monotonic() + PACE if self._rested < MOST_RUN else None
+        self._rest()
 
     def end_rest(self) -> None:
         """What came to rest by itself is one event, which is over."""
@@ -263,6 +291,9 @@ class Worker(MessageLoop):
         """What a page sees of the last frame."""
         live, frame = self.live, self.live.sim.frame
         header = header_of(frame.index, frame.row, live.scene, live.hand)
+        if self._due is not None:
+            header["runs"] = True
         found = cast("Sequence[Mark]", application_of(live.scene).marked(live.sim)) if self._marks else ()
-        marks = shown_with(found, mode_of(live.picture.field))
-        return Moment(header, live.picture.parts(), marks, float(str(frame.row["t"])))
+        parts = live.picture.parts()
+        marks = self._moved_marks(shown_with(found, mode_of(live.picture.field)), parts)
+        return Moment(header, parts, marks, float(str(frame.row["t"])))

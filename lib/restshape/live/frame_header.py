@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import isnan
+from math import inf, isfinite, isnan
 from typing import TYPE_CHECKING
 
+from restshape.analysis.row_values import number as number_in
+from restshape.application import application_of
 from restshape.findings import decode_findings
 from restshape.replay.columns import error_column
 from restshape.replay.constraints import FAILS, HOLDS, LIMIT, UNCERTAIN, UNCERTAINTY
@@ -42,6 +44,19 @@ def limits_of_frame(row: RowValues, limited: Sequence[str]) -> dict[str, str]:
     return found
 
 
+def limits_of_columns(row: RowValues, scene: Scene) -> dict[str, str]:
+    """Whether the limits of the columns hold that are shown as quantities, of those that have a value."""
+    found: dict[str, str] = {}
+    if row["refused"]:
+        return found
+    for one in application_of(scene).shown_columns(scene):
+        value = number_in(row, one.name)
+        if isfinite(value) and (one.least is not None or one.most is not None):
+            low, high = (-inf if one.least is None else one.least), (inf if one.most is None else one.most)
+            found[one.name] = HOLDS if low <= value <= high else FAILS
+    return found
+
+
 def header_of(number: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None) -> dict[str, object]:
     """The header of a frame, but its parts and marks, and the message that it answers.
 
@@ -56,6 +71,6 @@ def header_of(number: int, row: RowValues, scene: Scene, hand: Mapping[str, obje
         "number": number,
         "columns": columns_of(row),
         "errors": errors_of(row, scene.quantities),
-        "limits": limits_of_frame(row, limited),
+        "limits": limits_of_frame(row, limited) | limits_of_columns(row, scene),
         "held": hand,
     }

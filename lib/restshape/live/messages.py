@@ -95,6 +95,13 @@ class TakeMessage(FromPage):
     type: Literal["take"]
 
 
+class RunMessage(FromPage):
+    """What goes on in time does so, while nothing else happens; or no more."""
+
+    type: Literal["run"]
+    on: bool
+
+
 class RecordMessage(FromPage):
     """Frames are recorded, or no more."""
 
@@ -151,6 +158,7 @@ Message = (
     | PauseMessage
     | SeekMessage
     | TakeMessage
+    | RunMessage
     | RecordMessage
     | SaveMessage
     | CancelMessage

@@ -54,6 +54,10 @@ class KeptFrames:
         self._marks: tuple[list[Any], memoryview, int] = ([], memoryview(b""), 0)
         self._begun_again = False
 
+    def says(self, key: str) -> bool:
+        """Whether the last frame has a key that holds."""
+        return bool(self._keys.get(key))
+
     def begin_again(self) -> None:
         """The simulating process is another one: parts that its first frame does not have are gone."""
         self._begun_again = True

@@ -10,7 +10,7 @@ Table = dict[str, Any]
 MOST_BYTES = 1 << 20
 """Of a message; a page that says more is disconnected."""
 LARGEST_ID = 2**53
-PASSED_ON = ("event", "show", "rates", "strike", "play", "pause", "seek", "take", "record", "save")
+PASSED_ON = ("event", "show", "rates", "strike", "play", "pause", "seek", "take", "record", "save", "run")
 """Messages for the simulating process."""
 OWN = ("cancel", "restart", "hand", "shown")
 """Messages for the server."""

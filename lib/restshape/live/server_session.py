@@ -170,6 +170,10 @@ class LiveSession:
         self.pages.leave(page)
         if self.pages.hand is None:
             self.pages.say({"type": "note", "message": FREE})
+            if self.state.runs:
+                # Nobody looks on who could end it.
+                stop = {"type": "run", "id": 0, "on": False}
+                self._waiting.add(stop, json.dumps(stop))
 
     def said(self, page: Page, text: str) -> None:
         """A page has said something."""

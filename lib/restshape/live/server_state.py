@@ -24,6 +24,11 @@ class ShownState:
         self._player: Table | None = None
         self._asked: dict[int, Table] = {}
 
+    @property
+    def runs(self) -> bool:
+        """Whether time goes on by itself."""
+        return self.frames.says("runs")
+
     def hear(self, message: Table) -> None:
         """Keeps what stays true of a message."""
         kind = message["type"]

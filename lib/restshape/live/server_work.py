@@ -7,14 +7,14 @@ from typing import Any
 
 Table = dict[str, Any]
 
-STARTING = "starting"
+STARTING = "the simulation starts"
 
 
 class WorkInProgress:
     """The messages that were sent, and those that were answered.
 
     Attributes:
-        what: is done: "starting", or what the last event does.
+        what: is done: it starts, or what the last event does.
     """
 
     def __init__(self) -> None:

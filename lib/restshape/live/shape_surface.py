@@ -91,10 +91,11 @@ class ShapeSurface:
         shown = self._triangles
         arrays = {"points": self._placed("points", X), "cells": shown.corners, "border": shown.border}
         moved = at_nodes.get("displacement")
-        moved = at_nodes.get(_mode(at_nodes, colours)) if moved is None else moved
+        said: dict[str, object] = {} if shown.parts == 1 else {"element": shown.parts}
+        if moved is None and (mode := _mode(at_nodes, colours)) in at_nodes:
+            moved, said = at_nodes[mode], said | {"mode": int(mode.removeprefix(MODE))}
         if moved is not None:
             arrays["displacement"] = self._placed("displacement", moved)
-        said: dict[str, object] = {} if shown.parts == 1 else {"element": shown.parts}
         if colours is not None:
             given = (in_cells if colours.in_cells else at_nodes)[colours.source]
             key = "valueInCells" if colours.in_cells else "value"

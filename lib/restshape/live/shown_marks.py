@@ -21,7 +21,7 @@ class Lines:
         points: (m, d) [m] in the shape as it lies in the frame.
         starts: index of the first point of each line; one that is alone in its line is drawn as a dot.
         meaning: which colour they have.
-        moved: (m, d) [m] displacements of the points, where the lines go with a deformation that is drawn; or None.
+        moved: (m, d) [m] displacements of the points; None: those of the shape there, and none of goals.
         words: of each line, to be read beside it; empty: of none.
         mode: number of the mode that is drawn where they are shown; 0: whatever is drawn.
     """
@@ -46,7 +46,7 @@ class Arrows:
         unit: SI.
         meaning: which colour they have.
         words: of each arrow; empty: of none.
-        moved: (m, d) [m] displacements of the points, where the arrows go with a deformation that is drawn; or None.
+        moved: (m, d) [m] displacements of the points; None: those of the shape there, and none of goals.
         tips: of each arrow, whether it ends at its point, as one that pushes does; empty: all of them begin there.
     """
 
@@ -68,7 +68,7 @@ class Words:
         text: plain English.
         at: (d,) [m] beside which it is; None: beside the hand, or among the notes where no hand is.
         meaning: which colour it has.
-        moved: (d,) [m] displacement of that place, where it goes with a deformation that is drawn; or None.
+        moved: (d,) [m] displacement of that place; None: that of the shape there, and none of goals.
     """
 
     text: str

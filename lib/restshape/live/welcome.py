@@ -38,6 +38,7 @@ class SessionWords:
             "dim": 3 if live.picture.in_space else 2,
             "role": "hand",
             "trueScale": true_scale(scene),
+            "goesOn": application_of(scene).transient(scene),
             "fields": fields_said(live),
             "field": live.picture.field,
             "events": events_said(scene),
@@ -80,11 +81,13 @@ def fields_said(live: LiveSimulation) -> list[dict[str, object]]:
 
 
 def quantities_said(scene: Scene) -> list[dict[str, object]]:
-    """The quantities of a scene with their limits as they are now."""
+    """The quantities of a scene, and the columns shown as such, with their limits as they are now."""
     found: list[dict[str, object]] = []
-    for name, one in scene.quantities.items():
-        limits = {"limitLow": one.min, "limitHigh": one.max}
-        found.append({"name": name, "unit": one.unit} | {key: v for key, v in limits.items() if v is not None})
+    known = [(name, one.unit, one.min, one.max) for name, one in scene.quantities.items()]
+    known += [(one.name, one.unit, one.least, one.most) for one in application_of(scene).shown_columns(scene)]
+    for name, unit, least, most in known:
+        limits = {"limitLow": least, "limitHigh": most}
+        found.append({"name": name, "unit": unit} | {key: v for key, v in limits.items() if v is not None})
     return found
 
 

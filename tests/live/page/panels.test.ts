@@ -6,8 +6,8 @@ import { test } from "node:test";
 
 import { FrameHistory } from "../../../lib/restshape/live/page/src/panels/frame_history";
 import { foundNumbers, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
-import { extremes, pixel, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
-import { arrowTurn, rateText, shareText } from "../../../lib/restshape/live/page/src/panels/rate_text";
+import { extremes, pixel, placeNames, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
+import { arrowTurn, fallsAtAll, fallText, rateText, shareText } from "../../../lib/restshape/live/page/src/panels/rate_text";
 import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
 import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
 import { errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
@@ -166,4 +166,20 @@ test("every event of all applications has a form that asks for each of its keys 
       assert.equal(field.kind === "any", field.name === "value", `${name}: ${field.name} is asked for as ${field.kind}`);
     }
   }
+});
+
+test("names of upright lines do not cover each other", () => {
+  const x = [100, 102, 104, 106, 290], wide = [40, 40, 40, 40, 40];
+  const places = placeNames(x, wide, 20, 300, 4);
+  const boxes = places.map((place) => place && [place.left, place.left + 40, place.row] as const);
+  boxes.forEach((one, i) => boxes.slice(i + 1).forEach((other) => {
+    if (one && other && one[2] === other[2]) assert.ok(one[1] < other[0] || other[1] < one[0]);
+  }));
+  assert.ok(boxes.every((one) => one && one[0] >= 20 && one[1] <= 300));
+  assert.deepEqual(placeNames([100, 101], [70, 70], 95, 180, 1), [{ left: 103, row: 0 }, null]);
+});
+
+test("how a quantity falls is said beside its arrow", () => {
+  assert.equal(fallText("peak_stress", 2e9, "Pa", 2e8), "peak_stress falls by 2.00 MPa a mm (1.0 %)");
+  assert.ok(fallsAtAll(2e9, 2e8) && !fallsAtAll(1e-3, 2e8) && !fallsAtAll(NaN, 1));
 });

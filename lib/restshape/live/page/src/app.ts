@@ -43,6 +43,7 @@ export interface Happenings {
   held: ThingInfo | null;          // what is in the hand
   tool: Tool;
   look: Look;
+  scaled: number;                  // displacements are drawn so many times as large from now on
   drawn: number;                   // id of the last message that the picture answers
   latency: number;                 // ms from the message to the drawn frame that answers it
 }

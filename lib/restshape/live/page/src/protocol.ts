@@ -13,6 +13,7 @@ export type FromPage =
   | { type: "pause"; id: number }
   | { type: "seek"; id: number; frame: number }
   | { type: "take"; id: number }                                          // the hand takes a played script over
+  | { type: "run"; id: number; on: boolean }                              // what goes on in time does so by itself
   | { type: "record"; id: number; on: boolean }
   | { type: "save"; id: number }
   | { type: "cancel"; id: number }
@@ -35,7 +36,7 @@ export interface ThingInfo {                                               // wh
 
 /** From the server as text. */
 export type FromServer =
-  | { type: "welcome"; scene: string; app: string; dim: 2 | 3; role: "hand" | "looker"; trueScale: boolean;
+  | { type: "welcome"; scene: string; app: string; dim: 2 | 3; role: "hand" | "looker"; trueScale: boolean; goesOn?: boolean;
       fields: FieldInfo[]; field: string; numbers: NumberInfo[]; quantities: QuantityInfo[]; things: ThingInfo[];
       events: Record<string, object>;                                      // JSON schema of each event by its name
       script: string; player: boolean; frames: number; predicts: string[]; predict: string; out: string; recordable: boolean }
@@ -65,6 +66,7 @@ export interface Part {
   name: string; kind: "surface" | "lines" | "dots"; role: "shape" | "outline" | "body" | "plank" | "support" | "load" | "goal";
   field?: string; range?: [number, number];                                // of the field in this frame
   element?: 2 | 4;                                                         // triangles of an element: all first ones, all second ones, ...
+  mode?: number;                                                           // whose shape, of any size, is drawn as the displacement
   names?: string[];                                                        // of each line or dot
   arrays: Record<string, ArrayPlace>; gone?: boolean;
 }
@@ -85,6 +87,7 @@ export interface FrameMessage {
   columns: Record<string, number | string>;                                // level, ms, iterations, estimate, refused, note, predicted, q_...
   errors: Record<string, number | null>;                                   // of quantities, where they are estimated; null: infinite
   limits: Record<string, "holds" | "uncertain" | "fails">;
+  runs?: boolean;                                                          // time goes on by itself
   missed?: string;                                                         // why the press was refused that this frame lets go of
   held: { on: string; at: number[] } | null;
   parts: Part[];

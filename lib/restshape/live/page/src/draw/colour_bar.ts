@@ -17,6 +17,7 @@ export class ColourBar {
   constructor(private readonly into: HTMLElement) {
     this.strip.width = 256;
     this.strip.height = 1;
+    this.strip.setAttribute("role", "img");
     this.scale.className = "scale";
     this.extremes.className = "extremes";
     this.values.forEach((value, i) => { value.style.left = `${50 * i}%`; });
@@ -38,6 +39,7 @@ export class ColourBar {
     const { factor, unit } = scaledUnit(size, field.unit);
     put(this.caption, unit ? `${field.label} [${unit}]` : field.label);
     [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]].forEach((value, i) => put(this.values[i]!, plain(value * factor)));
+    name(this.strip, `colours of ${field.label}, from ${siText(ends[0], field.unit)} to ${siText(ends[1], field.unit)}`);
     put(this.extremes, `${siText(low, field.unit)} to ${siText(high, field.unit)}${note ? ` · ${note}` : ""}`);
   }
 
@@ -51,6 +53,11 @@ export class ColourBar {
 }
 
 function plain(value: number): string { return Number(value.toPrecision(3)).toString().replace("-", "−"); }
+
+/** Names an element for screen readers. */
+function name(element: HTMLElement, text: string): void {
+  if (element.getAttribute("aria-label") !== text) element.setAttribute("aria-label", text);
+}
 
 const written = new WeakMap<HTMLElement, string>();
 

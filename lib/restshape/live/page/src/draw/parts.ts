@@ -60,6 +60,12 @@ export class Parts {
 
   clear(): void { for (const name of [...this.all.keys()]) this.take(name); }
 
+  /** The number of the mode whose shape is drawn as the displacement; 0: none is. */
+  mode(): number {
+    for (const { part } of this.all.values()) if (part.mode) return part.mode;
+    return 0;
+  }
+
   *surfaces(): Generator<Surface> { for (const { surface } of this.all.values()) if (surface) yield surface; }
 
   /** Measures the box around all places without displacements. */

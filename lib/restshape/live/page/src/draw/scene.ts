@@ -161,6 +161,7 @@ export class Scene {
     if (look.autoScale) scale = rigid ? 1 : autoScale(before, this.largest(), this.size);
     if (scale === before) return;
     this.shared.scale.value = scale;
+    this.app.tell("scaled", scale);
     for (const surface of this.parts.surfaces()) surface.turnNormals();
   }
 
@@ -193,7 +194,10 @@ export class Scene {
     let any = false;
     for (const surface of this.parts.surfaces()) any ||= surface.hasShifts;
     const scale = this.shared.scale.value;
-    if (!any || scale === 1) return "";
+    if (!any) return "";
+    const mode = this.parts.mode();
+    if (mode) return `mode ${mode} drawn at ${Number(((100 * scale * this.largest()) / this.size).toPrecision(2))} % of the size`;
+    if (scale === 1) return "";
     if (scale !== this.said.scale) this.said = { scale, text: `displacements × ${scale.toLocaleString("en")}` };
     return this.said.text;
   }

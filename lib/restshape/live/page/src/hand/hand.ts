@@ -19,5 +19,5 @@ export function joinHand(app: App, scene: Scene): PageStage {
   const turning = new Turning(app, scene, tools, (name) => pointer.targets.find(app.things, name));
   new Keys(app, scene, pointer, tools, turning);
   showToolbars(app, scene, tools, pointer);
-  return new PageStage(scene, tools, beside);
+  return new PageStage(app, scene, tools, beside, pointer.targets);
 }

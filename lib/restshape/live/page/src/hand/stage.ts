@@ -3,11 +3,22 @@
 import type { Scene } from "../draw/scene";
 import type { Word } from "../draw/labels";
 import type { ArrowsDrawn, LinesDrawn } from "../draw/marks";
+import type { App } from "../app";
 import type { Beside } from "./beside";
+import { anchorOf, type Targets } from "./targets";
 import type { Tools } from "./tools";
 
 export class PageStage {
-  constructor(private readonly scene: Scene, private readonly tools: Tools, private readonly beside: Beside) {}
+  constructor(
+    private readonly app: App, private readonly scene: Scene, private readonly tools: Tools, private readonly beside: Beside,
+    private readonly targets: Targets,
+  ) {}
+
+  /** Where a thing of a name is drawn: its place without displacements, and its displacement; null: it is not. */
+  where(name: string): { at: number[]; moved: number[] } | null {
+    const target = this.targets.find(this.app.things, name);
+    return target && anchorOf(target);
+  }
 
   /** The place [m] at which the canvas is pressed next; null: given up by Escape, or by another pick. */
   async pick(what: string): Promise<number[] | null> {

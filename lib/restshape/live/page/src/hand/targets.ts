@@ -184,6 +184,17 @@ export function drawnAt(shown: Shown, i: number, scale: number): [number, number
   return [0, 1, 2].map((k) => (points[3 * i + k] ?? 0) + (s ? s * shifts[3 * i + k]! : 0)) as [number, number, number];
 }
 
+/** The middle of what a target is drawn through, without displacements, and the displacement there. */
+export function anchorOf(target: Target): { at: number[]; moved: number[] } {
+  const { shown, dots, paths, thing } = target;
+  const edge = thing.role === "edge" ? paths[0] : undefined;
+  const numbers = dots.length ? dots.slice(0, 1) : edge ? [(edge[0] + edge[1] - 1) >> 1] : [...numbersOf(target)];
+  const moved = [0, 0, 0];
+  if (shown.shifts.length) for (const i of numbers) for (let k = 0; k < 3; k += 1) moved[k] = moved[k]! + shown.shifts[3 * i + k]! / numbers.length;
+  const first = numbers[0];
+  return { at: (dots.length || edge) && first !== undefined ? placeOf(shown, first) : middle(target), moved };
+}
+
 export function placeOf(shown: Shown, i: number): [number, number, number] {
   return [shown.points[3 * i] ?? 0, shown.points[3 * i + 1] ?? 0, shown.points[3 * i + 2] ?? 0];
 }

@@ -23,7 +23,7 @@ const SHOWN: Record<string, (frame: FrameMessage) => string> = {
 export function showAnswer(app: App, painter: Painter): HTMLElement {
   const rows = Object.entries(SHOWN).map(([name, read]) => {
     const text = new ChangingText();
-    return { line: element("div", {}, element("dt", {}, name), element("dd", {}, text.node)), text, read };
+    return { line: element("div", { hidden: true }, element("dt", {}, name), element("dd", {}, text.node)), text, read };
   });
   const write = () => {
     if (!app.frame) return;

@@ -15,6 +15,8 @@ export function showBusy(app: App): HTMLElement {
   app.on("busy", ({ seconds, what }) => {
     text.set(`${what} ${seconds.toFixed(seconds < 10 ? 1 : 0)} s`);
     if (body.hidden) cancel.disabled = app.role === "looker";
+    // Before the first frame there is none that could be given up.
+    cancel.hidden = app.frame === null;
     body.hidden = false;
   });
   for (const over of ["frame", "done", "refused", "welcome"] as const) app.on(over, end);

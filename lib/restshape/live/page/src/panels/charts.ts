@@ -1,7 +1,7 @@
 // Charts of the application, such as a resonance curve.
 
 import type { ChartMark } from "./decoded_marks";
-import { element } from "./element";
+import { ChangingText, element } from "./element";
 import type { Painter } from "./painter";
 import { Plot } from "./plot";
 
@@ -10,8 +10,11 @@ const HEIGHT = 170;
 class ShownChart {
   readonly plot = new Plot(HEIGHT);
   readonly body: HTMLElement;
+  private readonly places = new ChangingText();
+
   constructor(private chart: ChartMark) {
     this.body = element("figure", {}, element("h2", {}, chart.name), this.plot.canvas);
+    this.body.append(element("figcaption", { class: "help" }, this.places.node));
     if (chart.curves.length > 1) this.body.append(legend(chart.curves.map((curve) => curve.name)));
   }
 
@@ -20,6 +23,7 @@ class ShownChart {
   readonly draw = (): void => {
     const { name, curves, xLabel, yLabel, at, logarithmic } = this.chart;
     const places = Object.entries(at).map(([what, x]) => `${what} at ${Number(x.toPrecision(4))}`).join(", ");
+    this.places.set(places);
     this.plot.draw({ curves, xLabel, yLabel, at, logarithmic, spoken: `${name}: ${yLabel} over ${xLabel}${places ? `; ${places}` : ""}` });
   };
 }

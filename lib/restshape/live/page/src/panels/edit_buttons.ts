@@ -1,7 +1,7 @@
-// Buttons and keys of what is done most: undo, redo, analyse, idle, save; recording on and off.
+// Buttons and keys of what is done most: undo, redo, analyse, idle, run, save; recording on and off.
 
 import type { App } from "../app";
-import { button, element } from "./element";
+import { button, element, mark } from "./element";
 
 /** Whether keys are typed into a field, which has its own undo. */
 function typing(event: KeyboardEvent): boolean {
@@ -22,6 +22,8 @@ export function showEditButtons(app: App): HTMLElement {
     made.dataset["event"] = name;
     return made;
   });
+  const run = button("Run", "time goes on by itself while nothing is edited (R)", () => setRun(run.getAttribute("aria-pressed") !== "true"));
+  const setRun = (on: boolean) => app.send({ type: "run", on });
   const save = button("Save", "write the script to its file (Ctrl+S)", () => app.send({ type: "save" }));
   const record = button("Record", "write frames to a recording", () => {
     const on = record.getAttribute("aria-pressed") !== "true";
@@ -35,12 +37,16 @@ export function showEditButtons(app: App): HTMLElement {
     const looks = app.role === "looker";
     for (const made of buttons) made.disabled = looks || !(made.dataset["event"]! in known);
     record.hidden = !app.welcome?.recordable;
-    record.disabled = restart.disabled = looks;
+    run.hidden = !app.welcome?.goesOn || app.welcome.player;
+    record.disabled = restart.disabled = run.disabled = looks;
     ask.hidden = !app.welcome || !looks;
   };
   app.on("welcome", arrange);
   app.on("role", arrange);
+  app.on("frame", ({ header }) => mark(run, "aria-pressed", String(header.runs === true)));
   addEventListener("keydown", (event) => {
+    const plain = !event.ctrlKey && !event.metaKey && !event.altKey && !event.defaultPrevented;
+    if (plain && event.key.toLowerCase() === "r" && !typing(event) && !run.hidden && !run.disabled) run.click();
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
     const key = event.key.toLowerCase();
     if (key === "s") app.send({ type: "save" });
@@ -50,7 +56,7 @@ export function showEditButtons(app: App): HTMLElement {
     else return;
     event.preventDefault();
   });
-  record.setAttribute("aria-pressed", "false");
+  for (const made of [record, run]) made.setAttribute("aria-pressed", "false");
   arrange();
-  return element("div", { class: "row", role: "toolbar", "aria-label": "Edit" }, ...buttons, save, record, restart, ask);
+  return element("div", { class: "row", role: "toolbar", "aria-label": "Edit" }, ...buttons, run, save, record, restart, ask);
 }

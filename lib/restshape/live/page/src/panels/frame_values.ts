@@ -36,11 +36,6 @@ export function answerText(frame: FrameMessage): string {
   return "solved";
 }
 
-/** A name as it is read. */
-export function spoken(name: string): string {
-  return name.replaceAll("_", " ");
-}
-
 /** The sign and word of a limit's status, so that it is told without its colour. */
 export const STATUSES = {
   holds: { sign: "✓", word: "holds" },

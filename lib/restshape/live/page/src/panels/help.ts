@@ -15,6 +15,7 @@ const KEYS: [string, string][] = [
   ["Ctrl+Z", "takes the last edit back"],
   ["Ctrl+Shift+Z, Ctrl+Y", "does it again"],
   ["Ctrl+S", "writes the script"],
+  ["R", "lets time go on by itself, or stand still"],
   ["Space", "plays and pauses a recorded script"],
   [", and .", "one frame back, one frame on"],
   ["?", "opens and closes this help"],

@@ -1,6 +1,6 @@
 // Colours of canvases, read once from the style of the page, and again when light becomes dark.
 
-export interface Ink { text: string; faint: string; inside: string; outside: string; limit: string; curves: string[]; }
+export interface Ink { text: string; ground: string; faint: string; inside: string; outside: string; limit: string; curves: string[]; }
 
 const listeners = new Set<() => void>();
 for (const query of ["(prefers-color-scheme: dark)", "(forced-colors: active)"]) {
@@ -19,6 +19,7 @@ export function inkOf(at: Element): Ink {
   const colour = (name: string, otherwise: string) => style.getPropertyValue(name).trim() || otherwise;
   return {
     text: style.color,
+    ground: colour("--raised", "#f4f5f7"),
     faint: colour("--line", "#9996"),
     inside: colour("--inside", "#1f6fd0"),
     outside: colour("--outside", "#c8321e"),

@@ -34,18 +34,23 @@ export function showLook(app: App): HTMLElement {
 /** The factor by which displacements are drawn: chosen by the page, or by hand from 1 on. */
 function scaleLine(app: App): { body: HTMLElement; update(look: Look): void } {
   const auto = checkbox("chosen by the page", app.look.autoScale, (on) => app.changeLook({ autoScale: on }));
-  const text = element("input", { type: "text", inputmode: "decimal", size: 6, placeholder: "auto", "aria-label": "scale of the deformation" });
+  const text = element("input", { type: "text", inputmode: "decimal", size: 6, "aria-label": "scale of the deformation" });
   const slider = element("input", { type: "range", min: -2, max: 5, step: 0.02, "aria-label": "scale of the deformation, slider" });
   const one = element("button", { type: "button", title: "draw displacements as they are", click: () => choose(1) }, "1 : 1");
   const choose = (scale: number) => { if (scale >= 0 && Number.isFinite(scale)) app.changeLook({ scale, autoScale: false }); };
-  text.addEventListener("change", () => { if (text.value.trim()) choose(Number(text.value)); });
+  text.addEventListener("change", () => choose(text.value.trim() ? Number(text.value) : NaN));
   slider.addEventListener("input", () => choose(Number((10 ** Number(slider.value)).toPrecision(3))));
+  let drawn = app.look.scale;
+  const show = (scale: number) => {
+    if (document.activeElement !== text) text.value = String(Number(scale.toPrecision(3)));
+    if (document.activeElement !== slider) slider.value = String(Math.log10(Math.max(scale, 0.01)));
+  };
   const update = (look: Look) => {
     auto.box.checked = look.autoScale;
-    if (document.activeElement !== text) text.value = look.autoScale ? "" : String(Number(look.scale.toPrecision(3)));
-    if (document.activeElement !== slider) slider.value = String(Math.log10(Math.max(look.scale, 0.01)));
+    show(look.autoScale ? drawn : look.scale);
   };
   update(app.look);
+  app.on("scaled", (scale) => show((drawn = scale)));
   const body = element("div", { class: "scale-line" }, element("span", {}, "deformation ×"), text, one, auto.label, slider);
   app.on("welcome", ({ trueScale }) => { body.hidden = trueScale; });
   return { body, update };

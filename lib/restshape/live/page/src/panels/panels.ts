@@ -17,6 +17,7 @@ import { showQuantities } from "./quantities";
 import { showRates } from "./rates";
 import { showScript } from "./script_list";
 import type { Stage } from "./stage";
+import { showThings } from "./things";
 
 /** Puts all panels into the page. Gives what tells when and how long they write. */
 export function showPanels(app: App, stage: Stage): Painter {
@@ -24,10 +25,10 @@ export function showPanels(app: App, stage: Stage): Painter {
   const plots = new Plots(app, painter);
   const quantities = showQuantities(app, painter, (name, on) => plots.choose(name, on));
   const marks = showMarks(app, stage, painter);
-  const rates = showRates(app);
+  const rates = showRates(app, stage);
   const edit = showEditButtons(app);
   edit.append(showHelp());
-  put("panel-edit", edit, showScript(app, painter));
+  put("panel-edit", edit, showThings(app), showScript(app, painter));
   put("panel-quantities", quantities, marks.words, rates.body, showAnswer(app, painter));
   put("panel-plots", heading("Over the edit"), plots.body);
   put("panel-numbers", heading("Parameters and numbers"), showNumbers(app, painter, rates.of));
@@ -39,7 +40,19 @@ export function showPanels(app: App, stage: Stage): Painter {
   put("panel-notes", showLog(app));
   put("player", showPlayer(app));
   put("stage", showBusy(app));
+  showWhatThereIs(app);
   return painter;
+}
+
+/** Nothing is shown before the first frame, and then no panel that has nothing in it. */
+function showWhatThereIs(app: App): void {
+  const panels = document.getElementById("panels")!;
+  panels.dataset["empty"] = "";
+  app.on("welcome", ({ numbers, events }) => {
+    document.getElementById("panel-numbers")!.hidden = numbers.length === 0;
+    document.getElementById("panel-events")!.hidden = Object.keys(events).length === 0;
+  });
+  app.on("frame", () => { delete panels.dataset["empty"]; });
 }
 
 function heading(text: string): HTMLElement {

@@ -2,7 +2,7 @@
 
 import { element, mark } from "./element";
 import { inkOf, onNewInk, type Ink } from "./ink";
-import { extremes, pixel, thinned, valueAt, type Axis } from "./plot_geometry";
+import { extremes, pixel, placeNames, thinned, valueAt, type Axis } from "./plot_geometry";
 import { axisRange, powerLabels, powerTicks, tickLabels, ticks } from "./ticks";
 
 export interface Curve { name: string; x: ArrayLike<number>; y: ArrayLike<number>; }
@@ -20,6 +20,7 @@ export interface Drawing {
 
 const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
 const FONT = "11px system-ui, sans-serif";
+const ROW = 12;                                         // pixels between rows of names
 
 export class Plot {
   readonly canvas: HTMLCanvasElement;
@@ -170,23 +171,25 @@ export class Plot {
     pen.restore();
   }
 
-  /** Upright lines with their names, each in the first row that is free. */
+  /** Upright lines, and their names over all of them, each in the first row that is free. */
   private upright(pen: CanvasRenderingContext2D, drawing: Drawing): void {
-    const bottom = this.height - 30, right = this.width - 10, rows: [number, number][][] = [[], [], [], []];
-    pen.strokeStyle = pen.fillStyle = this.ink!.text;
+    const bottom = this.height - 30, right = this.width - 10, { ground, text } = this.ink!;
+    const names = Object.keys(drawing.at ?? {}), x = Object.values(drawing.at ?? {}).map((value) => Math.round(pixel(this.across, value)) + 0.5);
+    pen.strokeStyle = text;
     pen.setLineDash([2, 2]);
+    for (const at of x) strokePolyline(pen, [at, 14, at, bottom]);
     pen.textBaseline = "top";
     pen.textAlign = "left";
-    for (const [name, value] of Object.entries(drawing.at ?? {})) {
-      const x = Math.round(pixel(this.across, value)) + 0.5;
-      strokePolyline(pen, [x, 14, x, bottom]);
-      if (!name) continue;
-      const wide = pen.measureText(name).width;
-      const left = x + 3 + wide > right ? x - 3 - wide : x + 3;
-      const row = Math.max(0, rows.findIndex((taken) => taken.every(([from, to]) => left > to + 4 || left + wide < from - 4)));
-      rows[row]!.push([left, left + wide]);
-      pen.fillText(name, left, 16 + 12 * row);
-    }
+    const wide = names.map((name) => pen.measureText(name).width);
+    const rows = Math.max(1, Math.floor((bottom - 16) / ROW));
+    placeNames(x, wide, this.across.from, right, rows).forEach((place, index) => {
+      if (!place || !names[index]) return;
+      const top = 16 + ROW * place.row;
+      pen.fillStyle = ground;
+      pen.fillRect(place.left - 1, top - 1, wide[index]! + 2, ROW);
+      pen.fillStyle = text;
+      pen.fillText(names[index]!, place.left, top);
+    });
   }
 }
 

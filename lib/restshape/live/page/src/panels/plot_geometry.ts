@@ -65,3 +65,28 @@ export function thinned(x: ArrayLike<number>, y: ArrayLike<number>, across: Axis
   close();
   return line;
 }
+
+export interface NamePlace { left: number; row: number; }
+
+/**
+ * Where names of upright lines go, so that none covers another one: beside its line, in the first row that is free there.
+ *
+ * x: of the lines, wide: of their names, both in pixels; from, to: between which names lie; rows: how many there are. A name
+ * that finds no place has null.
+ */
+export function placeNames(x: readonly number[], wide: readonly number[], from: number, to: number, rows: number): (NamePlace | null)[] {
+  const taken: { row: number; left: number; right: number }[] = [];
+  return x.map((at, index) => {
+    const size = wide[index]!;
+    for (let row = 0; row < rows; row += 1) {
+      for (const left of [at + 3, at - 3 - size]) {
+        const right = left + size;
+        const free = left >= from && right <= to && taken.every((other) => other.row !== row || left > other.right + 4 || right < other.left - 4);
+        if (!free) continue;
+        taken.push({ row, left, right });
+        return { left, row };
+      }
+    }
+    return null;
+  });
+}

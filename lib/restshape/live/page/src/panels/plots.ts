@@ -4,7 +4,7 @@ import type { App } from "../app";
 import type { QuantityInfo } from "../protocol";
 import { element } from "./element";
 import { FrameHistory } from "./frame_history";
-import { limitsOf, QUANTITY, quantityValue, spoken } from "./frame_values";
+import { limitsOf, QUANTITY, quantityValue } from "./frame_values";
 import type { Painter } from "./painter";
 import { Plot } from "./plot";
 import { extremes } from "./plot_geometry";
@@ -81,10 +81,10 @@ export class Plots {
     const playing = this.app.player !== null && this.app.welcome?.player === true;
     plot.draw({
       curves: [{ name, x: x.slice(), y: y.slice() }],
-      xLabel: "frame", yLabel: scale.unit ? `${spoken(name)} [${scale.unit}]` : spoken(name),
+      xLabel: "frame", yLabel: scale.unit ? `${name} [${scale.unit}]` : name,
       least: 10, limits: limitsOf(info), factor: scale.factor,
       at: playing && this.app.frame ? { "": this.app.frame.header.number } : {},
-      spoken: `${spoken(name)} over ${this.history.last + 1} frames, now ${siText(now, info.unit)}, from ${siText(low, info.unit)} to ${siText(high, info.unit)}`,
+      spoken: `${name} over ${this.history.last + 1} frames, now ${siText(now, info.unit)}, from ${siText(low, info.unit)} to ${siText(high, info.unit)}`,
     });
   }
 
@@ -101,7 +101,7 @@ export class Plots {
     this.offered = offered;
     this.others.replaceChildren(
       element("option", { value: "" }, "plot another column …"),
-      ...names.map((name) => element("option", { value: name }, `${this.plots.has(name) ? "✓ " : ""}${spoken(name)}`)));
+      ...names.map((name) => element("option", { value: name }, `${this.plots.has(name) ? "✓ " : ""}${name}`)));
   }
 
   private seek(frame: number): void {

@@ -3,7 +3,7 @@
 import type { App } from "../app";
 import type { FrameMessage, QuantityInfo } from "../protocol";
 import { ChangingText, element, mark } from "./element";
-import { limitsOf, quantityValue, spoken, STATUSES } from "./frame_values";
+import { limitsOf, quantityValue, STATUSES } from "./frame_values";
 import type { Painter } from "./painter";
 import { errorText, siText } from "./si_text";
 
@@ -42,10 +42,10 @@ export function showQuantities(app: App, painter: Painter, plotted: (name: strin
 
 function rowOf(info: QuantityInfo, chosen: boolean, plotted: (name: string, on: boolean) => void): Row {
   const value = new ChangingText(), error = new ChangingText(), status = new ChangingText(), limits = new ChangingText();
-  const box = element("input", { type: "checkbox", "aria-label": `plot ${spoken(info.name)}`, checked: chosen });
+  const box = element("input", { type: "checkbox", "aria-label": `plot ${info.name}`, checked: chosen });
   box.addEventListener("change", () => plotted(info.name, box.checked));
   const line = element("tr", {},
-    element("th", { scope: "row" }, spoken(info.name)),
+    element("th", { scope: "row" }, info.name),
     element("td", { class: "value" }, value.node, element("small", {}, error.node)),
     element("td", { class: "limit" }, element("span", { class: "status" }, status.node), element("small", {}, limits.node)),
     element("td", {}, box));

@@ -34,3 +34,12 @@ export function shareText(rate: number, number: number, unit: string, value: num
   const share = change / Math.abs(value);
   return `${sign}${siText(change, unit, 3)}${Number.isFinite(share) ? ` (${sign}${percentText(share)})` : ""}`;
 }
+
+/** Whether a quantity changes with a place at all. size: of its derivative, in its unit a metre. */
+export function fallsAtAll(size: number, value: number): boolean { return Number.isFinite(size) && size / 1000 > NOTHING * Math.abs(value); }
+
+/** How fast a quantity falls, beside the arrow that shows which way. */
+export function fallText(name: string, size: number, unit: string, value: number): string {
+  const step = size / 1000, share = step / Math.abs(value);
+  return `${name} falls by ${siText(step, unit, 3)} a mm${Number.isFinite(share) ? ` (${percentText(share)})` : ""}`;
+}

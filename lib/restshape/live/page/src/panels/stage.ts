@@ -10,6 +10,8 @@ export interface WordToDraw { text: string; at: number[]; meaning: string; moved
 export interface Stage {
   /** The place [m] at which the canvas is pressed next; null: given up by Escape, or by another pick. */
   pick(what: string): Promise<number[] | null>;
+  /** Where a thing of a name is drawn: its place without displacements, and its displacement; null: it is not. */
+  where(name: string): { at: number[]; moved: number[] } | null;
   /** Draws lines, arrows or words in place of those of that name; null takes them away. */
   setLines(name: string, lines: LinesToDraw | null): void;
   setArrows(name: string, arrows: ArrowsToDraw | null): void;

@@ -1,0 +1,45 @@
+"""Marks go with the deformed shape that is drawn, also those that do not say how."""
+
+import numpy as np
+
+from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.live.moved_marks import MovedMarks
+from restshape.live.shown_marks import Arrows, Lines, Words
+
+POINTS = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
+CELLS = np.array([[0, 1, 2], [0, 2, 3]], dtype="<u4")
+SLOPES = np.array([[0.1, -0.2, 0.3], [0.05, 0.4, -0.1]])
+
+
+def shape(**arrays: np.ndarray) -> PicturePart:
+    """A rectangle whose displacement is linear."""
+    moved = in_space(POINTS @ SLOPES)
+    known = {"points": in_space(POINTS), "cells": CELLS, "displacement": moved} | arrays
+    return PicturePart("shape", "surface", "shape", known)
+
+
+def test_marks_have_the_displacement_of_the_shape_where_they_are():
+    at = np.array([[0.5, 0.4], [1.7, 0.1], [0.3, 0.9]])
+    given = [Lines("a", at, (0,)), Arrows("b", at, at, "N"), Words("c", at[0]), Words("no place")]
+    lines, arrows, word, nowhere = MovedMarks()(given, [shape()])
+    for moved in (lines.moved, arrows.moved):
+        np.testing.assert_allclose(moved, at @ SLOPES, atol=1e-7)
+    np.testing.assert_allclose(word.moved, at[0] @ SLOPES, atol=1e-7)
+    assert nowhere.moved is None
+
+
+def test_marks_that_say_how_they_move_or_where_the_shape_should_be_stay_as_they_are():
+    own = Lines("own", POINTS, (0,), moved=np.ones((4, 2)))
+    goal = Lines("goal", POINTS, (0,), "goal")
+    assert [*MovedMarks()([own, goal], [shape()])] == [own, goal]
+    beside = Lines("beside", np.array([[2.5, 1.2]]), (0,))
+    np.testing.assert_allclose(MovedMarks()([beside], [shape()])[0].moved, POINTS[2:3] @ SLOPES, atol=1e-7)
+    assert MovedMarks()([beside], [PicturePart("shape", "surface", "shape", {"points": in_space(POINTS)})]) == [beside]
+
+
+def test_what_stays_is_the_same_object_and_follows_when_the_shape_moves():
+    follow, part, mark = MovedMarks(), shape(), Words("here", (1.0, 0.5))
+    (first,) = follow([mark], [part])
+    assert follow([mark], [part])[0] is first
+    (then,) = follow([mark], [shape(displacement=in_space(2.0 * POINTS @ SLOPES))])
+    np.testing.assert_allclose(then.moved, 2.0 * np.array(first.moved), atol=1e-7)
