@@ -1,9 +1,11 @@
 """The command `restshape live`, its bad inputs, and the page of a program."""
 
+import argparse
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
 from pathlib import Path
@@ -11,7 +13,8 @@ from pathlib import Path
 import pytest
 
 import restshape
-from restshape.live import notebook, server_files
+from restshape.cli import live as live_command
+from restshape.live import notebook, server_files, worker
 from restshape.live.server_files import FIRST, headers, page_files
 
 SCENE = Path(__file__).parents[1] / "scenes" / "beam.toml"
@@ -154,3 +157,27 @@ def test_the_server_loads_nothing_of_the_simulation():
     code = "import restshape.live.server, sys; print(*{'numpy', 'petsc4py', 'pydantic', 'scipy'} & sys.modules.keys())"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0 and not done.stdout.strip(), done.stdout + done.stderr
+
+
+LISTENER = "import socket, sys; socket.socket(fileno=int(sys.argv[1])).recv(1)"
+
+
+@pytest.mark.cli
+def test_the_server_beside_ranks_ends_where_they_cannot_simulate(monkeypatch):
+    begin, started = subprocess.Popen, []
+
+    def stand_in(command, **how):
+        number = command[command.index("--link") + 1]
+        started.append(begin([sys.executable, "-c", LISTENER, number], pass_fds=how["pass_fds"]))
+        return started[0]
+
+    monkeypatch.setattr(live_command.subprocess, "Popen", stand_in)
+    monkeypatch.setattr(live_command, "first_rank", lambda: True)
+    monkeypatch.setattr(worker, "main", lambda words: 2)
+    args = argparse.Namespace(port=None, out=None, open=False)
+    caller = threading.Thread(target=live_command._on_ranks, args=(args, []), daemon=True)
+    caller.start()
+    caller.join(5.0)
+    ended = started[0].poll()
+    started[0].kill()
+    assert ended == 0

@@ -7,6 +7,7 @@ import os
 import socket
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from restshape.cli.options import add_set
@@ -107,8 +108,12 @@ def _on_ranks(args: argparse.Namespace, words: list[str]) -> int:
     with there:
         server = subprocess.Popen(command, pass_fds=[number], env=clean_environment(), stdin=subprocess.DEVNULL)
     try:
-        return main(["--link", str(os.dup(here.detach())), *words])
+        return main(["--link", str(os.dup(here.fileno())), *words])
     finally:
+        # However it has ended, the server hears so.
+        with suppress(OSError):
+            here.shutdown(socket.SHUT_RDWR)
+        here.close()
         server.wait()
 
 
