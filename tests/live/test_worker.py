@@ -3,6 +3,7 @@
 import json
 import os
 import random
+import socket
 
 import numpy as np
 import pytest
@@ -82,6 +83,17 @@ def test_a_disk_without_room_ends_no_session_and_what_is_missing_is_written_late
     assert session.of("written")[-1]["count"] == 4
     session.event("release")
     assert session.say("save")[0]["events"] == 5
+    assert [cut(row) for row in session.rows()] == replayed(scene, out)
+    session.end()
+
+
+def test_a_session_that_ends_does_not_wait_for_the_frames_that_an_event_has_left(scene, tmp_path):
+    session = LocalSession(scene, out := tmp_path / "session.jsonl")
+    session.link.send(session.message("event", event={"do": "idle", "frames": 100_000}))
+    session.link._end.shutdown(socket.SHUT_WR)
+    session.worker.run()
+    session.drain()
+    assert json.loads(out.read_text().splitlines()[1]) == {"t": 0.0, "do": "idle", "frames": 1}
     assert [cut(row) for row in session.rows()] == replayed(scene, out)
     session.end()
 

@@ -18,7 +18,7 @@ from restshape.live import messages as page
 from restshape.live.frame_arrays import MessageBody
 from restshape.live.frame_header import header_of
 from restshape.live.json_text import json_bytes
-from restshape.live.link import Link
+from restshape.live.link import Link, LinkClosed
 from restshape.live.mark_messages import placed
 from restshape.live.message_loop import MessageLoop
 from restshape.live.moment import Moment
@@ -142,7 +142,18 @@ class Worker(MessageLoop):
             if missed:
                 moment.header["missed"] = missed
             self.send(moment)
+            self._end_early()
         self._write()
+
+    def _end_early(self) -> None:
+        """Ends the event after this frame if the session ends, and the event can end there."""
+        if self.live.step is None:
+            return
+        try:
+            self.waits()
+        except LinkClosed:
+            if self.live.stop():
+                raise
 
     def _write(self, with_next: bool = False) -> None:
         """Writes down what has been done, and tells the server: at once, or with the next message."""

@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 import gc
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 from petsc4py import PETSc
 
 from restshape.calibration import Calibration
-from restshape.errors import UserError
+from restshape.errors import UserError, printable
 from restshape.live.answering import Worker
 from restshape.live.growing_script import GrowingScript
 from restshape.live.link import Link
@@ -117,6 +118,8 @@ def _start(worker: Worker, parts: SessionParts, resumed: bool) -> None:
 def _of_scene(options: WorkerOptions) -> SessionParts:
     scene = load_scene(options.scene, options.all_overrides)
     script = load_script(options.edits, scene) if options.edits else None
+    if script is not None and script.torn and options.link is not None and not options.resume:
+        print(printable(f"note: {script.torn}"), file=sys.stderr)
     return SessionParts(scene, options.predict, script)
 
 

@@ -67,9 +67,10 @@ async def _served(process: SimulatingProcess, how: Serving, found: socket.socket
     runner = web.ServerRunner(server, handle_signals=False, shutdown_timeout=1.0)
     await runner.setup()
     await web.SockSite(runner, found).start()
-    _announce(address, how)
     leading = asyncio.create_task(session.lead())
+    # Who has read the address may end the session.
     end = Ending(session, how.endings)
+    _announce(address, how)
     watching = asyncio.create_task(_watch(how.parent, session)) if how.parent else None
     try:
         code = await leading
@@ -81,9 +82,11 @@ async def _served(process: SimulatingProcess, how: Serving, found: socket.socket
         await runner.cleanup()
     if session.failure:
         print(printable(f"restshape live: {session.failure}"), file=sys.stderr)
-    if how.script and process.events:
+    # The process has said what went wrong in its end, such as a script for which the disk has no room.
+    well = code <= 0
+    if how.script and process.events and well:
         print(f"script: {how.script}, {process.events} events")
-    return end.exit_code if end.signals else _positive(code)
+    return end.exit_code if end.signals and well else _positive(code)
 
 
 async def _watch(parent: int, session: LiveSession) -> None:
@@ -104,7 +107,10 @@ class Ending:
     """
 
     def __init__(self, session: LiveSession, numbers: Iterable[signal.Signals]) -> None:
-        self._session, self._numbers = session, tuple(numbers)
+        # Under nohup a session stays when its terminal goes.
+        stays = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+        self._session = session
+        self._numbers = tuple(number for number in numbers if not (stays and number == signal.SIGHUP))
         self.signals: list[signal.Signals] = []
         self._task: asyncio.Task[None] | None = None
         for number in self._numbers:
