@@ -70,6 +70,37 @@ def test_each_event_can_be_done_by_its_form(bracket_session, opened):
     live.assert_replays(page.frames())
 
 
+def test_numbers_are_slid_and_typed_and_stay_what_they_are_where_they_are_refused(bracket_session, opened):
+    live = bracket_session()
+    page = opened(live)
+    page.tab.get_by_role("searchbox").fill("thickness")
+    text = page.tab.get_by_label("material.steel.thickness", exact=True)
+    slider = page.tab.get_by_label("material.steel.thickness, slider", exact=True)
+    asked = len(page.events())
+    slider.focus()
+    for _ in range(3):
+        slider.press("ArrowRight")
+    page.until(lambda: len(page.events()) > asked, "the slide")
+    page.settle()
+    slid = page.events()[-1]["event"]
+    assert (slid["do"], slid["key"]) == ("set", "material.steel.thickness")
+    page.until(lambda: text.input_value() == str(page.events()[-1]["event"]["value"]), "the text beside the slider")
+    text.fill("9 mm")
+    text.press("Enter")
+    page.until(lambda: page.events()[-1]["event"].get("value") == "9 mm", "what is typed")
+    page.settle()
+    assert not page.refusals() and not page.frame["columns"].get("refused")
+    text.fill("-1 mm")
+    text.press("Enter")
+    why = page.until(lambda: page.frame["columns"].get("refused"), "a refusal")
+    page.until(lambda: why in page.log.inner_text(), "why")
+    text.blur()
+    page.until(lambda: text.input_value() == "9 mm", "the number as it is")
+    live.end()
+    assert [event["value"] for event in live.script()][-2:] == ["9 mm", "-1 mm"] and not page.faults
+    live.assert_replays(page.frames())
+
+
 @pytest.mark.skipif(not AXE.exists(), reason="axe-core is not here: make setup installs it")
 def test_screen_readers_find_names_and_eyes_find_contrast(browser, bracket_session):
     live = bracket_session()

@@ -1,6 +1,6 @@
 // Sliders and typed numbers: parameters of the scene, and all its other numbers by a search.
 
-import type { App } from "../app";
+import { refusedWords, type App } from "../app";
 import type { NumberInfo } from "../protocol";
 import { element, mark } from "./element";
 import { foundNumbers, rounded, slid, sliderRange, typedValue, type SliderRange } from "./given_numbers";
@@ -16,6 +16,7 @@ class NumberLine {
   private readonly text: HTMLInputElement;
   private range: SliderRange;
   private sliding = false;
+  private refused = false;                             // since it was in the hand: it shows what was not taken
 
   constructor(private info: NumberInfo, private readonly app: App, chosen: (key: string) => void) {
     this.range = sliderRange(info);
@@ -23,8 +24,9 @@ class NumberLine {
     this.text = element("input", { type: "text", "aria-label": info.key, spellcheck: false, size: 9 });
     this.body = element("div", { class: "number" }, element("label", { title: info.key }, shortened(info)), this.text, this.slider);
     this.slider.addEventListener("input", () => this.slide());
-    this.slider.addEventListener("change", () => { this.sliding = false; });
+    this.slider.addEventListener("change", () => { this.sliding = false; this.restore(); });
     this.text.addEventListener("change", () => this.typed());
+    this.text.addEventListener("blur", () => this.restore());
     this.body.addEventListener("focusin", () => chosen(info.key));
     this.arrange();
   }
@@ -37,6 +39,17 @@ class NumberLine {
     const place = info.value * range.factor;
     if (range.unit !== this.range.unit || place < this.range.low || place > this.range.high) this.range = range;
     this.arrange();
+  }
+
+  /** Something was refused: the number is what it was, once it is no longer in the hand. */
+  refuse(): void {
+    this.refused = true;
+    if (!this.sliding && document.activeElement !== this.text) this.restore();
+  }
+
+  private restore(): void {
+    if (this.refused) this.arrange();
+    this.refused = false;
   }
 
   private arrange(): void {
@@ -88,6 +101,9 @@ export function showNumbers(app: App, painter: Painter, chosen: (key: string) =>
   };
   search.addEventListener("input", () => painter.soon(show));
   app.on("welcome", show);
+  const refuse = () => { for (const line of lines.values()) line.refuse(); };
+  app.on("refused", refuse);
+  app.on("frame", ({ header }) => { if (refusedWords(header)) refuse(); });
   app.on("known", ({ numbers }) => { if (numbers) painter.soon(show); });
   return element("div", {}, parameters, search, found, more);
 }
