@@ -94,6 +94,7 @@ def test_a_program_has_a_page_its_script_and_a_frame_for_notebooks(monkeypatch, 
     monkeypatch.setattr(notebook, "COMMAND", "stand_in_live")
     with restshape.live(scene, port=1234) as page:
         assert page.address == "http://127.0.0.1:1/token/" and not page.closed
+        assert os.getpgid(page._process.pid) != os.getpgrp()
         assert 'src="http://127.0.0.1:1/token/"' in page._repr_html_()
         words = Path(f"{page._out}.words")
         while not (words.exists() and words.read_text()):

@@ -11,6 +11,7 @@ from live_worker import BRACKET, COARSE, LocalSession, bracket, cut, remote_sess
 
 import restshape
 from restshape.replay.loop import Replay
+from restshape.replay.recorder import Recorder
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +96,31 @@ def test_a_session_that_ends_does_not_wait_for_the_frames_that_an_event_has_left
     session.drain()
     assert json.loads(out.read_text().splitlines()[1]) == {"t": 0.0, "do": "idle", "frames": 1}
     assert [cut(row) for row in session.rows()] == replayed(scene, out)
+    session.end()
+
+
+@pytest.mark.parametrize("at", ["header", "frame"])
+def test_a_recording_for_which_the_disk_has_no_room_ends_and_the_session_goes_on(scene, tmp_path, monkeypatch, at):
+    session = LocalSession(scene, out := tmp_path / "session.jsonl", record=tmp_path / "session.vtkhdf")
+    session.event("press", on="window", at=[0.09, 0.062])
+
+    def fail(self, *_):
+        self._fail("the disk is full", "free space")
+
+    with monkeypatch.context() as full:
+        if at == "header":
+            full.setattr(Recorder, "add_header", fail)
+            answers = session.say("record", on=True)
+        else:
+            assert session.say("record", on=True)[-1]["type"] == "done"
+            full.setattr(Recorder, "frame", fail)
+            answers = session.event("drag", to=[0.1, 0.06])
+    assert [one for one in answers if one["type"] == "refused" and "the disk is full" in one["message"]]
+    assert session.live.recorder is None
+    session.event("drag", to=[0.1, 0.062])
+    session.event("release")
+    assert session.say("record", on=False)[-1]["type"] == "done"
+    assert [cut(row) for row in session.rows()][-2:] == replayed(scene, out)[-2:]
     session.end()
 
 

@@ -114,10 +114,18 @@ class Worker(MessageLoop):
             self.end_rest()
         self._rested = 0
 
+    @property
+    def interrupted(self) -> bool:
+        """Whether the simulation ended in the middle of a frame."""
+        return self.live.sim.closed
+
     def recover(self, number: int, error: Exception) -> None:
         """Goes on after a fault, from the state before the event in which it was."""
-        what = f"the frame failed: {type(error).__name__}: {error}"
-        if self.live.sim.closed:
+        name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
+        what = f"the frame failed: {name}{error}"
+        if self.live.recorder is not None and self.live.recorder.failed:
+            self.recording.give_up(self.live)
+        if self.interrupted:
             self.say({"type": "lost", "message": what, "restarting": True})
             self.live.reopen(self.live.all_lines(), self.live.predict, self.progress("frames are computed again"))
             self.send_all_again()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,16 +49,30 @@ class LiveRecording:
         if self._path is None:
             raise UserError("no file was named for a recording", do="start restshape live with --record NAME.vtkhdf")
         if on and live.recorder is None:
-            lines = live.all_lines()
+            lines, before = live.all_lines(), live.sim
             live.recorder = self._started(self._path, live)
-            live.reopen(lines, live.predict, progress)
-            live.recorder.add_header(_surroundings(live))
+            try:
+                live.reopen(lines, live.predict, progress)
+                live.recorder.add_header(_surroundings(live))
+            except UserError:
+                self.give_up(live)
+                if live.sim is not before:
+                    live.reopen(lines, live.predict, progress)
+                raise
         elif not on:
             self.end(live)
 
     def _started(self, path: Path, live: LiveSimulation) -> Recorder:
         process, self._process = self._process, None
         return recorder_of(live.sim.request, path, process)
+
+    def give_up(self, live: LiveSimulation) -> None:
+        """Records no more, where the file cannot be written any further."""
+        recorder, live.recorder = live.recorder, None
+        live.sim.replay.recorder = None
+        if recorder is not None and not recorder.failed:
+            with suppress(UserError):
+                recorder.close("failed")
 
     def end(self, live: LiveSimulation) -> None:
         """Ends the file, which has the script so far."""

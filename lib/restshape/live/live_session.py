@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import gc
 import sys
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
@@ -67,14 +68,14 @@ def session(options: WorkerOptions, process: Begun | None = None) -> int:
         return 0
     recording = LiveRecording(options.record, process)
     worker = Worker(link, live, GrowingScript(options.out), recording)
-    try:
+    with ExitStack() as ending:
+        # Each of them is done, whatever becomes of the others: other ranks wait for the end of the simulation.
+        ending.callback(link.close)
+        ending.callback(worker.file.close)
+        ending.callback(live.close)
+        ending.callback(recording.end, live)
         _start(worker, parts, options.resume)
         worker.run()
-    finally:
-        recording.end(live)
-        live.close()
-        worker.file.close()
-        link.close()
     return 0
 
 

@@ -75,6 +75,11 @@ class MessageLoop(ABC):
     def before(self, message: page.Message) -> None:
         """What is done before a message is answered."""
 
+    @property
+    def interrupted(self) -> bool:
+        """Whether the last fault was in the middle of a frame, after which nothing can be computed."""
+        return False
+
     @abstractmethod
     def recover(self, number: int, error: Exception) -> None:
         """Goes on after a fault in the answer to a message of a number."""
@@ -106,7 +111,10 @@ class MessageLoop(ABC):
             self.before(message)
             handler(message)
         except UserError as error:
-            self.refuse(message.id, error)
+            if self.interrupted:
+                self.recover(message.id, error)
+            else:
+                self.refuse(message.id, error)
         except (LinkClosed, SessionEnd):
             raise
         # A fault in one frame must not end the session.

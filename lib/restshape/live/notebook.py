@@ -67,6 +67,8 @@ class LivePage:
                 stderr=said,
                 text=True,
                 env=os.environ | {PARENT: str(os.getpid())},
+                # Ctrl-C, and the interrupt of a notebook's cell, are for the program.
+                start_new_session=True,
             )
         assert self._process.stdout
         self.address = self._process.stdout.readline().strip()

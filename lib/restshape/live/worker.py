@@ -23,9 +23,9 @@ def main(words: Sequence[str]) -> int:
     # Until the first frame nothing is given back: memory need not be searched for cycles while modules load.
     gc.disable()
     options = options_of(words)
-    # What writes a recording is begun before MPI.
-    process = begun() if options.record is not None else None
     try:
+        # What writes a recording is begun before MPI.
+        process = begun() if options.record is not None else None
         start_petsc(options.petsc)
         from restshape.live.live_session import session
 

@@ -113,6 +113,11 @@ class Recorder:
         """The file descriptor at whose end the process finishes the recording, and its process id."""
         return self._control, self.process_id
 
+    @property
+    def failed(self) -> bool:
+        """Whether the file could not be written any further: it has said so, and takes no more."""
+        return self._state == "failed"
+
     def ready(self) -> None:
         """Returns once the file is open.
 
