@@ -21,6 +21,7 @@ from restshape_studies.commands import (
     bench_eigen,
     bench_jumps,
     bench_limit,
+    bench_live,
     bench_maps,
     bench_nested,
     bench_order,
@@ -69,6 +70,7 @@ MODULES = (
     bench_nested,
     bench_body,
     bench_peers,
+    bench_live,
 )
 KINDS: dict[str, Kind] = {kind.name: kind for module in MODULES for kind in module.KINDS}
 

@@ -133,6 +133,7 @@ TIMED = (
     "derivative",
     "body",
     "peers",
+    "live",
 )
 
 

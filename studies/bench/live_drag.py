@@ -1,0 +1,202 @@
+"""A live session driven by a real browser: a mouse drags, and how soon and how often its answers are seen is noted."""
+
+# More than 15 modules: processes, browser and page meet here.
+
+from __future__ import annotations
+
+import asyncio
+import math
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+from restshape_studies.bench.live_notes import FIND, NOTES
+from restshape_studies.bench.live_processes import Spent, spent
+
+from restshape.errors import UserError
+
+if TYPE_CHECKING:
+    from playwright.async_api import Page
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+OPTIONS = [
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--enable-unsafe-swiftshader",
+]
+"""Chromium draws as it does by itself without a graphics card: WebGL through SwiftShader, the page without it."""
+SCREEN = {"width": 1280, "height": 800}
+COMMAND = "restshape.cli.main"
+WAIT = 30.0
+
+
+@dataclass(frozen=True)
+class Drag:
+    """What the mouse does.
+
+    Args:
+        on: beginning of the role and name of what it takes hold of.
+        wide, high: how far it goes from there [pixels].
+        places: of the mouse; rate: how many a second.
+        rests: until it lets go, and how long the picture still moves is waited for [s].
+    """
+
+    on: str
+    wide: float = 80.0
+    high: float = 20.0
+    places: int = 300
+    rate: float = 125.0
+    rests: float = 0.0
+
+
+def browser() -> str:
+    """The path of Chromium.
+
+    Raises:
+        UserError: there is none, or no Playwright that drives it.
+    """
+    try:
+        import playwright  # noqa: F401
+    except ImportError:
+        raise UserError("Playwright is not installed", "bench live", "pip install playwright, or make setup") from None
+    found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
+    if found is None:
+        what = f"none of {', '.join(BROWSERS)} is installed"
+        raise UserError(what, "bench live", "install Chromium of the distribution: apt install chromium")
+    if not Path("/proc/stat").exists():
+        raise UserError("this system has no /proc, which tells the processor's time", "bench live", "use Linux")
+    return found
+
+
+def dragged(scene: Path, drag: Drag, overrides: Sequence[str] = ()) -> dict[str, Any]:
+    """How soon and how often answers are seen; see docs/commands.md."""
+    return asyncio.run(_dragged(scene, drag, overrides))
+
+
+async def _dragged(scene: Path, drag: Drag, overrides: Sequence[str]) -> dict[str, Any]:
+    from playwright.async_api import async_playwright
+
+    async with async_playwright() as driver:
+        chromium = await driver.chromium.launch(executable_path=browser(), args=OPTIONS)
+        try:
+            page = await chromium.new_page(viewport=SCREEN)
+            await page.add_init_script(NOTES)
+            started = time.time()
+            async with _session(scene, overrides) as (process, address):
+                await page.goto(address)
+                first = await _first(page, scene) - started
+                await page.wait_for_timeout(1500)
+                found = await _moved(page, drag, {os.getpid(): "driver", process.pid: "server"})
+        finally:
+            await chromium.close()
+    return {"first_s": first, **found}
+
+
+async def _first(page: Page, scene: Path) -> float:
+    """The time since 1970 [s] when the first answer was on screen."""
+    for _ in range(int(WAIT / 0.05)):
+        shown = float(await page.evaluate("restshapeNoted.shown"))
+        if shown:
+            return shown / 1e3
+        await asyncio.sleep(0.05)
+    raise UserError(
+        f"no answer was on screen within {WAIT:.0f} s", str(scene), "look at the page: restshape live SCENE"
+    )
+
+
+@asynccontextmanager
+async def _session(scene: Path, overrides: Sequence[str]) -> AsyncIterator[tuple[subprocess.Popen[str], str]]:
+    """The process of `restshape live`, and the address that it prints."""
+    sets = [word for one in overrides for word in ("--set", one)]
+    words = [sys.executable, "-P", "-m", COMMAND, "live", str(scene), *sets]
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+    try:
+        address = await asyncio.to_thread(process.stdout.readline)  # type: ignore[union-attr]
+        if not address:
+            raise UserError(f"restshape live ended: {process.stderr.read().strip()}", str(scene), "start it by hand")  # type: ignore[union-attr]
+        yield process, address.strip()
+    finally:
+        process.send_signal(signal.SIGINT)
+        with suppress(subprocess.TimeoutExpired):
+            await asyncio.to_thread(process.wait, 10)
+        if process.poll() is None:
+            process.kill()
+
+
+async def _moved(page: Page, drag: Drag, roots: dict[int, str]) -> dict[str, Any]:
+    """Presses, drags and lets go; what was noted."""
+    name, (x, y) = await _place(page, drag.on)
+    await page.mouse.move(x - 2, y)
+    await page.mouse.move(x, y)
+    await page.mouse.down()
+    await page.wait_for_timeout(500)
+    await page.evaluate("Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [] })")
+    before, begun, moves = spent(roots), time.perf_counter(), []
+    for number in range(drag.places):
+        await asyncio.sleep(max(begun + number / drag.rate - time.perf_counter(), 0.0))
+        across, up = math.sin(number / 60), math.sin(number / 25)
+        # The next place does not wait until the browser has taken this one.
+        moves.append(asyncio.create_task(page.mouse.move(x + drag.wide * across, y + drag.high * up)))
+    took = time.perf_counter() - begun
+    used = spent(roots).since(before)
+    await asyncio.gather(*moves)
+    await page.wait_for_timeout(500)
+    noted = await page.evaluate("({ ...restshapeNoted, sent: [...restshapeNoted.sent] })")
+    released = await page.evaluate("performance.now()")
+    await page.mouse.up()
+    found = summed_up(noted, used, took)
+    if drag.rests:
+        await page.wait_for_timeout(1e3 * drag.rests)
+        last = await page.evaluate("restshapeNoted.drawn.at(-1)?.[1] ?? 0")
+        found["rest_s"] = max(last - released, 0.0) / 1e3
+    return {"held": name, **found}
+
+
+async def _place(page: Page, on: str) -> tuple[str, tuple[float, float]]:
+    """The name of what is taken hold of, and the middle of the places where it lights up."""
+    step = 12
+    found: list[tuple[str, list[tuple[float, float]]]] = await page.evaluate(FIND, [[on], step])
+    if not found:
+        raise UserError("nothing lights up under the pointer", "bench live", "look at the page: restshape live SCENE")
+    name, places = max(found, key=lambda one: len(one[1]))
+    middle = [sum(place[axis] for place in places) / len(places) for axis in (0, 1)]
+    return name, min(places, key=lambda place: math.dist(place, middle))
+
+
+def summed_up(noted: dict[str, Any], used: Spent, took: float) -> dict[str, Any]:
+    """What is told of a drag that took some seconds."""
+    first: dict[int, float] = {}
+    for number, at in noted["drawn"]:
+        first.setdefault(int(number), at)
+    sent = {int(number): times for number, times in noted["sent"]}
+    waits = sorted(at - sent[number][0] for number, at in first.items() if number in sent)
+    inputs = sorted(at - sent[number][1] for number, at in first.items() if number in sent)
+    drawn = len(noted["drawn"])
+    return {
+        "answers": len(waits),
+        "shown_ms": {"p50": share(waits, 0.5), "p95": share(waits, 0.95)},
+        "input_ms": {"p50": share(inputs, 0.5), "p95": share(inputs, 0.95)},
+        "frames_per_second": drawn / took,
+        "bytes": median(noted["bytes"]) if noted["bytes"] else 0,
+        "processor_ms": {kind: 1e3 * seconds / max(drawn, 1) for kind, seconds in used.by.items()},
+        "elsewhere": used.elsewhere / took,
+    }
+
+
+def share(rising: Sequence[float], of: float) -> float:
+    """The value below which a share of rising values lies; NaN of none."""
+    return rising[min(int(of * len(rising)), len(rising) - 1)] if rising else math.nan
