@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from restshape_studies.bench.live_notes import FIND, NOTES
 from restshape_studies.bench.live_processes import Spent, spent
+from restshape_studies.bench.turns import OutOfTime
 
 from restshape.errors import UserError
 
@@ -40,7 +41,7 @@ OPTIONS = [
 """Chromium draws as it does by itself without a graphics card: WebGL through SwiftShader, the page without it."""
 SCREEN = {"width": 1280, "height": 800}
 COMMAND = "restshape.cli.main"
-WAIT = 30.0
+WAIT = 60.0
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ def browser() -> str:
         what = f"none of {', '.join(BROWSERS)} is installed"
         raise UserError(what, "bench live", "install Chromium of the distribution: apt install chromium")
     if not Path("/proc/stat").exists():
-        raise UserError("this system has no /proc, which tells the processor's time", "bench live", "use Linux")
+        raise UserError("this system has no /proc, where the processor's time is", "bench live", "use Linux")
     return found
 
 
@@ -112,7 +113,7 @@ async def _first(page: Page, scene: Path) -> float:
         if shown:
             return shown / 1e3
         await asyncio.sleep(0.05)
-    raise UserError(
+    raise OutOfTime(
         f"no answer was on screen within {WAIT:.0f} s", str(scene), "look at the page: restshape live SCENE"
     )
 

@@ -56,7 +56,7 @@ SESSIONS = {
         "metallophone",
         "fish.toml",
         Drag("vertex fork", 30.0, 10.0),
-        ("effects.modal.model='plate'",),
+        ("effects.modal.model='plate'", "mesh.order=1"),
     ),
     "cantilever": PlannedSession("cantilever", "cantilever", "cantilever.toml", Drag("edge tip", 30.0, 10.0)),
     "table": PlannedSession("table with its valid ranges", "furniture", "table.toml", Drag("plank leg-4", 30.0, 10.0)),

@@ -48,7 +48,7 @@ def test_time_of_descendants_is_the_session_s():
     assert whole.by["driver"] == pytest.approx(found.by["server"], abs=0.05)
 
 
-def test_processes_are_told_by_their_words():
+def test_kinds_of_processes_by_their_words():
     assert kind_of("/usr/lib/chromium/chromium --type=gpu-process --x") == "GPU process"
     assert kind_of("/usr/lib/chromium/chromium --type=utility") == "browser"
     assert kind_of("python -m restshape.live.worker --link 4") == "simulating process"

@@ -43,7 +43,7 @@ void main() {
   vCorner = vec3(corner == 0, corner == 1, corner == 2) + innerSides();
   // Elements of a few pixels would be all edge.
   float pixels = 0.5 * tall * projectionMatrix[1][1] * size.y / gl_Position.w;
-  vWire = 0.38 * clamp(1.33 - 3.3 / pixels, 0.0, 1.0);
+  vWire = 0.38 * clamp(1.33 - 5.5 / pixels, 0.0, 1.0);
 #endif
 }`;
 
