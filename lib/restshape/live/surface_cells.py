@@ -73,8 +73,8 @@ def triangles_of(X: Reals, given: AnyArray) -> ShownTriangles:
         parts = np.array([[0, 1, 2]] if k == 3 else QUARTERS)
         cell, local = np.tile(number, len(parts)), np.repeat(parts, len(cells), axis=0)
     elif k == 8:
-        quads = np.concatenate([HEXAHEDRON[:, [0, 1, 2]], HEXAHEDRON[:, [0, 2, 3]]])
-        cell, local = np.repeat(number, len(quads)), np.tile(quads, (len(cells), 1))
+        halves = [np.tile(HEXAHEDRON[:, half], (len(cells), 1)) for half in ([0, 1, 2], [0, 2, 3])]
+        cell, local = np.tile(np.repeat(number, len(HEXAHEDRON)), 2), np.concatenate(halves)
     elif k in (4, 10):
         cell, local = _skin(cells)
     else:
