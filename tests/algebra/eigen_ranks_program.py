@@ -161,6 +161,7 @@ def held() -> tuple[np.ndarray, np.ndarray]:
 
 def main() -> None:
     found: dict[str, object] = {}
+    interior_factor.AT_ONCE = 5
     kinds: dict[str, Callable] = {"mumps": MumpsInterior, "plain": PlainInterior}
     mass = np.eye(64)
     for name, kind in kinds.items():

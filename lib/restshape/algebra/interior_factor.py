@@ -20,6 +20,9 @@ NO_SPACE = -8, -9
 NO_MEMORY = *NO_SPACE, -5, -7, -13, -19
 """What it ends with where there is not enough memory."""
 
+AT_ONCE = 64
+"""Unknowns of the border for which PETSc's own factor substitutes at once: each takes a row as long as the inside."""
+
 
 class InteriorFactor(Protocol):
     """A factor of the first n unknowns of a symmetric matrix (n + m, n + m) whose last ones are the border.
@@ -187,7 +190,10 @@ class PlainInterior:
         factor = self._pc.getFactorMatrix()
         self.negative, zero, _ = factor.getInertia()
         self.nonzeros = factor.getInfo()["nz_used"]
-        schur = -(beside.T @ self.solve(np.ascontiguousarray(beside.T.toarray())).T)
+        schur, columns = np.zeros(2 * (self.border,)), beside.T.tocsr()
+        for first in range(0, self.border, AT_ONCE):
+            part = slice(first, first + AT_ONCE)
+            schur[:, part] -= columns @ self.solve(columns[part].toarray()).T
         # PETSc only notes a pivot that failed.
         self.singular = zero > 0 or not np.isfinite(self.solve(np.ones((1, self.count)))).all()
         return schur
