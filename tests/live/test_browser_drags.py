@@ -31,3 +31,25 @@ def test_a_drag_with_the_mouse_replays_to_what_was_seen(name, session, opened):
     assert kinds[0] == "press" and kinds.count("drag") == 3 and "release" in kinds and "undo" in kinds
     assert not page.refusals() and not page.faults
     live.assert_replays(page.frames())
+
+
+@pytest.mark.weekly
+def test_a_suggestion_is_taken_and_slid_along(session, opened):
+    live = session(APPS / "furniture" / "scenes" / "shelf-1.toml")
+    page = opened(live)
+    page.drag(page.place(["plank"], "upright-1"), (50.0, 30.0))
+    offer = page.tab.locator("ul.offers li").first
+    offer.get_by_role("button").click()
+    page.until(lambda: page.events()[-1]["event"]["do"] == "choose", "the choice")
+    page.settle()
+    assert page.frame["columns"]["constraint_status"] == "holds"
+    slider = page.tab.locator("ul.offers input[type=range]:visible").first
+    slider.focus()
+    for _ in range(3):
+        slider.press("ArrowRight")
+        page.settle()
+    page.until(lambda: page.events()[-1]["event"]["do"] == "slide", "the slide")
+    page.settle()
+    live.end()
+    assert [event["do"] for event in live.script()][-2:] == ["slide", "slide"] and not page.refusals() + page.faults
+    live.assert_replays(page.frames())
