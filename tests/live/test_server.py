@@ -4,6 +4,7 @@ import asyncio
 import json
 import random
 import webbrowser
+from types import SimpleNamespace
 
 import aiohttp
 import pytest
@@ -11,6 +12,8 @@ from live_client import Served, StandIn, run
 
 from restshape.live.server_address import listening
 from restshape.live.server_browser import DISPLAYS, open_browser
+from restshape.live.server_frames import KeptFrames
+from restshape.live.server_pages import MOST_TEXTS, Page
 from restshape.live.server_session import LiveSession
 
 pytestmark = pytest.mark.cli
@@ -248,6 +251,19 @@ def test_200_connects_and_drops_and_too_many_pages(tmp_path):
             await server.page("one too many")
 
     run(tmp_path, story)
+
+
+def test_a_page_that_takes_no_answers_is_not_heard_any_further():
+    async def story() -> None:
+        page = Page(SimpleNamespace(closed=False), "a", KeptFrames())
+        for _ in range(MOST_TEXTS):
+            page.say("x")
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(page.room(), 0.05)
+        page._texts.clear()
+        await asyncio.wait_for(page.room(), 1.0)
+
+    asyncio.run(story())
 
 
 def test_a_hand_that_sends_at_1000_hz_is_kept_up_with(tmp_path):

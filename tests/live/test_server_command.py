@@ -70,6 +70,8 @@ def test_only_files_of_a_page_are_served_and_they_may_load_nothing_else(tmp_path
     assert set(page_files(tmp_path)) == {FIRST, "main.js"}
     said = headers(8000)["Content-Security-Policy"]
     assert "default-src 'self'" in said and "ws://127.0.0.1:8000" in said and "unsafe-eval" not in said
+    (framed,) = (one for one in said.split("; ") if one.startswith("frame-ancestors "))
+    assert {one.partition("://")[2] for one in framed.split()[1:]} == {"127.0.0.1:*", "localhost:*"}
 
 
 STAND_IN = """

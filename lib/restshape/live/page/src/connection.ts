@@ -9,8 +9,8 @@ export interface Listener {
   message(message: FromServer): void;
   /** `bytes` holds the arrays: that of an `ArrayPlace` begins at `base + place.at`. */
   frame(header: FrameMessage, bytes: ArrayBuffer, base: number): void;
-  /** Whether the socket is open. */
-  connected(open: boolean): void;
+  /** Whether the socket is open; where it is not, whether another tab has it. */
+  connected(open: boolean, elsewhere?: boolean): void;
 }
 
 const QUIET = 20_000; // ms without a word of the server, which says one every 5 s, after which the socket counts as lost
@@ -70,7 +70,7 @@ export class Connection {
   private lost(code: number): void {
     if (code !== REPLACED) { this.again(); return; }
     this.socket = null; // until the person looks at this page again
-    this.listener.connected(false);
+    this.listener.connected(false, true);
   }
 
   private again(): void {

@@ -3,7 +3,7 @@
 import type { App } from "./app";
 import type { FrameMessage } from "./protocol";
 
-const LINKS = { connecting: "connecting", open: "connected", lost: "no connection: trying again" };
+const LINKS = { connecting: "connecting", open: "connected", lost: "no connection: trying again", elsewhere: "goes on in another tab" };
 const COLUMNS = ["level", "ms", "iterations", "estimate"];
 
 export function showHead(app: App): void {
