@@ -53,6 +53,12 @@ def test_a_frame_is_drawn_as_a_recording_of_it(bracket, tmp_path):
     assert not list(run)
     with restshape.recording(path) as found:
         assert drawn.startswith(PNG) and drawn == found._repr_png_() == found.frames[0]._repr_png_()
+        (read,) = found.frames
+        assert not found.closed and read.fields
+    assert found.closed and found._repr_png_() is None and read._repr_png_() is None
+    assert read.fields["displacement"].shape[1] == 2 and found.frames[0].quantities
+    with pytest.raises(restshape.UserError, match="the recording is closed"):
+        assert read.mesh
 
 
 def test_a_frame_that_is_gone_is_not_drawn(bracket):

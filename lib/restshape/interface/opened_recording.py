@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Self, overload
 
+from restshape.errors import UserError
 from restshape.interface.readable_frame import ReadableFrame, ShownMesh
 from restshape.replay.recording import Recording
 from restshape.scene.edit_script import Script, read_script
@@ -57,15 +58,20 @@ class OpenedRecording(Recording):
         name = Path(str(self.header.get("script", ""))).name or "script"
         return read_script(text, self.path.with_name(name), self.scene, keep_good=True)
 
+    @property
+    def closed(self) -> bool:
+        """Whether its file is closed: of its frames there is then what has been read."""
+        return not self._file
+
     def __enter__(self) -> Self:
         """The recording."""
         return self
 
     def _repr_png_(self) -> bytes | None:
-        """The sheet of frames that `restshape report` draws, for notebooks; None where it draws none."""
+        """The sheet of frames that `restshape report` draws, for notebooks; None where it draws none, or is closed."""
         from restshape.report.sheet import sheet
 
-        return sheet(self)
+        return None if self.closed else sheet(self)
 
     def __repr__(self) -> str:
         """What it is, in one line."""
@@ -87,21 +93,38 @@ class FrameOnFile(ReadableFrame):
 
     @cached_property
     def mesh(self) -> ShownMesh:
-        """Nodes and cells, which fields are of."""
-        points, cells = self._recording.mesh(self._i)
-        return ShownMesh(points, cells, self._recording.cell_type(self._i))
+        """Nodes and cells, which fields are of.
+
+        Raises:
+            UserError: the recording is closed.
+        """
+        recording = self._opened()
+        points, cells = recording.mesh(self._i)
+        return ShownMesh(points, cells, recording.cell_type(self._i))
 
     @cached_property
     def fields(self) -> dict[str, Reals]:
-        """Fields by name, as they were recorded: (n,) or (n, c) of the nodes, (ne,) or (ne, c) of the cells; SI."""
-        known = self._recording.fields.items()
-        return {name: self._recording.field(self._i, name) for name, one in known if one.first_frame <= self._i}
+        """Fields by name, as they were recorded: (n,) or (n, c) of the nodes, (ne,) or (ne, c) of the cells; SI.
+
+        Raises:
+            UserError: the recording is closed.
+        """
+        recording = self._opened()
+        known = recording.fields.items()
+        return {name: recording.field(self._i, name) for name, one in known if one.first_frame <= self._i}
 
     def _repr_png_(self) -> bytes | None:
-        """The frame as `restshape report` draws it, in the colours of all frames, for notebooks."""
+        """The frame as `restshape report` draws it, in the colours of all frames; None once the recording is closed."""
         from restshape.report.sheet import sheet
 
-        return sheet(self._recording, self._i)
+        return None if self._recording.closed else sheet(self._recording, self._i)
+
+    def _opened(self) -> OpenedRecording:
+        """The recording, whose file can be read."""
+        if self._recording.closed:
+            do = "read mesh and fields of its frames before"
+            raise UserError("the recording is closed", f"{self._recording.path.name}: frame {self._i}", do)
+        return self._recording
 
 
 class Frames(Sequence[FrameOnFile]):
