@@ -51,7 +51,6 @@ application = Application(
         columns=(
             ShownColumn("utilisation", most=1.0),
             ShownColumn("stability_margin", least=0.0),
-            ShownColumn("unbalanced_load"),
             ShownColumn("deflection", "m", effect="bending"),
             ShownColumn("bending_utilisation", most=1.0, effect="bending"),
         ),

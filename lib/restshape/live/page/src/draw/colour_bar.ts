@@ -38,7 +38,8 @@ export class ColourBar {
     const size = Math.max(Math.abs(ends[0]), Math.abs(ends[1]));
     const { factor, unit } = scaledUnit(size, field.unit);
     put(this.caption, unit ? `${field.label} [${unit}]` : field.label);
-    [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]].forEach((value, i) => put(this.values[i]!, plain(value * factor)));
+    const span = factor * (ends[1] - ends[0]);
+    [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]].forEach((value, i) => put(this.values[i]!, plain(value * factor, span)));
     name(this.strip, `colours of ${field.label}, from ${siText(ends[0], field.unit)} to ${siText(ends[1], field.unit)}`);
     put(this.extremes, `${siText(low, field.unit)} to ${siText(high, field.unit)}${note ? ` · ${note}` : ""}`);
   }
@@ -52,7 +53,12 @@ export class ColourBar {
   }
 }
 
-function plain(value: number): string { return Number(value.toPrecision(3)).toString().replace("-", "−"); }
+/** A value in as many digits as tell hundredths of the span apart. */
+function plain(value: number, span: number): string {
+  const decimals = span > 0 ? Math.max(0, 2 - Math.floor(Math.log10(span))) : 0;
+  const text = decimals > 6 || Math.abs(value) >= 1e6 ? value.toPrecision(3) : value.toFixed(decimals);
+  return Number(text).toString().replace("-", "−");
+}
 
 /** Names an element for screen readers. */
 function name(element: HTMLElement, text: string): void {

@@ -38,7 +38,7 @@ export function showEditButtons(app: App): HTMLElement {
     for (const made of buttons) made.disabled = looks || !(made.dataset["event"]! in known);
     record.hidden = !app.welcome?.recordable;
     run.hidden = !app.welcome?.goesOn || app.welcome.player;
-    record.disabled = restart.disabled = run.disabled = looks;
+    for (const made of [save, record, restart, run]) made.disabled = looks;
     ask.hidden = !app.welcome || !looks;
   };
   app.on("welcome", arrange);

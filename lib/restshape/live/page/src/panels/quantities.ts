@@ -45,12 +45,17 @@ function rowOf(info: QuantityInfo, chosen: boolean, plotted: (name: string, on: 
   const box = element("input", { type: "checkbox", "aria-label": `plot ${info.name}`, checked: chosen });
   box.addEventListener("change", () => plotted(info.name, box.checked));
   const line = element("tr", {},
-    element("th", { scope: "row" }, info.name),
+    element("th", { scope: "row" }, ...breakable(info.name)),
     element("td", { class: "value" }, value.node, element("small", {}, error.node)),
     element("td", { class: "limit" }, element("span", { class: "status" }, status.node), element("small", {}, limits.node)),
     element("td", {}, box));
   plotted(info.name, chosen);
   return { info, value, error, status, limits, line };
+}
+
+/** A name as it is written, which a narrow column breaks after its underscores. */
+function breakable(name: string): (Node | string)[] {
+  return name.split(/(?<=_)/).flatMap((part, index) => (index ? [element("wbr"), part] : [part]));
 }
 
 function update(row: Row, frame: FrameMessage): void {

@@ -91,7 +91,7 @@ function lines(app: App, rates: Rates): HTMLElement[] {
     const unit = rates.units[name] ?? "";
     const number = rates.of.includes(".") ? app.welcome?.numbers.find((one) => one.key === rates.of)?.value ?? NaN : NaN;
     const text = rates.of.includes(".") ? shareText(rate[0] ?? NaN, number, unit, value) : rateText(rate, unit, value);
-    return element("li", {}, arrow(rate), element("span", {}, `${name}: ${text}`));
+    return element("li", {}, arrow(fallsAtAll(Math.hypot(...rate), value) || rate.length === 1 ? rate : []), element("span", {}, `${name}: ${text}`));
   });
 }
 
