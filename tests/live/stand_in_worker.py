@@ -57,7 +57,7 @@ class Shown:
             self.size = event["size"]
         self.done += 1
         self.show(number)
-        self.link.send({"type": "written", "lines": f"{json.dumps(event)}\n", "count": self.done})
+        self.link.send({"type": "written", "id": number, "lines": f"{json.dumps(event)}\n", "count": self.done})
         self.link.send({"type": "done", "id": number})
 
 

@@ -13,7 +13,15 @@ def test_an_event_lasts_until_it_is_written_down_and_merged_ones_end_with_the_la
     work.begin({"type": "event", "id": 2, "event": {"do": "drag"}})
     work.frame(2)
     assert work.busy and work.what == "drag"
-    work.written()
+    work.written(2)
+    assert not work.busy
+    work.begin({"type": "event", "id": 3, "event": {"do": "drag"}})
+    work.begin({"type": "event", "id": 4, "event": {"do": "drag"}})
+    work.written(0)
+    assert work.busy
+    # The last frame of an event comes after the line that it has in the script.
+    work.written(4)
+    work.frame(4)
     assert not work.busy
 
 

@@ -145,13 +145,13 @@ class Worker(MessageLoop):
         while self.live.go_on():
             # What is shown is written down before.
             self.live.finish()
-            self._write(with_next=True)
+            self._write(self._answered, with_next=True)
             moment = self.moment()
             if missed:
                 moment.header["missed"] = missed
             self.send(moment)
             self._end_early()
-        self._write()
+        self._write(self._answered)
 
     def _end_early(self) -> None:
         """Ends the event after this frame if the session ends, and the event can end there."""
@@ -163,14 +163,18 @@ class Worker(MessageLoop):
             if self.live.stop():
                 raise
 
-    def _write(self, with_next: bool = False) -> None:
-        """Writes down what has been done, and tells the server: at once, or with the next message."""
+    def _write(self, number: int = 0, with_next: bool = False) -> None:
+        """Writes down what has been done, and tells the server: at once, or with the next message.
+
+        Args:
+            number: of the message whose event it is; 0: of none.
+        """
         lines, self.live.lines = self.live.lines, []
         if not lines or self.player is not None:
             return
         for line in lines:
             self._to_file(partial(self.file.add, line))
-        self._say_written(lines, with_next)
+        self._say_written(lines, number, with_next)
 
     def _to_file(self, write: Callable[[], object]) -> None:
         """Has the script's file written; a disk that has no room ends no session: what is missing is written later."""
@@ -183,9 +187,9 @@ class Worker(MessageLoop):
         else:
             self._unwritten = False
 
-    def _say_written(self, lines: Sequence[str], with_next: bool = False) -> None:
+    def _say_written(self, lines: Sequence[str], number: int = 0, with_next: bool = False) -> None:
         text = "".join(f"{line}\n" for line in lines)
-        message = json_bytes({"type": "written", "lines": text, "count": self.file.count})
+        message = json_bytes({"type": "written", "id": number, "lines": text, "count": self.file.count})
         (self.link.send_with_next if with_next else self.link.send)(message)
 
     def _rest(self) -> None:

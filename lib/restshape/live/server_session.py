@@ -131,7 +131,7 @@ class LiveSession:
         if kind == "written":
             self._process.lines += said["lines"]
             self._process.events = said["count"]
-            self._work.written()
+            self._work.written(said.get("id", 0))
             self.pages.say(message)
             return
         self.state.hear(said)

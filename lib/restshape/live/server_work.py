@@ -47,10 +47,10 @@ class WorkInProgress:
         self._starting = False
         self.answer(number - 1 if self._sent.get(number) else number)
 
-    def written(self) -> None:
-        """The event whose frames came last is over."""
-        if self._sent and self._sent[first := min(self._sent)]:
-            self.answer(first)
+    def written(self, number: int) -> None:
+        """The event of a message is over, and with it those before, which it has replaced; 0: of no message."""
+        if number:
+            self.answer(number)
 
     @property
     def busy(self) -> bool:

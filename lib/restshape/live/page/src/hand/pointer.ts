@@ -179,6 +179,7 @@ export class Pointer {
 
   private refresh(): void {
     const { selected, things } = this.app;
+    this.targets.chosen = selected;
     this.selected.show(selected && this.targets.find(things, selected.name), null);
     const { lit } = this.hover;
     if (lit) this.hover.show(this.targets.find(things, lit.name), this.hover.dot);

@@ -17,6 +17,7 @@ const ORDER = ["vertex", "control", "edge", "hole", "region", "panel", "group", 
 export class Targets {
   private all: Target[] = [];
   private things: readonly ThingInfo[] = [];
+  chosen: ThingInfo | null = null;                   // what is selected
   private version = -1;
   private parts: Parts | null = null;
   private readonly flat = new Map<Shown, Float32Array>();
@@ -40,7 +41,7 @@ export class Targets {
     return this.list(things).find(({ thing }) => thing.name === name) ?? null;
   }
 
-  /** What is under a pixel: a vertex before a control point before an edge before what lies inside. reach: pixels. */
+  /** What is under a pixel: a support before a vertex before a control point before an edge before what lies inside. reach: pixels. */
   at(things: readonly ThingInfo[], x: number, y: number, reach: number, free: (thing: ThingInfo) => boolean): Grip | null {
     const all = this.list(things).filter(({ thing }) => free(thing));
     this.flat.clear();
@@ -75,13 +76,19 @@ export class Targets {
     for (const target of all) {
       for (const dot of target.dots) {
         const xy = this.pixels(target.shown);
-        const distance = Math.hypot(xy[2 * dot]! - x, xy[2 * dot + 1]! - y) + (target.thing.role === "vertex" ? 0 : 1);
+        const distance = Math.hypot(xy[2 * dot]! - x, xy[2 * dot + 1]! - y) + this.rank(target.thing);
         if (distance >= best) continue;
         best = distance;
         found = { target, at: placeOf(target.shown, dot), dot };
       }
     }
     return found;
+  }
+
+  /** Pixels by which a dot counts as farther away: of several at one place what is selected comes first, then a support. */
+  private rank({ name, role }: ThingInfo): number {
+    if (this.chosen?.name === name && this.chosen.role === role) return -3;
+    return role === "support" ? -1 : role === "vertex" ? 0 : 1;
   }
 
   private edgeAt(all: readonly Target[], x: number, y: number, reach: number): Grip | null {

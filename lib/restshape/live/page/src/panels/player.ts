@@ -37,7 +37,9 @@ export function showPlayer(app: App): HTMLElement {
   app.on("player", ({ playing, frame, frames }) => show({ playing, frame, frames }));
   addEventListener("keydown", (event) => {
     const at = event.target;
-    const elsewhere = at instanceof HTMLElement && at.closest("input, select, button, textarea, summary, dialog");
+    // A button has its own use of the space key, and none of the others.
+    const takers = event.key === " " ? "input, select, button, textarea, summary, dialog" : "input:not([type=range], [type=checkbox], [type=radio]), select, textarea, dialog";
+    const elsewhere = at instanceof HTMLElement && at.closest(takers);
     if (body.hidden || elsewhere || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === " ") toggle();
     else if (event.key === ",") seek(state.frame - 1);
