@@ -23,6 +23,7 @@ export class ColourBar {
     this.values.forEach((value, i) => { value.style.left = `${50 * i}%`; });
     this.scale.append(...this.values);
     into.append(this.caption, this.strip, this.scale, this.extremes);
+    into.hidden = true;
   }
 
   show(state: BarState): void {
