@@ -60,7 +60,8 @@ def _timed(steps: Iterator[object]) -> Times:
 
 
 def _written(script: restshape.Script) -> list[dict[str, Any]]:
-    return [event.model_dump(mode="json", by_alias=True, exclude_unset=True) for event in script.events]
+    # A hand gives no times.
+    return [event.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude={"t"}) for event in script.events]
 
 
 def _replayed(scene: restshape.Scene, script: restshape.Script) -> Times:

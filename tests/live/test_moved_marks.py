@@ -43,3 +43,13 @@ def test_what_stays_is_the_same_object_and_follows_when_the_shape_moves():
     assert follow([mark], [part])[0] is first
     (then,) = follow([mark], [shape(displacement=in_space(2.0 * POINTS @ SLOPES))])
     np.testing.assert_allclose(then.moved, 2.0 * np.array(first.moved), atol=1e-7)
+
+
+def test_a_place_that_goes_to_another_triangle_is_found_again():
+    follow = MovedMarks()
+    for place in ((1.7, 0.1), (1.6, 0.2), (0.3, 0.9), (0.2, 0.95), (1.7, 0.1)):
+        (word,) = follow([Words("here", place)], [shape(displacement=in_space(POINTS @ SLOPES))])
+        np.testing.assert_allclose(word.moved, np.array(place) @ SLOPES, atol=1e-7)
+    few = {"points": in_space(POINTS[:3]), "cells": CELLS[:1], "displacement": in_space(POINTS[:3] @ SLOPES)}
+    (word,) = follow([Words("here", (1.5, 0.5))], [shape(**few)])
+    np.testing.assert_allclose(word.moved, np.array((1.5, 0.5)) @ SLOPES, atol=1e-7)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +27,7 @@ class MovedMarks:
     def __init__(self) -> None:
         self._on: tuple[AnyArray | None, AnyArray | None] = (None, None)
         self._known: list[tuple[Mark, Mark]] = []
+        self._around: dict[int, int] = {}
 
     def __call__(self, marks: Sequence[Mark], parts: Sequence[PicturePart]) -> Sequence[Mark]:
         """The marks of a frame as they are drawn on its picture.
@@ -40,56 +42,101 @@ class MovedMarks:
         same = all(one is other for one, other in zip(now, self._on))
         before = self._known if same else []
         known: list[tuple[Mark, Mark]] = []
+        drawn = _DrawnShape(*now, shape.arrays["cells"], self._around)
         for place, mark in enumerate(marks):
             kept = place < len(before) and before[place][0] is mark
-            known.append(before[place] if kept else (mark, _with_moves(mark, shape)))
+            known.append(before[place] if kept else (mark, _with_moves(mark, drawn)))
         self._on, self._known = now, known
         return [drawn for _, drawn in known]
 
 
-def _with_moves(mark: Mark, shape: PicturePart) -> Mark:
+def _with_moves(mark: Mark, shape: _DrawnShape) -> Mark:
     """A mark with the displacements of its points, where it has points and says nothing of them itself."""
     if not isinstance(mark, Lines | Arrows | Words) or mark.moved is not None or mark.meaning in STAYS:
         return mark
     if isinstance(mark, Words):
         if mark.at is None:
             return mark
-        return replace(mark, moved=_moved(np.array([mark.at], dtype=float), shape)[0].tolist())
-    return replace(mark, moved=_moved(np.asarray(mark.points, dtype=float), shape)) if len(mark.points) else mark
+        return replace(mark, moved=shape.moves(np.array([mark.at], dtype=float))[0].tolist())
+    return replace(mark, moved=shape.moves(np.asarray(mark.points, dtype=float))) if len(mark.points) else mark
 
 
-def _moved(places: Reals, shape: PicturePart) -> Reals:
-    """Displacements (m, 3) [m] of places (m, d) [m]: those of the shape there; beside it those of its nearest node."""
-    X, moved = shape.arrays["points"].astype(float), shape.arrays["displacement"].astype(float)
-    found = np.zeros((len(places), 3))
-    if not len(X):
+@dataclass(eq=False)
+class _DrawnShape:
+    """A shape whose displacements are drawn.
+
+    Args:
+        points, displacement: (n, 3) of its nodes [m]; cells: (m, 3) nodes of its triangles.
+        around: triangles that places were in, in the order in which they were looked for: there they are looked for
+            first.
+    """
+
+    points: AnyArray
+    displacement: AnyArray
+    cells: AnyArray
+    around: dict[int, int]
+    _asked: int = 0
+
+    def moves(self, places: Reals) -> Reals:
+        """Displacements (m, 3) [m] of places (m, d) [m]: those of the shape there; beside it, of its nearest node."""
+        found = np.zeros((len(places), 3))
+        if not len(self.points):
+            return found
+        wanted = np.zeros((len(places), 3))
+        wanted[:, : places.shape[1]] = places
+        for row, place in enumerate(wanted):
+            shares = self._shares(place) if self._flat else None
+            if shares is not None:
+                found[row] = shares[1] @ self.displacement[shares[0]]
+            else:
+                found[row] = self.displacement[((self.points - place) ** 2).sum(axis=1).argmin()]
         return found
-    wanted = np.zeros((len(places), 3))
-    wanted[:, : places.shape[1]] = places
-    flat = not X[:, 2].any()
-    for row, place in enumerate(wanted):
-        shares = _shares(X, shape.arrays["cells"], place) if flat else None
-        if shares is not None:
-            found[row] = shares[1] @ moved[shares[0]]
-        else:
-            found[row] = moved[((X - place) ** 2).sum(axis=1).argmin()]
-    return found
+
+    @cached_property
+    def _flat(self) -> bool:
+        """Whether it lies in the plane z = 0."""
+        return not self.points[:, 2].any()
+
+    @cached_property
+    def _corners(self) -> Reals:
+        """Coordinates (2, 3, m) of the triangles' corners in the plane."""
+        return np.ascontiguousarray(self.points[:, :2].T.astype(float)[:, self.cells.T])
+
+    @cached_property
+    def _box(self) -> Reals:
+        """The least and the largest coordinates (2, 2, m) of each triangle."""
+        a, b, c = self._corners.swapaxes(0, 1)
+        return np.stack([np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)])
+
+    def _shares(self, place: Reals) -> tuple[AnyArray, Reals] | None:
+        """The nodes (3,) of the triangle around a place, and their shares (3,); None where there is none."""
+        self._asked += 1
+        before = self.around.get(self._asked, len(self.cells))
+        if before < len(self.cells):
+            # Places go less far in a frame than to the next triangle.
+            shares = _shares_in(self.points[self.cells[[before]], :2].transpose(1, 2, 0).astype(float), place)[0]
+            if shares.min() >= 0.0:
+                return self.cells[before], shares
+        (left, low), (right, high) = self._box
+        x, y = place[:2]
+        near = np.flatnonzero((left <= x) & (x <= right) & (low <= y) & (y <= high))
+        if not len(near):
+            return None
+        shares = _shares_in(self._corners[:, :, near].swapaxes(0, 1), place)
+        inside = shares.min(axis=1)
+        best = int(np.nan_to_num(inside, nan=-np.inf).argmax())
+        if inside[best] < INSIDE:
+            return None
+        self.around[self._asked] = int(near[best])
+        return self.cells[near[best]], shares[best]
 
 
-def _shares(X: Reals, cells: AnyArray, place: Reals) -> tuple[AnyArray, Reals] | None:
-    """The nodes (3,) of the triangle in the plane around a place, and their shares (3,); None where there is none."""
-    corners = X[cells, :2]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    near = np.flatnonzero(((low <= place[:2]) & (place[:2] <= high)).all(axis=1))
-    if not len(near):
-        return None
-    a, b, c = corners[near].transpose(1, 2, 0)
-    area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+def _shares_in(corners: Reals, place: Reals) -> Reals:
+    """The shares (m, 3) of the corners (3, 2, m) of triangles at a place in the plane; NaN where one has no area."""
+    a, b, c = corners
     x, y = place[:2]
+    area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         second = ((x - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (y - a[1])) / area
         third = ((b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1])) / area
-    shares = np.stack([1.0 - second - third, second, third], axis=1)
-    inside = shares.min(axis=1)
-    best = int(np.nan_to_num(inside, nan=-np.inf).argmax())
-    return (cells[near[best]], shares[best]) if inside[best] >= INSIDE else None
+    return np.stack([1.0 - second - third, second, third], axis=1)
