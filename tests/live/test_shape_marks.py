@@ -72,8 +72,10 @@ def test_an_extreme_is_found_among_the_values_that_are_known(bracket):
     for reduce, place in (("max", 2), ("min", 1), ("absmax", 2)):
         values = np.array([np.nan, 1.0, 3.0, np.nan])
         fields = {**seen.frame.fields, "known": values}
-        partly = replace(seen, frame=SimpleNamespace(fields=fields))
+        partly = replace(seen, frame=SimpleNamespace(fields=fields, row={}))
         assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None), partly) == place
+        later = replace(seen, frame=SimpleNamespace(fields=fields, row={"q_a": 4.0}))
+        assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None), later) is None
         values[:] = np.nan
         assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None), partly) is None
 

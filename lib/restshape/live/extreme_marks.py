@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from restshape.live.seen_frame import SeenFrame
     from restshape.scene.quantity import Quantity
 
+SAME = 1e-9
+"""Relative difference between a quantity and the value of the field at its place, at most."""
 AXES = {"x": 0, "y": 1, "z": 2}
 
 
@@ -91,6 +93,10 @@ class ExtremeMarks:
             if not len(known):
                 return None
             place = int(known[values[known].argmin() if one.reduce == "min" else values[known].argmax()])
+        value = number(seen.frame.row, quantity_column(one.name)) if one.name else np.nan
+        # A peak over the time steps of a frame may be nowhere at its end.
+        if abs(values[place] - value) > SAME * abs(value):
+            return None
         return int(place if nodes is None else nodes[place])
 
 
@@ -146,7 +152,9 @@ def _said(one: LookedAt, seen: SeenFrame, node: int) -> str:
     row = seen.frame.row
     if not one.name:
         values, nodes = _values(one, seen)
-        return extreme_words("max", float((values if nodes is None else values[nodes == node]).max()), np.nan, one.unit)
+        return extreme_words(
+            "max", float(np.nanmax(values if nodes is None else values[nodes == node])), np.nan, one.unit
+        )
     value, error = number(row, quantity_column(one.name)), number(row, error_column(one.name))
     return extreme_words(one.name, value, cleared(error, value), one.unit)
 
