@@ -112,14 +112,14 @@ def test_a_recording_for_which_the_disk_has_no_room_ends_and_the_session_goes_on
             full.setattr(Recorder, "add_header", fail)
             answers = session.say("record", on=True)
         else:
-            assert session.say("record", on=True)[-1]["type"] == "done"
+            assert session.say("record", on=True)[-1]["type"] == "done" and session.of("frame")[-1]["records"]
             full.setattr(Recorder, "frame", fail)
             answers = session.event("drag", to=[0.1, 0.06])
     assert [one for one in answers if one["type"] == "refused" and "the disk is full" in one["message"]]
     assert session.live.recorder is None
     session.event("drag", to=[0.1, 0.062])
     session.event("release")
-    assert session.say("record", on=False)[-1]["type"] == "done"
+    assert session.say("record", on=False)[-1]["type"] == "done" and "records" not in session.of("frame")[-1]
     assert [cut(row) for row in session.rows()][-2:] == replayed(scene, out)[-2:]
     session.end()
 

@@ -316,6 +316,8 @@ class Worker(MessageLoop):
         header = header_of(frame.index, frame.row, live.scene, live.hand)
         if self._due is not None:
             header["runs"] = True
+        if live.recorder is not None:
+            header["records"] = True
         found = cast("Sequence[Mark]", application_of(live.scene).marked(live.sim)) if self._marks else ()
         parts = live.picture.parts()
         marks = self._moved_marks(shown_with(found, mode_of(live.picture.field)), parts)

@@ -88,6 +88,7 @@ export interface FrameMessage {
   errors: Record<string, number | null>;                                   // of quantities, where they are estimated; null: infinite
   limits: Record<string, "holds" | "uncertain" | "fails">;
   runs?: boolean;                                                          // time goes on by itself
+  records?: boolean;                                                       // frames are recorded
   missed?: string;                                                         // why the press was refused that this frame lets go of
   held: { on: string; at: number[] } | null;
   parts: Part[];

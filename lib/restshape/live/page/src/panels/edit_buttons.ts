@@ -43,7 +43,10 @@ export function showEditButtons(app: App): HTMLElement {
   };
   app.on("welcome", arrange);
   app.on("role", arrange);
-  app.on("frame", ({ header }) => mark(run, "aria-pressed", String(header.runs === true)));
+  app.on("frame", ({ header }) => {
+    mark(run, "aria-pressed", String(header.runs === true));
+    mark(record, "aria-pressed", String(header.records === true));
+  });
   addEventListener("keydown", (event) => {
     const plain = !event.ctrlKey && !event.metaKey && !event.altKey && !event.defaultPrevented;
     if (plain && event.key.toLowerCase() === "r" && !typing(event) && !run.hidden && !run.disabled) run.click();
