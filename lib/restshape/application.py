@@ -501,6 +501,7 @@ class Application:
         return sorted((self.folder / "scenes").glob("*.toml"))
 
 
+@cache
 def _function(path: str, owner: str = "an application") -> Callable[..., object]:
     """The function, or the class, that a path names."""
     return cast("Callable[..., object]", declared(path, owner))

@@ -26,7 +26,7 @@ from restshape.live.script_player import ScriptPlayer
 
 BRACKET = Path(__file__).parents[2] / "docs" / "examples" / "bracket.toml"
 COARSE = ("mesh.size='30 mm'", "mesh.near.window='15 mm'", "mesh.order=1")
-TYPES = {"f4": "<f4", "u4": "<u4", "u1": "u1"}
+TYPES = {"f4": "<f4", "u2": "<u2", "u4": "<u4", "u1": "u1"}
 SECONDS = 60.0
 
 

@@ -53,6 +53,10 @@ class Shown:
         if do == "refuse" or message.get("field") == "unknown":
             self.link.send({"type": "refused", "id": number, "message": "no", "place": "p", "todo": "t"})
             return
+        if do == "rest":
+            self.link.send({"type": "resting", "line": f"{json.dumps(event)}\n"})
+            self.link.send({"type": "done", "id": number})
+            return
         if do == "grow":
             self.size = event["size"]
         self.done += 1

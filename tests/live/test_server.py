@@ -151,6 +151,19 @@ def test_a_process_that_dies_is_started_again_with_the_script_so_far(tmp_path):
     run(tmp_path, story)
 
 
+def test_frames_of_a_process_that_dies_while_it_comes_to_rest_are_kept(tmp_path):
+    async def story(server: Served) -> None:
+        page = await server.page()
+        for do in ("drag", "rest", "rest"):
+            await page.until("done", id=await page.do(do))
+        await page.do("crash")
+        # Another line of the event takes the place of the one before it.
+        await page.until("lost", restarting=True)
+        assert (await page.until("frame"))["number"] == 2
+
+    run(tmp_path, story)
+
+
 def test_one_that_takes_long_is_said_to_be_busy_and_is_cancelled(tmp_path):
     async def story(server: Served) -> None:
         page = await server.page()

@@ -1,5 +1,7 @@
 """A hand in the template of each application: what is seen live is what replays."""
 
+import json
+
 import pytest
 from live_worker import LocalSession, cut, replayed
 
@@ -34,3 +36,21 @@ def test_the_script_of_a_session_replays_to_its_rows(name, tmp_path):
     session.end()
     assert not session.of("lost") and not session.of("refused")
     assert [cut(row) for row in session.rows()] == replayed(scene, out)
+
+
+def test_cloth_that_comes_to_rest_is_in_the_script_frame_by_frame(tmp_path):
+    cloth = next(path for path in TEMPLATES.values() if path.exists() and "[bodies." in path.read_text())
+    few = ("mesh.size='50 mm'", "mesh.levels=1", "effects.drape.levels=1", "effects.drape.steps=3")
+    scene = restshape.load(cloth, *few)
+    session = LocalSession(scene, out := tmp_path / "session.jsonl")
+    assert not session.live.settled
+    for frames in (1, 2):
+        session.worker.next()
+        session.drain()
+        # As it would be if the process were killed now.
+        assert json.loads(out.read_text().splitlines()[-1]) == {"t": 0.0, "do": "idle", "frames": frames}
+        assert json.loads(session.of("resting")[-1]["line"])["frames"] == frames
+        assert [cut(row) for row in session.rows()] == replayed(scene, out)
+    session.event("set", key="effects.gravity.g", value=[0, 0, -9.0])
+    assert [json.loads(line)["do"] for line in out.read_text().splitlines()[1:]] == ["idle", "set"]
+    session.end()

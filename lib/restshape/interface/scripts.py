@@ -145,13 +145,8 @@ class WrittenScript:
         Returns:
             Whether it can end there: an event "idle" and a drag to places can.
         """
-        last, table = self._reader.events[-1], dict(self._tables[-1])
-        if last.do == "idle":
-            table["frames"] = frames
-        elif last.do == "drag" and len(path) == frames:
-            table = {key: value for key, value in table.items() if key not in ("to", "path", "frames")}
-            table["path"] = [list(place) for place in path]
-        else:
+        table = self._cut(frames, path)
+        if table is None:
             return False
         self._reader.events.pop()
         self._tables.pop()
@@ -159,6 +154,21 @@ class WrittenScript:
         self.follow(table)
         self._reader.grabbed = grabbed
         return True
+
+    def _cut(self, frames: int, path: Sequence[Sequence[float]]) -> Table | None:
+        """The keys of the last event if it ended after some of its frames; None where it cannot."""
+        last, table = self._reader.events[-1], dict(self._tables[-1])
+        if last.do == "idle":
+            return table | {"frames": frames}
+        if last.do == "drag" and len(path) == frames:
+            table = {key: value for key, value in table.items() if key not in ("to", "path", "frames")}
+            return table | {"path": [list(place) for place in path]}
+        return None
+
+    def cut_line(self, frames: int) -> str:
+        """The text of the last event as it would be after some of its frames; empty where it cannot end there."""
+        table = self._cut(frames, ())
+        return json.dumps(table, allow_nan=False) if table else ""
 
     def drop_last(self) -> None:
         """The last event has not been carried out."""

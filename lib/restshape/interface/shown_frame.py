@@ -104,12 +104,12 @@ class ShownFrame(ReadableFrame):
         Raises:
             UserError: the frame is not the last one any more.
         """
-        at_nodes, in_cells = self._fields
+        at_nodes, in_cells = self.fields_apart
         return in_cells | at_nodes
 
     @cached_property
-    def _fields(self) -> tuple[dict[str, Reals], dict[str, Reals]]:
-        """Fields of the nodes, and those of the cells."""
+    def fields_apart(self) -> tuple[dict[str, Reals], dict[str, Reals]]:
+        """Fields of the nodes, and those of the cells; as of `fields`, with its errors."""
         replay = self._replay()
         space, known = replay.solver.space, replay.solver.known
         at_nodes, in_cells = replay.analysis.fields() if known else replay.analysis.blank_fields(space)
@@ -176,7 +176,7 @@ class ShownFrame(ReadableFrame):
         from restshape.report.sheet import sheet
 
         try:
-            mesh, fields, (edit, extra) = self.mesh, self._fields, self._of_session
+            mesh, fields, (edit, extra) = self.mesh, self.fields_apart, self._of_session
         except UserError:
             return None
         return sheet(FrameRecording(self._answer.request, extra, edit, self.row, mesh.points, mesh.cells, *fields), 0)

@@ -199,6 +199,9 @@ class Worker(MessageLoop):
             live.rest()
         live.go_on()
         self._rested += 1
+        if line := live.rest_so_far():
+            self.file.add_for_now(line)
+            self.link.send_with_next(json_bytes({"type": "resting", "line": f"{line}\n"}))
         self.send(self.moment())
 
     def _run(self, message: page.RunMessage) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.application import application_of
 from restshape.errors import UserError
-from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.live.frame_arrays import PicturePart, sent_indices, sent_points
 from restshape.live.grab_parts import Thing
 from restshape.scene.bodies import bodies_of, pins_of
 from restshape.scene.edit_script import SUPPORTS
@@ -58,7 +58,7 @@ def _surface(scene: Scene, name: str, places: Reals) -> PicturePart:
     found = (one.surface_of(scene, name, low, high) for one in application_of(scene).physics)
     surface = next((one for one in found if one is not None), None)
     points, triangles = surface if surface is not None else (np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
-    arrays = {"points": in_space(points), "cells": np.asarray(triangles).astype("<u4")}
+    arrays = {"points": sent_points(points), "cells": sent_indices(np.asarray(triangles), len(points))}
     return PicturePart(f"{BODY}{name}", "surface", "body", arrays)
 
 
@@ -76,7 +76,8 @@ def pin_part(scene: Scene, space: Space, places: Reals) -> PicturePart | None:
         nodes.append(own)
     if not names:
         return None
-    return PicturePart(PINS, "dots", "support", {"points": in_space(places[np.concatenate(nodes)])}, {"names": names})
+    arrays = {"points": sent_points(places[np.concatenate(nodes)])}
+    return PicturePart(PINS, "dots", "support", arrays, {"names": names})
 
 
 def _nodes_of(space: Space, entities: list[str]) -> Reals:

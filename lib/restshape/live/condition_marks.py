@@ -128,7 +128,7 @@ def _equal(these: Reals | None, those: Reals | None) -> bool:
     """Whether two arrays are the same; or there is neither."""
     if these is None or those is None:
         return these is those
-    return these.shape == those.shape and bool((these == those).all())
+    return these.shape == those.shape and these.tobytes() == those.tobytes()
 
 
 def _supports(scene: Scene, space: PlaneSpace) -> Iterator[ActsOn]:

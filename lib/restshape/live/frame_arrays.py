@@ -15,8 +15,9 @@ ALIGNED = 8
 """Arrays begin at multiples of so many bytes."""
 PADDING = bytes(ALIGNED)
 FLOAT = np.dtype("<f4")
-TYPES = {"f": ("f4", FLOAT), "i": ("u4", np.dtype("<u4")), "u": ("u4", np.dtype("<u4"))}
-"""Type of the arrays of a message by the kind of NumPy's."""
+SHORT, LONG = np.dtype("<u2"), np.dtype("<u4")
+TYPES = {FLOAT: "f4", SHORT: "u2", LONG: "u4"}
+"""What the header calls the types in which arrays travel."""
 Kind = Literal["surface", "lines", "dots"]
 
 
@@ -40,17 +41,19 @@ class PicturePart:
 
 def shortened(values: AnyArray) -> AnyArray:
     """An array in the type in which it travels, contiguous; indices are no longer signed."""
-    wanted = TYPES[values.dtype.kind][1]
-    if values.dtype is wanted and values.flags.c_contiguous:
+    if values.dtype in TYPES and values.flags.c_contiguous:
         return values
-    return np.ascontiguousarray(values, dtype=wanted)
+    return np.ascontiguousarray(values, dtype=FLOAT if values.dtype.kind == "f" else LONG)
 
 
-def in_space(points: AnyArray) -> AnyArray:
-    """Points (m, 2) or (m, 3) as (m, 3) f4, as they travel."""
-    found = np.zeros((len(points), 3), dtype=FLOAT)
-    found[:, : points.shape[1]] = points
-    return found
+def sent_points(points: AnyArray) -> AnyArray:
+    """A copy of points (m, 2) or (m, 3) in f4, as they travel; the page adds z = 0 to those in the plane."""
+    return points.astype(FLOAT, order="C")
+
+
+def sent_indices(indices: AnyArray, count: int) -> AnyArray:
+    """A copy of indices of so many things as they travel: in u2 where there are few enough."""
+    return indices.astype(SHORT if count <= 1 << 16 else LONG, order="C")
 
 
 class MessageBody:
@@ -67,10 +70,10 @@ class MessageBody:
     def add(self, values: AnyArray) -> dict[str, object]:
         """Adds an array; where it is, as the header says it."""
         found = shortened(values)
-        place = {"at": self._at, "type": TYPES[values.dtype.kind][0], "shape": list(found.shape)}
-        room = -found.nbytes % ALIGNED
-        self.pieces.append(found.reshape(-1).view(np.uint8).data)
-        if room:
+        place = {"at": self._at, "type": TYPES[found.dtype], "shape": list(found.shape)}
+        size = found.nbytes
+        self.pieces.append(found.data)
+        if room := -size % ALIGNED:
             self.pieces.append(PADDING[:room])
-        self._at += found.nbytes + room
+        self._at += size + room
         return place

@@ -59,8 +59,7 @@ class FramePicture:
     def parts(self) -> list[PicturePart]:
         """The parts of the last frame."""
         replay = self._sim.replay
-        space, known = replay.solver.space, replay.solver.known
-        at_nodes, in_cells = replay.analysis.fields() if known else replay.analysis.blank_fields(space)
+        space, (at_nodes, in_cells) = replay.solver.space, self._sim.frame.fields_apart
         colours = colours_of(self.field, at_nodes, in_cells)
         found = [self._surface(space, at_nodes, in_cells, colours)]
         found += self._outline(replay.session.outline)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from restshape.arrays import AnyArray, Complexes, Indices, Reals
 from restshape.errors import UserError
-from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.live.frame_arrays import PicturePart, sent_indices, sent_points
 from restshape.shape.curves import arc_fraction
 from restshape.shape.outline import Outline
 
@@ -110,12 +110,12 @@ class OutlineParts:
         if outline.topology != self._topology or self._bent(outline):
             self._cut(outline)
         self._outline = outline
-        lines = in_space(self._curves.points(outline.points))
+        lines = sent_points(self._curves.points(outline.points))
         starts = self._parts[0].arrays["starts"]
         places: dict[str, dict[str, AnyArray]] = {"outline": {"points": lines, "starts": starts}}
-        places["vertices"] = {"points": in_space(outline.points[: len(outline.vertex_names)])}
-        places["controls"] = {"points": in_space(outline.points[[k for k, _ in self._controls]])}
-        self._parts = [PicturePart(p.name, p.kind, p.role, places[p.name], p.said) for p in self._parts]
+        places["vertices"] = {"points": sent_points(outline.points[: len(outline.vertex_names)])}
+        places["controls"] = {"points": sent_points(outline.points[[k for k, _ in self._controls]])}
+        self._parts = [_moved(part, places[part.name]) for part in self._parts]
         return self._parts
 
     def _bent(self, outline: Outline) -> bool:
@@ -129,7 +129,7 @@ class OutlineParts:
         error = 5e-4 * outline.size
         self._curves = OutlineCurves.of(outline, [_pieces(outline, edge, error) for edge in range(len(outline.edges))])
         self._controls = [(k, edge.name) for edge in outline.edges for k in edge.inner]
-        starts = self._curves.first[:-1].astype("<u4")
+        starts = sent_indices(self._curves.first[:-1], int(self._curves.first[-1]))
         self._parts = [
             PicturePart(
                 "outline", "lines", "outline", {"starts": starts}, {"names": [edge.name for edge in outline.edges]}
@@ -137,6 +137,14 @@ class OutlineParts:
             PicturePart("vertices", "dots", "outline", {}, {"names": list(outline.vertex_names)}),
             PicturePart("controls", "dots", "outline", {}, {"names": [name for _, name in self._controls]}),
         ]
+
+
+def _moved(part: PicturePart, arrays: Mapping[str, AnyArray]) -> PicturePart:
+    """A part at other places; the same one where they are the same."""
+    before = part.arrays.get("points")
+    if before is not None and before.tobytes() == arrays["points"].tobytes():
+        return part
+    return PicturePart(part.name, part.kind, part.role, arrays, part.said)
 
 
 def _pieces(outline: Outline, edge: int, error: float) -> Reals:

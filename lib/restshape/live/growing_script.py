@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from restshape.errors import UserError
@@ -64,6 +65,12 @@ class GrowingScript:
         except OSError as error:
             what = f"it cannot be written: {(error.strerror or str(error)).lower()}"
             raise UserError(what, f"--out {self._path}", remedy) from error
+
+    def add_for_now(self, line: str) -> None:
+        """Adds an event that has not ended, as it is so far: the next one takes its place; nothing without room."""
+        if self._file is not None and self._beginning is None and not self._waiting:
+            with suppress(OSError):
+                self._file.add_for_now(line)
 
     def close(self) -> None:
         """Adds no more."""

@@ -14,7 +14,7 @@ import select
 import socket
 import struct
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Self
 
 HEAD = struct.Struct("<IB")
@@ -28,6 +28,11 @@ MOST_PIECES = os.sysconf("SC_IOV_MAX")
 Message = str | bytes
 """A text, or the bytes of a frame."""
 Buffer = bytes | bytearray | memoryview
+
+
+def _bytes(piece: Buffer) -> int:
+    """How many bytes a piece has."""
+    return piece.nbytes if isinstance(piece, memoryview) else len(piece)
 
 
 class LinkClosed(EOFError):
@@ -158,31 +163,47 @@ class Link:
         Raises:
             LinkClosed: the other side has ended.
         """
-        self._send(TEXT, [message if isinstance(message, bytes) else encoded(message).encode()])
+        content = message if isinstance(message, bytes) else encoded(message).encode()
+        self._send(TEXT, [content])
 
     def send_with_next(self, message: bytes) -> None:
         """Sends the JSON of a message right before the next one, in one call of the system."""
         self._before += [HEAD.pack(len(message), TEXT), message]
 
-    def send_binary(self, pieces: Iterable[Buffer]) -> None:
+    def send_binary(self, pieces: Sequence[Buffer]) -> None:
         """Sends a binary message of these pieces, one after the other; errors as of `send`."""
-        self._send(BINARY, [memoryview(piece).cast("B") for piece in pieces])
+        self._send(BINARY, pieces)
 
-    def _send(self, kind: int, pieces: list[Buffer]) -> None:
-        first, self._before = self._before, []
-        left = [memoryview(one) for one in (*first, HEAD.pack(sum(map(len, pieces)), kind), *pieces)]
+    def _send(self, kind: int, pieces: Sequence[Buffer]) -> None:
+        """Sends pieces; mostly the system takes all at once, as they are."""
+        size = sum(map(_bytes, pieces))
+        whole = [*self._before, HEAD.pack(size, kind), *pieces]
+        size += HEAD.size + sum(map(_bytes, self._before))
+        self._before = []
+        count = self._sent(whole[:MOST_PIECES])
+        if count == size:
+            return
+        left = [memoryview(one).cast("B") for one in whole if _bytes(one)]
         while left:
-            try:
-                count = self._end.sendmsg(left[:MOST_PIECES])
-            except (BlockingIOError, InterruptedError):
-                select.select([], [self._end], [])
-                continue
-            except OSError as error:
-                raise LinkClosed(str(error)) from error
             while left and count >= len(left[0]):
                 count -= len(left.pop(0))
             if left:
                 left[0] = left[0][count:]
+                count = self._sent(left[:MOST_PIECES])
+
+    def _sent(self, pieces: Sequence[Buffer]) -> int:
+        """How many bytes of pieces the system has taken, once it takes any.
+
+        Raises:
+            LinkClosed: the other side has ended.
+        """
+        while True:
+            try:
+                return self._end.sendmsg(pieces)
+            except (BlockingIOError, InterruptedError):
+                select.select([], [self._end], [])
+            except OSError as error:
+                raise LinkClosed(str(error)) from error
 
     def close(self) -> None:
         """Ends it: the other side finds it closed."""

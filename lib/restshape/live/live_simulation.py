@@ -166,6 +166,13 @@ class LiveSimulation:
         self._end(step)
         return True
 
+    def rest_so_far(self) -> str:
+        """The line of the event in which nothing happens, as if it ended now; empty where there is none."""
+        step = self.step
+        if step is None or step.event.get("do") != "idle" or not step.count:
+            return ""
+        return self.sim.written.cut_line(step.count)
+
     def _end(self, step: CurrentEvent) -> None:
         """Write down the event, which has been carried out."""
         self.step = None

@@ -10,7 +10,7 @@ from typing import Any
 
 LENGTH = struct.Struct("<I")
 ALIGNED = 8
-ITEM_BYTES = {"f4": 4, "u4": 4, "u1": 1}
+ITEM_BYTES = {"f4": 4, "u2": 2, "u4": 4, "u1": 1}
 
 Table = dict[str, Any]
 """An object of JSON."""

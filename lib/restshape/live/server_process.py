@@ -23,11 +23,12 @@ class SimulatingProcess:
         words: as given; end: of the socket pair.
         lines: text of the script so far, an event a line, from which another process goes on.
         events: that these lines hold.
+        resting: line of the event in which the simulation comes to rest, as it is so far; empty where it does not.
     """
 
     def __init__(self, words: Sequence[str]) -> None:
         self.words = list(words)
-        self.lines = ""
+        self.lines = self.resting = ""
         self.events = 0
         self.end, self._process = self._started([])
 
@@ -36,8 +37,13 @@ class SimulatingProcess:
         """Whether it can be started again."""
         return True
 
+    def write(self, lines: str, events: int) -> None:
+        """The script has gained lines, and has so many events now."""
+        self.lines, self.resting, self.events = self.lines + lines, "", events
+
     def start_again(self) -> None:
         """Starts another process in place of one that has ended; it waits for the lines of the script."""
+        self.write(self.resting, self.events + bool(self.resting))
         self.end, self._process = self._started(["--resume"])
 
     def command(self, number: int, more: list[str]) -> list[str]:
@@ -74,7 +80,7 @@ class GivenProcess(SimulatingProcess):
     """
 
     def __init__(self, number: int) -> None:
-        self.lines, self.events = "", 0
+        self.lines, self.resting, self.events = "", "", 0
         self.end = socket.socket(fileno=number)
 
     @property

@@ -129,10 +129,12 @@ class LiveSession:
         said = json.loads(message)
         kind = said["type"]
         if kind == "written":
-            self._process.lines += said["lines"]
-            self._process.events = said["count"]
+            self._process.write(said["lines"], said["count"])
             self._work.written(said.get("id", 0))
             self.pages.say(message)
+            return
+        if kind == "resting":
+            self._process.resting = said["line"]
             return
         self.state.hear(said)
         if kind == "lost" and not self.state.welcome:

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from restshape.arrays import AnyArray, Indices, Reals
-from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.live.frame_arrays import PicturePart, sent_points
 from restshape.live.surface_cells import ShownTriangles, triangles_of
 
 MODE = "mode_"
@@ -105,7 +105,7 @@ class ShapeSurface:
 
     def _placed(self, key: str, values: Reals) -> AnyArray:
         """Places, or displacements, in space; those of before where they are the same."""
-        found = in_space(self._triangles.chosen(values))
+        found = sent_points(self._triangles.chosen(values))
         if key == "displacement" and not np.isfinite(found).all():
             found = np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)
         return self._kept(key, found)

@@ -8,6 +8,7 @@ import numpy as np
 
 from restshape.analysis.nodal_lines import QUARTERS
 from restshape.arrays import AnyArray, Integers, Reals
+from restshape.live.frame_arrays import sent_indices
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 """Corners of the faces of a tetrahedron, which look outwards."""
@@ -15,6 +16,8 @@ MIDDLES = np.array([[6, 5, 4], [4, 8, 7], [5, 9, 8], [7, 9, 6]])
 """Nodes in the middles of the sides of these faces, of the second order."""
 HEXAHEDRON = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
 """Corners of the faces of a hexahedron, likewise."""
+LOW = (1 << 32) - 1
+"""Bits of the second node of a side."""
 SHARP = np.cos(np.radians(35.0))
 """Cosine of the angle between two faces above which their common side is drawn."""
 
@@ -24,7 +27,7 @@ class ShownTriangles:
     """ShownTriangles that show cells.
 
     Args:
-        corners: (m, 3) u4 rows of the shown nodes; border: (b, 2) u4 sides that are drawn as the shape's.
+        corners: (m, 3) rows of the shown nodes; border: (b, 2) sides that are drawn as the shape's; as they travel.
         nodes: (n,) of the mesh that are shown; None: all.
         cell: (m,) the cell of each triangle; local: (m, 3) which of its nodes the corners are.
         cell_size: nodes of a cell.
@@ -41,7 +44,7 @@ class ShownTriangles:
     def none(cls) -> ShownTriangles:
         """No triangles."""
         empty = np.empty((0, 3), dtype=np.int64)
-        return cls(empty.astype("<u4"), empty[:, :2].astype("<u4"), None, empty[:, 0], empty, 3)
+        return cls(sent_indices(empty, 0), sent_indices(empty[:, :2], 0), None, empty[:, 0], empty, 3)
 
     @property
     def parts(self) -> int:
@@ -92,7 +95,8 @@ def triangles_of(X: Reals, given: AnyArray) -> ShownTriangles:
         place = np.zeros(len(X), dtype=np.int64)
         place[nodes] = np.arange(len(nodes))
         corners, border = place[corners], place[border]
-    return ShownTriangles(corners.astype("<u4"), border.astype("<u4"), nodes, cell, local, k)
+    count = len(X) if nodes is None else len(nodes)
+    return ShownTriangles(sent_indices(corners, count), sent_indices(border, count), nodes, cell, local, k)
 
 
 def _skin(cells: Integers) -> tuple[Integers, Integers]:
@@ -109,15 +113,15 @@ def _skin(cells: Integers) -> tuple[Integers, Integers]:
 
 def drawn_sides(X: Reals, corners: Integers, creased: bool) -> Integers:
     """The sides (b, 2) that one triangle alone has; of a creased surface those between faces at an angle, too."""
-    ends = np.sort(corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    key = ends[:, 0] << 32 | ends[:, 1]
-    order = np.argsort(key, kind="stable")
-    rising = key[order]
-    new = np.concatenate([[True], rising[1:] != rising[:-1]]) if len(rising) else np.zeros(0, dtype=bool)
-    first = np.flatnonzero(new)
+    after = corners[:, [1, 2, 0]]
+    key = (np.minimum(corners, after) << 32 | np.maximum(corners, after)).ravel()
+    order = np.argsort(key, kind="stable") if creased else None
+    rising = np.sort(key) if order is None else key[order]
+    first = np.flatnonzero(np.append(True, rising[1:] != rising[:-1])[: len(rising)])
     counts = np.diff(np.append(first, len(rising)))
-    found = ends[order[first[counts == 1]]]
-    if not creased:
+    alone = rising[first[counts == 1]]
+    found = np.stack([alone >> 32, alone & LOW], axis=1)
+    if order is None:
         return found
     a, b, c = (X[corners[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
@@ -125,4 +129,5 @@ def drawn_sides(X: Reals, corners: Integers, creased: bool) -> Integers:
     pairs = first[counts == 2]
     one, other = order[pairs] // 3, order[pairs + 1] // 3
     sharp = (normals[one] * normals[other]).sum(axis=1) < SHARP
-    return np.concatenate([found, ends[order[pairs[sharp]]]])
+    creases = rising[pairs[sharp]]
+    return np.concatenate([found, np.stack([creases >> 32, creases & LOW], axis=1)])

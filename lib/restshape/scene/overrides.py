@@ -1,6 +1,7 @@
 """Single keys of a scene's plain tables, set by --set and by edits."""
 
 import tomllib
+from functools import cache
 
 from restshape.application import applications
 from restshape.errors import UserError
@@ -107,8 +108,9 @@ def _by_its_table(key: tuple[str, ...]) -> str:
     return f"add it by its table{f', with {needed}' if needed else ''}"
 
 
-def _named_tables() -> set[tuple[str, ...]]:
+@cache
+def _named_tables() -> frozenset[tuple[str, ...]]:
     """Keys of tables whose own keys are names that a scene gives."""
     physics = installed_physics(applications().values())
     added = (key for key, section in joined_sections(physics).items() if section.named)
-    return {*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)}
+    return frozenset({*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -100,7 +101,12 @@ class AdvectedCloth:
 
     def __init__(self, place: MaterialPlace, cells: np.ndarray, nodes: np.ndarray, x: np.ndarray) -> None:
         self.place, self.x = place, x
-        self.gradients = _gradients(place.X, cells, nodes, x)
+        self._cells, self._nodes = cells, nodes
+
+    @cached_property
+    def gradients(self) -> np.ndarray:
+        """Derivatives (n, 3, 2) of the positions at the nodes, made where the material goes somewhere."""
+        return _gradients(self.place.X, self._cells, self._nodes, self.x)
 
     def unknowns_at(self, place: MaterialPlace, sides: np.ndarray | None) -> np.ndarray:
         """Unknowns (n, 3) with the nodes at another place; `sides` are the nodes of edges, None: there are none."""

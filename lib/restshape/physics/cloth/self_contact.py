@@ -294,9 +294,12 @@ class SelfContact:
         n = len(near.x)
         single, coupled = np.zeros((n, DIAGONAL)), np.zeros((len(self.pairs), FULL))
         if near.near:
-            matrix = near.hessian(curved).tocoo()
-            rows, cols, values = (np.asarray(part) for part in (matrix.row, matrix.col, matrix.data))
-            self._add(single, coupled, rows // 3, cols // 3, rows % 3, cols % 3, values)
+            matrix = near.hessian(curved)
+            counts = np.diff(matrix.indptr)
+            # Of the columns, by far most are empty: nodes that nothing is near to.
+            filled = np.flatnonzero(counts)
+            rows, cols = matrix.indices, np.repeat(filled, counts[filled])
+            self._add(single, coupled, rows // 3, cols // 3, rows % 3, cols % 3, matrix.data)
         if len(self.history.offsets):
             self._add_friction(near.x, single, coupled)
         return single, coupled

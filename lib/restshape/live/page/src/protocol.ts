@@ -53,14 +53,14 @@ export type FromServer =
   | { type: "lost"; message: string; restarting: boolean }
   | { type: "note"; message: string };
 
-/** Where an array of a binary message begins, in bytes after the header; little-endian. */
-export interface ArrayPlace { at: number; type: "f4" | "u4" | "u1"; shape: number[]; }
+/** Where an array of a binary message begins, in bytes after the header; little-endian. Points of two numbers have z = 0. */
+export interface ArrayPlace { at: number; type: "f4" | "u2" | "u4" | "u1"; shape: number[]; }
 
 /**
  * A part of the picture. Arrays that have not changed since the last frame are left out, and stay as they were; one of no
  * elements is there no more.
- * "surface": `points` (n, 3) f4, `displacement` (n, 3) f4, `cells` (m, 3) u4, `value` (n) f4 or `valueInCells` (m, 3) f4,
- * `border` (k, 2) u4: the edges that are drawn as the shape's. "lines": `points`, `starts` (l) u4. "dots": `points`.
+ * "surface": `points` (n, d) f4, `displacement` (n, d) f4, `cells` (m, 3) u2 or u4, `value` (n) f4 or `valueInCells` (m, 3) f4,
+ * `border` (k, 2) of indices: the edges that are drawn as the shape's. "lines": `points`, `starts` (l). "dots": `points`.
  */
 export interface Part {
   name: string; kind: "surface" | "lines" | "dots"; role: "shape" | "outline" | "body" | "plank" | "support" | "load" | "goal";
