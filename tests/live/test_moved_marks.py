@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.live.frame_arrays import PicturePart, in_space
+from restshape.live.frame_arrays import PicturePart, sent_points
 from restshape.live.moved_marks import MovedMarks
 from restshape.live.shown_marks import Arrows, Lines, Words
 
@@ -13,8 +13,8 @@ SLOPES = np.array([[0.1, -0.2, 0.3], [0.05, 0.4, -0.1]])
 
 def shape(**arrays: np.ndarray) -> PicturePart:
     """A rectangle whose displacement is linear."""
-    moved = in_space(POINTS @ SLOPES)
-    known = {"points": in_space(POINTS), "cells": CELLS, "displacement": moved} | arrays
+    moved = sent_points(POINTS @ SLOPES)
+    known = {"points": sent_points(POINTS), "cells": CELLS, "displacement": moved} | arrays
     return PicturePart("shape", "surface", "shape", known)
 
 
@@ -34,22 +34,22 @@ def test_marks_that_say_how_they_move_or_where_the_shape_should_be_stay_as_they_
     assert [*MovedMarks()([own, goal], [shape()])] == [own, goal]
     beside = Lines("beside", np.array([[2.5, 1.2]]), (0,))
     np.testing.assert_allclose(MovedMarks()([beside], [shape()])[0].moved, POINTS[2:3] @ SLOPES, atol=1e-7)
-    assert MovedMarks()([beside], [PicturePart("shape", "surface", "shape", {"points": in_space(POINTS)})]) == [beside]
+    assert MovedMarks()([beside], [PicturePart("shape", "surface", "shape", {"points": sent_points(POINTS)})]) == [beside]
 
 
 def test_what_stays_is_the_same_object_and_follows_when_the_shape_moves():
     follow, part, mark = MovedMarks(), shape(), Words("here", (1.0, 0.5))
     (first,) = follow([mark], [part])
     assert follow([mark], [part])[0] is first
-    (then,) = follow([mark], [shape(displacement=in_space(2.0 * POINTS @ SLOPES))])
+    (then,) = follow([mark], [shape(displacement=sent_points(2.0 * POINTS @ SLOPES))])
     np.testing.assert_allclose(then.moved, 2.0 * np.array(first.moved), atol=1e-7)
 
 
 def test_a_place_that_goes_to_another_triangle_is_found_again():
     follow = MovedMarks()
     for place in ((1.7, 0.1), (1.6, 0.2), (0.3, 0.9), (0.2, 0.95), (1.7, 0.1)):
-        (word,) = follow([Words("here", place)], [shape(displacement=in_space(POINTS @ SLOPES))])
+        (word,) = follow([Words("here", place)], [shape(displacement=sent_points(POINTS @ SLOPES))])
         np.testing.assert_allclose(word.moved, np.array(place) @ SLOPES, atol=1e-7)
-    few = {"points": in_space(POINTS[:3]), "cells": CELLS[:1], "displacement": in_space(POINTS[:3] @ SLOPES)}
+    few = {"points": sent_points(POINTS[:3]), "cells": CELLS[:1], "displacement": sent_points(POINTS[:3] @ SLOPES)}
     (word,) = follow([Words("here", (1.5, 0.5))], [shape(**few)])
     np.testing.assert_allclose(word.moved, np.array((1.5, 0.5)) @ SLOPES, atol=1e-7)

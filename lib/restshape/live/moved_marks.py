@@ -66,7 +66,7 @@ class _DrawnShape:
     """A shape whose displacements are drawn.
 
     Args:
-        points, displacement: (n, 3) of its nodes [m]; cells: (m, 3) nodes of its triangles.
+        points, displacement: (n, d) of its nodes [m]; cells: (m, 3) nodes of its triangles.
         around: triangles that places were in, in the order in which they were looked for: there they are looked for
             first.
     """
@@ -79,7 +79,9 @@ class _DrawnShape:
 
     def moves(self, places: Reals) -> Reals:
         """Displacements (m, 3) [m] of places (m, d) [m]: those of the shape there; beside it, of its nearest node."""
-        found = np.zeros((len(places), 3))
+        # Points in the plane have two coordinates, and so may displacements have.
+        found, moved, d = np.zeros((len(places), 3)), self.displacement, self.points.shape[1]
+        own = found[:, : moved.shape[1]]
         if not len(self.points):
             return found
         wanted = np.zeros((len(places), 3))
@@ -87,15 +89,15 @@ class _DrawnShape:
         for row, place in enumerate(wanted):
             shares = self._shares(place) if self._flat else None
             if shares is not None:
-                found[row] = shares[1] @ self.displacement[shares[0]]
+                own[row] = shares[1] @ moved[shares[0]]
             else:
-                found[row] = self.displacement[((self.points - place) ** 2).sum(axis=1).argmin()]
+                own[row] = moved[((self.points - place[:d]) ** 2).sum(axis=1).argmin()]
         return found
 
     @cached_property
     def _flat(self) -> bool:
         """Whether it lies in the plane z = 0."""
-        return not self.points[:, 2].any()
+        return self.points.shape[1] == 2 or not self.points[:, 2].any()
 
     @cached_property
     def _corners(self) -> Reals:
