@@ -34,7 +34,8 @@ def test_marks_that_say_how_they_move_or_where_the_shape_should_be_stay_as_they_
     assert [*MovedMarks()([own, goal], [shape()])] == [own, goal]
     beside = Lines("beside", np.array([[2.5, 1.2]]), (0,))
     np.testing.assert_allclose(MovedMarks()([beside], [shape()])[0].moved, POINTS[2:3] @ SLOPES, atol=1e-7)
-    assert MovedMarks()([beside], [PicturePart("shape", "surface", "shape", {"points": sent_points(POINTS)})]) == [beside]
+    still = PicturePart("shape", "surface", "shape", {"points": sent_points(POINTS)})
+    assert MovedMarks()([beside], [still]) == [beside]
 
 
 def test_what_stays_is_the_same_object_and_follows_when_the_shape_moves():
