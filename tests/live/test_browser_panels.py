@@ -94,10 +94,23 @@ def test_numbers_are_slid_and_typed_and_stay_what_they_are_where_they_are_refuse
     text.press("Enter")
     why = page.until(lambda: page.frame["columns"].get("refused"), "a refusal")
     page.until(lambda: why in page.log.inner_text(), "why")
+    page.until(lambda: text.get_attribute("aria-invalid") == "true", "what is wrong is marked")
+    assert page.tab.locator(".number .wrong:visible").inner_text().startswith("-1 mm: a thickness is greater")
+    # The quantities stay as they were, and the words at the foot of the picture as long as the refusal holds.
+    values = page.tab.locator(".quantities .value")
+    page.until(lambda: all("as before" in one and "–" not in one for one in values.all_inner_texts()), "as before")
+    assert page.tab.locator("#said").inner_text() == why
+    boxes = [page.tab.locator(one).bounding_box() for one in ("#beside", "#tools")]
+    assert boxes[0]["y"] > boxes[1]["y"] + boxes[1]["height"]
     text.blur()
     page.until(lambda: text.input_value() == "9 mm", "the number as it is")
+    page.press("Idle")
+    page.until(lambda: not page.tab.locator("#said").inner_text(), "words that go")
+    assert not page.tab.locator(".number .wrong:visible").count() and "as before" not in "".join(values.all_inner_texts())
     live.end()
-    assert [event["value"] for event in live.script()][-2:] == ["9 mm", "-1 mm"] and not page.faults
+    page.until(lambda: page.tab.locator("#connection").inner_text() == "the session has ended", "the end")
+    assert f"its script is in {live.out}" in page.log.inner_text()
+    assert [event.get("value") for event in live.script()][-3:] == ["9 mm", "-1 mm", None] and not page.faults
     live.assert_replays(page.frames())
 
 

@@ -240,11 +240,15 @@ class LiveSession:
     async def end(self) -> None:
         """Has the process finish what it writes, and closes the pages."""
         self._ending = True
-        self.pages.say({"type": "lost", "message": "the session has ended", "restarting": False})
+        self.pages.say({"type": "lost", "message": self._last_words(), "restarting": False})
         if self._link:
             self._link.finish()
         else:
             self._restart.set()
+
+    def _last_words(self) -> str:
+        out = self.state.welcome and self.state.welcome.get("out")
+        return f"the session has ended; its script is in {out}" if out else "the session has ended; it had no script file"
 
     def end_now(self) -> None:
         """Ends the process, whatever it still writes."""

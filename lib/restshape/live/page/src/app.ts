@@ -19,7 +19,7 @@ export type Numbers = Float32Array | Uint32Array | Uint8Array;
 export interface Frame { header: FrameMessage; read(place: ArrayPlace): Numbers; }
 
 export type Tool = "hold" | "pull" | "hole" | "arc" | "look";
-export type Link = "connecting" | "open" | "lost" | "elsewhere";
+export type Link = "connecting" | "open" | "lost" | "elsewhere" | "ended";
 
 /** What happens, and what is told of it. */
 export interface Happenings {

@@ -9,13 +9,14 @@ export interface Listener {
   message(message: FromServer): void;
   /** `bytes` holds the arrays: that of an `ArrayPlace` begins at `base + place.at`. */
   frame(header: FrameMessage, bytes: ArrayBuffer, base: number): void;
-  /** Whether the socket is open; where it is not, whether another tab has it. */
-  connected(open: boolean, elsewhere?: boolean): void;
+  /** Whether the socket is open; where it is not, whether another tab has it, or the session has ended. */
+  connected(open: boolean, why?: "elsewhere" | "ended"): void;
 }
 
 const QUIET = 20_000; // ms without a word of the server, which says one every 5 s, after which the socket counts as lost
 const AGAIN = 500; // ms until the first try to connect again; each further one waits longer
 const LONGEST = 5_000;
+const ENDED = 1001; // code of a socket that was closed because the session has ended in order
 const REPLACED = 4001; // code of a socket that was closed because the same page has opened another one
 
 export class Connection {
@@ -68,9 +69,9 @@ export class Connection {
   }
 
   private lost(code: number): void {
-    if (code !== REPLACED) { this.again(); return; }
+    if (code !== REPLACED && code !== ENDED) { this.again(); return; }
     this.socket = null; // until the person looks at this page again
-    this.listener.connected(false, true);
+    this.listener.connected(false, code === ENDED ? "ended" : "elsewhere");
   }
 
   private again(): void {

@@ -3,7 +3,7 @@
 import type { App } from "./app";
 import type { FrameMessage } from "./protocol";
 
-const LINKS = { connecting: "connecting", open: "connected", lost: "no connection: trying again", elsewhere: "goes on in another tab" };
+const LINKS = { connecting: "connecting", open: "connected", lost: "no connection: trying again", elsewhere: "goes on in another tab", ended: "the session has ended" };
 const COLUMNS = ["level", "ms", "iterations", "estimate"];
 
 export function showHead(app: App): void {
@@ -36,7 +36,7 @@ function columns(header: FrameMessage): [string, string][] {
 }
 
 /** Three digits, without an exponent where that is short. */
-function short(value: number): string { return Number.isInteger(value) ? String(value) : Number(value.toPrecision(3)).toString(); }
+function short(value: number): string { return Number.isInteger(value) ? String(value) : Number(value.toPrecision(3)).toString().replaceAll("-", "−"); }
 
 function cell(status: HTMLElement, cells: Map<string, HTMLElement>, name: string): HTMLElement {
   const known = cells.get(name);

@@ -36,7 +36,7 @@ function show(): void {
   showPanels(app, joinHand(app, scene));
 }
 
-function linked(open: boolean, elsewhere = false): void {
-  const link: Link = open ? "open" : elsewhere ? "elsewhere" : app.welcome ? "lost" : "connecting";
+function linked(open: boolean, why?: "elsewhere" | "ended"): void {
+  const link: Link = open ? "open" : why ? why : app.welcome ? "lost" : "connecting";
   app.tell("link", link);
 }

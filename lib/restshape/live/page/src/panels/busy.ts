@@ -19,7 +19,7 @@ export function showBusy(app: App): HTMLElement {
     cancel.hidden = app.frame === null;
     body.hidden = false;
   });
-  for (const over of ["frame", "done", "refused", "welcome"] as const) app.on(over, end);
+  for (const over of ["frame", "done", "refused", "written", "welcome"] as const) app.on(over, end);
   app.on("lost", ({ restarting }) => { if (!restarting) end(); });
   return body;
 }

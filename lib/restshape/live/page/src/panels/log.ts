@@ -5,8 +5,8 @@ import { button, element } from "./element";
 
 const MOST = 60;
 
-type Kind = "refused" | "note" | "saved" | "lost";
-const SIGNS: Record<Kind, string> = { refused: "✕ refused", note: "note", saved: "✓ saved", lost: "! lost" };
+type Kind = "refused" | "note" | "saved" | "lost" | "ended";
+const SIGNS: Record<Kind, string> = { refused: "✕ refused", note: "note", saved: "✓ saved", lost: "! lost", ended: "! ended" };
 
 export function showLog(app: App): HTMLElement {
   const list = element("ol", { class: "log", role: "log", "aria-live": "polite", "aria-label": "Messages" });
@@ -26,7 +26,7 @@ export function showLog(app: App): HTMLElement {
   app.on("refused", ({ message, place, todo }) => say("refused", [message, place && `at ${place}`, todo].filter(Boolean).join(" · ")));
   app.on("note", (message) => say("note", message));
   app.on("saved", ({ path, events }) => say("saved", `${events} events in ${path}`));
-  app.on("lost", ({ message, restarting }) => say("lost", restarting ? `${message}: it begins again with the script so far` : message));
+  app.on("lost", ({ message, restarting }) => restarting ? say("lost", `${message}: it begins again with the script so far`) : say("ended", message));
   let refusedBefore = "";
   app.on("frame", ({ header }) => {
     const text = refusedWords(header);

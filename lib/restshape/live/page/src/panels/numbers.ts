@@ -16,13 +16,15 @@ class NumberLine {
   private readonly text: HTMLInputElement;
   private range: SliderRange;
   private sliding = false;
+  private readonly why = element("p", { class: "wrong", role: "alert", hidden: true });
+  private asked = 0;                                   // the message with what was typed last
   private refused = false;                             // since it was in the hand: it shows what was not taken
 
   constructor(private info: NumberInfo, private readonly app: App, chosen: (key: string) => void) {
     this.range = sliderRange(info);
     this.slider = element("input", { type: "range", "aria-label": `${info.key}, slider` });
     this.text = element("input", { type: "text", "aria-label": info.key, spellcheck: false, size: 9 });
-    this.body = element("div", { class: "number" }, element("label", { title: info.key }, shortened(info)), this.text, this.slider);
+    this.body = element("div", { class: "number" }, element("label", { title: info.key }, shortened(info)), this.text, this.why, this.slider);
     this.slider.addEventListener("input", () => this.slide());
     this.slider.addEventListener("change", () => { this.sliding = false; this.restore(); });
     this.text.addEventListener("change", () => this.typed());
@@ -47,8 +49,24 @@ class NumberLine {
     if (!this.sliding && document.activeElement !== this.text) this.restore();
   }
 
+  /** Why a message was refused, or that it was not (empty): what was typed is marked until the next answer. */
+  answer(id: number, why: string): void {
+    if (!this.asked || id < this.asked) return;
+    const own = id === this.asked ? why : "";
+    this.why.textContent = own && `${this.text.value}: ${own.replace(new RegExp(`^.*${escaped(this.info.key)}: `), "")}`;
+    this.why.hidden = !own;
+    mark(this.text, "aria-invalid", own ? "true" : null);
+    if (own) return;
+    this.asked = 0;
+    this.arrange();
+  }
+
   private restore(): void {
-    if (this.refused) this.arrange();
+    if (this.refused) {
+      this.arrange();
+      // What is wrong stands no more; why it was stays until the next answer.
+      mark(this.text, "aria-invalid", null);
+    }
     this.refused = false;
   }
 
@@ -71,7 +89,7 @@ class NumberLine {
   private typed(): void {
     const value = typedValue(this.text.value, this.info.text);
     if (value === null) this.text.value = this.info.text;
-    else this.app.act({ do: "set", key: this.info.key, value });
+    else this.asked = this.app.act({ do: "set", key: this.info.key, value });
   }
 }
 
@@ -102,11 +120,18 @@ export function showNumbers(app: App, painter: Painter, chosen: (key: string) =>
   search.addEventListener("input", () => painter.soon(show));
   app.on("welcome", show);
   const refuse = () => { for (const line of lines.values()) line.refuse(); };
-  app.on("refused", refuse);
-  app.on("frame", ({ header }) => { if (refusedWords(header)) refuse(); });
+  const answer = (id: number, why: string) => {
+    for (const line of lines.values()) line.answer(id, why);
+    if (why) refuse();
+  };
+  app.on("refused", ({ id, message }) => answer(id, message));
+  app.on("frame", ({ header }) => answer(header.id, refusedWords(header)));
   app.on("known", ({ numbers }) => { if (numbers) painter.soon(show); });
   return element("div", {}, parameters, search, found, more);
 }
+
+/** Text as a pattern that finds it. */
+function escaped(text: string): string { return text.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"); }
 
 function shortened(info: NumberInfo): string {
   return info.parameter ? info.key.replace(/^parameters\./, "") : info.key;

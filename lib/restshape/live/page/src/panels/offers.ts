@@ -32,6 +32,9 @@ class OfferLine {
     this.update(shown);
   }
 
+  /** The name of what it offers. */
+  get called(): string { return this.shown.offer.name; }
+
   private release(): void {
     if (!this.held) return;
     this.held = false;
@@ -65,7 +68,7 @@ class OfferLine {
 export class Offers {
   readonly body = element("div", { hidden: true });
   private readonly list = element("ul", { class: "offers" });
-  private lines = new Map<string, OfferLine>();
+  private lines: OfferLine[] = [];
   private offers: ShownOffer[] = [];
   private place = 0;                                    // of the slider that was let go last
 
@@ -84,25 +87,37 @@ export class Offers {
   /** Shows what is offered now; a line whose slider is in the hand stays until it is let go. */
   show(offers: ShownOffer[]): void {
     this.offers = offers;
-    const now = new Map<string, OfferLine>(), held = [...this.lines.values()].some((line) => line.held);
+    const held = this.lines.find((line) => line.held);
+    const now: OfferLine[] = [];
     for (const shown of offers) {
+      const { name, events } = shown.offer;
       // What has no events goes along what is chosen: while a slider does that, there is one already.
-      const goesOn = shown.offer.events.length === 0;
-      if (goesOn && held && !this.lines.has(shown.offer.name)) continue;
-      const line = this.lines.get(shown.offer.name)
-        ?? new OfferLine(shown, this.app, this.preview, goesOn ? this.place : 0, (place) => this.letGo(place));
+      const goesOn = events.length === 0;
+      if (goesOn && held && held.called !== name) continue;
+      const before = held?.called === name && !now.includes(held) ? held : this.lines[now.length];
+      const line = before?.called === name && !now.includes(before) && (before === held || !before.held) ? before
+        : new OfferLine(shown, this.app, this.preview, goesOn ? this.place : 0, (place) => this.letGo(place));
       line.update(shown);
-      now.set(shown.offer.name, line);
+      now.push(line);
     }
-    for (const [name, line] of this.lines) if (line.held && !now.has(name)) now.set(name, line);
-    const before = [...this.lines.values()], after = [...now.values()];
+    if (held && !now.includes(held)) now.splice(Math.min(this.lines.indexOf(held), now.length), 0, held);
+    const same = now.length === this.lines.length && now.every((line, index) => line === this.lines[index]);
     this.lines = now;
-    if (after.length !== before.length || after.some((line, index) => line !== before[index])) {
-      // Lines that stay are not taken out of the page: a slider would be let go.
-      for (const line of before) if (!after.includes(line)) line.body.remove();
-      for (const line of after) if (!line.body.isConnected || line.body.parentNode !== this.list) this.list.append(line.body);
-      this.body.hidden = after.length === 0;
-      if (!this.list.matches(":hover")) this.preview.draw([]);
+    if (same) return;
+    this.arrange(held);
+    this.body.hidden = now.length === 0;
+    if (!this.list.matches(":hover")) this.preview.draw([]);
+  }
+
+  /** Puts the lines into the page in their order; that of a slider in the hand is not taken out of it: it would be let go. */
+  private arrange(held: OfferLine | undefined): void {
+    if (!held) {
+      this.list.replaceChildren(...this.lines.map((line) => line.body));
+      return;
     }
+    const place = this.lines.indexOf(held), bodies = this.lines.map((line) => line.body);
+    for (const body of [...this.list.children]) if (body !== held.body) body.remove();
+    held.body.before(...bodies.slice(0, place));
+    held.body.after(...bodies.slice(place + 1));
   }
 }

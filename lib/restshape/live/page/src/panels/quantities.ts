@@ -1,6 +1,6 @@
 // The quantities of the frame: values with units, estimated errors, limits and whether they hold.
 
-import type { App } from "../app";
+import { refusedWords, type App } from "../app";
 import type { FrameMessage, QuantityInfo } from "../protocol";
 import { ChangingText, element, mark } from "./element";
 import { limitsOf, quantityValue, STATUSES } from "./frame_values";
@@ -9,7 +9,9 @@ import { errorText, siText } from "./si_text";
 
 const PLOTTED = 3;                                     // the first ones are plotted from the start
 
-interface Row { info: QuantityInfo; value: ChangingText; error: ChangingText; status: ChangingText; limits: ChangingText; line: HTMLElement; }
+interface Row { info: QuantityInfo; value: ChangingText; error: ChangingText; status: ChangingText; limits: ChangingText; line: HTMLElement; last: Shown | null; }
+/** What a row says of a frame. */
+interface Shown { value: string; error: string; status: FrameMessage["limits"][string] | undefined; }
 
 /** `plotted`: is told which quantities are chosen for plots. */
 export function showQuantities(app: App, painter: Painter, plotted: (name: string, on: boolean) => void): HTMLElement {
@@ -50,7 +52,7 @@ function rowOf(info: QuantityInfo, chosen: boolean, plotted: (name: string, on: 
     element("td", { class: "limit" }, element("span", { class: "status" }, status.node), element("small", {}, limits.node)),
     element("td", {}, box));
   plotted(info.name, chosen);
-  return { info, value, error, status, limits, line };
+  return { info, value, error, status, limits, line, last: null };
 }
 
 /** A name as it is written, which a narrow column breaks after its underscores. */
@@ -59,16 +61,23 @@ function breakable(name: string): (Node | string)[] {
 }
 
 function update(row: Row, frame: FrameMessage): void {
-  const { info } = row;
-  const value = quantityValue(frame, info.name);
-  row.value.set(siText(value, info.unit));
-  const error = errorText(frame.errors[info.name], value, info.unit);
+  const { value, error, status } = shownOf(row, frame);
+  row.value.set(value);
   row.error.set(error);
   // The line below the value stays once it was there: rows do not change their height from frame to frame.
   if (error) mark(row.line, "data-estimated", "");
-  const status = frame.limits[info.name];
   row.status.set(status ? `${STATUSES[status].sign} ${STATUSES[status].word}` : "");
   mark(row.line, "data-limit", status ?? null);
+}
+
+/** What a frame says of a quantity; a refused one has no answer of its own, and leaves what was known. */
+function shownOf(row: Row, frame: FrameMessage): Shown {
+  const { name, unit } = row.info, value = quantityValue(frame, name);
+  const known = !Number.isNaN(value);
+  if (!known && row.last && refusedWords(frame)) return { ...row.last, error: "as before" };
+  const now = { value: siText(value, unit), error: errorText(frame.errors[name], value, unit), status: known ? frame.limits[name] : undefined };
+  row.last = known ? now : null;
+  return now;
 }
 
 function limitText(info: QuantityInfo): string {

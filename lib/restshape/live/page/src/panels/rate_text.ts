@@ -3,6 +3,7 @@
 import { percentText, siText } from "./si_text";
 
 const NOTHING = 1e-7;                                   // of a value: smaller changes are of the solver
+export const UNCHANGED = "does not change";
 const WAYS = ["x", "y", "z"];
 
 /** How far an arrow along x is turned [degrees, clockwise as pictures count] to show where a quantity grows; null: nowhere. */
@@ -20,8 +21,10 @@ export function arrowTurn(rate: number[]): number | null {
 export function rateText(rate: number[], unit: string, value: number): string {
   const steps = rate.map((one) => one / 1000);
   const size = Math.max(...steps.map(Math.abs).filter(Number.isFinite), 0);
-  if (!(size > NOTHING * Math.abs(value))) return "does not change";
-  const parts = steps.map((one, index) => `${one > 0 ? "+" : ""}${siText(one, unit, 3, size)} in ${WAYS[index]}`);
+  if (!(size > NOTHING * Math.abs(value))) return UNCHANGED;
+  // One way alone may matter: of the others there is noise.
+  const clean = steps.map((one) => (Math.abs(one) > NOTHING * size ? one : 0));
+  const parts = clean.map((one, index) => `${one > 0 ? "+" : ""}${siText(one, unit, 3, size)} in ${WAYS[index]}`);
   const share = Math.hypot(...steps) / Math.abs(value);
   return `${parts.join(", ")} a mm${Number.isFinite(share) ? ` (${percentText(share)})` : ""}`;
 }
@@ -29,7 +32,7 @@ export function rateText(rate: number[], unit: string, value: number): string {
 /** How a quantity changes with a number of the scene: what one percent more of the number makes of it. */
 export function shareText(rate: number, number: number, unit: string, value: number): string {
   const change = 0.01 * number * rate;
-  if (!(Math.abs(change) > NOTHING * Math.abs(value))) return "does not change";
+  if (!(Math.abs(change) > NOTHING * Math.abs(value))) return UNCHANGED;
   const sign = change > 0 ? "+" : "";
   const share = change / Math.abs(value);
   return `${sign}${siText(change, unit, 3)}${Number.isFinite(share) ? ` (${sign}${percentText(share)})` : ""}`;

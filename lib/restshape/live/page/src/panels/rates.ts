@@ -3,7 +3,7 @@
 import type { App, Rates } from "../app";
 import { element } from "./element";
 import { quantityValue } from "./frame_values";
-import { arrowTurn, fallsAtAll, fallText, rateText, shareText } from "./rate_text";
+import { arrowTurn, fallsAtAll, fallText, rateText, shareText, UNCHANGED } from "./rate_text";
 import type { ArrowsToDraw, Stage } from "./stage";
 
 const REST = 400;                                       // [ms] without a frame until rates are asked for again
@@ -91,7 +91,7 @@ function lines(app: App, rates: Rates): HTMLElement[] {
     const unit = rates.units[name] ?? "";
     const number = rates.of.includes(".") ? app.welcome?.numbers.find((one) => one.key === rates.of)?.value ?? NaN : NaN;
     const text = rates.of.includes(".") ? shareText(rate[0] ?? NaN, number, unit, value) : rateText(rate, unit, value);
-    return element("li", {}, arrow(fallsAtAll(Math.hypot(...rate), value) || rate.length === 1 ? rate : []), element("span", {}, `${name}: ${text}`));
+    return element("li", {}, arrow(text === UNCHANGED ? [] : rate), element("span", {}, `${name}: ${text}`));
   });
 }
 

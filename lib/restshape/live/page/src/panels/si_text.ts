@@ -30,7 +30,7 @@ export function digitsText(value: number, digits = 4): string {
     const whole = size < 1 ? 1 : Math.floor(Math.log10(size)) + 1;
     text = whole >= digits ? value.toFixed(0) : value.toPrecision(digits);
   }
-  return text.replace("-", "−");
+  return text.replaceAll("-", "−");
 }
 
 /** A value with its unit, such as 240.9 MPa. `like`: a number whose prefix it takes. */
