@@ -247,8 +247,9 @@ class LiveSession:
             self._restart.set()
 
     def _last_words(self) -> str:
+        """That it has ended, and where its script is."""
         out = self.state.welcome and self.state.welcome.get("out")
-        return f"the session has ended; its script is in {out}" if out else "the session has ended; it had no script file"
+        return "the session has ended; " + (f"its script is in {out}" if out else "it had no script file")
 
     def end_now(self) -> None:
         """Ends the process, whatever it still writes."""
