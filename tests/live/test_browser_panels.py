@@ -85,6 +85,25 @@ def test_numbers_are_slid_and_typed_and_stay_what_they_are_where_they_are_refuse
     slid = page.events()[-1]["event"]
     assert (slid["do"], slid["key"]) == ("set", "material.steel.thickness")
     page.until(lambda: text.input_value() == str(page.events()[-1]["event"]["value"]), "the text beside the slider")
+    # A drag of the slider is one gesture, and so one undo, of as many events as it has edits.
+    before, count = text.input_value(), len(live.script())
+    box = slider.bounding_box()
+    mouse, middle = page.tab.mouse, box["y"] + box["height"] / 2
+    mouse.move(box["x"] + box["width"] / 2, middle)
+    mouse.down()
+    for step in range(1, 4):
+        mouse.move(box["x"] + box["width"] * (0.5 + 0.1 * step), middle)
+        page.settle()
+    mouse.up()
+    page.settle()
+    slid = len(live.script()) - count
+    assert slid >= 3 and text.input_value() != before
+    page.press("Undo")
+    page.until(lambda: text.input_value() == before, "the number before the drag")
+    assert [event["do"] for event in live.script()[count:]] == slid * ["set"] + slid * ["undo"]
+    page.press("Redo")
+    page.until(lambda: text.input_value() != before, "the drag again")
+    page.settle()
     text.fill("9 mm")
     text.press("Enter")
     page.until(lambda: page.events()[-1]["event"].get("value") == "9 mm", "what is typed")

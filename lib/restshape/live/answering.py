@@ -169,12 +169,12 @@ class Worker(MessageLoop):
         Args:
             number: of the message whose event it is; 0: of none.
         """
-        lines, self.live.lines = self.live.lines, []
+        lines, steps = self.live.take_lines()
         if not lines or self.player is not None:
             return
         for line in lines:
             self._to_file(partial(self.file.add, line))
-        self._say_written(lines, number, with_next)
+        self._say_written(lines, number, with_next, steps)
 
     def _to_file(self, write: Callable[[], object]) -> None:
         """Has the script's file written; a disk that has no room ends no session: what is missing is written later."""
@@ -187,9 +187,9 @@ class Worker(MessageLoop):
         else:
             self._unwritten = False
 
-    def _say_written(self, lines: Sequence[str], number: int = 0, with_next: bool = False) -> None:
+    def _say_written(self, lines: Sequence[str], number: int = 0, with_next: bool = False, steps: int = 0) -> None:
         text = "".join(f"{line}\n" for line in lines)
-        message = json_bytes({"type": "written", "id": number, "lines": text, "count": self.file.count})
+        message = json_bytes({"type": "written", "id": number, "lines": text, "count": self.file.count, "steps": steps})
         (self.link.send_with_next if with_next else self.link.send)(message)
 
     def _rest(self) -> None:
@@ -294,7 +294,8 @@ class Worker(MessageLoop):
 
     def take_over(self) -> None:
         """The hand goes on from where the player is: the script so far is written down."""
-        self.player, self.live.lines = None, []
+        self.player = None
+        self.live.take_lines()
         self._to_file(self._begin_file)
         self._say_written(self.live.all_lines())
         # With a welcome a page begins with an empty picture.

@@ -13,6 +13,9 @@ from restshape.live.frame_arrays import PicturePart, sent_indices, sent_points
 from restshape.shape.curves import arc_fraction
 from restshape.shape.outline import Outline
 
+PIECES = 32
+"""Of an edge as long as the shape is large, at least."""
+
 
 @dataclass(frozen=True)
 class Thing:
@@ -148,11 +151,13 @@ def _moved(part: PicturePart, arrays: Mapping[str, AnyArray]) -> PicturePart:
 
 
 def _pieces(outline: Outline, edge: int, error: float) -> Reals:
-    """Parameters along an edge, a few where it has too many pieces."""
+    """Parameters along an edge, a few where it has too many pieces; straight edges bend with the shape, too."""
     try:
-        return outline.pieces(edge, error)
+        found = outline.pieces(edge, error)
     except UserError:
         return np.linspace(0.0, 1.0, 65)
+    length = float(np.hypot(*np.diff(outline.point(edge, found), axis=0).T).sum())
+    return np.union1d(found, np.linspace(0.0, 1.0, int(np.ceil(PIECES * length / outline.size)) + 1))
 
 
 def things_of(outline: Outline | None) -> list[Thing]:

@@ -40,6 +40,7 @@ class CurrentEvent:
         event: its keys; frames: that are left of it.
         count: frames so far; path: where the hand was in each.
         refused: why the first refused frame was.
+        past: what undo could bring back before it.
     """
 
     event: Event
@@ -47,6 +48,7 @@ class CurrentEvent:
     count: int
     path: list[tuple[float, ...]]
     refused: str = ""
+    past: tuple[object, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,7 @@ class LiveSimulation:
         hand: what it holds, "on", and where it is, "at"; None: it holds nothing.
         step: the event that is being carried out; None: there is none.
         lines: of the script, which have come since somebody took them.
+        steps: by how many more, or fewer, undo can take back since then.
         missed: the last event was to take hold of something, and was refused: scripts let go of that, too.
         recorder: takes the frames; None: they are not recorded.
     """
@@ -91,6 +94,7 @@ class LiveSimulation:
         self.hand: dict[str, object] | None = None
         self.step: CurrentEvent | None = None
         self.lines: list[str] = []
+        self.steps = 0
         self.missed = False
         self.recorder: Recorder | None = None
         self.sim = self._opened(predict)
@@ -118,7 +122,7 @@ class LiveSimulation:
             UserError: it is not valid, or cannot come now: nothing has happened.
         """
         do, keys = str(event.get("do", "")), {key: value for key, value in event.items() if key != "do"}
-        self.step = CurrentEvent(event, self.sim.each(do, **keys), 0, [])
+        self.step = CurrentEvent(event, self.sim.each(do, **keys), 0, [], past=self.sim.replay.session.past)
 
     def begin_of_script(self, event: Event, room: float) -> None:
         """Begins an event of another script, at its own time; errors as of `begin`.
@@ -126,7 +130,7 @@ class LiveSimulation:
         Args:
             event: its keys; room: edit time [s] that it has to the next one.
         """
-        self.step = CurrentEvent(event, self.sim.follow(event, room), 0, [])
+        self.step = CurrentEvent(event, self.sim.follow(event, room), 0, [], past=self.sim.replay.session.past)
 
     def rest(self) -> None:
         """Begins an event in which nothing happens, for as many frames as are asked for."""
@@ -176,6 +180,9 @@ class LiveSimulation:
     def _end(self, step: CurrentEvent) -> None:
         """Write down the event, which has been carried out."""
         self.step = None
+        if (past := self.sim.replay.session.past) is not step.past:
+            # The oldest may have been forgotten.
+            self.steps += -1 if len(past) < len(step.past) else 1
         self.lines.append(self.sim.written.last_line())
         self.missed = step.event.get("do") in GRABBING and bool(step.refused)
 
@@ -189,6 +196,12 @@ class LiveSimulation:
         if cursor is not None and self.hand is not None:
             self.hand = self.hand | {"at": list(cursor)}
             step.path.append(cursor)
+
+    def take_lines(self) -> tuple[list[str], int]:
+        """The lines that have come, and by how many more, or fewer, undo can take back."""
+        taken = self.lines, self.steps
+        self.lines, self.steps = [], 0
+        return taken
 
     def all_lines(self) -> list[str]:
         """The lines of all events that have ended."""
@@ -211,7 +224,7 @@ class LiveSimulation:
         for number, line in enumerate(lines):
             progress(number, len(lines))
             self.again(json.loads(line))
-        self.lines = []
+        self.lines, self.steps = [], 0
         self.picture.follow(self.sim)
 
     def again(self, event: Event) -> None:

@@ -70,6 +70,11 @@ class ScriptSession(ABC, Generic[Edited]):
         self._future: tuple[State[Edited], ...] = ()
         self._index = 0
 
+    @property
+    def past(self) -> tuple[State[Edited], ...]:
+        """What undo brings back, the last one first to come; another object after each edit step, undo and redo."""
+        return self._past
+
     def frames(self) -> Iterator[ScriptFrame]:
         """All frames, one after the other; the first shows what there is before any event."""
         yield self.first()

@@ -49,7 +49,7 @@ export type FromServer =
   | { type: "role"; role: "hand" | "looker" }
   | { type: "struck"; id: number; tone: MarkMessage }                     // a tone, which is heard
   | { type: "saved"; id: number; path: string; events: number }
-  | { type: "written"; id: number; lines: string; count: number }       // what the script has gained, and its events now
+  | { type: "written"; id: number; lines: string; count: number; steps?: number } // what the script has gained, its events now, more steps to undo
   | { type: "lost"; message: string; restarting: boolean }
   | { type: "note"; message: string };
 

@@ -57,7 +57,8 @@ export class Beside {
   /** A sentence below the picture, which screen readers read out. */
   say(text: string): void { if (this.said.textContent !== text) this.said.textContent = text; }
 
-  private refuse(id: number, message: string, todo: string): void {
+  /** Why something is not done, and what would be; id: of the message that is refused, 0: of none. */
+  refuse(id: number, message: string, todo: string): void {
     const text = todo ? `${message}: ${todo}` : message;
     this.free = !this.app.held && !this.app.selected;
     this.show(text, "refused");

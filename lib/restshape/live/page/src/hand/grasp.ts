@@ -66,6 +66,9 @@ export function pulls(thing: ThingInfo, asked: boolean): boolean {
   return thing.grabs.includes("pull") && (asked || !thing.grabs.includes("press"));
 }
 
+/** Whether a thing is an edge without anything between its ends that a pull could bend. */
+export function unbending({ role, grabs }: ThingInfo): boolean { return role === "edge" && !grabs.includes("pull"); }
+
 const releases = new WeakMap<App, number>();         // number of the last message that lets go
 
 function letGo(app: App): void { releases.set(app, app.act({ do: "release" })); }

@@ -13,7 +13,7 @@ import { Turning } from "./turning";
 /** Joins the hand to the picture; gives what panels may ask of both. */
 export function joinHand(app: App, scene: Scene): PageStage {
   const beside = new Beside(app);
-  const tools = new Tools(app, scene);
+  const tools = new Tools(app, scene, beside);
   const pointer = new Pointer(app, scene, tools, beside);
   tools.targets = pointer.targets;
   const turning = new Turning(app, scene, tools, (name) => pointer.targets.find(app.things, name));

@@ -4,7 +4,7 @@ import { Vector3 } from "three";
 
 import type { App } from "../app";
 import type { Scene } from "../draw/scene";
-import { Grasp, pulls } from "./grasp";
+import { Grasp, pulls, unbending } from "./grasp";
 import type { Pointer } from "./pointer";
 import type { Target } from "./targets";
 import type { Tools } from "./tools";
@@ -69,12 +69,17 @@ export class Keys {
     }
     const target = this.chosen();
     if (!target || this.app.role !== "hand") return false;
+    const asked = pull || this.app.tool === "pull";
+    if (asked && unbending(target.thing)) {
+      this.pointer.beside.refuse(0, `${target.thing.name} is straight and cannot be pulled`, "insert a vertex (I), or make it an arc in the panel Events");
+      return true;
+    }
     const grip = this.pointer.targets.grip(target);
     this.at = [...grip.at];
     this.by = 0;
     const { parameter } = this.pointer;
     const held = parameter && target.thing.parameters?.includes(parameter) ? parameter : null;
-    this.grasp = new Grasp(this.app, grip, pulls(target.thing, pull || this.app.tool === "pull"), held);
+    this.grasp = new Grasp(this.app, grip, pulls(target.thing, asked), held);
     this.pointer.hover.show(target, grip.dot);
     this.pointer.beside.say(`${target.thing.name} is in the hand: arrows move it, Escape lets go`);
     return true;

@@ -5,7 +5,7 @@ import { Vector3 } from "three";
 import type { App } from "../app";
 import type { Scene } from "../draw/scene";
 import { Beside } from "./beside";
-import { Grasp, pulls } from "./grasp";
+import { Grasp, pulls, unbending } from "./grasp";
 import { Highlight } from "./highlight";
 import { placeOnWay, type Way } from "./ways";
 import { Targets, type Grip } from "./targets";
@@ -85,8 +85,14 @@ export class Pointer {
       this.beside.show("another page has the hand");
       return false;
     }
+    const pull = this.app.tool === "pull" || event.altKey;
+    if (pull && unbending(thing)) {
+      this.beside.moveTo(this.start.x, this.start.y);
+      this.beside.refuse(0, `${thing.name} is straight and cannot be pulled`, "make it an arc with Arc, or insert a vertex (double click)");
+      return true;
+    }
     const parameter = this.parameter && thing.parameters?.includes(this.parameter) ? this.parameter : null;
-    this.grasp = new Grasp(this.app, grip, pulls(thing, this.app.tool === "pull" || event.altKey), parameter);
+    this.grasp = new Grasp(this.app, grip, pulls(thing, pull), parameter);
     this.hover.show(grip.target, grip.dot);
     const at = this.place(this.start.x, this.start.y, grip.at);
     this.offset = at ? [grip.at[0] - at[0], grip.at[1] - at[1], grip.at[2] - at[2]] : [0, 0, 0];

@@ -10,10 +10,12 @@ export class Steps {
   private done: number;
   private trying: { id: number; to: number; since: number } | null = null;
   private readonly ends: (() => void)[];
+  private readonly gesture: number;
 
   /** still: the amount to begin with. event: from the amount that is reached to the one that is wanted. */
   constructor(private readonly app: App, private readonly still: number, private readonly event: (from: number, to: number) => ScriptEvent) {
     this.wanted = this.done = still;
+    this.gesture = app.gesture();
     this.ends = [
       app.on("drawn", (id) => this.answered(id, true)),
       app.on("done", ({ id }) => this.answered(id, true)),
@@ -37,7 +39,7 @@ export class Steps {
   private next(): void {
     const late = this.trying && performance.now() - this.trying.since > PATIENCE;
     if ((this.trying && !late) || this.wanted === this.done) return;
-    const id = this.app.act(this.event(this.done, this.wanted));
+    const id = this.app.act(this.event(this.done, this.wanted), false, this.gesture);
     this.trying = id ? { id, to: this.wanted, since: performance.now() } : null;
   }
 

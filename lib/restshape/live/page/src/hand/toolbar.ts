@@ -13,7 +13,7 @@ import { WAYS, type Way } from "./ways";
 const TOOLS: [Tool, string, string, string | null][] = [
   ["hold", "Hold", "take hold and drag", "press"],
   ["pull", "Pull", "bend curves (or hold Alt while pressing)", "pull"],
-  ["hole", "Hole", "press at the middle, drag to the radius", "hole"],
+  ["hole", "Hole", "press at the middle, drag to the radius; stays chosen", "hole"],
   ["arc", "Arc", "drag an edge into an arc", "arc"],
   ["look", "View", "drag moves the picture only", null],
 ];

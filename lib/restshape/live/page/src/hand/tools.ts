@@ -2,7 +2,9 @@
 
 import type { App } from "../app";
 import type { Scene } from "../draw/scene";
+import { siText } from "../panels/si_text";
 import { coordinates } from "./grasp";
+import type { Beside } from "./beside";
 import { newName } from "./names";
 import { pixelsOf } from "./pixels";
 import type { Grip, Targets } from "./targets";
@@ -15,9 +17,10 @@ export class Tools {
   private center: [number, number, number] | null = null;
   private radius = 0;
   private arc: Grip | null = null;
+  private gesture = 0;
   private asked: { then: (at: number[] | null) => void } | null = null;
 
-  constructor(private readonly app: App, private readonly scene: Scene) {
+  constructor(private readonly app: App, private readonly scene: Scene, private readonly beside: Beside) {
     app.on("tool", (tool) => { this.cursor = tool === "hole" ? "crosshair" : tool === "look" ? "move" : null; });
   }
 
@@ -45,6 +48,7 @@ export class Tools {
     if (this.app.tool !== "arc") return false;
     const { x, y } = pixelsOf(this.scene, event);
     this.arc = this.targets?.at(this.app.things, x, y, 24, ({ role }) => role === "edge") ?? null;
+    this.gesture = this.app.gesture();
     if (this.arc) this.app.tell("selected", this.arc.target.thing);
     return this.arc !== null;
   }
@@ -54,11 +58,12 @@ export class Tools {
       const at = this.ground(event);
       this.radius = Math.hypot(at[0] - this.center[0], at[1] - this.center[1]);
       this.preview();
+      this.say(`radius ${siText(this.radius, "m")}`, event);
       return true;
     }
     if (!this.arc) return false;
     const { thing } = this.arc.target;
-    this.app.act({ do: "arc", on: thing.name, through: coordinates(this.app, thing, this.ground(event)) }, true);
+    this.app.act({ do: "arc", on: thing.name, through: coordinates(this.app, thing, this.ground(event)) }, true, this.gesture);
     return true;
   }
 
@@ -68,7 +73,6 @@ export class Tools {
       const round = (value: number): number => Number(value.toPrecision(6));
       const name = newName("hole_", this.taken());
       this.app.act({ do: "hole", name, center: [round(x), round(y)], radius: round(this.radius) });
-      this.app.tell("tool", "hold");
     }
     this.end();
   }
@@ -111,6 +115,12 @@ export class Tools {
     if (this.center) this.scene.setLines("tool", null);
     this.center = null;
     this.arc = null;
+  }
+
+  private say(text: string, event: PointerEvent): void {
+    const { x, y } = pixelsOf(this.scene, event);
+    this.beside.moveTo(x, y);
+    this.beside.show(text);
   }
 
   private ground(event: PointerEvent): [number, number, number] {

@@ -1,4 +1,4 @@
-// Help for the keyboard: key ? opens it.
+// Help for keyboard and mouse: key ? opens it.
 
 import { button, element } from "./element";
 
@@ -21,11 +21,19 @@ const KEYS: [string, string][] = [
   ["?", "opens and closes this help"],
 ];
 
+const MOUSE: [string, string][] = [
+  ["Press and drag", "moves what lights up; beside the shape, the picture (in space: turns it)"],
+  ["Alt and drag", "pulls a curve, which bends"],
+  ["Double click", "inserts a vertex in an edge; beside the shape, shows all"],
+  ["Wheel", "closer, farther, towards the pointer"],
+  ["Right button", "moves the picture"],
+  ["Two fingers", "let go of what is held, and move the picture"],
+];
+
 export function showHelp(): HTMLElement {
-  const dialog = element("dialog", { class: "help-dialog", "aria-label": "Keys" });
+  const dialog = element("dialog", { class: "help-dialog", "aria-label": "Keys and mouse" });
   const close = button("Close", "Escape", () => dialog.close());
-  dialog.append(element("h2", {}, "Keys"),
-    element("dl", {}, ...KEYS.flatMap(([key, what]) => [element("dt", {}, element("kbd", {}, key)), element("dd", {}, what)])), close);
+  dialog.append(element("h2", {}, "Mouse and touch"), list(MOUSE), element("h2", {}, "Keys"), list(KEYS), close);
   const toggle = () => (dialog.open ? dialog.close() : dialog.showModal());
   addEventListener("keydown", (event) => {
     const at = event.target;
@@ -34,7 +42,11 @@ export function showHelp(): HTMLElement {
     toggle();
     event.preventDefault();
   });
-  const opener = button("?", "keys (?)", toggle);
-  opener.setAttribute("aria-label", "keys");
+  const opener = button("?", "keys and mouse (?)", toggle);
+  opener.setAttribute("aria-label", "keys and mouse");
   return element("span", {}, opener, dialog);
+}
+
+function list(rows: readonly [string, string][]): HTMLElement {
+  return element("dl", {}, ...rows.flatMap(([key, what]) => [element("dt", {}, element("kbd", {}, key)), element("dd", {}, what)]));
 }

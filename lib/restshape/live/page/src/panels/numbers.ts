@@ -18,6 +18,7 @@ class NumberLine {
   private sliding = false;
   private readonly why = element("p", { class: "wrong", role: "alert", hidden: true });
   private asked = 0;                                   // the message with what was typed last
+  private gesture = 0;
   private refused = false;                             // since it was in the hand: it shows what was not taken
 
   constructor(private info: NumberInfo, private readonly app: App, chosen: (key: string) => void) {
@@ -79,11 +80,12 @@ class NumberLine {
   }
 
   private slide(): void {
+    if (!this.sliding) this.gesture = this.app.gesture();
     this.sliding = true;
     const event = slid(this.info, this.range, rounded(Number(this.slider.value), this.range.step));
     this.text.value = String(event["value"]);
     mark(this.slider, "aria-valuetext", this.text.value);
-    this.app.act(event, true);
+    this.app.act(event, true, this.gesture);
   }
 
   private typed(): void {

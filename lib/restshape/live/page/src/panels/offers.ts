@@ -10,6 +10,7 @@ class OfferLine {
   readonly body: HTMLElement;
   held = false;                                         // the slider is in the hand
   private taken = false;
+  private gesture = 0;
   private readonly name = new ChangingText();
   private readonly text = new ChangingText();
   private readonly slider = element("input", { type: "range", min: 0, max: 1, step: 0.005, value: 0 });
@@ -25,7 +26,10 @@ class OfferLine {
       this.body.addEventListener(end, hide);
     }
     press.addEventListener("click", hide);
-    this.slider.addEventListener("pointerdown", () => { this.held = true; });
+    this.slider.addEventListener("pointerdown", () => {
+      this.held = true;
+      this.gesture = this.app.gesture();
+    });
     for (const end of ["pointerup", "pointercancel", "change"]) this.slider.addEventListener(end, () => this.release());
     this.slider.addEventListener("input", () => this.slide());
     this.slider.value = String(place);
@@ -38,6 +42,7 @@ class OfferLine {
   private release(): void {
     if (!this.held) return;
     this.held = false;
+    this.gesture = 0;
     this.released(Number(this.slider.value));
   }
 
@@ -61,7 +66,7 @@ class OfferLine {
     if (!offer.slide) return;
     if (!this.taken) this.take();
     const event: ScriptEvent = { ...offer.slide, [offer.slid]: Number(this.slider.value) };
-    this.app.act(event, true);
+    this.app.act(event, true, this.gesture);
   }
 }
 
