@@ -204,8 +204,20 @@ def test_a_session_that_begins_again_is_in_the_same_state(scene, tmp_path):
     assert cut(other.of("frame")[-1]["columns"]) == row
     a, b = (one.event("drag", to=[0.11, 0.07])[0]["columns"] for one in (session, other))
     assert cut(a) == cut(b)
+    # After a refused edit, too: the marks are those of the answer before.
+    marks = kinds_of_marks(session.of("frame"))
+    assert (
+        session.event("set", key="material.steel.thickness", value="-1 mm")[0]["columns"]["refused"]
+        and "arrows" in marks
+    )
+    assert kinds_of_marks(session.say("restart")) == marks
     session.end()
     other.end()
+
+
+def kinds_of_marks(frames):
+    """Of the last marks that frames bring."""
+    return [mark["kind"] for mark in [one for one in frames if "marks" in one][-1]["marks"]]
 
 
 def test_a_fault_in_a_frame_leaves_the_event_out_and_the_session_goes_on(scene, tmp_path, monkeypatch):

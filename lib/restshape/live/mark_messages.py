@@ -55,7 +55,8 @@ def _(mark: Chart, body: MessageBody) -> dict[str, object]:
 @placed.register(Tone)
 def _(mark: Tone, body: MessageBody) -> dict[str, object]:
     partials = {key: _numbers(getattr(mark, key)) for key in ("frequencies", "decays", "amplitudes")}
-    return {"kind": "tone", "name": mark.name, **partials}
+    at = None if mark.at is None else _numbers(mark.at)
+    return {"kind": "tone", "name": mark.name, "at": at, **partials}
 
 
 def _moved(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:

@@ -125,12 +125,14 @@ class Tone:
     Args:
         frequencies: [Hz]; decays: rates [1/s] by which amplitudes fall; amplitudes: of each, the largest 1.
         name: of the tone, such as "C5 +3 cents".
+        at: place [m] that is struck; None: it is not known.
     """
 
     frequencies: Sequence[float]
     decays: Sequence[float]
     amplitudes: Sequence[float]
     name: str = ""
+    at: Sequence[float] | None = None
 
 
 Mark = Lines | Arrows | Words | Offer | Chart | Tone

@@ -79,7 +79,8 @@ export type MarkMessage =
   | { kind: "offer"; name: string; text: string; events: ScriptEvent[]; slide: ScriptEvent | null; slid: string; lines: MarkMessage[] }
   | { kind: "chart"; name: string; xLabel: string; yLabel: string; curves: { name: string; x: number[]; y: number[] }[];
       at: Record<string, number>; logarithmic: boolean }
-  | { kind: "tone"; name: string; frequencies: number[]; decays: number[]; amplitudes: number[] };
+  | { kind: "tone"; name: string; frequencies: number[]; decays: number[]; amplitudes: number[];
+      at?: number[] | null };                                              // the place that is struck
 
 /** The header of a binary message: u4 its length in bytes, the JSON (padded so that arrays begin at a multiple of 8), arrays. */
 export interface FrameMessage {

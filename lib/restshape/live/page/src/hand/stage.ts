@@ -22,7 +22,7 @@ export class PageStage {
 
   /** The place [m] at which the canvas is pressed next; null: given up by Escape, or by another pick. */
   async pick(what: string): Promise<number[] | null> {
-    this.beside.say(`press at ${what} in the picture; Escape gives up`);
+    this.beside.say(`${what}; Escape gives up`);
     const at = await this.tools.pick();
     this.beside.say("");
     return at;

@@ -20,7 +20,7 @@ export function showEvents(app: App, stage: Stage): HTMLElement {
   const show = () => {
     const schema = app.welcome?.events[choice.value];
     if (!schema) return;
-    form = new EventForm(choice.value, schema, { lists: { names: NAMES, keys: KEYS }, pick: (what) => stage.pick(what), send });
+    form = new EventForm(choice.value, schema, { lists: { names: NAMES, keys: KEYS }, pick: (what) => stage.pick(`press at ${what} in the picture`), send });
     text.textContent = eventText(schema);
     place.replaceChildren(form.body);
     if (selected) form.suggest(selected);

@@ -114,15 +114,19 @@ export class Offers {
     if (!this.list.matches(":hover")) this.preview.draw([]);
   }
 
-  /** Puts the lines into the page in their order; that of a slider in the hand is not taken out of it: it would be let go. */
+  /** Puts the lines into the page in their order. Those that stay are not moved: a press, or a slider, would be let go. */
   private arrange(held: OfferLine | undefined): void {
-    if (!held) {
-      this.list.replaceChildren(...this.lines.map((line) => line.body));
-      return;
+    const bodies = new Set<Element>(this.lines.map((line) => line.body));
+    for (const body of [...this.list.children]) if (!bodies.has(body)) body.remove();
+    let next = this.list.firstElementChild;
+    for (const line of this.lines) {
+      while (line === held && next && next !== line.body) {
+        const passed = next;
+        next = next.nextElementSibling;
+        passed.remove();
+      }
+      if (line.body === next) next = next.nextElementSibling;
+      else this.list.insertBefore(line.body, next);
     }
-    const place = this.lines.indexOf(held), bodies = this.lines.map((line) => line.body);
-    for (const body of [...this.list.children]) if (body !== held.body) body.remove();
-    held.body.before(...bodies.slice(0, place));
-    held.body.after(...bodies.slice(place + 1));
   }
 }

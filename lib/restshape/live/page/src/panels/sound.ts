@@ -9,6 +9,7 @@ import type { Stage } from "./stage";
 import { alike } from "./tone_parameters";
 import { TonePlayer } from "./tone_player";
 
+const MALLET = "mallet";                                // of the dot in the picture
 const APART = 350;                                      // [ms] between tones at least, while the shape changes
 
 export class Sound {
@@ -30,7 +31,7 @@ export class Sound {
     app.on("struck", ({ tone }) => this.hear(tone));
     this.body.append(element("h2", {}, "Sound"), element("p", {}, this.text.node),
       element("div", { class: "row" }, button("strike", "strike where the mallet is", () => this.strike()),
-        button("strike at …", "press the shape where it is struck", () => void this.strikeAt()), mute),
+        button("strike at …", "click on the bar where the mallet strikes", () => void this.strikeAt()), mute),
       element("label", { class: "row" }, element("span", {}, "volume"), volume));
   }
 
@@ -38,6 +39,7 @@ export class Sound {
   private hear(tone: MarkMessage): void {
     if (tone.kind !== "tone") return;
     this.text.set(toneText(tone));
+    this.drawMallet(tone);
     this.play(tone);
   }
 
@@ -45,17 +47,24 @@ export class Sound {
   show(tones: ToneMark[]): void {
     const tone = tones[0] ?? null;
     if (this.body.hidden === (tone !== null)) this.body.hidden = tone === null;
-    if (!tone) return;
+    if (!tone) { this.stage.setLines(MALLET, null); return; }
     const before = this.tone;
     this.tone = tone;
     this.text.set(toneText(tone));
+    this.drawMallet(tone);
     if (before && !alike(before, tone)) this.playSoon();
+  }
+
+  /** Draws where the blow of a tone is. */
+  private drawMallet({ at }: ToneMark): void {
+    const [x = 0, y = 0, z = 0] = at ?? [];
+    this.stage.setLines(MALLET, at ? { points: Float32Array.of(x, y, z), starts: [0], meaning: "force", moved: null, words: ["mallet"] } : null);
   }
 
   private strike(): void { this.app.send({ type: "strike" }); }
 
   private async strikeAt(): Promise<void> {
-    const at = await this.stage.pick("strike");
+    const at = await this.stage.pick("click on the bar where the mallet strikes");
     if (at) this.app.send({ type: "strike", at: at.slice(0, this.app.welcome?.dim ?? 2) });
   }
 

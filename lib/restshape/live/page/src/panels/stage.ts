@@ -8,7 +8,7 @@ export interface ArrowsToDraw {
 export interface WordToDraw { text: string; at: number[]; meaning: string; moved?: number[]; }
 
 export interface Stage {
-  /** The place [m] at which the canvas is pressed next; null: given up by Escape, or by another pick. */
+  /** The place [m] at which the canvas is pressed next; null: given up by Escape, or by another pick. what: is to be done. */
   pick(what: string): Promise<number[] | null>;
   /** Where a thing of a name is drawn: its place without displacements, and its displacement; null: it is not. */
   where(name: string): { at: number[]; moved: number[] } | null;
