@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from restshape.fem.space import Space
     from restshape.interface.simulation import Simulation
 
-NEAR = 0.05
+NEAR = 0.25
 """Share of the plate's size by which a blow may miss it."""
 
 
