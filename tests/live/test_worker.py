@@ -182,9 +182,12 @@ def test_predicted_frames_are_those_of_a_replay_that_predicts_from_the_start(sce
     (last,) = session.event("drag", to=[0.0935, 0.063])[:1]
     assert last["columns"]["predicted"] == 1
     assert cut(last["columns"]) == replayed(scene, out, "linear")[-1]
+    assert json.loads(out.read_text().splitlines()[0])["note"] == "recorded live with --predict linear"
+    assert session.say("save")[-1]["options"] == "--predict linear"
     session.say("show", predict="none")
     (last,) = session.event("drag", to=[0.094, 0.063])[:1]
     assert cut(last["columns"]) == replayed(scene, out)[-1]
+    assert "note" not in json.loads(out.read_text().splitlines()[0])
     session.end()
 
 

@@ -189,6 +189,10 @@ class WrittenScript:
         """The text of the last event, without the end of its line."""
         return json.dumps(self._tables[-1], allow_nan=False)
 
+    def annotate(self, note: str) -> None:
+        """Puts a note for readers into the header."""
+        self._header = self._header.model_copy(update={"note": note})
+
     def header_line(self) -> str:
         """The text of the first line, without its end."""
         return json.dumps(self._header.model_dump(exclude_defaults=True), allow_nan=False)

@@ -241,6 +241,7 @@ class Worker(MessageLoop):
                 self.player.predict(message.predict)
             else:
                 live.reopen(live.all_lines(), message.predict, progress)
+                self._to_file(self._begin_file)
         if self.player is not None:
             self.player.show_again(changed)
         else:
@@ -255,7 +256,8 @@ class Worker(MessageLoop):
         if not self.file.name:
             raise UserError("no file was named for the script", do="start restshape live with --out SCRIPT")
         self.file.write()
-        self.say({"type": "saved", "id": message.id, "path": self.file.name, "events": self.file.count})
+        said = {"events": self.file.count, "options": self.live.options}
+        self.say({"type": "saved", "id": message.id, "path": self.file.name, **said})
 
     def _record(self, message: page.RecordMessage) -> None:
         if self.player is not None:

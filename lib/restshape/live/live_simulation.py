@@ -69,6 +69,11 @@ class SolvedBy:
     calibration: Calibration | None = None
     petsc: tuple[str, ...] = ()
 
+    def options(self, predict: Predict) -> str:
+        """Options with which `restshape replay` gives the same frames, where they are predicted so; empty: none."""
+        given = {"predict": predict if predict != "none" else None, "policy": self.policy, "guess": self.guess}
+        return " ".join(f"--{name} {value}" for name, value in given.items() if value is not None)
+
 
 USUAL = SolvedBy()
 
@@ -105,12 +110,20 @@ class LiveSimulation:
 
     def _opened(self, predict: Predict) -> Simulation:
         given = vars(self._manner) | {"predict": predict, "strict": False, "recorder": self.recorder}
-        return Simulation(self._scene, **given)
+        sim = Simulation(self._scene, **given)
+        if options := self._manner.options(predict):
+            sim.written.annotate(f"recorded live with {options}")
+        return sim
 
     @property
     def scene(self) -> Scene:
         """The scene with the values that hold now."""
         return self.sim.scene
+
+    @property
+    def options(self) -> str:
+        """Options with which `restshape replay` of the script gives the same frames; empty: none."""
+        return self._manner.options(self.predict)
 
     @property
     def settled(self) -> bool:

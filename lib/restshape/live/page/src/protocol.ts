@@ -48,7 +48,7 @@ export type FromServer =
   | { type: "player"; playing: boolean; frame: number; frames: number }
   | { type: "role"; role: "hand" | "looker" }
   | { type: "struck"; id: number; tone: MarkMessage }                     // a tone, which is heard
-  | { type: "saved"; id: number; path: string; events: number }
+  | { type: "saved"; id: number; path: string; events: number; options?: string } // options: a replay needs them
   | { type: "written"; id: number; lines: string; count: number; steps?: number } // what the script has gained, its events now, more steps to undo
   | { type: "lost"; message: string; restarting: boolean }
   | { type: "note"; message: string };

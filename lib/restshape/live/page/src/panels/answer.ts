@@ -41,6 +41,11 @@ export function showAnswer(app: App, painter: Painter): HTMLElement {
 /** Solved, or predicted in one of the ways that the scene can. */
 function predictChoice(app: App): HTMLElement {
   const group = element("fieldset", { class: "row choice" }, element("legend", {}, "frames of a drag"));
+  const hint = element("p", { class: "help", hidden: true });
+  const show = () => {
+    hint.hidden = way === "none";
+    hint.textContent = `The script replays to these frames with --predict ${way}, and to solved ones without.`;
+  };
   let way = "none";
   app.on("welcome", ({ predicts, predict }) => {
     way = predict;
@@ -50,10 +55,13 @@ function predictChoice(app: App): HTMLElement {
       const box = element("input", { type: "radio", name: "predict", value: one, checked: one === chosen });
       box.addEventListener("change", () => {
         way = one;
+        show();
         app.send({ type: "show", predict: one as "none" | "linear" | "gmls" });
       });
       return element("label", {}, box, one === "none" ? "solved" : `predicted (${one})`);
     }));
+    group.append(hint);
+    show();
     group.hidden = ways.length < 2;
   });
   group.hidden = true;

@@ -25,7 +25,7 @@ export function showLog(app: App): HTMLElement {
   };
   app.on("refused", ({ message, place, todo }) => say("refused", [message, place && `at ${place}`, todo].filter(Boolean).join(" · ")));
   app.on("note", (message) => say("note", message));
-  app.on("saved", ({ path, events }) => say("saved", `${events} events in ${path}`));
+  app.on("saved", ({ path, events, options }) => say("saved", `${events} events in ${path}${options ? `: replay it with ${options}` : ""}`));
   app.on("lost", ({ message, restarting }) => restarting ? say("lost", `${message}: it begins again with the script so far`) : say("ended", message));
   let refusedBefore = "";
   app.on("frame", ({ header }) => {
