@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.shape.changed_planks import changed_planks
 
 from restshape.live.shown_marks import Lines, Offer
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
 
     from restshape_apps.furniture.guidance.design import Design
     from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionList
-    from restshape_apps.furniture.physics.furniture import Furniture
     from restshape_apps.furniture.shape.planks import Piece, Plank
 
 EDGES = np.array([0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 5, 1, 3, 7, 6, 2])
@@ -41,15 +41,23 @@ class OfferMarks:
 
 
 def _offers(piece: Piece, found: Sequence[Suggestion], model: Furniture) -> list[Offer]:
-    """An offer for each suggestion, with what it makes of the planks that it changes."""
+    """An offer for each suggestion, with what it makes of the planks that it changes; none for what worsens."""
     offers = []
     for number, one in enumerate(found, 1):
         after = one.piece or model.moved(one.t * one.direction)
+        if not one.valid and _worsens(model, after):
+            continue
         changed = [plank for plank, other in zip(after.planks, changed_planks(piece, after)) if other]
         choose = {"do": "choose", "number": number}
         slide = SLIDE if one.unit and one.span[1] > one.span[0] else None
         offers.append(Offer(f"{number}: {one.name}", one.summary, (choose,), slide, "to", plank_lines(changed, number)))
     return offers
+
+
+def _worsens(model: Furniture, after: Piece) -> bool:
+    """Whether a piece has all flaws that the model's has, and its worst joint bears more."""
+    old, new = model.test(), Furniture(after, model.compliance).test()
+    return not old.flaws & ~new.flaws and max(new.pull, new.shear) > max(old.pull, old.shear)
 
 
 def plank_lines(planks: Sequence[Plank], number: int) -> tuple[Lines, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,21 +39,24 @@ class RangeMarks:
         if grabbed_at is None:
             at, speed = way_of(model, under.direction, t)
             origin = at - t * speed
-            return [*_lines(under, origin, speed), _here(under, t, at)]
+            return [*range_lines(under, origin, speed), _here(under, t, at)]
         plank = int(np.argmax(np.abs(under.direction).max(axis=1)))
         speed = under.design.piece.planks[plank].axes @ under.direction[plank, :3]
         if under is not self._of:
-            self._of, self._lines = under, _lines(under, grabbed_at, speed)
+            self._of, self._lines = under, range_lines(under, grabbed_at, speed)
         return [*self._lines, _here(under, t, grabbed_at + t * speed)]
 
 
-def _lines(under: DesignDirection, origin: np.ndarray, speed: np.ndarray) -> list[Mark]:
+def range_lines(under: DesignDirection, origin: np.ndarray, speed: np.ndarray) -> list[Mark]:
     """The valid parts, those that are not, and doubtful ones, along a line through an origin (3,) at parameter 0."""
     valid = [(float(low), float(high)) for low, high in under.ranges.intervals]
+    if not valid:
+        nothing = _line("outside the valid range", "limit", [(under.low, under.high)], under, origin, speed)
+        return [] if nothing is None else [replace(nothing, words=["nothing valid along this drag"])]
     marks = [
         _line("valid range", "inside", valid, under, origin, speed),
         _line("outside the valid range", "outside", _between(valid, under.low, under.high), under, origin, speed),
-        _line("holds in doubt", "uncertain", list(under.doubtful) if valid else [], under, origin, speed),
+        _line("holds in doubt", "uncertain", list(under.doubtful), under, origin, speed),
     ]
     return [mark for mark in marks if mark is not None]
 

@@ -1,11 +1,17 @@
 """What a piece shows at the hand: ranges, suggestions, forces of feet, joints that break."""
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from marked_edits import frames_of, last_marks, rows_with_and_without
+from restshape_apps.furniture.guidance.suggested import SuggestionList
 from restshape_apps.furniture.guidance.valid_ranges import decode_ranges
+from restshape_apps.furniture.marks.offer_marks import OfferMarks
+from restshape_apps.furniture.marks.range_marks import range_lines
+from restshape_apps.furniture.physics.furniture import Furniture
 
 import restshape
 from restshape.live.shown_marks import Offer, Words
@@ -75,6 +81,25 @@ def test_suggestions_are_offers_that_can_be_chosen_and_slid_along(table):
     assert not frame.refused and "joints that break" not in last_marks(table)
     table.undo()
     table.undo()
+
+
+def test_a_suggestion_that_only_overloads_joints_more_is_not_offered(table):
+    design = table.replay.analysis.design
+    longer = next(one for one in design.suggestion_list.found if "longer" in one.words)
+    worse = replace(longer, t=-0.05, valid=False, rest="weak")
+    found = SuggestionList((worse, longer))
+    offers = OfferMarks()(design, found, None, Furniture(design.piece, design.furniture.compliance))
+    assert [one.events for one in offers] == [({"do": "choose", "number": 2},)]
+
+
+def test_where_nothing_is_valid_the_line_says_so(table):
+    with table.press("leg-4", parameter="length y"):
+        under = table.replay.analysis.design_direction
+        at, along = np.zeros(3), np.array([0.0, 1.0, 0.0])
+        nothing = SimpleNamespace(low=-0.2, high=0.3, unit="m", doubtful=(), ranges=SimpleNamespace(intervals=()))
+        (line,) = range_lines(nothing, at, along)
+        assert line.words == ["nothing valid along this drag"] and line.meaning == "limit"
+        assert len(range_lines(under, at, along)) >= 2
 
 
 @pytest.mark.slow

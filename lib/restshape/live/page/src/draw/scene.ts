@@ -36,6 +36,8 @@ export class Scene {
   private readonly sharpness = new Sharpness(() => this.sharpen());
   private answered = 0;
   private fitted = false;
+  private whole = true;                              // all was in the picture
+  private looked = false;                            // somebody has moved the picture since
   left = 0;                                          // of the canvas in the window, pixels
   top = 0;
   private width = 1;
@@ -53,7 +55,7 @@ export class Scene {
     this.marks = new Marks(this.scene, this.shared, this.theme, this.labels, () => this.request());
     this.scene.add(this.group, this.overlay);
     this.parts = new Parts(this.group, this.shared, this.theme, 2);
-    this.view = new View(canvas, 2, () => this.request());
+    this.view = new View(canvas, 2, () => this.moved());
     this.theme.onChange(() => this.recolour());
     this.recolour();
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -85,6 +87,7 @@ export class Scene {
     const bounds = this.parts.drawnBox();
     if (bounds.empty) return;
     this.view.fit(bounds);
+    [this.whole, this.looked] = [true, false];
     this.request();
   }
 
@@ -100,7 +103,7 @@ export class Scene {
     this.parts.clear();
     if (!same) {
       this.view.dispose();
-      this.view = new View(this.canvas, welcome.dim, () => this.request());
+      this.view = new View(this.canvas, welcome.dim, () => this.moved());
       this.parts = new Parts(this.group, this.shared, this.theme, welcome.dim);
       this.fitted = false;
       this.resize();
@@ -116,9 +119,26 @@ export class Scene {
     this.leaveOut(this.app.look);
     for (const part of header.parts) this.nameField(part.field);
     this.answered = Math.max(this.answered, header.id);
-    if (this.fitted) this.rescale();
+    if (this.fitted) this.follow();
     else this.first();
     this.colour();
+    this.request();
+  }
+
+  /** What all was in the picture, and grows out of it, is shown again; not while a hand drags, nor after a look at a part. */
+  private follow(): void {
+    this.rescale();
+    if (this.app.held || this.view.moving) return;
+    const bounds = this.parts.drawnBox();
+    if (bounds.empty) return;
+    const shown = this.view.shows(bounds);
+    if (this.whole && !shown && !this.looked) this.fit();
+    else this.whole = shown;
+    this.looked = false;
+  }
+
+  private moved(): void {
+    this.looked = true;
     this.request();
   }
 

@@ -6,6 +6,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Bounds } from "./bounds";
 
 const MARGIN = 1.3; // of the shape's size: displacements and arrows have room
+const EDGE = 0.05; // of the picture, in which a shape counts as outside
 const ANGLE = 28; // degrees that the camera in space sees
 const FROM = new Vector3(0.55, -0.95, 0.55).normalize();
 
@@ -79,6 +80,18 @@ export class View {
     camera.left = -camera.right;
     camera.top = scale * this.height;
     camera.bottom = -camera.top;
+  }
+
+  /** Whether all corners of a box are in the picture; in the plane with room for the buttons at its sides. */
+  shows(bounds: Bounds): boolean {
+    const room = this.dim === 2 ? EDGE : 0;
+    for (let corner = 0; corner < 8; corner += 1) {
+      const [x, y, z] = [0, 1, 2].map((k) => (corner & (1 << k) ? bounds.high : bounds.low)[k]!) as [number, number, number];
+      const at = this.toScreen(x, y, z, this.work);
+      const far = Math.max(Math.abs(at.x / this.width - 0.5), Math.abs(at.y / this.height - 0.5));
+      if (far > 0.5 - room) return false;
+    }
+    return true;
   }
 
   /** Pixels of a place, from the upper left of the canvas; z is less than 1 before the far end. */

@@ -34,7 +34,13 @@ export function showHelp(): HTMLElement {
   const dialog = element("dialog", { class: "help-dialog", "aria-label": "Keys and mouse" });
   const close = button("Close", "Escape", () => dialog.close());
   dialog.append(element("h2", {}, "Mouse and touch"), list(MOUSE), element("h2", {}, "Keys"), list(KEYS), close);
-  const toggle = () => (dialog.open ? dialog.close() : dialog.showModal());
+  const toggle = () => {
+    if (dialog.open) dialog.close();
+    else {
+      dialog.showModal();
+      dialog.scrollTop = 0;                            // the focus on its button has scrolled it
+    }
+  };
   addEventListener("keydown", (event) => {
     const at = event.target;
     const typed = at instanceof HTMLElement && at.closest("input:not([type=range], [type=checkbox], [type=radio]), textarea");
