@@ -16,6 +16,8 @@ from io import BytesIO
 from math import hypot
 from pathlib import Path
 
+import numpy as np
+from matplotlib import colormaps
 from PIL import Image, ImageDraw
 from playwright.sync_api import Page, sync_playwright
 
@@ -36,7 +38,7 @@ SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 STEP = 14.0
 """Pixels that the mouse goes between two pictures."""
 SECONDS = 0.06
-COLOURS = 200
+COLOURS, COLOUR_MAP = 230, "viridis"
 REST = 6
 """Pictures of what has come to rest."""
 INK, GROUND = (20, 20, 20), (255, 255, 255)
@@ -128,6 +130,16 @@ def filmed(page: Page) -> list[Image.Image]:
     return film.pictures
 
 
+def palette(pictures: list[Image.Image]) -> Image.Image:
+    """Colours of all pictures: those of some of them, and all of the colour map, whose ends are rare."""
+    found = Image.new("RGB", (SIZE[0], 4 * SIZE[1]))
+    for k, picture in enumerate((pictures[0], pictures[len(pictures) // 2], pictures[-1])):
+        found.paste(picture, (0, k * SIZE[1]))
+    shades = (255 * colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, SIZE[0]))[:, :3]).astype(np.uint8)
+    found.paste(Image.fromarray(np.repeat(shades[None], SIZE[1], axis=0)), (0, 3 * SIZE[1]))
+    return found.quantize(COLOURS)
+
+
 def main() -> None:
     """Writes the picture."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "results" / "live.gif"
@@ -140,10 +152,7 @@ def main() -> None:
         page.wait_for_timeout(1000)
         pictures = filmed(page)
         browser.close()
-    palette = Image.new("RGB", (SIZE[0], 3 * SIZE[1]))
-    for k, picture in enumerate((pictures[0], pictures[len(pictures) // 2], pictures[-1])):
-        palette.paste(picture, (0, k * SIZE[1]))
-    colours = palette.quantize(COLOURS)
+    colours = palette(pictures)
     frames = [picture.quantize(palette=colours, dither=Image.Dither.NONE) for picture in pictures]
     with replacing(path) as target:
         frames[0].save(
