@@ -229,7 +229,9 @@ def test_the_tone_is_heard_after_a_blow(context, session):
     box = page.tab.locator("#canvas").bounding_box()
     page.tab.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.6 * box["height"])
     at = page.until(lambda: [one["at"] for one in page.said if "at" in one], "the place")[0]
-    struck = page.until(lambda: page.of("struck")[2:], "the blow beside the bar")[0]["tone"]["at"]
+    struck = page.until(lambda: page.of("struck")[2:], "the blow beside the bar")[0]["tone"]
+    struck, moved = struck["at"], struck["moved"]
+    assert len(moved) == 3 and abs(moved[2]) > 0
     assert at[1] < -0.005 and 0 <= struck[1] < 0.003 and abs(struck[0] - at[0]) < 0.01
     assert page.tab.locator("#labels span", has_text="mallet").count() == 1
     assert not page.faults and not page.of("refused")

@@ -270,7 +270,8 @@ class Worker(MessageLoop):
         tone = application_of(self.live.scene).struck(self.live.sim, message.at)
         if not isinstance(tone, Tone):
             raise UserError("what is simulated has no tone", do="strike a shape whose modes are computed")
-        self.say({"type": "struck", "id": message.id, "tone": placed(tone, MessageBody())})
+        (moved,) = MovedMarks()([tone], self.live.picture.parts())
+        self.say({"type": "struck", "id": message.id, "tone": placed(moved, MessageBody())})
 
     def _restart(self, message: page.Message) -> None:
         self.live.reopen(self.live.all_lines(), self.live.predict, self.progress("frames are computed again"))

@@ -55,8 +55,8 @@ def _(mark: Chart, body: MessageBody) -> dict[str, object]:
 @placed.register(Tone)
 def _(mark: Tone, body: MessageBody) -> dict[str, object]:
     partials = {key: _numbers(getattr(mark, key)) for key in ("frequencies", "decays", "amplitudes")}
-    at = None if mark.at is None else _numbers(mark.at)
-    return {"kind": "tone", "name": mark.name, "at": at, **partials}
+    place = {key: None if (one := getattr(mark, key)) is None else _numbers(one) for key in ("at", "moved")}
+    return {"kind": "tone", "name": mark.name, **place, **partials}
 
 
 def _moved(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.live.shown_marks import Arrows, Lines, Mark, Words
+from restshape.live.shown_marks import Arrows, Lines, Mark, Tone, Words
 
 if TYPE_CHECKING:
     from restshape.arrays import AnyArray, Reals
@@ -52,6 +52,10 @@ class MovedMarks:
 
 def _with_moves(mark: Mark, shape: _DrawnShape) -> Mark:
     """A mark with the displacements of its points, where it has points and says nothing of them itself."""
+    if isinstance(mark, Tone):
+        if mark.at is None:
+            return mark
+        return replace(mark, moved=shape.moves(np.array([mark.at], dtype=float))[0].tolist())
     if not isinstance(mark, Lines | Arrows | Words) or mark.moved is not None or mark.meaning in STAYS:
         return mark
     if isinstance(mark, Words):

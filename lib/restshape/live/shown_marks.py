@@ -126,6 +126,7 @@ class Tone:
         frequencies: [Hz]; decays: rates [1/s] by which amplitudes fall; amplitudes: of each, the largest 1.
         name: of the tone, such as "C5 +3 cents".
         at: place [m] that is struck; None: it is not known.
+        moved: displacement [m] of that place; None: as the shape that is drawn.
     """
 
     frequencies: Sequence[float]
@@ -133,6 +134,7 @@ class Tone:
     amplitudes: Sequence[float]
     name: str = ""
     at: Sequence[float] | None = None
+    moved: Sequence[float] | None = None
 
 
 Mark = Lines | Arrows | Words | Offer | Chart | Tone

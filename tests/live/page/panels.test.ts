@@ -142,6 +142,8 @@ test("a tone does not clip, has only what is heard, and ends", () => {
 test("rates are read for each millimetre, or percent, and point where the quantity grows", () => {
   assert.equal(rateText([2e9, -1e9], "Pa", 1e8), "+2.00 MPa in x, −1.00 MPa in y a mm (2.2 %)");
   assert.equal(rateText([0, 0], "Pa", 1), "does not change");
+  assert.equal(rateText([2e9, -2.51e-9], "Pa", 1e8), "+2.00 MPa in x, 0 MPa in y a mm (2.0 %)");
+  assert.equal(siText(-2.51e-15, "1", 3), "−2.51e−15");
   assert.equal(shareText(-2e10, 0.01, "Pa", 2e8), "−2.00 MPa (−1.0 %)");
   assert.equal(shareText(1e-6, 0.01, "Pa", 2e8), "does not change");
   assert.equal(arrowTurn([0, 2]), -90);

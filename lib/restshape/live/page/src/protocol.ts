@@ -80,7 +80,7 @@ export type MarkMessage =
   | { kind: "chart"; name: string; xLabel: string; yLabel: string; curves: { name: string; x: number[]; y: number[] }[];
       at: Record<string, number>; logarithmic: boolean }
   | { kind: "tone"; name: string; frequencies: number[]; decays: number[]; amplitudes: number[];
-      at?: number[] | null };                                              // the place that is struck
+      at?: number[] | null; moved?: number[] | null };                     // the place that is struck, and its displacement
 
 /** The header of a binary message: u4 its length in bytes, the JSON (padded so that arrays begin at a multiple of 8), arrays. */
 export interface FrameMessage {

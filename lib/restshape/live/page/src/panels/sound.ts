@@ -56,9 +56,10 @@ export class Sound {
   }
 
   /** Draws where the blow of a tone is. */
-  private drawMallet({ at }: ToneMark): void {
+  private drawMallet({ at, moved: by }: ToneMark): void {
     const [x = 0, y = 0, z = 0] = at ?? [];
-    this.stage.setLines(MALLET, at ? { points: Float32Array.of(x, y, z), starts: [0], meaning: "force", moved: null, words: ["mallet"] } : null);
+    const points = Float32Array.of(x, y, z), moved = by ? Float32Array.from(by) : null;
+    this.stage.setLines(MALLET, at ? { points, starts: [0], meaning: "force", moved, words: ["mallet"] } : null);
   }
 
   private strike(): void { this.app.send({ type: "strike" }); }
