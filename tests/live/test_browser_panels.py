@@ -109,6 +109,7 @@ def test_numbers_are_slid_and_typed_and_stay_what_they_are_where_they_are_refuse
     page.until(lambda: page.events()[-1]["event"].get("value") == "9 mm", "what is typed")
     page.settle()
     assert not page.refusals() and not page.frame["columns"].get("refused")
+    page.until(lambda: slider.get_attribute("aria-valuetext") == text.input_value() == "9 mm", "what was taken")
     text.fill("-1 mm")
     text.press("Enter")
     why = page.until(lambda: page.frame["columns"].get("refused"), "a refusal")

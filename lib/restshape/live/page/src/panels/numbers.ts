@@ -19,6 +19,7 @@ class NumberLine {
   private readonly why = element("p", { class: "wrong", role: "alert", hidden: true });
   private asked = 0;                                   // the message with what was typed last
   private gesture = 0;
+  private taken = false;                               // what was typed: its new value comes next
   private refused = false;                             // since it was in the hand: it shows what was not taken
 
   constructor(private info: NumberInfo, private readonly app: App, chosen: (key: string) => void) {
@@ -29,6 +30,7 @@ class NumberLine {
     this.slider.addEventListener("input", () => this.slide());
     this.slider.addEventListener("change", () => { this.sliding = false; this.restore(); });
     this.text.addEventListener("change", () => this.typed());
+    this.text.addEventListener("input", () => { this.taken = false; });
     this.text.addEventListener("blur", () => this.restore());
     this.body.addEventListener("focusin", () => chosen(info.key));
     this.arrange();
@@ -37,7 +39,8 @@ class NumberLine {
   /** Takes a new value in, unless the hand is on it. */
   update(info: NumberInfo): void {
     this.info = info;
-    if (this.sliding || document.activeElement === this.text) return;
+    if (this.sliding || (document.activeElement === this.text && !this.taken)) return;
+    this.taken = false;
     const range = sliderRange(info);
     const place = info.value * range.factor;
     if (range.unit !== this.range.unit || place < this.range.low || place > this.range.high) this.range = range;
@@ -59,7 +62,7 @@ class NumberLine {
     mark(this.text, "aria-invalid", own ? "true" : null);
     if (own) return;
     this.asked = 0;
-    this.arrange();
+    this.taken = true;
   }
 
   private restore(): void {
