@@ -9,6 +9,7 @@ import pytest
 
 from restshape import application as installed
 from restshape.application import Application
+from restshape.scene import overrides
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -37,6 +38,12 @@ class Entry:
         return self.application
 
 
+def forget() -> None:
+    """What is known of installed applications is found again."""
+    installed.applications.cache_clear()
+    overrides._named_tables.cache_clear()
+
+
 @pytest.fixture
 def install(monkeypatch) -> Iterator[Callable[..., None]]:
     """Makes applications the only ones that are installed."""
@@ -44,8 +51,8 @@ def install(monkeypatch) -> Iterator[Callable[..., None]]:
     def only(*applications: Application) -> None:
         entries = [Entry(app.name, app) for app in applications]
         monkeypatch.setattr(installed, "entry_points", lambda group: entries)
-        installed.applications.cache_clear()
+        forget()
 
     yield only
     monkeypatch.undo()
-    installed.applications.cache_clear()
+    forget()
