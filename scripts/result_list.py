@@ -319,6 +319,11 @@ LIST = (
         ),
         ("restshape_studies.pictures.stages",),
     ),
+    bench(
+        "peers",
+        "peers --page results/peers/README.md --json results/peers/peers.json",
+        ["peers/*.md", "peers/*.json"],
+    ),
     Result(("live.gif",), ("scripts/live_gif.py",), ("restshape.live.worker",), timed=True),
     bench("limit", "limit --out results --json results/bench-limit.json", ["bench-limit.*"], "solid/*/plate.*"),
     bench("size", "size --out results --json results/bench-size.json", ["bench-size.*"], "solid/*/plate.*"),
