@@ -70,7 +70,7 @@ def test_each_event_can_be_done_by_its_form(bracket_session, opened):
     live.assert_replays(page.frames())
 
 
-def test_numbers_are_slid_and_typed_and_stay_what_they_are_where_they_are_refused(bracket_session, opened):
+def test_a_slider_that_is_dragged_is_undone_at_once(bracket_session, opened):
     live = bracket_session()
     page = opened(live)
     page.tab.get_by_role("searchbox").fill("thickness")
@@ -104,6 +104,16 @@ def test_numbers_are_slid_and_typed_and_stay_what_they_are_where_they_are_refuse
     page.press("Redo")
     page.until(lambda: text.input_value() != before, "the drag again")
     page.settle()
+    live.end()
+    live.assert_replays(page.frames())
+
+
+def test_numbers_are_typed_and_stay_what_they_are_where_they_are_refused(bracket_session, opened):
+    live = bracket_session()
+    page = opened(live)
+    page.tab.get_by_role("searchbox").fill("thickness")
+    text = page.tab.get_by_label("material.steel.thickness", exact=True)
+    slider = page.tab.get_by_label("material.steel.thickness, slider", exact=True)
     text.fill("9 mm")
     text.press("Enter")
     page.until(lambda: page.events()[-1]["event"].get("value") == "9 mm", "what is typed")
