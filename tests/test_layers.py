@@ -163,10 +163,12 @@ def test_parts_of_the_library_are_in_order():
 @pytest.mark.parametrize("annotations", [False, True])
 def test_no_modules_import_each_other(annotations):
     graph = {module: ours(path, annotations) & set(MODULES) - {module} for module, path in MODULES.items()}
+    circle: list[str] = []
     try:
-        tuple(TopologicalSorter(graph).static_order())
+        TopologicalSorter(graph).prepare()
     except CycleError as error:
-        pytest.fail(f"import each other: {error.args[1]}")
+        circle = error.args[1]
+    assert circle == []
 
 
 @pytest.mark.cli

@@ -34,14 +34,18 @@ def request(*overrides: str) -> Request:
     return Request.of(load_scene(SCENES / "bar_100.toml", overrides))
 
 
-def heard(*requests: Request) -> None:
+def heard(*requests: Request) -> list:
+    """What the ranks of these requests have said to each other."""
     comm = Gathering(len(requests), [])
     for one in requests:
         refuse_unlike(one, comm)
+    return comm.said
 
 
 def test_ranks_that_are_given_the_same_go_on():
-    heard(request(), request(), request())
+    first, *others = heard(request(), request(), request())
+    assert others == [first, first]
+    assert len(set(first.values())) > 1
 
 
 def slower() -> Request:

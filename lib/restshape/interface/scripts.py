@@ -59,7 +59,7 @@ class WrittenScript:
         Raises:
             UserError: it is not valid, or cannot come now; the script stays as it is.
         """
-        number, known, grabbed = len(self._tables) + 2, self._reader.known, self._reader.grabbed
+        number, known = len(self._tables) + 2, self._reader.known
         if do == "drag" and (motion := self._moved_on(number, keys)):
             return motion
         if do not in known:
@@ -70,17 +70,8 @@ class WrittenScript:
             if value is not None:
                 field = fields.get(key)
                 table[(field.alias if field else None) or key] = plain(value, f"{PLACE}: line {number}: {key}")
-        self._reader.check_excess(number, table)
         # No event may begin while the frames of the one before it last.
-        self._reader.t = self.t
-        try:
-            event = self._reader.event(number, table)
-        except UserError:
-            self._reader.grabbed = grabbed
-            raise
-        self._tables.append(table)
-        self.t = _end(event.t, event.frame_count)
-        return event
+        return self._take_in(number, table, self.t)
 
     def _moved_on(self, number: int, keys: Mapping[str, object]) -> EventLine | None:
         """The motion of a hand that goes on from that of the event before to other numbers, which are all that is new.
@@ -123,16 +114,25 @@ class WrittenScript:
         Raises:
             UserError: it is not valid, or cannot come now; the script stays as it is.
         """
-        number, grabbed = len(self._tables) + 2, self._reader.grabbed
+        number = len(self._tables) + 2
         given = {str(key): plain(value, f"{PLACE}: line {number}: {key}") for key, value in table.items()}
-        self._reader.check_excess(number, given)
-        self._reader.t = self._reader.events[-1].t if self._reader.events else 0.0
+        return self._take_in(number, given, self._reader.events[-1].t if self._reader.events else 0.0)
+
+    def _take_in(self, number: int, table: Table, earliest: float) -> EventLine:
+        """The event of a table, validated and written down; the script stays as it is where it is not valid.
+
+        Args:
+            number: of its line; table: its keys; earliest: edit time [s] before which it cannot begin.
+        """
+        grabbed = self._reader.grabbed
+        self._reader.check_excess(number, table)
+        self._reader.t = earliest
         try:
-            event = self._reader.event(number, given)
+            event = self._reader.event(number, table)
         except UserError:
             self._reader.grabbed = grabbed
             raise
-        self._tables.append(given)
+        self._tables.append(table)
         self.t = _end(event.t, event.frame_count)
         return event
 

@@ -15,6 +15,13 @@ from restshape.scene.units import reads_as_quantity
 MAX_REPORTED = 4
 TABLES_OR_TRUTHS = ("dict_type", "model_type", "bool_type", "bool_parsing")
 """Kinds of findings where what stands in quotes may be meant without: `error` is a key beside names of quantities."""
+BOUNDS = {
+    "greater_than": ("small", "greater than", "a number above", "gt"),
+    "greater_than_equal": ("small", "at least", "at least", "ge"),
+    "less_than": ("large", "less than", "a number below", "lt"),
+    "less_than_equal": ("large", "at most", "at most", "le"),
+}
+"""Of numbers beyond their bound: what they are, must be, what to give, and where pydantic has the bound."""
 
 
 def user_error(
@@ -121,26 +128,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
             return f"{context['expected']} is wanted here, {shown}", ""
         case "finite_number":
             return f"{given} is not a finite number", "write a finite number"
-        case "greater_than":
-            return (
-                f"{_shown(given)} is too small: it must be greater than {context['gt']:g}",
-                f"give a number above {context['gt']:g}",
-            )
-        case "greater_than_equal":
-            return (
-                f"{_shown(given)} is too small: it must be at least {context['ge']:g}",
-                f"give at least {context['ge']:g}",
-            )
-        case "less_than":
-            return (
-                f"{_shown(given)} is too large: it must be less than {context['lt']:g}",
-                f"give a number below {context['lt']:g}",
-            )
-        case "less_than_equal":
-            return (
-                f"{_shown(given)} is too large: it must be at most {context['le']:g}",
-                f"give at most {context['le']:g}",
-            )
+        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
+            return _beyond(kind, given, context)
         case "too_short" | "too_long":
             limit = context["min_length" if kind == "too_short" else "max_length"]
             bound = "at least" if kind == "too_short" else "at most"
@@ -166,6 +155,13 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "float_type" | "float_parsing" | "int_type" | "int_parsing" | "int_from_float":
             return f"a {'whole ' * kind.startswith('int')}number is wanted here, {shown}", ""
     return f"{details['msg']}, {shown}", ""
+
+
+def _beyond(kind: str, given: object, context: Mapping[str, float]) -> tuple[str, str]:
+    """What to say of a number beyond the bound of a key, and what to do."""
+    size, must, give, key = BOUNDS[kind]
+    bound = f"{context[key]:g}"
+    return f"{_shown(given)} is too {size}: it must be {must} {bound}", f"give {give} {bound}"
 
 
 def _of_length(given: object, count: int) -> str:
