@@ -41,7 +41,7 @@ def test_every_offered_name_is_there_and_typed():
 def test_methods_have_the_keys_of_their_events(do):
     model = DrawnDart if do == "dart" else EVENTS[do]
     parameters = inspect.signature(getattr(Edits, do)).parameters
-    fields = {name for name in model.model_fields if name not in ("line", "t", "note", "do")}
+    fields = {name for name in model.model_fields if name not in ("line", "t", "note", "gesture", "do")}
     named = {name for name, one in parameters.items() if one.kind is not one.VAR_KEYWORD} - {"self"}
     needed = {name for name in named if parameters[name].default is inspect.Parameter.empty}
     required = {name for name in fields if model.model_fields[name].is_required()}

@@ -89,6 +89,31 @@ def test_undo_and_redo_restore_bit_for_bit(tmp_path):
     assert redone[-1].refused == "there is nothing to redo"
 
 
+def test_edits_of_one_gesture_are_undone_at_once(tmp_path):
+    def scaled(factor, **keys):
+        return {"do": "scale", "on": "window", "factor": factor, **keys}
+
+    one, two = ({"gesture": number} for number in (1, 2))
+    session = EditSession(*scene_and_script(tmp_path, []))
+    start = session.outline
+    shapes = []
+    for event in (scaled(1.1), scaled(1.1, **one), scaled(50.0, **one), scaled(1.1, **one), scaled(1.1, **two)):
+        list(steps_of(session, event))
+        shapes.append(session.outline)
+    undo, redo = {"do": "undo"}, {"do": "redo"}
+    assert shapes[2] is shapes[1], "it is refused, and the gesture goes on"
+    for event, shape in zip((undo, undo, redo, undo), (shapes[3], shapes[0], shapes[3], shapes[0])):
+        assert [step.refused for step in steps_of(session, event)] == [None]
+        assert session.outline is shape
+    # What comes after an undo, and what was rolled back, is a gesture of its own.
+    for _ in steps_of(session, scaled(1.2, **one)):
+        session.rollback()
+    list(steps_of(session, scaled(1.2, **one)))
+    for shape in (shapes[0], start):
+        list(steps_of(session, undo))
+        assert session.outline is shape
+
+
 @pytest.mark.parametrize(
     ("event", "why"),
     [

@@ -189,6 +189,11 @@ class WrittenScript:
         """The text of the last event, without the end of its line."""
         return json.dumps(self._tables[-1], allow_nan=False)
 
+    @property
+    def last_gesture(self) -> int:
+        """Number of the last gesture of several edits; 0: there is none."""
+        return next((event.gesture for event in reversed(self._reader.events) if event.gesture), 0)
+
     def annotate(self, note: str) -> None:
         """Puts a note for readers into the header."""
         self._header = self._header.model_copy(update={"note": note})

@@ -17,6 +17,7 @@ from restshape.errors import UserError
 from restshape.live import messages as page
 from restshape.live.frame_arrays import MessageBody
 from restshape.live.frame_header import header_of
+from restshape.live.gesture_numbers import Gestures
 from restshape.live.json_text import json_bytes
 from restshape.live.link import Link, LinkClosed
 from restshape.live.mark_messages import placed
@@ -31,7 +32,7 @@ from restshape.live.welcome import SessionWords
 if TYPE_CHECKING:
     from restshape.live.growing_script import GrowingScript
     from restshape.live.live_recording import LiveRecording
-    from restshape.live.live_simulation import LiveSimulation
+    from restshape.live.live_simulation import Event, LiveSimulation
 
 MOST_REST = 5_000
 """Frames in which cloth goes on by itself, at most, after something was done."""
@@ -55,9 +56,9 @@ class Worker(MessageLoop):
         self.words = SessionWords(live)
         self.player: PlayerControls | None = None
         self._rested = 0
-        self._unwritten = False
         self._marks, self._moved_marks = True, MovedMarks()
         self._due: float | None = None
+        self._gestures = Gestures(live)
         self.handlers |= {
             page.EventMessage: self._event,
             page.ShowMessage: self._show,
@@ -135,11 +136,11 @@ class Worker(MessageLoop):
     def _event(self, message: page.EventMessage) -> None:
         if self.player is not None:
             raise UserError("a script is played, and the hand holds nothing", do="take the script over first")
-        self._carry_out(message.event)
+        self._carry_out(self._gestures.numbered(message))
         if self.live.missed:
             self._carry_out({"do": "release"}, str(self.live.sim.frame.row["refused"]))
 
-    def _carry_out(self, event: dict[str, object], missed: str = "") -> None:
+    def _carry_out(self, event: Event, missed: str = "") -> None:
         """Carries an event out; `missed`: why the press before it was refused, whose frame pages may not have seen."""
         self.live.begin(event)
         while self.live.go_on():
@@ -169,27 +170,25 @@ class Worker(MessageLoop):
         Args:
             number: of the message whose event it is; 0: of none.
         """
-        lines, steps = self.live.take_lines()
+        lines = self.live.take_lines()
         if not lines or self.player is not None:
             return
         for line in lines:
             self._to_file(partial(self.file.add, line))
-        self._say_written(lines, number, with_next, steps)
+        self._say_written(lines, number, with_next)
 
     def _to_file(self, write: Callable[[], object]) -> None:
         """Has the script's file written; a disk that has no room ends no session: what is missing is written later."""
+        known = self.file.lacks_lines
         try:
             write()
         except UserError as error:
-            if not self._unwritten:
+            if not known:
                 self.say({"type": "note", "message": str(error)})
-            self._unwritten = True
-        else:
-            self._unwritten = False
 
-    def _say_written(self, lines: Sequence[str], number: int = 0, with_next: bool = False, steps: int = 0) -> None:
+    def _say_written(self, lines: Sequence[str], number: int = 0, with_next: bool = False) -> None:
         text = "".join(f"{line}\n" for line in lines)
-        message = json_bytes({"type": "written", "id": number, "lines": text, "count": self.file.count, "steps": steps})
+        message = json_bytes({"type": "written", "id": number, "lines": text, "count": self.file.count})
         (self.link.send_with_next if with_next else self.link.send)(message)
 
     def _rest(self) -> None:

@@ -31,6 +31,11 @@ class GrowingScript:
         """What people call it; empty where nothing is written."""
         return str(self._path or "")
 
+    @property
+    def lacks_lines(self) -> bool:
+        """Whether something could not be written so far."""
+        return self._beginning is not None or bool(self._waiting)
+
     def begin(self, header: str, lines: Sequence[str] = ()) -> None:
         """Puts a header and lines of events in place of what the file holds.
 

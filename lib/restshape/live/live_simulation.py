@@ -43,7 +43,6 @@ class CurrentEvent:
         event: its keys; frames: that are left of it.
         count: frames so far; path: where the hand was in each.
         refused: why the first refused frame was.
-        past: what undo could bring back before it.
     """
 
     event: Event
@@ -51,7 +50,6 @@ class CurrentEvent:
     count: int
     path: list[tuple[float, ...]]
     refused: str = ""
-    past: tuple[object, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,6 @@ class LiveSimulation:
         hand: what it holds, "on", and where it is, "at"; None: it holds nothing.
         step: the event that is being carried out; None: there is none.
         lines: of the script, which have come since somebody took them.
-        steps: by how many more, or fewer, undo can take back since then.
         missed: the last event was to take hold of something, and was refused: scripts let go of that, too.
         recorder: takes the frames; None: they are not recorded.
     """
@@ -102,7 +99,6 @@ class LiveSimulation:
         self.hand: dict[str, object] | None = None
         self.step: CurrentEvent | None = None
         self.lines: list[str] = []
-        self.steps = 0
         self.missed = False
         self.recorder: Recorder | None = None
         self.sim = self._opened(predict)
@@ -138,7 +134,7 @@ class LiveSimulation:
             UserError: it is not valid, or cannot come now: nothing has happened.
         """
         do, keys = str(event.get("do", "")), {key: value for key, value in event.items() if key != "do"}
-        self.step = CurrentEvent(event, self.sim.each(do, **keys), 0, [], past=self.sim.replay.session.past)
+        self.step = CurrentEvent(event, self.sim.each(do, **keys), 0, [])
 
     def begin_of_script(self, event: Event, room: float) -> None:
         """Begins an event of another script, at its own time; errors as of `begin`.
@@ -146,7 +142,7 @@ class LiveSimulation:
         Args:
             event: its keys; room: edit time [s] that it has to the next one.
         """
-        self.step = CurrentEvent(event, self.sim.follow(event, room), 0, [], past=self.sim.replay.session.past)
+        self.step = CurrentEvent(event, self.sim.follow(event, room), 0, [])
 
     def rest(self) -> None:
         """Begins an event in which nothing happens, for as many frames as are asked for."""
@@ -196,9 +192,6 @@ class LiveSimulation:
     def _end(self, step: CurrentEvent) -> None:
         """Write down the event, which has been carried out."""
         self.step = None
-        if (past := self.sim.replay.session.past) is not step.past:
-            # The oldest may have been forgotten.
-            self.steps += -1 if len(past) < len(step.past) else 1
         self.lines.append(self.sim.written.last_line())
         self.missed = step.event.get("do") in GRABBING and bool(step.refused)
 
@@ -213,10 +206,9 @@ class LiveSimulation:
             self.hand = self.hand | {"at": list(cursor)}
             step.path.append(cursor)
 
-    def take_lines(self) -> tuple[list[str], int]:
-        """The lines that have come, and by how many more, or fewer, undo can take back."""
-        taken = self.lines, self.steps
-        self.lines, self.steps = [], 0
+    def take_lines(self) -> list[str]:
+        """The lines that have come."""
+        taken, self.lines = self.lines, []
         return taken
 
     def all_lines(self) -> list[str]:
@@ -243,7 +235,7 @@ class LiveSimulation:
             if number + LATE >= len(lines):
                 # A frame that was refused shows the marks of the answer before.
                 application_of(self.scene).marked(sim)
-        self.lines, self.steps = [], 0
+        self.lines = []
         self.picture.follow(self.sim)
 
     def again(self, event: Event) -> None:

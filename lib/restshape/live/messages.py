@@ -34,11 +34,13 @@ class EventMessage(FromPage):
     Args:
         event: its keys, with "do"; the models of scripts validate it.
         latest: it takes the place of one of its kind that waits.
+        gesture: number that the events of one gesture share; 0: it is all of one. Scripts have another number of it.
     """
 
     type: Literal["event"]
     event: dict[str, Any]
     latest: bool = False
+    gesture: Number = 0
 
     @property
     def kind(self) -> tuple[str, ...]:

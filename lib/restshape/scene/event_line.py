@@ -58,6 +58,7 @@ class EventLine(Strict):
     Args:
         t: edit time at which it begins.
         note: for readers.
+        gesture: number of the gesture that it is part of; edits of one that follow each other are undone at once.
         do: what happens.
         on: the entity that it happens to.
         name: of what it makes.
@@ -83,6 +84,7 @@ class EventLine(Strict):
     line: SkipJsonSchema[int] = Field(default=0, exclude=True)
     t: Annotated[Time, Field(ge=0)]
     note: str = ""
+    gesture: Annotated[int, Field(ge=1, strict=True)] | None = None
     do: str
 
     @property
@@ -106,12 +108,12 @@ class Analyse(EventLine):
 
 
 class Undo(EventLine):
-    """The last edit is taken back."""
+    """The last edit, or gesture of several, is taken back."""
 
     do: Literal["undo"]
 
 
 class Redo(EventLine):
-    """The last edit that was taken back is done again."""
+    """What was taken back last is done again."""
 
     do: Literal["redo"]

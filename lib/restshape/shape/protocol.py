@@ -32,10 +32,6 @@ class Session(Protocol):
     def outline(self) -> Outline | None:
         """The shape as the events so far have left it; None where what is edited has no outline."""
 
-    @property
-    def past(self) -> tuple[object, ...]:
-        """What undo brings back; another object after each edit step, undo and redo."""
-
     def frames(self) -> Iterator[ScriptFrame]:
         """The frames of all events, the first before any."""
 

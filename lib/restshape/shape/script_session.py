@@ -68,12 +68,9 @@ class ScriptSession(ABC, Generic[Edited]):
         self._application = application or application_named(scene.app)
         self._past: tuple[State[Edited], ...] = ()
         self._future: tuple[State[Edited], ...] = ()
+        self._gesture: int | None = None
+        self._begun: tuple[int | None, tuple[State[Edited], ...]] = None, ()
         self._index = 0
-
-    @property
-    def past(self) -> tuple[State[Edited], ...]:
-        """What undo brings back, the last one first to come; another object after each edit step, undo and redo."""
-        return self._past
 
     def frames(self) -> Iterator[ScriptFrame]:
         """All frames, one after the other; the first shows what there is before any event."""
@@ -104,7 +101,7 @@ class ScriptSession(ABC, Generic[Edited]):
 
     def steps(self, event: EventLine) -> Iterator[Step]:
         """What each frame of one event does; the session follows as the steps are taken."""
-        steps = self._carried_out(event)
+        steps, self._gesture = self._carried_out(event), event.gesture
         while True:
             self._mark()
             step = next(steps, None)
@@ -161,8 +158,13 @@ class ScriptSession(ABC, Generic[Edited]):
 
     def _remember(self, before: State[Edited]) -> None:
         """End an edit step: it can be undone from now on, if it changed anything."""
-        if any(old is not new for old, new in zip(before, self._state())):
-            self._past, self._future = (*self._past, before)[-UNDO_STEPS:], ()
+        if all(old is new for old, new in zip(before, self._state())):
+            return
+        gesture, past = self._begun
+        # What was undone, or rolled back, since then has left another past.
+        goes_on = gesture is not None and gesture == self._gesture and past is self._past
+        self._past, self._future = self._past if goes_on else (*self._past, before)[-UNDO_STEPS:], ()
+        self._begun = self._gesture, self._past
 
     def _grabbed(self) -> GrabbedStep:
         """The gesture and coefficients of a frame in which nothing moves."""

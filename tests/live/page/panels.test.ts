@@ -4,7 +4,6 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
-import { EditSteps } from "../../../lib/restshape/live/page/src/edit_steps";
 import { FrameHistory } from "../../../lib/restshape/live/page/src/panels/frame_history";
 import { foundNumbers, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
 import { extremes, pixel, placeNames, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
@@ -163,7 +162,7 @@ test("every event of all applications has a form that asks for each of its keys 
   assert.ok(Object.keys(models).length > 20);
   for (const [name, model] of Object.entries(models)) {
     const fields = fieldsOf(model);
-    assert.deepEqual(new Set(["do", "note", "t", ...fields.map((field) => field.name)]), new Set(["do", "note", "t", ...Object.keys(model.properties)]));
+    assert.deepEqual(new Set(["do", "note", "t", "gesture", ...fields.map((field) => field.name)]), new Set(["do", "note", "t", "gesture", ...Object.keys(model.properties)]));
     for (const field of fields) {
       assert.notEqual(field.help, "", `${name}: ${field.name}`);
       assert.equal(field.kind === "any", field.name === "value", `${name}: ${field.name} is asked for as ${field.kind}`);
@@ -185,25 +184,4 @@ test("names of upright lines do not cover each other", () => {
 test("how a quantity falls is said beside its arrow", () => {
   assert.equal(fallText("peak_stress", 2e9, "Pa", 2e8), "peak_stress falls by 2.00 MPa a mm (1.0 %)");
   assert.ok(fallsAtAll(2e9, 2e8) && !fallsAtAll(1e-3, 2e8) && !fallsAtAll(NaN, 1));
-});
-
-test("undo takes back all accepted edits of a gesture, and redo does them again", () => {
-  const steps = new EditSteps();
-  steps.written(1, 1, false);
-  for (const id of [2, 3, 4, 5, 6]) steps.sent(id, 7);
-  assert.ok(steps.waits);
-  steps.written(2, 1, false);
-  steps.written(4, 1, false);                          // 3 was replaced by 4
-  steps.written(5, 0, false);                          // refused
-  steps.written(6, 1, false);
-  assert.ok(!steps.waits);
-  assert.equal(steps.count("undo"), 3);
-  for (const id of [8, 9, 10]) steps.sentBack(id, "undo");
-  assert.equal(steps.count("undo"), 1);                // of what is left once they have come
-  for (const id of [8, 9, 10]) steps.written(id, -1, false);
-  assert.deepEqual([steps.count("undo"), steps.count("redo")], [1, 3]);
-  for (const id of [11, 12, 13]) steps.written(id, 1, true);
-  assert.equal(steps.count("undo"), 3);
-  steps.written(14, 1, false);
-  assert.deepEqual([steps.count("undo"), steps.count("redo")], [1, 1]);
 });

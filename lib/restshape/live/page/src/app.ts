@@ -1,7 +1,6 @@
 // The state of the session, and what has happened in it: the page's parts know this, and not each other.
 
 import type { Asked } from "./connection";
-import { EditSteps, type Back } from "./edit_steps";
 import type { ArrayPlace, FrameMessage, FromServer, ScriptEvent, ThingInfo } from "./protocol";
 
 export type Welcome = Extract<FromServer, { type: "welcome" }>;
@@ -74,9 +73,7 @@ export class App {
   tool: Tool = "hold";
   look: Look = { colours: "auto", scale: 1, autoScale: true, wireframe: true, rest: true, handles: true, range: null };
 
-  private readonly steps = new EditSteps();
-  private waiting: Back[] = [];                        // until it is known how much they take back
-  private gestures = 0;
+  private gestures = 1_000 * Date.now();               // so that numbers grow from page to page
   private readonly byTheWay = new Set<number>();
   private readonly listeners = new Map<keyof Happenings, Set<(what: never) => void>>();
 
@@ -100,23 +97,11 @@ export class App {
 
   /** Sends an event of edit scripts. latest: it replaces an earlier one of its kind that waits. gesture: of which it is a part. */
   act(event: ScriptEvent, latest = false, gesture = 0): number {
-    const id = this.send({ type: "event", event, latest });
-    this.steps.sent(id, gesture);
-    return id;
+    return this.send({ type: "event", event, latest, gesture });
   }
 
   /** The number of a new gesture: what `act` sends with it is undone at once. */
   gesture(): number { return (this.gestures += 1); }
-
-  /** Takes the last gesture back, or does it again: by as many events as it has edits. */
-  back(which: Back): void {
-    if (this.steps.waits) this.waiting.push(which);
-    else for (let left = this.steps.count(which); left > 0; left -= 1) this.steps.sentBack(this.act({ do: which }), which);
-  }
-
-  private goBack(): void {
-    while (this.waiting.length && !this.steps.waits) this.back(this.waiting.shift()!);
-  }
 
   /** What the server says as text. */
   hear(message: FromServer): void {
@@ -153,9 +138,7 @@ export class App {
       case "known": this.learn(how as Known); break;
       case "frame": this.frame = how as Frame; break;
       case "role": this.role = how as "hand" | "looker"; break;
-      case "written": this.step(how as Written); break;
-      case "refused": case "done": this.steps.answered((how as { id: number }).id); this.goBack(); break;
-      case "lost": case "link": this.giveUp(); if (what === "link") this.link = how as Link; break;
+      case "link": this.link = how as Link; break;
       case "player": this.player = how as Player; break;
       case "selected": this.selected = how as ThingInfo | null; break;
       case "held": this.held = how as ThingInfo | null; break;
@@ -163,16 +146,6 @@ export class App {
       case "look": this.look = how as Look; break;
       default:
     }
-  }
-
-  private step({ id, lines, steps }: Written): void {
-    this.steps.written(id, steps ?? 0, /"do":\s*"redo"/.test(lines));
-    this.goBack();
-  }
-
-  private giveUp(): void {
-    this.steps.forget();
-    this.waiting = [];
   }
 
   private begin(welcome: Welcome): void {

@@ -5,7 +5,7 @@ export interface ScriptEvent { do: string; [key: string]: unknown; }
 
 /** From the page. `id` counts its messages; answers and frames name it. */
 export type FromPage =
-  | { type: "event"; id: number; event: ScriptEvent; latest?: boolean }   // latest: replaces one that waits
+  | { type: "event"; id: number; event: ScriptEvent; latest?: boolean; gesture?: number } // latest: replaces one that waits; gesture: undone with those of the same number
   | { type: "show"; id: number; field?: string; predict?: "none" | "linear" | "gmls"; marks?: boolean }
   | { type: "rates"; id: number; of: string }                             // sensitivity before the press
   | { type: "strike"; id: number; at?: number[] }
@@ -49,7 +49,7 @@ export type FromServer =
   | { type: "role"; role: "hand" | "looker" }
   | { type: "struck"; id: number; tone: MarkMessage }                     // a tone, which is heard
   | { type: "saved"; id: number; path: string; events: number; options?: string } // options: a replay needs them
-  | { type: "written"; id: number; lines: string; count: number; steps?: number } // what the script has gained, its events now, more steps to undo
+  | { type: "written"; id: number; lines: string; count: number } // what the script has gained, its events now
   | { type: "lost"; message: string; restarting: boolean }
   | { type: "note"; message: string };
 

@@ -18,7 +18,7 @@ export function showEditButtons(app: App): HTMLElement {
     idle: ["Idle", "one frame without an edit"],
   };
   const buttons = Object.entries(acts).map(([name, [text, title]]) => {
-    const made = button(text, title, () => { if (name === "undo" || name === "redo") app.back(name); else app.act({ do: name }); });
+    const made = button(text, title, () => { app.act({ do: name }); });
     made.dataset["event"] = name;
     return made;
   });
@@ -54,8 +54,8 @@ export function showEditButtons(app: App): HTMLElement {
     const key = event.key.toLowerCase();
     if (key === "s") app.send({ type: "save" });
     else if (typing(event)) return;
-    else if (key === "z") app.back(event.shiftKey ? "redo" : "undo");
-    else if (key === "y") app.back("redo");
+    else if (key === "z") app.act({ do: event.shiftKey ? "redo" : "undo" });
+    else if (key === "y") app.act({ do: "redo" });
     else return;
     event.preventDefault();
   });

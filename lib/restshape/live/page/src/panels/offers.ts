@@ -58,7 +58,8 @@ class OfferLine {
 
   private take(): void {
     this.taken = true;
-    for (const event of this.shown.offer.events) this.app.act(event);
+    const gesture = this.gesture || this.app.gesture();
+    for (const event of this.shown.offer.events) this.app.act(event, false, gesture);
   }
 
   private slide(): void {

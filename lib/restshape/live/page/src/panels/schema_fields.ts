@@ -18,7 +18,7 @@ export interface FieldShape {
 }
 
 type Schema = { [key: string]: unknown };
-const LEFT_OUT = new Set(["do", "t", "note"]);
+const LEFT_OUT = new Set(["do", "t", "note", "gesture"]);
 
 /** The keys of an event, required ones first, without its kind, time and note. */
 export function fieldsOf(event: object): FieldShape[] {

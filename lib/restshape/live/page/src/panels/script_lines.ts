@@ -17,7 +17,7 @@ export function eventsOf(script: string): ScriptEvent[] {
 
 /** An event in a line: what is done, and its keys. */
 export function eventLine(event: ScriptEvent): string {
-  const keys = Object.entries(event).filter(([key]) => !["do", "t", "note"].includes(key));
+  const keys = Object.entries(event).filter(([key]) => !["do", "t", "note", "gesture"].includes(key));
   return [event.do, ...keys.map(([key, value]) => `${key} ${valueText(value)}`)].join(" · ");
 }
 
