@@ -310,3 +310,19 @@ def test_a_scene_that_is_bad_ends_the_process_with_a_message(tmp_path):
     with remote_session(tmp_path / "bad.toml") as (_, process):
         assert process.wait(60) == 2
         assert "bad.toml" in process.stderr.read().decode()
+
+
+def test_an_event_that_the_server_cannot_end_is_cancelled_after_a_frame(scene, tmp_path):
+    session = LocalSession(scene, out := tmp_path / "session.jsonl")
+    session.event("scale", on="window", factor=1.1)
+    before, script = session.rows()[-1], out.read_text()
+    turn = {"do": "rotate", "on": "window", "by": 0.1, "frames": 1000}
+    later = session.message("event", event={"do": "undo"})
+    cancel = session.message("cancel")
+    heard = session.say_all([session.message("event", event=turn), later, cancel])
+    assert [one["id"] for one in heard if one["type"] == "refused"] == [session.number, later["id"]]
+    assert heard[-1] == {"type": "done", "id": cancel["id"]}
+    assert out.read_text() == script and cut(session.rows()[-1]) == cut(before)
+    session.event("undo")
+    session.end()
+    assert [cut(row) for row in session.rows()] == replayed(scene, out)

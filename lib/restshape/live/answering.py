@@ -8,6 +8,7 @@ Source: docs/live-protocol.md.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING, cast
@@ -19,7 +20,7 @@ from restshape.live.frame_arrays import MessageBody
 from restshape.live.frame_header import header_of
 from restshape.live.gesture_numbers import Gestures
 from restshape.live.json_text import json_bytes
-from restshape.live.link import Link, LinkClosed
+from restshape.live.link import ENDED_BY_HAND, Link, LinkClosed
 from restshape.live.mark_messages import placed
 from restshape.live.message_loop import MessageLoop
 from restshape.live.moment import Moment
@@ -128,8 +129,7 @@ class Worker(MessageLoop):
             self.recording.give_up(self.live)
         if self.interrupted:
             self.say({"type": "lost", "message": what, "restarting": True})
-            self.live.reopen(self.live.all_lines(), self.live.predict, self.progress("frames are computed again"))
-            self.send_all_again()
+            self._begin_again()
         self.refuse(number, UserError(what, do="it was left out; try something else"))
         self.send(self.moment())
 
@@ -144,6 +144,8 @@ class Worker(MessageLoop):
         """Carries an event out; `missed`: why the press before it was refused, whose frame pages may not have seen."""
         self.live.begin(event)
         while self.live.go_on():
+            if self._cancelled():
+                return
             # What is shown is written down before.
             self.live.finish()
             self._write(self._answered, with_next=True)
@@ -153,6 +155,21 @@ class Worker(MessageLoop):
             self.send(moment)
             self._end_early()
         self._write(self._answered)
+
+    def _cancelled(self) -> bool:
+        """Goes on from before the event where the server, which does not end several ranks, has passed on a cancel."""
+        with suppress(LinkClosed):
+            self.waits()
+        cancels = [number for number, one in enumerate(self._waiting) if isinstance(one, page.CancelMessage)]
+        if not cancels:
+            return False
+        self.say({"type": "lost", "message": ENDED_BY_HAND, "restarting": True})
+        left, self._waiting = self._waiting[: cancels[0]], self._waiting[cancels[0] :]
+        for number in (self._answered, *(message.id for message in left)):
+            self.refuse(number, UserError(ENDED_BY_HAND))
+        self._begin_again()
+        self.send(self.moment())
+        return True
 
     def _end_early(self) -> None:
         """Ends the event after this frame if the session ends, and the event can end there."""
@@ -273,10 +290,14 @@ class Worker(MessageLoop):
         self.say({"type": "struck", "id": message.id, "tone": placed(moved, MessageBody())})
 
     def _restart(self, message: page.Message) -> None:
-        self.live.reopen(self.live.all_lines(), self.live.predict, self.progress("frames are computed again"))
-        self.send_all_again()
+        self._begin_again()
         self.send(self.moment())
         self.done(message)
+
+    def _begin_again(self) -> None:
+        """Computes all events that have ended again; the next frame has all parts."""
+        self.live.reopen(self.live.all_lines(), self.live.predict, self.progress("frames are computed again"))
+        self.send_all_again()
 
     def _resume(self, message: page.ResumeMessage) -> None:
         lines = [line for line in message.lines.splitlines() if '"do"' in line]

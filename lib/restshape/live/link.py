@@ -22,6 +22,8 @@ TEXT, BINARY = 0, 1
 LARGEST = 1 << 30
 """Bytes of the largest message that is taken."""
 CHUNK = 1 << 18
+ENDED_BY_HAND = "it was ended by hand, and goes on before its last frame"
+"""Why a frame was left out that a page has cancelled."""
 MOST_PIECES = os.sysconf("SC_IOV_MAX")
 """Of one call of the system."""
 

@@ -8,7 +8,7 @@ from collections import OrderedDict
 from contextlib import suppress
 from typing import Any
 
-from restshape.live.link import LinkClosed, ServerLink
+from restshape.live.link import ENDED_BY_HAND, LinkClosed, ServerLink
 from restshape.live.server_messages import OWN, BadMessage, checked, refused
 from restshape.live.server_pages import REPLACED, Page, Pages
 from restshape.live.server_process import SimulatingProcess
@@ -21,7 +21,7 @@ Table = dict[str, Any]
 PATIENCE = 0.5
 """Seconds after which pages are said that a frame takes long, and between two such words."""
 HASTE = 0.1
-"""Seconds within which nothing is cancelled: the frame may be on its way."""
+"""Seconds from the beginning of an event within which it is not cancelled: its frame may be on its way."""
 HEARTBEAT = 5.0
 """Seconds between two empty texts, by which a page knows that its socket is alive."""
 MOST_ASKED = 10_000
@@ -192,7 +192,7 @@ class LiveSession:
         elif self.pages.hand is not page:
             page.say(refused(number, ELSEWHERE if self.pages.hand else FREE, TAKE_IT if self.pages.hand else ""))
         elif kind in OWN:
-            self._end_frame(page, number, kind)
+            self._end_frame(page, message, text)
         else:
             self._pass_on(page, message, text)
 
@@ -212,18 +212,19 @@ class LiveSession:
         while len(self._asked) > MOST_ASKED:
             self._asked.popitem(last=False)
 
-    def _end_frame(self, page: Page, number: int, kind: str) -> None:
+    def _end_frame(self, page: Page, message: Table, text: str) -> None:
         """Ends the process, which is started again where it was before the frame; or starts one that has ended."""
         if self._link is None:
             self._restart.set()
-        elif not self._process.can_start:
-            page.say(refused(number, "the simulation runs on several ranks, and cannot be started again"))
-            return
-        elif kind == "restart" or self._work.seconds() > HASTE:
-            self._why = "it was ended by hand, and goes on before its last frame"
+        elif message["type"] == "restart" or self._work.seconds_of_all() > HASTE:
+            if not self._process.can_start:
+                # All ranks agree on it, after the frame in work.
+                self._pass_on(page, message, text)
+                return
+            self._why = ENDED_BY_HAND
             self._fruitless = 0
             self._process.kill()
-        page.say({"type": "done", "id": number})
+        page.say({"type": "done", "id": message["id"]})
 
     async def _say_busy(self) -> None:
         while True:

@@ -19,28 +19,31 @@ class WorkInProgress:
 
     def __init__(self) -> None:
         self.what = STARTING
-        self._since = time.monotonic()
+        self._since = self._begun = time.monotonic()
         self._sent: dict[int, bool] = {}
         self._starting = True
 
     def start(self) -> list[int]:
         """The process is another one; the numbers of messages that the one before has not answered."""
         left, self._sent, self._starting, self.what = list(self._sent), {}, True, STARTING
-        self._since = time.monotonic()
+        self._since = self._begun = time.monotonic()
         return left
 
     def begin(self, message: Table) -> None:
         """A message goes to the process."""
         if not self._sent:
-            self._since = time.monotonic()
+            self._since = self._begun = time.monotonic()
         event = message.get("event")
         self._sent[message["id"]] = isinstance(event, dict)
         self.what = str(event.get("do")) if isinstance(event, dict) else message["type"]
 
     def answer(self, number: int) -> None:
         """A message was answered, and with it all before it."""
-        self._sent = {one: event for one, event in self._sent.items() if one > number}
+        left = {one: event for one, event in self._sent.items() if one > number}
         self._since = time.monotonic()
+        if len(left) < len(self._sent):
+            self._begun = self._since
+        self._sent = left
 
     def frame(self, number: int) -> None:
         """A frame has come, which answers a message; of the same event others may follow."""
@@ -60,3 +63,7 @@ class WorkInProgress:
     def seconds(self) -> float:
         """How long the process has been at it, without a frame."""
         return time.monotonic() - self._since if self.busy else 0.0
+
+    def seconds_of_all(self) -> float:
+        """How long the process has been at what it does, with all frames of it."""
+        return time.monotonic() - self._begun if self.busy else 0.0
