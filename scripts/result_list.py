@@ -324,6 +324,13 @@ LIST = (
         "peers --page results/peers/README.md --json results/peers/peers.json",
         ["peers/*.md", "peers/*.json"],
     ),
+    bench(
+        "scaling",
+        "scaling plate --ranks 1,2 --strong --weak --triangles 20000,100000 --frames 150 --out results/scaling "
+        "--json results/scaling/scaling.json",
+        ["scaling/*.md", "scaling/*.png", "scaling/*.json"],
+        "solid/*/plate.*",
+    ),
     Result(("live.gif",), ("scripts/live_gif.py",), ("restshape.live.worker",), timed=True),
     bench("limit", "limit --out results --json results/bench-limit.json", ["bench-limit.*"], "solid/*/plate.*"),
     bench("size", "size --out results --json results/bench-size.json", ["bench-size.*"], "solid/*/plate.*"),

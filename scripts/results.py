@@ -64,10 +64,14 @@ def words_of(command: str) -> list[str]:
     return [sys.executable, *(["-m", first] if not first.endswith(".py") else [first]), *rest]
 
 
+UNPINNED = ("restshape replay", "restshape bench scaling")
+"""Commands with more than one process at work: what records has a core of its own, as each rank has."""
+
+
 def pinned(command: str, core: int | None) -> list[str]:
-    """The words that start a command, on one core where one is given and it records nothing."""
+    """The words that start a command, on one core where one is given and it has one process at work."""
     words = words_of(command)
-    if core is None or command.startswith("restshape replay"):
+    if core is None or command.startswith(UNPINNED):
         return words
     pin = f"import os, sys; os.sched_setaffinity(0, {{{core}}}); os.execv(sys.argv[1], sys.argv[1:])"
     return [sys.executable, "-c", pin, *words]

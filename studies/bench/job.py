@@ -131,7 +131,7 @@ def run(job: Job, seconds: float | None = None, start: Callable[..., subprocess.
             if process.poll() is None:
                 process.kill()
                 process.communicate()
-        outcome = _read(reports, problem)
+        outcome = read_reports(reports, problem)
     if outcome.unused is not None:
         _left[job.petsc] = [word for word in _left.get(job.petsc, outcome.unused) if word in outcome.unused]
     return outcome
@@ -148,7 +148,7 @@ def ending(code: int, stderr: str) -> str:
     return f"ended with code {code}: {lines[-1] if lines else 'no message'}"
 
 
-def _read(reports: Path, problem: str) -> Outcome:
+def read_reports(reports: Path, problem: str) -> Outcome:
     """The outcome from the lines of a process; a last line that is torn is left out."""
     outcome = Outcome([], problem)
     for line in reports.read_text().split("\n")[:-1] if reports.is_file() else []:

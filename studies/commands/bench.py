@@ -28,6 +28,7 @@ from restshape_studies.commands import (
     bench_peers,
     bench_regret,
     bench_reuse,
+    bench_scaling,
     bench_size,
 )
 from restshape_studies.commands.bench_kind import Kind, read_results, unscripted
@@ -53,12 +54,12 @@ MANY = ("several", "unscripted")
 SINGLE = ("one", "still", "either")
 """Those of one scene."""
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
-PICTURES = Path("results")
 MODULES = (
     bench_reuse,
     bench_limit,
     bench_regret,
     bench_size,
+    bench_scaling,
     bench_order,
     bench_eigen,
     bench_drape,
@@ -96,7 +97,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         add_verbose(study)
         if kind.picture:
             what = "of the picture (default: %(default)s)"
-            study.add_argument("--out", type=Path, default=PICTURES, metavar="DIR", help=what)
+            study.add_argument("--out", type=Path, default=kind.folder, metavar="DIR", help=what)
         if kind.draw:
             what = "measure nothing, and draw the picture of an earlier run from what its --json wrote"
             study.add_argument("--redraw", type=Path, metavar="FILE", action="append", help=what)
@@ -116,7 +117,7 @@ def run(args: argparse.Namespace) -> int:
     if getattr(args, "redraw", None):
         return redraw(kind, args)
     if launched():
-        raise UserError("replays are measured on one core each", "mpiexec", "start it without mpiexec")
+        raise UserError("a study starts the processes that it measures itself", "mpiexec", kind.alone)
     kind.check(args)
     own = kind.own is not None and not args.scenes
     several = own or kind.scenes in MANY

@@ -245,6 +245,21 @@ class PageFile(OutputFile):
         return head.startswith(b"# ") and (b"\n```sh\nrestshape " in head or b"Written by `restshape tables`" in head)
 
 
+JOB_SCRIPT_MARK = "# written by restshape bench scaling"
+"""In the second line of every such script."""
+
+
+class JobScriptFile(OutputFile):
+    """A job script of a cluster."""
+
+    what = "a job script that restshape bench scaling wrote"
+    noun = "a job script"
+
+    def known(self, head: bytes) -> bool:
+        """Whether it says so in its second line."""
+        return head.startswith(f"#!/bin/bash\n{JOB_SCRIPT_MARK}".encode())
+
+
 PICTURES = (".png", ".svg")
 """Suffixes of still pictures."""
 

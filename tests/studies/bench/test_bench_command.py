@@ -124,6 +124,7 @@ TIMED = (
     "reuse",
     "limit",
     "size",
+    "scaling",
     "order",
     "eigen",
     "drags",
